@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the reader returns.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+// A pixel position; (0, 0) is the centre of the upper left pixel.
+struct PixelPoint {
+  double x = 0;
+  double y = 0;
+};
+
+// Inner corners of the feature frame, clockwise from P: P, F, lower right, Q, as the tag's own
+// "up" says (whatever way it is turned in the image).
+using FrameCorners = std::array<PixelPoint, 4>;
+
+// A tag that was read and is believed.
+struct Reading {
+  Digits digits{};
+  bool sum10_holds = false;  // the paper's check digit
+  bool gs1_holds = false;    // the standard's check digit
+  FrameCorners corners{};
+  double module_px = 0;   // mean module width along the symbol, pixels
+  double confidence = 0;  // estimated probability that every digit is right
+  std::string method;     // which way it was read
+};
+
+// Something that looks like a tag and was not read, and why.
+struct Rejection {
+  std::string reason;  // e.g. "too few pixels per module", "check digit", "guard pattern"
+  FrameCorners corners{};
+};
+
+struct ReadResult {
+  std::vector<Reading> tags;
+  std::vector<Rejection> rejected;
+};
+
+}  // namespace tagsmith

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// A finding about a file the user wrote: the place, what was found, what is expected, the remedy.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tagsmith {
+
+enum class Severity { error, warning };
+
+struct Diagnostic {
+  std::string file;
+  int line = 0;    // 1-based; 0 = the whole file
+  int column = 0;  // 1-based; 0 = the whole line
+  Severity severity = Severity::error;
+  std::string code;     // short stable name of the rule, e.g. "unknown-key"
+  std::string message;  // what was found and what is expected
+  std::string hint;     // how to mend it; may be empty
+};
+
+std::string to_string(Severity severity);
+
+// `file:line:column: error: message [code]`, and the hint on an indented line of its own.
+std::string to_string(const Diagnostic& diagnostic);
+
+// One text of all errors (or all findings, when `errors_only` is false), a finding a line.
+std::string to_string(const std::vector<Diagnostic>& diagnostics, bool errors_only = false);
+
+bool has_errors(const std::vector<Diagnostic>& diagnostics);
+
+}  // namespace tagsmith

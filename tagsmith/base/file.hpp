@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole-file reading with a limit, and writing that leaves no half-written file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// The file's bytes. Fails when it cannot be opened, is a directory, or exceeds `max_bytes`.
+Result<std::string> read_file(const std::filesystem::path& path,
+                              std::uintmax_t max_bytes = 64U << 20U);
+
+// Writes beside the target under a temporary name, then renames, so that a reader sees either the
+// old file or the whole new one. Missing parent folders are made.
+Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace tagsmith

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors as values. A library function that can fail for a reason the user can mend returns
+// Result<T>; it never prints, exits or throws across its module's border.
+#pragma once
+
+#include <tl/expected.hpp>
+
+#include <string>
+#include <utility>
+
+namespace tagsmith {
+
+// What went wrong, in words for the user: where, what was found, what was expected.
+struct Error {
+  std::string message;
+};
+
+template <class T>
+using Result = tl::expected<T, Error>;
+
+inline tl::unexpected<Error> fail(std::string message) {
+  return tl::unexpected<Error>(Error{std::move(message)});
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small text helpers that several modules share.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tagsmith {
+
+// The text without spaces, tabs and line ends at both ends.
+std::string_view trim(std::string_view text);
+
+// The fields between the separators; an empty text has one empty field.
+std::vector<std::string> split(std::string_view text, char separator);
+
+// A finite number written in full ("1.5", "-2e3"); nothing for anything else, "nan", "inf",
+// "0x10" and trailing text included. Independent of the locale.
+std::optional<double> parse_number(std::string_view text);
+
+// A whole number written in full, in the range of int.
+std::optional<int> parse_integer(std::string_view text);
+
+// `value` in fixed notation with at most `decimals` digits, trailing zeros dropped: 1.5, 0.04, 3.
+std::string format_number(double value, int decimals = 6);
+
+// The candidate nearest to `word` by edit distance, when it is near enough to be a slip of the
+// pen (a third of the word's length, at least 1).
+std::optional<std::string> nearest_word(std::string_view word,
+                                        std::span<const std::string> candidates);
+
+}  // namespace tagsmith

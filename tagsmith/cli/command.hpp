@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every command of the program shares.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "tagsmith/base/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace tagsmith {
+
+// Exit codes of the program.
+inline constexpr int kExitOk = 0;        // all well
+inline constexpr int kExitFindings = 1;  // the work was done and found faults
+inline constexpr int kExitFailure = 2;   // wrong use or unreadable input; nothing was written
+
+// A subcommand, and what runs when it was chosen. `run` returns the exit code.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<int()> run;
+};
+
+// Prints `tagsmith COMMAND: message` to standard error; returns kExitFailure.
+int report_failure(const std::string& command, const Error& error);
+
+}  // namespace tagsmith

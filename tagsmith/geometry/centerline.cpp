@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/geometry/centerline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace tagsmith {
+namespace {
+
+// The place `distance` further along an element that starts at `start`; either sign.
+CenterlinePoint advance(const CenterlinePoint& start, const CenterlineElement& element,
+                        double distance) {
+  CenterlinePoint end = start;
+  end.grade = element.grade;
+  end.curvature = element.curvature;
+  end.position.z() += element.grade * distance;
+  if (element.curvature == 0) {
+    end.position += distance * direction_of(start.heading);
+    return end;
+  }
+  const double radius = 1.0 / element.curvature;
+  end.heading = start.heading + distance * element.curvature;
+  end.position += radius * (right_of(start.heading) - right_of(end.heading));
+  return end;
+}
+
+// Length along the element, from its start, of the point nearest to `point`, within [low, high].
+double nearest_length(const CenterlinePoint& start, const CenterlineElement& element,
+                      const Eigen::Vector2d& point, double low, double high) {
+  const Eigen::Vector2d along = direction_of(start.heading).head<2>();
+  const Eigen::Vector2d right = right_of(start.heading).head<2>();
+  const Eigen::Vector2d from_start = point - start.position.head<2>();
+  if (element.curvature == 0) return std::clamp(from_start.dot(along), low, high);
+  const double radius = std::abs(1.0 / element.curvature);
+  const double towards_centre = element.curvature > 0 ? 1.0 : -1.0;
+  const Eigen::Vector2d from_centre = from_start - towards_centre * radius * right;
+  double angle = std::atan2(from_centre.dot(along), -towards_centre * from_centre.dot(right));
+  if (angle * radius < low - 1e-12) {
+    // Behind the start: the far end is nearer when the arc comes round beyond half a turn.
+    const double turned = angle + 2.0 * std::numbers::pi;
+    angle = (turned * radius - high < low - angle * radius) ? turned : angle;
+  }
+  return std::clamp(angle * radius, low, high);
+}
+
+}  // namespace
+
+Eigen::Vector3d direction_of(double heading) { return {std::sin(heading), std::cos(heading), 0.0}; }
+
+Eigen::Vector3d right_of(double heading) { return {std::cos(heading), -std::sin(heading), 0.0}; }
+
+Centerline::Centerline(const Eigen::Vector3d& start, double heading,
+                       std::vector<CenterlineElement> elements)
+    : elements_(std::move(elements)) {
+  CenterlinePoint point;
+  point.position = start;
+  point.heading = heading;
+  for (const CenterlineElement& element : elements_) {
+    point.grade = element.grade;
+    point.curvature = element.curvature;
+    starts_.push_back(point);
+    chainages_.push_back(length_);
+    point = advance(point, element, element.length);
+    length_ += element.length;
+  }
+  starts_.push_back(point);
+  chainages_.push_back(length_);
+}
+
+CenterlinePoint Centerline::at(double chainage) const {
+  if (elements_.empty()) return {};
+  if (chainage < 0) return advance(starts_.front(), {1, 0, elements_.front().grade}, chainage);
+  if (chainage >= length_) {
+    return advance(starts_.back(), {1, 0, elements_.back().grade}, chainage - length_);
+  }
+  const auto next = std::upper_bound(chainages_.begin(), chainages_.end(), chainage);
+  const auto index = static_cast<std::size_t>(std::distance(chainages_.begin(), next)) - 1;
+  return advance(starts_[index], elements_[index], chainage - chainages_[index]);
+}
+
+CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
+  CenterlineAddress nearest;
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const CenterlinePoint& start, const CenterlineElement& element,
+                            double chainage_at_start, double low, double high) {
+    const double length = nearest_length(start, element, point, low, high);
+    const CenterlinePoint foot = advance(start, element, length);
+    const Eigen::Vector2d across = point - foot.position.head<2>();
+    if (across.norm() >= least - 1e-12) return;
+    least = across.norm();
+    nearest.chainage = chainage_at_start + length;
+    nearest.offset = across.dot(right_of(foot.heading).head<2>());
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (elements_.empty()) return nearest;
+  consider(starts_.front(), {1, 0, 0}, 0, -kInfinity, 0);
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);
+  }
+  consider(starts_.back(), {1, 0, 0}, length_, 0, kInfinity);
+  return nearest;
+}
+
+}  // namespace tagsmith

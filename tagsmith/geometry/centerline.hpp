@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tunnel's center line on the floor: straight lines and circular arcs, with grades.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tagsmith {
+
+// One piece of the center line. Lengths are horizontal, as chainages are.
+struct CenterlineElement {
+  double length = 0;     // metres, > 0
+  double curvature = 0;  // 1/radius, positive when the drive turns right, 0 for a line
+  double grade = 0;      // rise per horizontal metre
+};
+
+// A place on the center line.
+struct CenterlinePoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // on the floor
+  double heading = 0;  // radians from +y towards +x (clockwise seen from above)
+  double grade = 0;
+  double curvature = 0;  // as CenterlineElement's
+};
+
+// A point's address relative to the center line.
+struct CenterlineAddress {
+  double chainage = 0;  // metres along the line; below 0 or beyond the length off its ends
+  double offset = 0;    // metres across, positive to the right of the drive
+};
+
+// Right-handed frame, z up. Before its start and beyond its end the line goes on straight, so that
+// a vehicle that has not yet entered has an address too.
+class Centerline {
+ public:
+  Centerline() = default;
+  Centerline(const Eigen::Vector3d& start, double heading, std::vector<CenterlineElement> elements);
+
+  double length() const { return length_; }
+  const std::vector<CenterlineElement>& elements() const { return elements_; }
+
+  CenterlinePoint at(double chainage) const;
+
+  // The address of the nearest point of the line; of several, the one with the least chainage.
+  CenterlineAddress locate(const Eigen::Vector2d& point) const;
+
+ private:
+  std::vector<CenterlineElement> elements_;
+  std::vector<CenterlinePoint> starts_;  // of each element, and last the end of the line
+  std::vector<double> chainages_;        // of starts_
+  double length_ = 0;
+};
+
+// Unit vector along the drive, horizontal, for a heading.
+Eigen::Vector3d direction_of(double heading);
+
+// Unit vector to the right of the drive, horizontal, for a heading.
+Eigen::Vector3d right_of(double heading);
+
+}  // namespace tagsmith

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Survey files: reading, and every problem found in one go.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/diagnostic.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// What a survey file said. `survey` is there exactly when no finding is an error.
+struct SurveyReading {
+  std::optional<Survey> survey;
+  std::vector<Diagnostic> diagnostics;
+};
+
+// Fails only when the file cannot be read at all; whatever is wrong inside it is a diagnostic.
+// Templates are looked for beside the survey, then among the tool's own, or are a path.
+Result<SurveyReading> read_survey(const std::filesystem::path& path);
+
+// For commands that need a valid survey: the survey, or all its errors in one message.
+Result<Survey> load_survey(const std::filesystem::path& path);
+
+// As load_survey for each path; codes must be unique over all of them.
+Result<std::vector<Survey>> load_surveys(const std::vector<std::filesystem::path>& paths);
+
+// Findings about several surveys together: equal codes, equal survey names.
+std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys);
+
+}  // namespace tagsmith

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A vehicle's cameras and range sensors.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tagsmith/base/diagnostic.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/geometry/pose.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Vehicle frame: origin O, x forward, y left, z up (REP-103).
+struct RigCamera {
+  std::string name;
+  Camera camera;
+  Pose vehicle_from_camera;
+  std::optional<Side> side;  // the wall it looks at, where the rig says so
+};
+
+struct RigRange {
+  std::string name;
+  Side wall = Side::left;
+  double min = 0;    // metres
+  double max = 0;    // metres
+  double sigma = 0;  // standard deviation, metres
+};
+
+struct Rig {
+  std::filesystem::path file;
+  std::string name;
+  std::vector<RigCamera> cameras;
+  std::vector<RigRange> ranges;
+  double vehicle_height = 0;  // of O above the floor
+  double roll_sigma = 0;      // attitude priors, radians
+  double pitch_sigma = 0;
+};
+
+const RigCamera* find_camera(const Rig& rig, std::string_view name);
+
+// A camera looking sideways from O: alpha (radians) between its level optical axis and the cross
+// section, to the left or right and forward (Xu et al. 2017, Fig 11). Yaw is 90 deg - alpha.
+Pose vehicle_from_side_camera(Side side, double alpha);
+
+// vehicle_from_camera of a camera at `position` whose optical axis has this attitude; at zero it
+// looks forward, upright.
+Pose vehicle_from_camera(double yaw, double pitch, double roll, const Eigen::Vector3d& position);
+
+// A vehicle at `position_in_world` with this heading (radians from +y towards +x, world frame), level.
+Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading);
+
+struct RigReading {
+  std::optional<Rig> rig;  // there exactly when no finding is an error
+  std::vector<Diagnostic> diagnostics;
+};
+
+// Fails only when the file cannot be read at all.
+Result<RigReading> read_rig(const std::filesystem::path& path);
+
+// The rig, or all its errors in one message.
+Result<Rig> load_rig(const std::filesystem::path& path);
+
+}  // namespace tagsmith

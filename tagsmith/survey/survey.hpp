@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// A surveyed tunnel and the tags in it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/geometry/pose.hpp"
+#include "tagsmith/symbology/position_code.hpp"
+#include "tagsmith/tag/template.hpp"
+
+namespace tagsmith {
+
+enum class Side { left, right };  // of the drive
+
+std::string to_string(Side side);
+
+// The mine's grid. Geometry inside the program is right-handed, x, y, z up, and called "world"; a
+// grid whose x axis points to the left of +y is mirrored here and nowhere else.
+struct Grid {
+  bool x_axis_left = false;
+};
+
+Eigen::Vector3d world_from_grid(const Grid& grid, const Eigen::Vector3d& point_in_grid);
+Eigen::Vector3d grid_from_world(const Grid& grid, const Eigen::Vector3d& point_in_world);
+
+// A heading (radians from +y towards +x) in the other frame.
+double world_heading_from_grid(const Grid& grid, double heading);
+double grid_heading_from_world(const Grid& grid, double heading);
+
+struct Tunnel {
+  double width = 0;   // W_T, between the planes of the left and the right plates
+  double height = 0;  // of the roof above the floor
+  Centerline centerline;  // in the world frame
+};
+
+// The regular pairs (design: `tags`).
+struct TagSeries {
+  double mount_height = 0;  // H_P, of corner P above the floor
+  double spacing = 0;       // W_B, clear gap between neighbouring plates of one wall
+  double first = 0;         // chainage of the left P of pair 0
+  int pairs = 0;
+  std::optional<double> pair_angle;  // theta, radians; absent = plates face each other exactly
+};
+
+// A tag where it hangs.
+struct PlacedTag {
+  std::string name;  // pair and side: 000L
+  int pair = 0;
+  Side side = Side::left;
+  Digits digits{};                  // as printed
+  Eigen::Vector3d p_in_grid = Eigen::Vector3d::Zero();      // corner P
+  Eigen::Vector3d coded_in_grid = Eigen::Vector3d::Zero();  // what the digits say
+  Pose world_from_plate;            // plate frame: origin P, x right, y down, z into the wall
+  double chainage = 0;              // of corner P
+  bool surveyed = false;            // from `placed` (as-built), not from the regular series
+};
+
+struct Survey {
+  std::filesystem::path file;
+  std::string name;
+  Grid grid;
+  Tunnel tunnel;
+  TagTemplate tag_template;
+  std::optional<TagSeries> series;
+  double sigma = 0;  // standard deviation of a surveyed coordinate, metres
+  PositionCode code;
+  std::vector<PlacedTag> tags;  // by pair, left before right
+};
+
+// The tag with these digits, or null.
+const PlacedTag* find_tag(const Survey& survey, const Digits& digits);
+const PlacedTag* find_tag(const Survey& survey, std::string_view name);
+
+// The angle theta of facing plates, atan(L_CI / W_T).
+double facing_pair_angle(const Survey& survey);
+
+// The pose of a plate whose corner P is at `p_in_world` on the given wall: vertical, parallel to
+// the wall at the plate's middle.
+Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
+                   const Eigen::Vector3d& p_in_world);
+
+}  // namespace tagsmith

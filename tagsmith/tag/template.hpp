@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The physical geometry of a plate: what templates/*.yaml says, in metres.
+#pragma once
+
+#include <string>
+
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+
+// What is printed for people between the feature frame and the plate's edge.
+struct LabelStyle {
+  bool shown = true;
+  double text_height = 0.008;  // of a capital letter, metres
+};
+
+// Lengths in metres as seen facing the plate.
+struct TagTemplate {
+  std::string name;
+  double plate_length = 0;         // L
+  double plate_height = 0;         // H
+  double frame_inner_length = 0;   // L_CI
+  double frame_inner_height = 0;   // H_CI
+  double frame_stroke = 0;         // thickness of the feature frame
+  double frame_offset_right = 0;   // of the frame's centre from the plate's centre
+  double frame_offset_up = 0;
+  double quiet_zone_modules = 9;   // between the frame's inner edge and the symbol, left and right
+  double margin_modules = 9;       // between the frame's inner edge and the bars, above and below
+  LabelStyle label;
+};
+
+// Width of one module: inner length / (95 + 2 quiet zones).
+double module_width(const TagTemplate& tag);
+
+// Height of the bars: inner height - 2 margins.
+double bar_height(const TagTemplate& tag);
+
+}  // namespace tagsmith
