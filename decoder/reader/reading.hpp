@@ -6,15 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "decoder/image/pixel.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith {
-
-// A pixel position; (0, 0) is the centre of the upper left pixel.
-struct PixelPoint {
-  double x = 0;
-  double y = 0;
-};
 
 // Inner corners of the feature frame, clockwise from P: P, F, lower right, Q, as the tag's own
 // "up" says (whatever way it is turned in the image).

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/quad.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace tagsmith {
+namespace {
+
+// Where the lines a->b and c->d meet; nothing when they are parallel.
+std::optional<PixelPoint> meeting_point(PixelPoint a, PixelPoint b, PixelPoint c, PixelPoint d) {
+  const PixelPoint ab = b - a;
+  const PixelPoint cd = d - c;
+  const double determinant = cross(ab, cd);
+  if (std::abs(determinant) < 1e-9 * (length(ab) * length(cd) + 1e-12)) return std::nullopt;
+  return a + cross(c - a, cd) / determinant * ab;
+}
+
+// Dropping side i (from corner i to i+1): where its neighbours meet and the area that adds.
+struct Removal {
+  PixelPoint corner;
+  double added_area = std::numeric_limits<double>::infinity();
+};
+
+Removal remove_side(const std::vector<PixelPoint>& polygon, std::size_t i) {
+  const std::size_t n = polygon.size();
+  const PixelPoint& before = polygon[(i + n - 1) % n];
+  const PixelPoint& begin = polygon[i];
+  const PixelPoint& end = polygon[(i + 1) % n];
+  const PixelPoint& after = polygon[(i + 2) % n];
+  const std::optional<PixelPoint> corner = meeting_point(before, begin, end, after);
+  // The neighbours must meet outside, beyond this side.
+  if (!corner || dot(*corner - begin, begin - before) < 0 || dot(*corner - end, end - after) < 0) {
+    return {};
+  }
+  return {*corner, std::abs(cross(end - begin, *corner - begin)) / 2};
+}
+
+}  // namespace
+
+double area_of(const std::vector<PixelPoint>& polygon) {
+  double twice = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
+  }
+  return std::abs(twice) / 2;
+}
+
+double area_of(const Quad& quad) {
+  return std::abs(cross(quad[2] - quad[0], quad[3] - quad[1])) / 2;
+}
+
+bool is_convex(const Quad& quad) {
+  constexpr double kLeastSine = 0.1;  // corners between 6 and 174 degrees
+  for (std::size_t i = 0; i < 4; ++i) {
+    const PixelPoint in = quad[(i + 1) % 4] - quad[i];
+    const PixelPoint out = quad[(i + 2) % 4] - quad[(i + 1) % 4];
+    if (!(cross(in, out) > kLeastSine * length(in) * length(out))) return false;
+  }
+  return true;
+}
+
+// Andrew's monotone chain; y grows downwards, so the usual counter-clockwise order appears
+// clockwise.
+std::vector<PixelPoint> convex_hull(std::vector<PixelPoint> points) {
+  if (points.size() < 3) return points;
+  std::sort(points.begin(), points.end(), [](const PixelPoint& a, const PixelPoint& b) {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+  });
+  std::vector<PixelPoint> hull;
+  const auto extend = [&](const PixelPoint& point, std::size_t least) {
+    while (hull.size() >= least + 2 &&
+           cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0) {
+      hull.pop_back();
+    }
+    hull.push_back(point);
+  };
+  for (const PixelPoint& point : points) extend(point, 0);
+  const std::size_t lower = hull.size() - 1;
+  for (auto point = points.rbegin() + 1; point != points.rend(); ++point) extend(*point, lower);
+  hull.pop_back();
+  return hull;
+}
+
+std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull) {
+  std::vector<PixelPoint> polygon = hull;
+  while (polygon.size() > 4) {
+    std::size_t best = 0;
+    Removal least;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Removal removal = remove_side(polygon, i);
+      if (removal.added_area >= least.added_area) continue;
+      least = removal;
+      best = i;
+    }
+    if (!std::isfinite(least.added_area)) return std::nullopt;
+    polygon[best] = least.corner;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>((best + 1) % polygon.size()));
+  }
+  if (polygon.size() < 4) return std::nullopt;
+  return Quad{polygon[0], polygon[1], polygon[2], polygon[3]};
+}
+
+PixelPoint Homography::operator()(double u, double v) const {
+  const double w = h[6] * u + h[7] * v + h[8];
+  return {(h[0] * u + h[1] * v + h[2]) / w, (h[3] * u + h[4] * v + h[5]) / w};
+}
+
+// Heckbert 1989, "Fundamentals of texture mapping and image warping", section 2.2.3.
+Homography homography_to(const Quad& quad) {
+  const PixelPoint d1 = quad[1] - quad[2];
+  const PixelPoint d2 = quad[3] - quad[2];
+  const PixelPoint sum = (quad[0] - quad[1]) + (quad[2] - quad[3]);
+  const double determinant = cross(d1, d2);
+  const double g = cross(sum, d2) / determinant;
+  const double k = cross(d1, sum) / determinant;
+  return {{quad[1].x - quad[0].x + g * quad[1].x, quad[3].x - quad[0].x + k * quad[3].x, quad[0].x,
+           quad[1].y - quad[0].y + g * quad[1].y, quad[3].y - quad[0].y + k * quad[3].y, quad[0].y,
+           g, k, 1.0}};
+}
+
+Homography inverse(const Homography& homography) {
+  const auto& m = homography.h;
+  return {{m[4] * m[8] - m[5] * m[7], m[2] * m[7] - m[1] * m[8], m[1] * m[5] - m[2] * m[4],
+           m[5] * m[6] - m[3] * m[8], m[0] * m[8] - m[2] * m[6], m[2] * m[3] - m[0] * m[5],
+           m[3] * m[7] - m[4] * m[6], m[1] * m[6] - m[0] * m[7], m[0] * m[4] - m[1] * m[3]}};
+}
+
+}  // namespace tagsmith

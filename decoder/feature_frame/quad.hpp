@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quadrilaterals and the homography between a feature frame and its image.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "decoder/image/pixel.hpp"
+
+namespace tagsmith {
+
+// Four corners in order around the quadrilateral, clockwise in the image (y down).
+using Quad = std::array<PixelPoint, 4>;
+
+double area_of(const Quad& quad);
+
+// True when all four turns go the same way and no corner is nearly straight or nearly a spike.
+bool is_convex(const Quad& quad);
+
+// Convex hull, clockwise in the image, of any points.
+std::vector<PixelPoint> convex_hull(std::vector<PixelPoint> points);
+
+double area_of(const std::vector<PixelPoint>& polygon);
+
+// The quadrilateral around a convex polygon that is left when the sides that matter least (whose
+// neighbours, prolonged to meet, add the least area) are dropped one by one.
+std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull);
+
+// Plane projective map from the unit square, (0,0) (1,0) (1,1) (0,1) -> the quad's corners in
+// order.
+struct Homography {
+  std::array<double, 9> h{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
+
+  PixelPoint operator()(double u, double v) const;
+};
+
+Homography homography_to(const Quad& quad);
+
+// The inverse map: image pixels to the unit square.
+Homography inverse(const Homography& homography);
+
+}  // namespace tagsmith

@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/refine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "decoder/image/tone_curve.hpp"
+
+namespace tagsmith {
+namespace {
+
+// A straight line with the frame's outside on its positive side: dot(normal, x) = offset.
+struct Line {
+  PixelPoint normal;
+  double offset = 0;
+
+  double distance_to(PixelPoint point) const { return dot(normal, point) - offset; }
+};
+
+// A side while it is being fitted: from `begin` to `end`, outside to the left of... the outward
+// normal is kept explicitly.
+struct SideLine {
+  PixelPoint begin;
+  PixelPoint end;
+  PixelPoint along;    // unit, begin to end
+  PixelPoint outward;  // unit
+  double reach = 0;    // how far to look to both sides, pixels
+};
+
+double sample_bilinear(const GrayView& image, PixelPoint at) {
+  const double x = std::clamp(at.x, 0.0, image.width - 1.001);
+  const double y = std::clamp(at.y, 0.0, image.height - 1.001);
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const double fx = x - x0;
+  const double fy = y - y0;
+  const std::uint8_t* upper = image.row(y0) + x0;
+  const std::uint8_t* lower = image.row(y0 + 1) + x0;
+  return (1 - fy) * ((1 - fx) * upper[0] + fx * upper[1]) +
+         fy * ((1 - fx) * lower[0] + fx * lower[1]);
+}
+
+// Corners are clockwise in the image, so the outside is to the left of the direction of travel.
+SideLine side_of(const Quad& quad, std::size_t i) {
+  SideLine side;
+  side.begin = quad[i];
+  side.end = quad[(i + 1) % 4];
+  side.along = 1.0 / std::max(distance(side.begin, side.end), 1e-9) * (side.end - side.begin);
+  side.outward = {side.along.y, -side.along.x};
+  const PixelPoint middle = 0.5 * (side.begin + side.end);
+  const PixelPoint opposite = 0.5 * (quad[(i + 2) % 4] + quad[(i + 3) % 4]);
+  const double depth = std::abs(dot(middle - opposite, side.outward));
+  // A stroke is 4 of 113 modules across the frame's length and of 55 across its height: the reach
+  // stays within stroke and quiet zone either way.
+  side.reach = std::clamp(0.035 * depth, 1.5, 8.0);
+  return side;
+}
+
+// Where the profile across the side falls steepest from inside to outside, as a distance from the
+// side; nothing when it does not fall by `min_fall` grey levels.
+std::optional<double> steepest_fall(const GrayView& image, const SideLine& side, PixelPoint at,
+                                    double reach, double min_fall) {
+  constexpr double kStep = 0.5;
+  constexpr int kMaxSamples = 64;
+  const int half = std::min(static_cast<int>(std::ceil(reach / kStep)), kMaxSamples / 2 - 2);
+  std::array<double, kMaxSamples> samples{};
+  const int count = 2 * half + 1;
+  for (int k = 0; k < count; ++k) {
+    const PixelPoint point = at + (kStep * (k - half)) * side.outward;
+    samples[static_cast<std::size_t>(k)] = sample_bilinear(image, point);
+  }
+  const auto fall_at = [&](int k) {
+    return samples[static_cast<std::size_t>(k - 1)] - samples[static_cast<std::size_t>(k + 1)];
+  };
+  int best = -1;
+  double fall = min_fall;
+  for (int k = 1; k + 1 < count; ++k) {
+    if (fall_at(k) <= fall) continue;
+    fall = fall_at(k);
+    best = k;
+  }
+  if (best < 0) return std::nullopt;
+  double shift = 0;
+  if (best >= 2 && best + 2 < count) {
+    const double before = fall_at(best - 1);
+    const double after = fall_at(best + 1);
+    const double curvature = 2 * fall - before - after;
+    if (curvature > 0) shift = std::clamp((after - before) / (2 * curvature), -0.5, 0.5);
+  }
+  return kStep * (best - half + shift);
+}
+
+struct EdgePoint {
+  double along = 0;   // -1 at the side's begin, 1 at its end
+  double across = 0;  // pixels outward
+};
+
+// across = intercept + slope * along, by iteratively reweighted least squares.
+struct LineFit {
+  double intercept = 0;
+  double slope = 0;
+  double inliers = 0;  // fraction of the points within the tolerance
+};
+
+LineFit fit_line(const std::vector<EdgePoint>& points, double tolerance) {
+  LineFit fit;
+  // Start from the median so that a cable or a lump of dirt does not pull the first fit.
+  std::vector<double> sorted;
+  for (const EdgePoint& point : points) sorted.push_back(point.across);
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  fit.intercept = sorted[sorted.size() / 2];
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    const double width = std::max(tolerance, tolerance * (6 - iteration));
+    double sw = 0, st = 0, stt = 0, sa = 0, sta = 0;
+    for (const EdgePoint& point : points) {
+      const double residual = point.across - fit.intercept - fit.slope * point.along;
+      const double ratio = residual / (2 * width);
+      const double weight = std::abs(ratio) < 1 ? (1 - ratio * ratio) * (1 - ratio * ratio) : 0;
+      sw += weight;
+      st += weight * point.along;
+      stt += weight * point.along * point.along;
+      sa += weight * point.across;
+      sta += weight * point.along * point.across;
+    }
+    const double determinant = sw * stt - st * st;
+    if (determinant < 1e-9) break;
+    fit.intercept = (stt * sa - st * sta) / determinant;
+    fit.slope = (sw * sta - st * sa) / determinant;
+  }
+  int inliers = 0;
+  for (const EdgePoint& point : points) {
+    const double residual = point.across - fit.intercept - fit.slope * point.along;
+    inliers += std::abs(residual) < tolerance ? 1 : 0;
+  }
+  fit.inliers = static_cast<double>(inliers) / static_cast<double>(points.size());
+  return fit;
+}
+
+PixelPoint point_on(const SideLine& side, double along) {
+  return 0.5 * (1 - along) * side.begin + 0.5 * (1 + along) * side.end;
+}
+
+// The side moved onto the edge that most of its profiles show; nothing when fewer than half do.
+std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side, double reach) {
+  constexpr double kMinFall = 6;        // grey levels a pixel
+  constexpr double kEnds = 0.92;        // leave the corners out
+  constexpr double kLeastShown = 0.45;  // of the profiles must agree on one edge
+  const double side_length = distance(side.begin, side.end);
+  const int count = std::clamp(static_cast<int>(side_length / 2), 10, 40);
+  std::vector<EdgePoint> points;
+  for (int k = 0; k < count; ++k) {
+    const double along = kEnds * (2.0 * k / (count - 1) - 1.0);
+    const auto across = steepest_fall(image, side, point_on(side, along), reach, kMinFall);
+    if (across) points.push_back({along, *across});
+  }
+  if (static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
+  const LineFit fit = fit_line(points, 0.6);
+  if (fit.inliers * static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
+  SideLine settled = side;
+  settled.begin = side.begin + (fit.intercept - fit.slope) * side.outward;
+  settled.end = side.end + (fit.intercept + fit.slope) * side.outward;
+  settled.along = 1.0 / distance(settled.begin, settled.end) * (settled.end - settled.begin);
+  settled.outward = {settled.along.y, -settled.along.x};
+  return settled;
+}
+
+std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides) {
+  Quad corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const SideLine& before = sides[(i + 3) % 4];
+    const SideLine& here = sides[i];
+    const double determinant = cross(before.along, here.along);
+    if (std::abs(determinant) < 0.05) return std::nullopt;
+    const double t = cross(here.begin - before.begin, here.along) / determinant;
+    corners[i] = before.begin + t * before.along;
+  }
+  return is_convex(corners) ? std::optional(corners) : std::nullopt;
+}
+
+// Standard normal distribution and density.
+double phi_integral(double z) { return 0.5 * std::erfc(-z * 0.70710678118654752); }
+double phi(double z) { return 0.39894228040143268 * std::exp(-0.5 * z * z); }
+
+struct EdgeSample {
+  double along = 0;   // -1 to 1 between the side's ends
+  double across = 0;  // pixels outward from the current side
+  double value = 0;   // grey level
+};
+
+// The pixels near the side, its ends left out, thinned to about `max_count`.
+std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
+                                     double outward, double margin) {
+  constexpr double kMaxCount = 1500;
+  std::vector<EdgeSample> samples;
+  const PixelPoint d = side.end - side.begin;
+  const bool steep = std::abs(d.y) > std::abs(d.x);
+  const double side_length = length(d);
+  const double stretch = side_length / std::max(std::abs(d.x), std::abs(d.y));
+  const double low = std::min(steep ? side.begin.y : side.begin.x, steep ? side.end.y : side.end.x);
+  const double high =
+      std::max(steep ? side.begin.y : side.begin.x, steep ? side.end.y : side.end.x);
+  const double cut = margin / stretch;
+  const int first = std::max(0, static_cast<int>(std::ceil(low + cut)));
+  const int last =
+      std::min((steep ? image.height : image.width) - 1, static_cast<int>(std::floor(high - cut)));
+  const double band = std::max(inward, outward) * stretch;
+  const int stride = std::max(1, static_cast<int>((last - first) * (2 * band) / kMaxCount));
+  for (int major = first; major <= last; major += stride) {
+    const double t = steep ? (major - side.begin.y) / d.y : (major - side.begin.x) / d.x;
+    const double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;
+    const int limit = (steep ? image.width : image.height) - 1;
+    const int from = std::max(0, static_cast<int>(std::ceil(centre - band)));
+    const int to = std::min(limit, static_cast<int>(std::floor(centre + band)));
+    for (int minor = from; minor <= to; ++minor) {
+      const PixelPoint point{static_cast<double>(steep ? minor : major),
+                             static_cast<double>(steep ? major : minor)};
+      const double across = dot(point - side.begin, side.outward);
+      if (across < -inward || across > outward) continue;
+      const double along = 2 * dot(point - side.begin, side.along) / side_length - 1;
+      const double value = steep ? image.at(minor, major) : image.at(major, minor);
+      samples.push_back({along, across, value});
+    }
+  }
+  return samples;
+}
+
+// The light across a side: white, the stroke's black, white again, blurred. Parameters: edge place
+// at the middle and its slope, log blur, white and black at the middle and their slopes, log
+// stroke.
+constexpr int kParameters = 8;
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, kLogStroke };
+
+struct Predicted {
+  double sample = 0;
+  Parameters gradient = Parameters::Zero();
+};
+
+Predicted predict(const Parameters& p, const EdgeSample& at, const ToneCurve& tone) {
+  const double blur = std::exp(p[kLogBlur]);
+  const double stroke = std::exp(p[kLogStroke]);
+  const double z_inner = (at.across - p[kPlace] - p[kTurn] * at.along) / blur;
+  const double z_outer = z_inner - stroke / blur;
+  const double dark = phi_integral(z_inner) - phi_integral(z_outer);
+  const double white = p[kWhite] + p[kWhiteSlope] * at.along;
+  const double black = p[kBlack] + p[kBlackSlope] * at.along;
+  const double light = white + (black - white) * dark;
+  const double slope = tone.slope_of(light);
+  const double d_inner = phi(z_inner);
+  const double d_outer = phi(z_outer);
+  Predicted predicted;
+  predicted.sample = tone.sample_of(light);
+  const double by_place = slope * (black - white) * (d_outer - d_inner) / blur;
+  predicted.gradient[kPlace] = by_place;
+  predicted.gradient[kTurn] = by_place * at.along;
+  predicted.gradient[kLogBlur] = slope * (black - white) * (z_outer * d_outer - z_inner * d_inner);
+  predicted.gradient[kWhite] = slope * (1 - dark);
+  predicted.gradient[kWhiteSlope] = slope * (1 - dark) * at.along;
+  predicted.gradient[kBlack] = slope * dark;
+  predicted.gradient[kBlackSlope] = slope * dark * at.along;
+  predicted.gradient[kLogStroke] = slope * (black - white) * d_outer * stroke / blur;
+  return predicted;
+}
+
+struct NormalEquations {
+  Eigen::Matrix<double, kParameters, kParameters> matrix =
+      Eigen::Matrix<double, kParameters, kParameters>::Zero();
+  Parameters right = Parameters::Zero();
+  double cost = 0;
+  double weight = 0;
+};
+
+// Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
+NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& samples,
+                           double scale, const ToneCurve& tone) {
+  NormalEquations normal;
+  for (const EdgeSample& sample : samples) {
+    const Predicted predicted = predict(p, sample, tone);
+    const double residual = sample.value - predicted.sample;
+    const double ratio = residual / scale;
+    const double weight = 1 / (1 + ratio * ratio);
+    normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(predicted.gradient, weight);
+    normal.right += weight * residual * predicted.gradient;
+    normal.cost += scale * scale * std::log1p(ratio * ratio);
+    normal.weight += weight;
+  }
+  return normal;
+}
+
+Parameters first_guess(const std::vector<EdgeSample>& samples, double reach,
+                       const ToneCurve& tone) {
+  double white = 0, black = 0;
+  int whites = 0, blacks = 0;
+  for (const EdgeSample& sample : samples) {
+    const double light = tone.light_of(static_cast<int>(sample.value));
+    if (sample.across < -0.4 * reach) {
+      white += light;
+      ++whites;
+    } else if (sample.across > 0.3 * reach && sample.across < 0.9 * reach) {
+      black += light;
+      ++blacks;
+    }
+  }
+  Parameters p = Parameters::Zero();
+  p[kLogBlur] = std::log(0.6);
+  p[kWhite] = whites > 0 ? white / whites : 0.5;
+  p[kBlack] = blacks > 0 ? black / blacks : 0.05;
+  p[kLogStroke] = std::log(std::max(1.0, reach));
+  return p;
+}
+
+// Keeps the blur, stroke and levels where the model means something.
+void constrain(Parameters& p, double reach) {
+  p[kLogBlur] = std::clamp(p[kLogBlur], std::log(0.25), std::log(std::max(0.3, 1.2 * reach)));
+  p[kLogStroke] = std::clamp(p[kLogStroke], std::log(0.6 * reach), std::log(3.0 * reach + 1));
+  p[kWhite] = std::clamp(p[kWhite], 0.0, 1.2);
+  p[kBlack] = std::clamp(p[kBlack], -0.2, 1.0);
+}
+
+struct SideFit {
+  SideLine line;
+  FrameSide side;
+};
+
+// Levenberg-Marquardt on the pixels around the side.
+std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, double reach) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  const double margin = std::max(2.0, 1.2 * reach);
+  const std::vector<EdgeSample> samples =
+      samples_near(image, side, 1.2 * reach, 0.9 * reach, margin);
+  if (samples.size() < 4 * kParameters) return std::nullopt;
+  Parameters p = first_guess(samples, reach, tone);
+  constrain(p, reach);
+  double scale = 12;
+  double damping = 1e-3;
+  NormalEquations normal = accumulate(p, samples, scale, tone);
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    Eigen::Matrix<double, kParameters, kParameters> matrix =
+        normal.matrix.selfadjointView<Eigen::Lower>();
+    for (int i = 0; i < kParameters; ++i) {
+      // The prior keeps a stroke whose far edge lies outside the samples from drifting.
+      matrix(i, i) += damping * matrix(i, i) + 1e-6;
+    }
+    const Parameters step = matrix.ldlt().solve(normal.right);
+    Parameters next = p + step;
+    constrain(next, reach);
+    NormalEquations tried = accumulate(next, samples, scale, tone);
+    if (!(tried.cost < normal.cost)) {
+      damping *= 10;
+      if (damping > 1e3) break;
+      continue;
+    }
+    const bool settled = normal.cost - tried.cost < 1e-4 * tried.cost;
+    p = next;
+    normal = tried;
+    damping = std::max(1e-6, damping * 0.2);
+    if (settled) break;
+    if (iteration == 3) {
+      scale =
+          std::clamp(2.5 * std::sqrt(normal.cost / static_cast<double>(samples.size())), 3.0, 12.0);
+      normal = accumulate(p, samples, scale, tone);
+    }
+  }
+  SideFit fit;
+  const double begin_shift = p[kPlace] - p[kTurn];
+  const double end_shift = p[kPlace] + p[kTurn];
+  if (!(std::max(std::abs(begin_shift), std::abs(end_shift)) < reach)) return std::nullopt;
+  fit.line = side;
+  fit.line.begin = side.begin + begin_shift * side.outward;
+  fit.line.end = side.end + end_shift * side.outward;
+  fit.line.along = 1.0 / distance(fit.line.begin, fit.line.end) * (fit.line.end - fit.line.begin);
+  fit.line.outward = {fit.line.along.y, -fit.line.along.x};
+  fit.side.blur_px = std::exp(p[kLogBlur]);
+  fit.side.stroke_px = std::exp(p[kLogStroke]);
+  fit.side.white_begin = p[kWhite] - p[kWhiteSlope];
+  fit.side.white_end = p[kWhite] + p[kWhiteSlope];
+  fit.side.black_begin = p[kBlack] - p[kBlackSlope];
+  fit.side.black_end = p[kBlack] + p[kBlackSlope];
+  const double variance = normal.cost / std::max(1.0, normal.weight - kParameters);
+  fit.side.residual = std::sqrt(variance);
+  Eigen::Matrix<double, kParameters, kParameters> matrix =
+      normal.matrix.selfadjointView<Eigen::Lower>();
+  matrix.diagonal().array() += 1e-9;
+  const Parameters unit = Parameters::Unit(kPlace);
+  fit.side.sigma_px = std::sqrt(std::max(0.0, variance * matrix.ldlt().solve(unit)[kPlace]));
+  return fit;
+}
+
+}  // namespace
+
+Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& rough) {
+  Quad quad = rough;
+  std::array<SideLine, 4> sides{};
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const SideLine side = side_of(quad, i);
+      const auto settled = settle_side(image, side, pass == 0 ? side.reach + 1 : side.reach);
+      if (!settled) return fail("feature frame: a side shows no edge along most of its length");
+      sides[i] = *settled;
+    }
+    const std::optional<Quad> corners = corners_of(sides);
+    if (!corners) return fail("feature frame: its sides do not close");
+    quad = *corners;
+  }
+  RefinedFrame frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const SideLine side = side_of(quad, i);
+    const std::optional<SideFit> fit = fit_side(image, side, side.reach);
+    if (!fit) return fail("feature frame: a side's edge cannot be fitted");
+    sides[i] = fit->line;
+    frame.sides[i] = fit->side;
+  }
+  const std::optional<Quad> corners = corners_of(sides);
+  if (!corners) return fail("feature frame: its sides do not close");
+  frame.corners = *corners;
+  return frame;
+}
+
+}  // namespace tagsmith

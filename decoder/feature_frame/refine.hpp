@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a rough quadrilateral to the inner edges of a feature frame, to a small part of a pixel.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// One fitted side of the frame, from corner i to corner i+1.
+struct FrameSide {
+  double blur_px = 0;      // standard deviation of the point spread across the side
+  double white_begin = 0;  // light (0-1) inside the frame at the side's begin and end
+  double white_end = 0;
+  double black_begin = 0;  // light of the stroke
+  double black_end = 0;
+  double stroke_px = 0;  // thickness of the stroke
+  double residual = 0;   // root mean square of the fit, grey levels
+  double sigma_px = 0;   // standard deviation of the side's place, from the fit
+};
+
+struct RefinedFrame {
+  Quad corners{};  // of the inner edge, clockwise in the image
+  std::array<FrameSide, 4> sides{};
+};
+
+// Fits each side of the inner edge with a blurred step from white inside to the black stroke and,
+// where the stroke is thin, back to white. Fails with the reason when a side shows no such edge
+// along most of its length.
+Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& rough);
+
+}  // namespace tagsmith

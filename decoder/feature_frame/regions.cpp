@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/regions.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+namespace tagsmith {
+namespace {
+
+// Darkest and brightest samples of each tile, and grids of the same shape.
+struct TileGrid {
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::uint8_t> low;
+  std::vector<std::uint8_t> high;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  }
+};
+
+// Darkest and brightest sample of each column over the rows of one tile row.
+void column_extremes(const GrayView& image, int first_row, int row_count, std::uint8_t* low,
+                     std::uint8_t* high) {
+  const auto width = static_cast<std::size_t>(image.width);
+  std::memcpy(low, image.row(first_row), width);
+  std::memcpy(high, image.row(first_row), width);
+  for (int y = first_row + 1; y < first_row + row_count; ++y) {
+    const std::uint8_t* samples = image.row(y);
+    for (std::size_t x = 0; x < width; ++x) {
+      low[x] = std::min(low[x], samples[x]);
+      high[x] = std::max(high[x], samples[x]);
+    }
+  }
+}
+
+TileGrid tile_extremes(const GrayView& image, int tile) {
+  TileGrid grid;
+  grid.columns = (image.width + tile - 1) / tile;
+  grid.rows = (image.height + tile - 1) / tile;
+  const auto count = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
+  grid.low.resize(count);
+  grid.high.resize(count);
+  std::vector<std::uint8_t> low(static_cast<std::size_t>(image.width));
+  std::vector<std::uint8_t> high(static_cast<std::size_t>(image.width));
+  for (int row = 0; row < grid.rows; ++row) {
+    const int first_row = row * tile;
+    column_extremes(image, first_row, std::min(tile, image.height - first_row), low.data(),
+                    high.data());
+    for (int column = 0; column < grid.columns; ++column) {
+      const auto first = low.begin() + column * tile;
+      const int span = std::min(tile, image.width - column * tile);
+      grid.low[grid.index(column, row)] = *std::min_element(first, first + span);
+      const auto first_high = high.begin() + column * tile;
+      grid.high[grid.index(column, row)] = *std::max_element(first_high, first_high + span);
+    }
+  }
+  return grid;
+}
+
+// Per tile, the grey level below which a sample is dark: midway between the extremes of the 3 x 3
+// tiles around it, or 0 (nothing is dark) where they are too close.
+std::vector<std::uint8_t> tile_thresholds(const TileGrid& grid, int min_contrast) {
+  std::vector<std::uint8_t> thresholds(grid.low.size());
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      std::uint8_t low = 255;
+      std::uint8_t high = 0;
+      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid.rows - 1); ++r) {
+        for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid.columns - 1); ++c) {
+          low = std::min(low, grid.low[grid.index(c, r)]);
+          high = std::max(high, grid.high[grid.index(c, r)]);
+        }
+      }
+      const int middle = (low + high + 1) / 2;
+      thresholds[grid.index(column, row)] =
+          static_cast<std::uint8_t>(high - low < min_contrast ? 0 : middle);
+    }
+  }
+  return thresholds;
+}
+
+// A maximal stretch of white samples on one row.
+struct Run {
+  int begin = 0;
+  int end = 0;               // exclusive
+  std::uint32_t parent = 0;  // index of a run of the same region; a root names itself
+};
+
+std::uint32_t find_root(std::vector<Run>& runs, std::uint32_t index) {
+  while (runs[index].parent != index) {
+    runs[index].parent = runs[runs[index].parent].parent;
+    index = runs[index].parent;
+  }
+  return index;
+}
+
+void join(std::vector<Run>& runs, std::uint32_t a, std::uint32_t b) {
+  a = find_root(runs, a);
+  b = find_root(runs, b);
+  if (a < b) {
+    runs[b].parent = a;
+  } else {
+    runs[a].parent = b;
+  }
+}
+
+// Appends the white runs of one row, given 1 for white and 0 for dark samples.
+void append_runs(const std::vector<std::uint8_t>& white, std::vector<Run>& runs) {
+  const int width = static_cast<int>(white.size());
+  const auto skip_while = [&](int x, std::uint64_t eight_alike, std::uint8_t one) {
+    while (x < width) {
+      if (x + 8 <= width) {
+        std::uint64_t word = 0;
+        std::memcpy(&word, white.data() + x, 8);
+        const std::uint64_t different = word ^ eight_alike;
+        if (different == 0) {
+          x += 8;
+          continue;
+        }
+        if constexpr (std::endian::native == std::endian::little) {
+          return x + std::countr_zero(different) / 8;
+        }
+      }
+      if (white[static_cast<std::size_t>(x)] != one) return x;
+      ++x;
+    }
+    return width;
+  };
+  constexpr std::uint64_t kAllWhite = 0x0101010101010101ULL;
+  int x = 0;
+  while (true) {
+    const int begin = skip_while(x, 0, 0);
+    if (begin >= width) return;
+    x = skip_while(begin, kAllWhite, 1);
+    const auto index = static_cast<std::uint32_t>(runs.size());
+    runs.push_back({begin, x, index});
+  }
+}
+
+// All white runs, `first_of_row[y]` being the index of row y's first, and joined where runs of
+// neighbouring rows overlap.
+struct RunMap {
+  std::vector<Run> runs;
+  std::vector<std::uint32_t> first_of_row;
+};
+
+void join_with_row_above(RunMap& map, std::size_t row) {
+  std::uint32_t above = map.first_of_row[row - 1];
+  const std::uint32_t above_end = map.first_of_row[row];
+  for (std::uint32_t here = above_end; here < map.runs.size(); ++here) {
+    while (above < above_end && map.runs[above].end <= map.runs[here].begin) ++above;
+    for (std::uint32_t other = above;
+         other < above_end && map.runs[other].begin < map.runs[here].end; ++other) {
+      join(map.runs, other, here);
+    }
+  }
+}
+
+RunMap white_runs(const GrayView& image, const RegionOptions& options) {
+  const TileGrid grid = tile_extremes(image, options.tile);
+  const std::vector<std::uint8_t> thresholds = tile_thresholds(grid, options.min_contrast);
+  RunMap map;
+  map.runs.reserve(1U << 16U);
+  map.first_of_row.reserve(static_cast<std::size_t>(image.height) + 1);
+  std::vector<std::uint8_t> threshold_row(static_cast<std::size_t>(image.width));
+  std::vector<std::uint8_t> white(static_cast<std::size_t>(image.width));
+  for (int y = 0; y < image.height; ++y) {
+    if (y % options.tile == 0) {
+      for (int x = 0; x < image.width; ++x) {
+        threshold_row[static_cast<std::size_t>(x)] =
+            thresholds[grid.index(x / options.tile, y / options.tile)];
+      }
+    }
+    const std::uint8_t* samples = image.row(y);
+    for (std::size_t x = 0; x < white.size(); ++x) white[x] = samples[x] >= threshold_row[x];
+    map.first_of_row.push_back(static_cast<std::uint32_t>(map.runs.size()));
+    append_runs(white, map.runs);
+    if (y > 0) join_with_row_above(map, static_cast<std::size_t>(y));
+  }
+  map.first_of_row.push_back(static_cast<std::uint32_t>(map.runs.size()));
+  return map;
+}
+
+// Bounding box and area of every region, indexed by its root run.
+std::vector<Region> measure_regions(RunMap& map, const GrayView& image) {
+  std::vector<Region> regions(map.runs.size());
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = static_cast<std::size_t>(y);
+    for (std::uint32_t i = map.first_of_row[row]; i < map.first_of_row[row + 1]; ++i) {
+      const Run& run = map.runs[i];
+      Region& region = regions[find_root(map.runs, i)];
+      if (region.area == 0) region = {run.begin, y, run.end - 1, y, 0, false, {}};
+      region.left = std::min(region.left, run.begin);
+      region.right = std::max(region.right, run.end - 1);
+      region.bottom = y;
+      region.area += run.end - run.begin;
+    }
+  }
+  return regions;
+}
+
+}  // namespace
+
+std::vector<Region> find_white_regions(const GrayView& image, const RegionOptions& options) {
+  if (image.width < options.min_width || image.height < options.min_height) return {};
+  RunMap map = white_runs(image, options);
+  std::vector<Region> measured = measure_regions(map, image);
+  std::vector<Region> kept;
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> kept_index(measured.size(), kNone);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    Region& region = measured[i];
+    if (region.area == 0 || region.right - region.left + 1 < options.min_width ||
+        region.bottom - region.top + 1 < options.min_height) {
+      continue;
+    }
+    region.touches_border = region.left == 0 || region.top == 0 ||
+                            region.right == image.width - 1 || region.bottom == image.height - 1;
+    kept_index[i] = static_cast<std::uint32_t>(kept.size());
+    kept.push_back(region);
+  }
+  std::vector<int> last_row(kept.size(), -1);
+  for (int y = 0; y < image.height; ++y) {
+    const auto row = static_cast<std::size_t>(y);
+    for (std::uint32_t i = map.first_of_row[row]; i < map.first_of_row[row + 1]; ++i) {
+      const std::uint32_t index = kept_index[find_root(map.runs, i)];
+      if (index == kNone) continue;
+      std::vector<PixelPoint>& outline = kept[index].outline;
+      const PixelPoint end{static_cast<double>(map.runs[i].end - 1), static_cast<double>(y)};
+      if (last_row[index] == y) {
+        outline.back() = end;
+        continue;
+      }
+      last_row[index] = y;
+      outline.push_back({static_cast<double>(map.runs[i].begin), static_cast<double>(y)});
+      outline.push_back(end);
+    }
+  }
+  return kept;
+}
+
+GrayImage half_size(const GrayView& image) {
+  GrayImage half{image.width / 2, image.height / 2, {}};
+  half.samples.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
+  for (int y = 0; y < half.height; ++y) {
+    const std::uint8_t* upper = image.row(2 * y);
+    const std::uint8_t* lower = image.row(2 * y + 1);
+    std::uint8_t* target =
+        half.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(half.width);
+    for (int x = 0; x < half.width; ++x) {
+      const int sum = upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1];
+      target[x] = static_cast<std::uint8_t>((sum + 2) / 4);
+    }
+  }
+  return half;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pixel positions and the small vector arithmetic they need.
+#pragma once
+
+#include <cmath>
+
+namespace tagsmith {
+
+// A pixel position or a difference of two; (0, 0) is the centre of the upper left pixel.
+struct PixelPoint {
+  double x = 0;
+  double y = 0;
+};
+
+inline PixelPoint operator+(PixelPoint a, PixelPoint b) { return {a.x + b.x, a.y + b.y}; }
+inline PixelPoint operator-(PixelPoint a, PixelPoint b) { return {a.x - b.x, a.y - b.y}; }
+inline PixelPoint operator*(double scale, PixelPoint a) { return {scale * a.x, scale * a.y}; }
+inline double dot(PixelPoint a, PixelPoint b) { return a.x * b.x + a.y * b.y; }
+inline double cross(PixelPoint a, PixelPoint b) { return a.x * b.y - a.y * b.x; }
+inline double length(PixelPoint a) { return std::hypot(a.x, a.y); }
+inline double distance(PixelPoint a, PixelPoint b) { return length(b - a); }
+
+}  // namespace tagsmith

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/tone_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tagsmith {
+namespace {
+
+double encode(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+}
+
+double decode(double value) {
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+}  // namespace
+
+ToneCurve::ToneCurve() {
+  for (std::size_t i = 0; i < light_.size(); ++i) light_[i] = decode(static_cast<double>(i) / 255);
+  for (std::size_t i = 0; i < sample_.size(); ++i) {
+    sample_[i] = 255 * encode(static_cast<double>(i) / kSteps);
+  }
+}
+
+const ToneCurve& ToneCurve::srgb() {
+  static const ToneCurve curve;
+  return curve;
+}
+
+double ToneCurve::sample_of(double light) const {
+  const double position = std::clamp(light, 0.0, 1.0) * kSteps;
+  const auto index = static_cast<std::size_t>(position);
+  const double fraction = position - static_cast<double>(index);
+  return sample_[index] + fraction * (sample_[index + 1] - sample_[index]);
+}
+
+double ToneCurve::slope_of(double light) const {
+  const auto index = static_cast<std::size_t>(std::clamp(light, 0.0, 1.0) * kSteps);
+  return (sample_[index + 1] - sample_[index]) * kSteps;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/symbol_profile.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+// The bars fill the middle two thirds of the frame's height; the part used stays clear of their
+// ends.
+constexpr double kTop = 0.21;
+constexpr double kBottom = 0.79;
+constexpr std::size_t kBands = 8;
+constexpr double kBeyond = 4;  // modules of quiet zone taken on both sides
+
+// Light of plate and ink over the frame, from its upper and lower sides.
+struct Levels {
+  FrameSide top;
+  FrameSide bottom;
+
+  double white(double u, double v) const {
+    return (1 - v) * ((1 - u) * top.white_begin + u * top.white_end) +
+           v * ((1 - u) * bottom.white_end + u * bottom.white_begin);
+  }
+  double black(double u, double v) const {
+    return (1 - v) * ((1 - u) * top.black_begin + u * top.black_end) +
+           v * ((1 - u) * bottom.black_end + u * bottom.black_begin);
+  }
+};
+
+struct Cell {
+  double sum = 0;
+  double sum_of_squares = 0;
+  double place = 0;
+  int count = 0;
+};
+
+// Cells by band (across the bars' height) and bin (along the symbol).
+struct CellGrid {
+  std::size_t bins = 0;
+  double bin_width = 0;  // modules
+  std::vector<Cell> cells;
+
+  Cell& at(std::size_t band, std::size_t bin) { return cells[band * bins + bin]; }
+  const Cell& at(std::size_t band, std::size_t bin) const { return cells[band * bins + bin]; }
+};
+
+CellGrid collect(const GrayView& image, const Homography& unit_from_image, const Quad& region,
+                 const Levels& levels, double quiet_zone, int bins_per_module, int stride) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  const double modules = kModuleCount + 2 * quiet_zone;
+  CellGrid grid;
+  grid.bins = static_cast<std::size_t>(bins_per_module * (kModuleCount + 2 * kBeyond));
+  grid.bin_width = 1.0 / bins_per_module;
+  grid.cells.resize(kBands * grid.bins);
+  double left = region[0].x, right = region[0].x, top = region[0].y, bottom = region[0].y;
+  for (const PixelPoint& corner : region) {
+    left = std::min(left, corner.x);
+    right = std::max(right, corner.x);
+    top = std::min(top, corner.y);
+    bottom = std::max(bottom, corner.y);
+  }
+  const int x_begin = std::max(0, static_cast<int>(std::floor(left)));
+  const int x_end = std::min(image.width - 1, static_cast<int>(std::ceil(right)));
+  const int y_begin = std::max(0, static_cast<int>(std::floor(top)));
+  const int y_end = std::min(image.height - 1, static_cast<int>(std::ceil(bottom)));
+  for (int y = y_begin; y <= y_end; y += stride) {
+    const std::uint8_t* row = image.row(y);
+    for (int x = x_begin; x <= x_end; ++x) {
+      const PixelPoint unit = unit_from_image(x, y);
+      if (!(unit.y >= kTop && unit.y < kBottom)) continue;
+      const double place = unit.x * modules - quiet_zone;
+      const double position = (place + kBeyond) / grid.bin_width;
+      if (!(position >= 0 && position < static_cast<double>(grid.bins))) continue;
+      const double white = levels.white(unit.x, unit.y);
+      const double black = levels.black(unit.x, unit.y);
+      const double darkness = (white - tone.light_of(row[x])) / std::max(white - black, 1e-3);
+      const auto band = static_cast<std::size_t>((unit.y - kTop) / (kBottom - kTop) * kBands);
+      Cell& cell = grid.at(std::min(band, kBands - 1), static_cast<std::size_t>(position));
+      cell.sum += darkness;
+      cell.sum_of_squares += darkness * darkness;
+      cell.place += place;
+      ++cell.count;
+    }
+  }
+  return grid;
+}
+
+// Variance of one pixel's darkness, pooled over the cells.
+double pixel_variance(const CellGrid& grid) {
+  double squares = 0;
+  double freedom = 0;
+  for (const Cell& cell : grid.cells) {
+    if (cell.count < 2) continue;
+    squares += cell.sum_of_squares - cell.sum * cell.sum / cell.count;
+    freedom += cell.count - 1;
+  }
+  constexpr double kLeast = 1e-4;  // 1 % of the contrast: quantisation alone
+  return freedom > 0 ? std::max(kLeast, squares / freedom) : 4e-4;
+}
+
+// One bin from its bands: those that agree with their median.
+ScanBin combine(const CellGrid& grid, std::size_t bin, double variance) {
+  std::array<double, kBands> means{};
+  std::size_t count = 0;
+  for (std::size_t band = 0; band < kBands; ++band) {
+    const Cell& cell = grid.at(band, bin);
+    if (cell.count > 0) means[count++] = cell.sum / cell.count;
+  }
+  if (count == 0) return {};
+  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(count / 2),
+                   means.begin() + static_cast<std::ptrdiff_t>(count));
+  const double median = means[count / 2];
+  constexpr double kShading = 0.1;      // of the contrast: differences along a clean bar
+  constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
+  double sum = 0, place = 0;
+  int pixels = 0;
+  for (std::size_t band = 0; band < kBands; ++band) {
+    const Cell& cell = grid.at(band, bin);
+    if (cell.count == 0) continue;
+    const double tolerance = kShading + 3 * std::sqrt(variance / cell.count);
+    if (std::abs(cell.sum / cell.count - median) > tolerance) continue;
+    sum += cell.sum;
+    place += cell.place;
+    pixels += cell.count;
+  }
+  if (pixels == 0) return {};
+  return {place / pixels, sum / pixels, variance / pixels + kModelError * kModelError};
+}
+
+}  // namespace
+
+SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
+                             std::size_t first_corner, double quiet_zone_modules) {
+  Quad corners{};
+  std::array<FrameSide, 4> sides{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    corners[i] = frame.corners[(first_corner + i) % 4];
+    sides[i] = frame.sides[(first_corner + i) % 4];
+  }
+  const Homography image_from_unit = homography_to(corners);
+  SymbolProfile profile;
+  const double frame_px = (distance(corners[0], corners[1]) + distance(corners[3], corners[2])) / 2;
+  profile.module_px = frame_px / (kModuleCount + 2 * quiet_zone_modules);
+  const Quad region{image_from_unit(0, kTop), image_from_unit(1, kTop), image_from_unit(1, kBottom),
+                    image_from_unit(0, kBottom)};
+  const double frame_height =
+      (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  // Two bins a pixel lose nothing; more than 60 rows of pixels add little.
+  const int bins_per_module =
+      std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 10);
+  const int stride = std::max(1, static_cast<int>(frame_height * (kBottom - kTop) / 60));
+  const Levels levels{sides[0], sides[2]};
+  const CellGrid grid = collect(image, inverse(image_from_unit), region, levels, quiet_zone_modules,
+                                bins_per_module, stride);
+  const double variance = pixel_variance(grid);
+  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
+    const ScanBin combined = combine(grid, bin, variance);
+    if (combined.variance < 1) profile.bins.push_back(combined);
+  }
+  const double smear = grid.bin_width * grid.bin_width / 12;
+  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
+  profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);
+  return profile;
+}
+
+}  // namespace tagsmith

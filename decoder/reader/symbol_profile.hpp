@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scan profile of the symbol inside a feature frame.
+#pragma once
+
+#include <cstddef>
+
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/scan/profile.hpp"
+
+namespace tagsmith {
+
+struct SymbolProfile {
+  ScanProfile bins;
+  double module_px = 0;  // mean width of a module in the image
+  double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
+};
+
+// Averages the pixels of the bars in light (not in samples) along the bars, with the frame's own
+// white and black as levels; stretches covered by dirt or glare are left out where the rest of the
+// bars' height disagrees with them. `first_corner` is the corner taken for P; quiet zones in
+// modules.
+SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
+                             std::size_t first_corner, double quiet_zone_modules);
+
+}  // namespace tagsmith

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scan profile -> digits, by maximum likelihood over whole symbols.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "decoder/scan/profile.hpp"
+#include "decoder/scan/symbol_fit.hpp"
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+struct DecodeOptions {
+  std::optional<CheckDigit> check;    // nothing = either scheme counts as valid
+  std::span<const Digits> code_book;  // when not empty, the only codes that exist
+  // Residuals of neighbouring places are not independent, and the model is not exact: the
+  // likelihood is flattened by at least this factor (measured: see docs/accuracy.md, reliability).
+  double flattening = 4;
+};
+
+// The most likely symbol and how much more likely than every other.
+struct Decoding {
+  Digits digits{};
+  double confidence = 0;  // posterior probability of these digits, given that a symbol is there
+  SymbolFit fit;
+};
+
+// Starts from the given picture of the symbol (its blur is the one that matters) and alternates
+// between the most likely digits, exact by dynamic programming over neighbouring digits, and the
+// adjustment of the picture to them. The profile must have at least 40 places.
+std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
+                                       const DecodeOptions& options);
+
+}  // namespace tagsmith

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scan profile of a symbol: darkness along it, averaged over its bars' height.
+#pragma once
+
+#include <vector>
+
+namespace tagsmith {
+
+// One place along the symbol.
+struct ScanBin {
+  double at = 0;        // modules from the symbol's first bar; its last one ends at 95
+  double darkness = 0;  // 0 = the white of the plate, 1 = the black of the frame, nominally
+  double variance = 1;  // of `darkness`
+};
+
+// In order of `at`; places that no pixel covers are absent.
+using ScanProfile = std::vector<ScanBin>;
+
+}  // namespace tagsmith

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a symbol's bars appear in a scan profile, and the adjustment of that picture to the profile.
+#pragma once
+
+#include <span>
+
+#include "decoder/scan/profile.hpp"
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+// What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
+// 0 and 1.
+struct SymbolImage {
+  double blur = 0.3;   // standard deviation of the point spread, modules
+  double shift = 0;    // of the symbol's middle, modules
+  double stretch = 0;  // relative change of length
+  double bend = 0;     // displacement of both ends against the middle, modules
+  double growth = 0;   // widening of every bar, modules
+  double white = 0;    // darkness of the spaces
+  double black = 1;    // darkness of the bars
+  double shading = 0;  // change of both levels from the middle to the right end
+};
+
+// How well a symbol explains a profile.
+struct SymbolFit {
+  SymbolImage image;
+  double cost = 0;       // sum of squared residuals over variances
+  double explained = 0;  // share of the profile's variation that is explained, at most 1
+};
+
+// Adjusts all of `start` to the profile by Gauss-Newton for the given digits. The parameters are
+// held near nominal by weak priors, so that no profile can bend the symbol into another one.
+SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start);
+
+// The darkness expected at a place.
+double expected_darkness(const SymbolImage& image, const Digits& digits, double at);
+
+}  // namespace tagsmith
