@@ -9,20 +9,12 @@
 #include <Eigen/Core>
 
 #include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/normal.hpp"
 
 namespace tagsmith {
 namespace {
 
-// A straight line with the frame's outside on its positive side: dot(normal, x) = offset.
-struct Line {
-  PixelPoint normal;
-  double offset = 0;
-
-  double distance_to(PixelPoint point) const { return dot(normal, point) - offset; }
-};
-
-// A side while it is being fitted: from `begin` to `end`, outside to the left of... the outward
-// normal is kept explicitly.
+// A side while it is being fitted.
 struct SideLine {
   PixelPoint begin;
   PixelPoint end;
@@ -182,21 +174,78 @@ std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides) {
   return is_convex(corners) ? std::optional(corners) : std::nullopt;
 }
 
-// Standard normal distribution and density.
-double phi_integral(double z) { return 0.5 * std::erfc(-z * 0.70710678118654752); }
-double phi(double z) { return 0.39894228040143268 * std::exp(-0.5 * z * z); }
-
+// The mean of the pixels in one place relative to a side.
 struct EdgeSample {
   double along = 0;   // -1 to 1 between the side's ends
   double across = 0;  // pixels outward from the current side
   double value = 0;   // grey level
+  double weight = 0;  // number of pixels
 };
 
-// The pixels near the side, its ends left out, thinned to about `max_count`.
+// Pixels near a side, gathered by how far along and how far across they lie: fine across near the
+// edge, where the light changes within a pixel, coarse elsewhere.
+class EdgeBins {
+ public:
+  EdgeBins(double inward, double outward) : inward_(inward), outward_(outward) {
+    const double span = std::max(0.0, inward - kFine) + std::max(0.0, outward - kFine);
+    coarse_ = std::max(0.5, span / 12);
+    rows_ = index_of(outward) + 1;
+    bins_.resize(kZones * rows_);
+  }
+
+  bool holds(double across) const { return across >= -inward_ && across <= outward_; }
+
+  void add(double along, double across, double value) {
+    const auto zone = static_cast<std::size_t>(
+        std::clamp((along + 1) / 2 * kZones, 0.0, static_cast<double>(kZones) - 1));
+    EdgeSample& bin = bins_[zone * rows_ + index_of(across)];
+    bin.along += along;
+    bin.across += across;
+    bin.value += value;
+    bin.weight += 1;
+  }
+
+  std::vector<EdgeSample> samples() const {
+    std::vector<EdgeSample> samples;
+    samples.reserve(bins_.size());
+    for (const EdgeSample& bin : bins_) {
+      if (bin.weight == 0) continue;
+      samples.push_back(
+          {bin.along / bin.weight, bin.across / bin.weight, bin.value / bin.weight, bin.weight});
+    }
+    return samples;
+  }
+
+ private:
+  static constexpr std::size_t kZones = 6;
+  static constexpr double kFine = 1.6;  // pixels on both sides of the edge
+  static constexpr double kStep = 0.2;  // pixels
+
+  std::size_t index_of(double across) const {
+    const double fine_begin = std::max(0.0, inward_ - kFine) / coarse_;
+    double position = 0;
+    if (across < -kFine) {
+      position = (across + inward_) / coarse_;
+    } else if (across <= kFine) {
+      position = std::ceil(fine_begin) + (across + kFine) / kStep;
+    } else {
+      position = std::ceil(fine_begin) + 2 * kFine / kStep + 1 + (across - kFine) / coarse_;
+    }
+    return static_cast<std::size_t>(std::max(0.0, position));
+  }
+
+  double inward_;
+  double outward_;
+  double coarse_ = 1;
+  std::size_t rows_ = 0;
+  std::vector<EdgeSample> bins_;
+};
+
+// The pixels near the side, `margin` pixels at its ends left out.
 std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
                                      double outward, double margin) {
-  constexpr double kMaxCount = 1500;
-  std::vector<EdgeSample> samples;
+  constexpr double kMaxCount = 1500;  // pixels; more add nothing that the model could use
+  EdgeBins bins(inward, outward);
   const PixelPoint d = side.end - side.begin;
   const bool steep = std::abs(d.y) > std::abs(d.x);
   const double side_length = length(d);
@@ -220,13 +269,12 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
       const PixelPoint point{static_cast<double>(steep ? minor : major),
                              static_cast<double>(steep ? major : minor)};
       const double across = dot(point - side.begin, side.outward);
-      if (across < -inward || across > outward) continue;
+      if (!bins.holds(across)) continue;
       const double along = 2 * dot(point - side.begin, side.along) / side_length - 1;
-      const double value = steep ? image.at(minor, major) : image.at(major, minor);
-      samples.push_back({along, across, value});
+      bins.add(along, across, steep ? image.at(minor, major) : image.at(major, minor));
     }
   }
-  return samples;
+  return bins.samples();
 }
 
 // The light across a side: white, the stroke's black, white again, blurred. Parameters: edge place
@@ -246,13 +294,13 @@ Predicted predict(const Parameters& p, const EdgeSample& at, const ToneCurve& to
   const double stroke = std::exp(p[kLogStroke]);
   const double z_inner = (at.across - p[kPlace] - p[kTurn] * at.along) / blur;
   const double z_outer = z_inner - stroke / blur;
-  const double dark = phi_integral(z_inner) - phi_integral(z_outer);
+  const double dark = normal_integral(z_inner) - normal_integral(z_outer);
   const double white = p[kWhite] + p[kWhiteSlope] * at.along;
   const double black = p[kBlack] + p[kBlackSlope] * at.along;
   const double light = white + (black - white) * dark;
   const double slope = tone.slope_of(light);
-  const double d_inner = phi(z_inner);
-  const double d_outer = phi(z_outer);
+  const double d_inner = normal_density(z_inner);
+  const double d_outer = normal_density(z_outer);
   Predicted predicted;
   predicted.sample = tone.sample_of(light);
   const double by_place = slope * (black - white) * (d_outer - d_inner) / blur;
@@ -283,10 +331,10 @@ NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& s
     const Predicted predicted = predict(p, sample, tone);
     const double residual = sample.value - predicted.sample;
     const double ratio = residual / scale;
-    const double weight = 1 / (1 + ratio * ratio);
+    const double weight = sample.weight / (1 + ratio * ratio);
     normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(predicted.gradient, weight);
     normal.right += weight * residual * predicted.gradient;
-    normal.cost += scale * scale * std::log1p(ratio * ratio);
+    normal.cost += sample.weight * scale * scale * std::log1p(ratio * ratio);
     normal.weight += weight;
   }
   return normal;
@@ -294,16 +342,15 @@ NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& s
 
 Parameters first_guess(const std::vector<EdgeSample>& samples, double reach,
                        const ToneCurve& tone) {
-  double white = 0, black = 0;
-  int whites = 0, blacks = 0;
+  double white = 0, black = 0, whites = 0, blacks = 0;
   for (const EdgeSample& sample : samples) {
-    const double light = tone.light_of(static_cast<int>(sample.value));
+    const double light = tone.light_of(static_cast<int>(std::lround(sample.value)));
     if (sample.across < -0.4 * reach) {
-      white += light;
-      ++whites;
+      white += sample.weight * light;
+      whites += sample.weight;
     } else if (sample.across > 0.3 * reach && sample.across < 0.9 * reach) {
-      black += light;
-      ++blacks;
+      black += sample.weight * light;
+      blacks += sample.weight;
     }
   }
   Parameters p = Parameters::Zero();
@@ -322,6 +369,20 @@ void constrain(Parameters& p, double reach) {
   p[kBlack] = std::clamp(p[kBlack], -0.2, 1.0);
 }
 
+// Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
+double noise_scale(const std::vector<EdgeSample>& samples, const Parameters& p,
+                   const ToneCurve& tone) {
+  constexpr double kLeast = 3;  // grey levels
+  std::vector<double> residuals;
+  residuals.reserve(samples.size());
+  for (const EdgeSample& sample : samples) {
+    residuals.push_back(std::abs(sample.value - predict(p, sample, tone).sample));
+  }
+  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return std::max(kLeast, 2 * *middle / 0.6745);
+}
+
 struct SideFit {
   SideLine line;
   FrameSide side;
@@ -333,10 +394,10 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, dou
   const double margin = std::max(2.0, 1.2 * reach);
   const std::vector<EdgeSample> samples =
       samples_near(image, side, 1.2 * reach, 0.9 * reach, margin);
-  if (samples.size() < 4 * kParameters) return std::nullopt;
+  if (samples.size() < 2 * kParameters) return std::nullopt;
   Parameters p = first_guess(samples, reach, tone);
   constrain(p, reach);
-  double scale = 12;
+  double scale = noise_scale(samples, p, tone);
   double damping = 1e-3;
   NormalEquations normal = accumulate(p, samples, scale, tone);
   for (int iteration = 0; iteration < 12; ++iteration) {
@@ -361,8 +422,7 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, dou
     damping = std::max(1e-6, damping * 0.2);
     if (settled) break;
     if (iteration == 3) {
-      scale =
-          std::clamp(2.5 * std::sqrt(normal.cost / static_cast<double>(samples.size())), 3.0, 12.0);
+      scale = noise_scale(samples, p, tone);
       normal = accumulate(p, samples, scale, tone);
     }
   }
@@ -393,10 +453,28 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, dou
 
 }  // namespace
 
-Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& rough) {
+bool looks_framed(const GrayView& image, const Quad& rough) {
+  constexpr int kPlaces = 8;
+  constexpr int kLeastDarker = 4;
+  constexpr double kLeastFall = 6;  // grey levels
+  for (std::size_t i = 0; i < 4; ++i) {
+    const SideLine side = side_of(rough, i);
+    int darker = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const PixelPoint at = point_on(side, 0.92 * (2.0 * k / (kPlaces - 1) - 1));
+      const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
+      const double outside = sample_bilinear(image, at + (0.7 * side.reach + 0.5) * side.outward);
+      darker += inside - outside > kLeastFall ? 1 : 0;
+    }
+    if (darker < kLeastDarker) return false;
+  }
+  return true;
+}
+
+Result<Quad> settle_frame(const GrayView& image, const Quad& rough) {
   Quad quad = rough;
-  std::array<SideLine, 4> sides{};
   for (int pass = 0; pass < 2; ++pass) {
+    std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
       const SideLine side = side_of(quad, i);
       const auto settled = settle_side(image, side, pass == 0 ? side.reach + 1 : side.reach);
@@ -407,9 +485,14 @@ Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& rough) {
     if (!corners) return fail("feature frame: its sides do not close");
     quad = *corners;
   }
+  return quad;
+}
+
+Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   RefinedFrame frame;
+  std::array<SideLine, 4> sides{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const SideLine side = side_of(quad, i);
+    const SideLine side = side_of(settled, i);
     const std::optional<SideFit> fit = fit_side(image, side, side.reach);
     if (!fit) return fail("feature frame: a side's edge cannot be fitted");
     sides[i] = fit->line;

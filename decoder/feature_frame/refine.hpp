@@ -29,9 +29,17 @@ struct RefinedFrame {
   std::array<FrameSide, 4> sides{};
 };
 
-// Fits each side of the inner edge with a blurred step from white inside to the black stroke and,
-// where the stroke is thin, back to white. Fails with the reason when a side shows no such edge
-// along most of its length.
-Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& rough);
+// A quick look: whether the surroundings are darker outside than inside along most of every side.
+bool looks_framed(const GrayView& image, const Quad& rough);
+
+// Moves the sides of a rough quadrilateral onto the steepest falls from white inside to dark
+// outside that most of a side's length agrees on. Fails with the reason when a side shows no such
+// edge.
+Result<Quad> settle_frame(const GrayView& image, const Quad& rough);
+
+// Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
+// and, where the stroke is thin, back to white, in light. Fails with the reason when one does not
+// converge near where it was.
+Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled);
 
 }  // namespace tagsmith

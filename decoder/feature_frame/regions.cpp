@@ -84,11 +84,12 @@ std::vector<std::uint8_t> tile_thresholds(const TileGrid& grid, int min_contrast
   return thresholds;
 }
 
-// A maximal stretch of white samples on one row.
+// A maximal stretch of one colour on one row.
 struct Run {
   int begin = 0;
   int end = 0;               // exclusive
   std::uint32_t parent = 0;  // index of a run of the same region; a root names itself
+  bool white = false;
 };
 
 std::uint32_t find_root(std::vector<Run>& runs, std::uint32_t index) {
@@ -109,41 +110,35 @@ void join(std::vector<Run>& runs, std::uint32_t a, std::uint32_t b) {
   }
 }
 
-// Appends the white runs of one row, given 1 for white and 0 for dark samples.
-void append_runs(const std::vector<std::uint8_t>& white, std::vector<Run>& runs) {
-  const int width = static_cast<int>(white.size());
-  const auto skip_while = [&](int x, std::uint64_t eight_alike, std::uint8_t one) {
-    while (x < width) {
-      if (x + 8 <= width) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, white.data() + x, 8);
-        const std::uint64_t different = word ^ eight_alike;
-        if (different == 0) {
-          x += 8;
-          continue;
-        }
-        if constexpr (std::endian::native == std::endian::little) {
-          return x + std::countr_zero(different) / 8;
-        }
-      }
-      if (white[static_cast<std::size_t>(x)] != one) return x;
-      ++x;
+// The first place from `x` on where the row no longer has `colour` (1 white, 0 dark).
+int end_of_run(const std::vector<std::uint8_t>& row, int x, std::uint8_t colour) {
+  const int width = static_cast<int>(row.size());
+  const std::uint64_t alike = colour == 1 ? 0x0101010101010101ULL : 0;
+  for (; x + 8 <= width; x += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, row.data() + x, 8);
+    if (word == alike) continue;
+    if constexpr (std::endian::native == std::endian::little) {
+      return x + std::countr_zero(word ^ alike) / 8;
     }
-    return width;
-  };
-  constexpr std::uint64_t kAllWhite = 0x0101010101010101ULL;
-  int x = 0;
-  while (true) {
-    const int begin = skip_while(x, 0, 0);
-    if (begin >= width) return;
-    x = skip_while(begin, kAllWhite, 1);
-    const auto index = static_cast<std::uint32_t>(runs.size());
-    runs.push_back({begin, x, index});
+    break;
+  }
+  while (x < width && row[static_cast<std::size_t>(x)] == colour) ++x;
+  return x;
+}
+
+void append_runs(const std::vector<std::uint8_t>& row, std::vector<Run>& runs) {
+  const int width = static_cast<int>(row.size());
+  for (int x = 0; x < width;) {
+    const std::uint8_t colour = row[static_cast<std::size_t>(x)];
+    const int end = end_of_run(row, x, colour);
+    runs.push_back({x, end, static_cast<std::uint32_t>(runs.size()), colour == 1});
+    x = end;
   }
 }
 
-// All white runs, `first_of_row[y]` being the index of row y's first, and joined where runs of
-// neighbouring rows overlap.
+// All runs, `first_of_row[y]` being the index of row y's first, and joined where runs of one colour
+// on neighbouring rows touch.
 struct RunMap {
   std::vector<Run> runs;
   std::vector<std::uint32_t> first_of_row;
@@ -153,15 +148,19 @@ void join_with_row_above(RunMap& map, std::size_t row) {
   std::uint32_t above = map.first_of_row[row - 1];
   const std::uint32_t above_end = map.first_of_row[row];
   for (std::uint32_t here = above_end; here < map.runs.size(); ++here) {
-    while (above < above_end && map.runs[above].end <= map.runs[here].begin) ++above;
-    for (std::uint32_t other = above;
-         other < above_end && map.runs[other].begin < map.runs[here].end; ++other) {
-      join(map.runs, other, here);
+    const int diagonal = map.runs[here].white ? 0 : 1;
+    const int begin = map.runs[here].begin - diagonal;
+    const int end = map.runs[here].end + diagonal;
+    // The row above is covered without gaps: step back to a neighbour that touches diagonally.
+    while (above > map.first_of_row[row - 1] && map.runs[above - 1].end > begin) --above;
+    while (above < above_end && map.runs[above].end <= begin) ++above;
+    for (std::uint32_t other = above; other < above_end && map.runs[other].begin < end; ++other) {
+      if (map.runs[other].white == map.runs[here].white) join(map.runs, other, here);
     }
   }
 }
 
-RunMap white_runs(const GrayView& image, const RegionOptions& options) {
+RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   const TileGrid grid = tile_extremes(image, options.tile);
   const std::vector<std::uint8_t> thresholds = tile_thresholds(grid, options.min_contrast);
   RunMap map;
@@ -194,7 +193,7 @@ std::vector<Region> measure_regions(RunMap& map, const GrayView& image) {
     for (std::uint32_t i = map.first_of_row[row]; i < map.first_of_row[row + 1]; ++i) {
       const Run& run = map.runs[i];
       Region& region = regions[find_root(map.runs, i)];
-      if (region.area == 0) region = {run.begin, y, run.end - 1, y, 0, false, {}};
+      if (region.area == 0) region = {run.white, run.begin, y, run.end - 1, y, 0, false, {}};
       region.left = std::min(region.left, run.begin);
       region.right = std::max(region.right, run.end - 1);
       region.bottom = y;
@@ -206,9 +205,9 @@ std::vector<Region> measure_regions(RunMap& map, const GrayView& image) {
 
 }  // namespace
 
-std::vector<Region> find_white_regions(const GrayView& image, const RegionOptions& options) {
+std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options) {
   if (image.width < options.min_width || image.height < options.min_height) return {};
-  RunMap map = white_runs(image, options);
+  RunMap map = find_runs(image, options);
   std::vector<Region> measured = measure_regions(map, image);
   std::vector<Region> kept;
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// White regions of an image: local threshold, runs, connected regions.
+// White and dark regions of an image: local threshold, runs, connected regions.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,9 @@ struct RegionOptions {
   int min_height = 12;
 };
 
-// A connected white region and the ends of its extent on each of its rows.
+// A connected region of one colour and the ends of its extent on each of its rows.
 struct Region {
+  bool white = false;
   int left = 0;
   int top = 0;
   int right = 0;   // inclusive
@@ -33,9 +34,9 @@ struct Region {
   std::vector<PixelPoint> outline;  // leftmost and rightmost pixel of each row, top to bottom
 };
 
-// The 4-connected white regions that are at least as large as the options ask, those that touch the
-// image's border included.
-std::vector<Region> find_white_regions(const GrayView& image, const RegionOptions& options = {});
+// The white (4-connected) and dark (8-connected) regions that are at least as large as the options
+// ask, those that touch the image's border included.
+std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options = {});
 
 // The image at half its size, each pixel the mean of four; an odd last row or column is dropped.
 GrayImage half_size(const GrayView& image);

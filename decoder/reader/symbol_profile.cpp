@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "decoder/image/tone_curve.hpp"
@@ -52,7 +53,7 @@ struct CellGrid {
 };
 
 CellGrid collect(const GrayView& image, const Homography& unit_from_image, const Quad& region,
-                 const Levels& levels, double quiet_zone, int bins_per_module, int stride) {
+                 const Levels& levels, double quiet_zone, int bins_per_module, double thinning) {
   const ToneCurve& tone = ToneCurve::srgb();
   const double modules = kModuleCount + 2 * quiet_zone;
   CellGrid grid;
@@ -70,9 +71,14 @@ CellGrid collect(const GrayView& image, const Homography& unit_from_image, const
   const int x_end = std::min(image.width - 1, static_cast<int>(std::ceil(right)));
   const int y_begin = std::max(0, static_cast<int>(std::floor(top)));
   const int y_end = std::min(image.height - 1, static_cast<int>(std::ceil(bottom)));
-  for (int y = y_begin; y <= y_end; y += stride) {
+  // Pixels are skipped along the bars, never across them.
+  const PixelPoint along = region[1] - region[0];
+  const int skip = std::max(1, static_cast<int>(thinning));
+  const int x_step = std::abs(along.x) < std::abs(along.y) ? skip : 1;
+  const int y_step = std::abs(along.x) < std::abs(along.y) ? 1 : skip;
+  for (int y = y_begin; y <= y_end; y += y_step) {
     const std::uint8_t* row = image.row(y);
-    for (int x = x_begin; x <= x_end; ++x) {
+    for (int x = x_begin; x <= x_end; x += x_step) {
       const PixelPoint unit = unit_from_image(x, y);
       if (!(unit.y >= kTop && unit.y < kBottom)) continue;
       const double place = unit.x * modules - quiet_zone;
@@ -105,33 +111,68 @@ double pixel_variance(const CellGrid& grid) {
   return freedom > 0 ? std::max(kLeast, squares / freedom) : 4e-4;
 }
 
-// One bin from its bands: those that agree with their median.
-ScanBin combine(const CellGrid& grid, std::size_t bin, double variance) {
+// The middle one of a bin's bands; nothing when no band has a pixel there.
+std::optional<double> median_of_bands(const CellGrid& grid, std::size_t bin) {
   std::array<double, kBands> means{};
   std::size_t count = 0;
   for (std::size_t band = 0; band < kBands; ++band) {
     const Cell& cell = grid.at(band, bin);
     if (cell.count > 0) means[count++] = cell.sum / cell.count;
   }
-  if (count == 0) return {};
-  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(count / 2),
-                   means.begin() + static_cast<std::ptrdiff_t>(count));
-  const double median = means[count / 2];
+  if (count == 0) return std::nullopt;
+  const auto middle = means.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(means.begin(), middle, means.begin() + static_cast<std::ptrdiff_t>(count));
+  return *middle;
+}
+
+// One bin from its bands: those that agree with their median. `slope` is the change of darkness to
+// the neighbouring bins, which pixels at other places within the bin show too.
+std::optional<ScanBin> combine(const CellGrid& grid, std::size_t bin, double median, double slope,
+                               double variance) {
   constexpr double kShading = 0.1;      // of the contrast: differences along a clean bar
   constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
   double sum = 0, place = 0;
   int pixels = 0;
+  int seen = 0;
   for (std::size_t band = 0; band < kBands; ++band) {
     const Cell& cell = grid.at(band, bin);
     if (cell.count == 0) continue;
-    const double tolerance = kShading + 3 * std::sqrt(variance / cell.count);
+    seen += cell.count;
+    const double tolerance = kShading + slope + 4 * std::sqrt(variance / cell.count);
     if (std::abs(cell.sum / cell.count - median) > tolerance) continue;
     sum += cell.sum;
     place += cell.place;
     pixels += cell.count;
   }
-  if (pixels == 0) return {};
-  return {place / pixels, sum / pixels, variance / pixels + kModelError * kModelError};
+  if (pixels == 0) return std::nullopt;
+  // Where the height disagrees with itself the median may have taken the wrong side: the doubt
+  // grows from nothing at full agreement to the whole contrast where half disagrees.
+  const double agreement = static_cast<double>(pixels) / seen;
+  const double doubt = std::min(1.0, 2 * (1 - agreement));
+  return ScanBin{place / pixels, sum / pixels,
+                 variance / pixels + kModelError * kModelError + doubt * doubt * doubt * doubt,
+                 agreement};
+}
+
+ScanProfile combine_all(const CellGrid& grid, double variance) {
+  std::vector<std::size_t> used;
+  std::vector<double> medians;
+  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
+    const std::optional<double> median = median_of_bands(grid, bin);
+    if (!median) continue;
+    used.push_back(bin);
+    medians.push_back(*median);
+  }
+  ScanProfile profile;
+  profile.reserve(used.size());
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const double before = medians[i == 0 ? 0 : i - 1];
+    const double after = medians[std::min(i + 1, used.size() - 1)];
+    const double slope = std::max(std::abs(medians[i] - before), std::abs(after - medians[i]));
+    const auto bin = combine(grid, used[i], medians[i], slope, variance);
+    if (bin) profile.push_back(*bin);
+  }
+  return profile;
 }
 
 }  // namespace
@@ -155,15 +196,12 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
   // Two bins a pixel lose nothing; more than 60 rows of pixels add little.
   const int bins_per_module =
       std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 10);
-  const int stride = std::max(1, static_cast<int>(frame_height * (kBottom - kTop) / 60));
+  const double thinning = frame_height * (kBottom - kTop) / 60;
   const Levels levels{sides[0], sides[2]};
   const CellGrid grid = collect(image, inverse(image_from_unit), region, levels, quiet_zone_modules,
-                                bins_per_module, stride);
+                                bins_per_module, thinning);
   const double variance = pixel_variance(grid);
-  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
-    const ScanBin combined = combine(grid, bin, variance);
-    if (combined.variance < 1) profile.bins.push_back(combined);
-  }
+  profile.bins = combine_all(grid, variance);
   const double smear = grid.bin_width * grid.bin_width / 12;
   const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
   profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);

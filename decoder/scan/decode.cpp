@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "decoder/scan/normal.hpp"
+#include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -288,13 +288,10 @@ double posterior(const CostTable& table, const DecodeOptions& options, const Sea
   return 1 / (1 + rivals);
 }
 
-}  // namespace
-
-std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
-                                       const DecodeOptions& options) {
-  constexpr std::size_t kLeastPlaces = 40;
+// Alternates between the most likely digits and the adjustment of the picture to them.
+std::optional<Decoding> settle(const ScanProfile& profile, const SymbolImage& start,
+                               const DecodeOptions& options) {
   constexpr int kMaxRounds = 4;
-  if (profile.size() < kLeastPlaces) return std::nullopt;
   Decoding decoding;
   SymbolImage image = start;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -307,12 +304,66 @@ std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolI
     image = decoding.fit.image;
     if (!(image.black - image.white > 0.05)) return std::nullopt;
   }
-  const double per_place = decoding.fit.cost / static_cast<double>(profile.size());
+  return decoding;
+}
+
+// The profile with the places that the symbol cannot explain given almost no weight, and the share
+// of places that keep theirs. Only places where the bars' height disagrees with itself may be set
+// aside: dirt, glare and cables have outlines, whereas a bar that is not ours looks alike all
+// along.
+struct Cleaned {
+  ScanProfile profile;
+  double kept = 1;
+};
+
+Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding) {
+  constexpr double kTolerance = 0.12;  // of the contrast, beside the noise
+  constexpr double kAgreement = 0.85;
+  constexpr double kCoveredVariance = 4;
+  Cleaned cleaned{profile, 1};
+  std::size_t covered = 0;
+  const SymbolImage& image = decoding.fit.image;
+  const std::vector<double> expected = expected_darkness(image, decoding.digits, profile);
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    if (profile[i].agreement > kAgreement) continue;
+    const double residual = std::abs(profile[i].darkness - expected[i]);
+    const double contrast = image.black - image.white;
+    if (residual < kTolerance * contrast + 3.5 * std::sqrt(profile[i].variance)) continue;
+    cleaned.profile[i].variance = kCoveredVariance;
+    ++covered;
+  }
+  cleaned.kept = 1 - static_cast<double>(covered) / static_cast<double>(profile.size());
+  return cleaned;
+}
+
+}  // namespace
+
+std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
+                                       const DecodeOptions& options) {
+  constexpr std::size_t kLeastPlaces = 40;
+  constexpr double kNearlyAll = 0.985;  // explained: nothing to set aside
+  constexpr int kMaxCleanings = 3;
+  constexpr double kLeastGuards = 0.35;  // before any adjustment
+  if (profile.size() < kLeastPlaces) return std::nullopt;
+  if (explained_by_guards(profile, start) < kLeastGuards) return std::nullopt;
+  std::optional<Decoding> decoding = settle(profile, start, options);
+  Cleaned cleaned{profile, 1};
+  for (int i = 0; decoding && i < kMaxCleanings && decoding->fit.explained < kNearlyAll; ++i) {
+    Cleaned next = set_aside_outliers(profile, *decoding);
+    if (next.kept == cleaned.kept) break;
+    cleaned = std::move(next);
+    decoding = settle(cleaned.profile, start, options);
+  }
+  if (!decoding) return std::nullopt;
+  decoding->fit.kept = cleaned.kept;
+  decoding->guards = explained_by_guards(cleaned.profile, decoding->fit.image);
+  const double per_place =
+      decoding->fit.cost / (cleaned.kept * static_cast<double>(profile.size()));
   const double temperature = options.flattening * std::max(1.0, per_place);
-  const CostTable table = cost_table(profile, image);
+  const CostTable table = cost_table(cleaned.profile, decoding->fit.image);
   const Search best = best_code(table, options, temperature);
-  decoding.confidence =
-      best.best == decoding.digits ? posterior(table, options, best, temperature) : 0;
+  decoding->confidence =
+      best.best == decoding->digits ? posterior(table, options, best, temperature) : 0;
   return decoding;
 }
 

@@ -24,6 +24,7 @@ struct Decoding {
   Digits digits{};
   double confidence = 0;  // posterior probability of these digits, given that a symbol is there
   SymbolFit fit;
+  double guards = 0;  // explained_by_guards, without what was set aside
 };
 
 // Starts from the given picture of the symbol (its blur is the one that matters) and alternates

@@ -11,6 +11,8 @@ struct ScanBin {
   double at = 0;        // modules from the symbol's first bar; its last one ends at 95
   double darkness = 0;  // 0 = the white of the plate, 1 = the black of the frame, nominally
   double variance = 1;  // of `darkness`
+  double agreement =
+      1;  // share of the bars' height that shows this darkness; the rest was left out
 };
 
 // In order of `at`; places that no pixel covers are absent.

@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "decoder/scan/normal.hpp"
+#include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -162,11 +162,18 @@ double total_variation(const ScanProfile& profile) {
 
 }  // namespace
 
-double expected_darkness(const SymbolImage& image, const Digits& digits, double at) {
+std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
+                                      const ScanProfile& profile) {
+  const SymbolEdges edges(image, digits);
+  std::vector<double> expected;
+  expected.reserve(profile.size());
   std::size_t first = 0;
-  const BarShare bars = SymbolEdges(image, digits).at(at, first);
-  return image.white + (image.black - image.white) * bars.share +
-         image.shading * (at - kHalfLength) / kHalfLength;
+  for (const ScanBin& bin : profile) {
+    const double share = edges.at(bin.at, first).share;
+    expected.push_back(image.white + (image.black - image.white) * share +
+                       image.shading * (bin.at - kHalfLength) / kHalfLength);
+  }
+  return expected;
 }
 
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start) {
@@ -196,7 +203,28 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
     damping = std::max(1e-6, damping * 0.1);
     if (before - after < 1e-3 * after) break;
   }
-  return {unpack(p), normal.cost, 1 - normal.cost / std::max(total_variation(profile), 1e-12)};
+  return {unpack(p), normal.cost, 1 - normal.cost / std::max(total_variation(profile), 1e-12), 1};
+}
+
+double explained_by_guards(const ScanProfile& profile, const SymbolImage& image) {
+  // Each left digit starts with a space and ends with a bar, each right digit the reverse, so any
+  // digits do for the modules next to the guards.
+  constexpr Digits kAnyDigits{};
+  constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
+  const std::vector<double> expected = expected_darkness(image, kAnyDigits, profile);
+  const double middle = (image.white + image.black) / 2;
+  double variation = 0;
+  double unexplained = 0;
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const double place = profile[i].at;
+    const auto holds = [&](const auto& range) { return place >= range[0] && place <= range[1]; };
+    if (!std::any_of(kKnown.begin(), kKnown.end(), holds)) continue;
+    const double residual = profile[i].darkness - expected[i];
+    const double deviation = profile[i].darkness - middle;
+    unexplained += residual * residual / profile[i].variance;
+    variation += deviation * deviation / profile[i].variance;
+  }
+  return variation > 0 ? 1 - unexplained / variation : 0;
 }
 
 }  // namespace tagsmith

@@ -2,7 +2,7 @@
 // How a symbol's bars appear in a scan profile, and the adjustment of that picture to the profile.
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/symbology/digits.hpp"
@@ -27,13 +27,20 @@ struct SymbolFit {
   SymbolImage image;
   double cost = 0;       // sum of squared residuals over variances
   double explained = 0;  // share of the profile's variation that is explained, at most 1
+  double kept = 1;       // share of the profile's places that were not set aside as covered
 };
 
 // Adjusts all of `start` to the profile by Gauss-Newton for the given digits. The parameters are
 // held near nominal by weak priors, so that no profile can bend the symbol into another one.
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start);
 
-// The darkness expected at a place.
-double expected_darkness(const SymbolImage& image, const Digits& digits, double at);
+// The darkness expected at each place of the profile.
+std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
+                                      const ScanProfile& profile);
+
+// Share of the profile's variation about mid grey that the modules known beforehand explain: the
+// quiet zones, the guard patterns and the modules beside them (23 modules on three stretches). Near
+// 1 for any symbol, near 0 or below for other patterns; what was set aside counts little.
+double explained_by_guards(const ScanProfile& profile, const SymbolImage& image);
 
 }  // namespace tagsmith

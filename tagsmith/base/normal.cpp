@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/scan/normal.hpp"
+#include "tagsmith/base/normal.hpp"
 
 #include <array>
 #include <cmath>
