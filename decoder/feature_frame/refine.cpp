@@ -20,7 +20,8 @@ struct SideLine {
   PixelPoint end;
   PixelPoint along;    // unit, begin to end
   PixelPoint outward;  // unit
-  double reach = 0;    // how far to look to both sides, pixels
+  double reach = 0;   // how far to look to both sides without leaving stroke and quiet zone, pixels
+  double stroke = 0;  // likely thickness of the stroke, pixels
 };
 
 double sample_bilinear(const GrayView& image, PixelPoint at) {
@@ -49,6 +50,8 @@ SideLine side_of(const Quad& quad, std::size_t i) {
   // A stroke is 4 of 113 modules across the frame's length and of 55 across its height: the reach
   // stays within stroke and quiet zone either way.
   side.reach = std::clamp(0.035 * depth, 1.5, 8.0);
+  const bool along_symbol = distance(side.begin, side.end) > 1.2 * depth;
+  side.stroke = std::max(1.0, (along_symbol ? 3.95 / 55.3 : 3.95 / 113) * depth);
   return side;
 }
 
@@ -340,15 +343,15 @@ NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& s
   return normal;
 }
 
-Parameters first_guess(const std::vector<EdgeSample>& samples, double reach,
+Parameters first_guess(const std::vector<EdgeSample>& samples, const SideLine& side,
                        const ToneCurve& tone) {
   double white = 0, black = 0, whites = 0, blacks = 0;
   for (const EdgeSample& sample : samples) {
     const double light = tone.light_of(static_cast<int>(std::lround(sample.value)));
-    if (sample.across < -0.4 * reach) {
+    if (sample.across < -0.4 * side.reach) {
       white += sample.weight * light;
       whites += sample.weight;
-    } else if (sample.across > 0.3 * reach && sample.across < 0.9 * reach) {
+    } else if (sample.across > 0.3 * side.stroke && sample.across < 0.7 * side.stroke) {
       black += sample.weight * light;
       blacks += sample.weight;
     }
@@ -357,14 +360,14 @@ Parameters first_guess(const std::vector<EdgeSample>& samples, double reach,
   p[kLogBlur] = std::log(0.6);
   p[kWhite] = whites > 0 ? white / whites : 0.5;
   p[kBlack] = blacks > 0 ? black / blacks : 0.05;
-  p[kLogStroke] = std::log(std::max(1.0, reach));
+  p[kLogStroke] = std::log(side.stroke);
   return p;
 }
 
 // Keeps the blur, stroke and levels where the model means something.
-void constrain(Parameters& p, double reach) {
-  p[kLogBlur] = std::clamp(p[kLogBlur], std::log(0.25), std::log(std::max(0.3, 1.2 * reach)));
-  p[kLogStroke] = std::clamp(p[kLogStroke], std::log(0.6 * reach), std::log(3.0 * reach + 1));
+void constrain(Parameters& p, double stroke) {
+  p[kLogBlur] = std::clamp(p[kLogBlur], std::log(0.25), std::log(std::max(0.5, 0.6 * stroke)));
+  p[kLogStroke] = std::clamp(p[kLogStroke], std::log(0.5 * stroke), std::log(2.0 * stroke));
   p[kWhite] = std::clamp(p[kWhite], 0.0, 1.2);
   p[kBlack] = std::clamp(p[kBlack], -0.2, 1.0);
 }
@@ -389,14 +392,17 @@ struct SideFit {
 };
 
 // Levenberg-Marquardt on the pixels around the side.
-std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, double reach) {
+std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side) {
   const ToneCurve& tone = ToneCurve::srgb();
-  const double margin = std::max(2.0, 1.2 * reach);
-  const std::vector<EdgeSample> samples =
-      samples_near(image, side, 1.2 * reach, 0.9 * reach, margin);
+  // A thin stroke is seen from edge to edge, of a thick one the inner part: then its thickness
+  // stays as guessed and does not matter.
+  const double inward = std::clamp(side.stroke, 2.0, 8.0);
+  const double outward = side.stroke < 4 ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
+  const double margin = std::max(2.0, 1.2 * side.reach);
+  const std::vector<EdgeSample> samples = samples_near(image, side, inward, outward, margin);
   if (samples.size() < 2 * kParameters) return std::nullopt;
-  Parameters p = first_guess(samples, reach, tone);
-  constrain(p, reach);
+  Parameters p = first_guess(samples, side, tone);
+  constrain(p, side.stroke);
   double scale = noise_scale(samples, p, tone);
   double damping = 1e-3;
   NormalEquations normal = accumulate(p, samples, scale, tone);
@@ -409,7 +415,7 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, dou
     }
     const Parameters step = matrix.ldlt().solve(normal.right);
     Parameters next = p + step;
-    constrain(next, reach);
+    constrain(next, side.stroke);
     NormalEquations tried = accumulate(next, samples, scale, tone);
     if (!(tried.cost < normal.cost)) {
       damping *= 10;
@@ -429,7 +435,7 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side, dou
   SideFit fit;
   const double begin_shift = p[kPlace] - p[kTurn];
   const double end_shift = p[kPlace] + p[kTurn];
-  if (!(std::max(std::abs(begin_shift), std::abs(end_shift)) < reach)) return std::nullopt;
+  if (!(std::max(std::abs(begin_shift), std::abs(end_shift)) < side.reach)) return std::nullopt;
   fit.line = side;
   fit.line.begin = side.begin + begin_shift * side.outward;
   fit.line.end = side.end + end_shift * side.outward;
@@ -493,7 +499,7 @@ Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   std::array<SideLine, 4> sides{};
   for (std::size_t i = 0; i < 4; ++i) {
     const SideLine side = side_of(settled, i);
-    const std::optional<SideFit> fit = fit_side(image, side, side.reach);
+    const std::optional<SideFit> fit = fit_side(image, side);
     if (!fit) return fail("feature frame: a side's edge cannot be fitted");
     sides[i] = fit->line;
     frame.sides[i] = fit->side;

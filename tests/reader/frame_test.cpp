@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/feature_frame/regions.hpp"
+#include "decoder/image/tone_curve.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+constexpr int kWidth = 200;
+constexpr int kHeight = 140;
+
+// Light of a half plane at a signed distance from its edge: a lens of sigma 0.4 px, then the
+// pixel's own width.
+double coverage(double distance) {
+  constexpr int kSteps = 9;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double offset = (i + 0.5) / kSteps - 0.5;
+    sum += 0.5 * std::erfc(-(distance + offset) / (0.4 * std::sqrt(2.0)));
+  }
+  return sum / kSteps;
+}
+
+// A white plate with a black frame, stored with the sRGB curve. Inner corners at (left, top) and
+// (right, bottom).
+GrayImage draw_frame(double left, double top, double right, double bottom, double stroke) {
+  const auto inside = [&](double x, double y, double grow) {
+    return coverage(x - (left - grow)) * coverage(right + grow - x) * coverage(y - (top - grow)) *
+           coverage(bottom + grow - y);
+  };
+  GrayImage image{kWidth, kHeight, {}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double ink = inside(x, y, stroke) - inside(x, y, 0);
+      const double plate = inside(x, y, stroke + 12);
+      const double light = 0.15 + plate * 0.55 - ink * 0.66;
+      image.samples.push_back(
+          static_cast<std::uint8_t>(std::lround(ToneCurve::srgb().sample_of(light))));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("a homography maps the unit square to the quad and back") {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> jitter(-20, 20);
+  for (int i = 0; i < 100; ++i) {
+    const Quad quad{PixelPoint{50 + jitter(random), 40 + jitter(random)},
+                    PixelPoint{200 + jitter(random), 50 + jitter(random)},
+                    PixelPoint{190 + jitter(random), 160 + jitter(random)},
+                    PixelPoint{40 + jitter(random), 150 + jitter(random)}};
+    const Homography map = homography_to(quad);
+    const Homography back = inverse(map);
+    const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    for (std::size_t c = 0; c < 4; ++c) {
+      CHECK(distance(map(corners[c][0], corners[c][1]), quad[c]) < 1e-9);
+    }
+    const PixelPoint middle = map(0.3, 0.7);
+    CHECK(distance(back(middle.x, middle.y), {0.3, 0.7}) < 1e-9);
+  }
+}
+
+TEST_CASE("the quad around a rounded hull keeps its four sides") {
+  const std::vector<PixelPoint> points{{12, 10}, {90, 12}, {99, 20}, {98, 60},
+                                       {90, 69}, {15, 70}, {10, 64}, {10, 15}};
+  const auto quad = enclosing_quad(convex_hull(points));
+  REQUIRE(quad.has_value());
+  CHECK(is_convex(*quad));
+  for (const PixelPoint expected : {PixelPoint{10, 10}, PixelPoint{99, 12}, PixelPoint{98, 70}}) {
+    const bool near = std::ranges::any_of(
+        *quad, [&](const PixelPoint& corner) { return distance(corner, expected) < 3; });
+    CHECK(near);
+  }
+}
+
+TEST_CASE("the white inside of a frame is one region apart from the plate around it") {
+  const GrayImage image = draw_frame(50, 40, 150, 90, 5);
+  const auto regions = find_regions(image.view());
+  const auto inside = std::ranges::find_if(regions, [](const Region& region) {
+    return region.white && region.left >= 48 && region.right <= 152 && region.top >= 38;
+  });
+  REQUIRE(inside != regions.end());
+  CHECK(inside->right - inside->left == doctest::Approx(100).epsilon(0.03));
+  CHECK(inside->bottom - inside->top == doctest::Approx(50).epsilon(0.05));
+  CHECK_FALSE(inside->touches_border);
+}
+
+TEST_CASE("refined corners are exact to a fiftieth of a pixel whatever their fraction") {
+  for (const double fraction : {0.0, 0.13, 0.25, 0.5, 0.77}) {
+    for (const double stroke : {3.0, 6.4, 11.0}) {
+      CAPTURE(fraction);
+      CAPTURE(stroke);
+      const double left = 50 + fraction, top = 40 + fraction / 2;
+      const double right = 150 - fraction, bottom = 90 + fraction;
+      const GrayImage image = draw_frame(left, top, right, bottom, stroke);
+      const Quad rough{PixelPoint{left + 1.2, top - 0.7}, PixelPoint{right + 0.9, top + 0.8},
+                       PixelPoint{right - 1.1, bottom - 1}, PixelPoint{left - 0.8, bottom + 0.9}};
+      const auto settled = settle_frame(image.view(), rough);
+      REQUIRE(settled.has_value());
+      const auto frame = refine_frame(image.view(), *settled);
+      REQUIRE(frame.has_value());
+      const Quad expected{PixelPoint{left, top}, PixelPoint{right, top}, PixelPoint{right, bottom},
+                          PixelPoint{left, bottom}};
+      for (std::size_t i = 0; i < 4; ++i) {
+        CHECK(distance(frame->corners[i], expected[i]) < 0.02);
+      }
+    }
+  }
+}
+
+TEST_CASE("no frame, no corners") {
+  GrayImage flat{kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 128)};
+  const Quad rough{PixelPoint{50, 40}, PixelPoint{150, 40}, PixelPoint{150, 90},
+                   PixelPoint{50, 90}};
+  CHECK_FALSE(looks_framed(flat.view(), rough));
+  CHECK_FALSE(settle_frame(flat.view(), rough).has_value());
+}
