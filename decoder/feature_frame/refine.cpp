@@ -406,7 +406,7 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side) {
   double scale = noise_scale(samples, p, tone);
   double damping = 1e-3;
   NormalEquations normal = accumulate(p, samples, scale, tone);
-  for (int iteration = 0; iteration < 12; ++iteration) {
+  for (int iteration = 0; iteration < 25; ++iteration) {
     Eigen::Matrix<double, kParameters, kParameters> matrix =
         normal.matrix.selfadjointView<Eigen::Lower>();
     for (int i = 0; i < kParameters; ++i) {
@@ -422,7 +422,7 @@ std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side) {
       if (damping > 1e3) break;
       continue;
     }
-    const bool settled = normal.cost - tried.cost < 1e-4 * tried.cost;
+    const bool settled = iteration > 3 && normal.cost - tried.cost < 1e-5 * tried.cost;
     p = next;
     normal = tried;
     damping = std::max(1e-6, damping * 0.2);

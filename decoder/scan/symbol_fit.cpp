@@ -206,12 +206,11 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
   return {unpack(p), normal.cost, 1 - normal.cost / std::max(total_variation(profile), 1e-12), 1};
 }
 
-double explained_by_guards(const ScanProfile& profile, const SymbolImage& image) {
-  // Each left digit starts with a space and ends with a bar, each right digit the reverse, so any
-  // digits do for the modules next to the guards.
-  constexpr Digits kAnyDigits{};
+double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
+                           const Digits& digits) {
+  // Each left digit starts with a space and ends with a bar, each right digit the reverse.
   constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
-  const std::vector<double> expected = expected_darkness(image, kAnyDigits, profile);
+  const std::vector<double> expected = expected_darkness(image, digits, profile);
   const double middle = (image.white + image.black) / 2;
   double variation = 0;
   double unexplained = 0;

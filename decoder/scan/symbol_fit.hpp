@@ -38,9 +38,11 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
 std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
                                       const ScanProfile& profile);
 
-// Share of the profile's variation about mid grey that the modules known beforehand explain: the
-// quiet zones, the guard patterns and the modules beside them (23 modules on three stretches). Near
-// 1 for any symbol, near 0 or below for other patterns; what was set aside counts little.
-double explained_by_guards(const ScanProfile& profile, const SymbolImage& image);
+// Share of the profile's variation about mid grey that is explained where the modules are known
+// beforehand: the quiet zones, the guard patterns and the modules beside them (23 modules on three
+// stretches). Near 1 for any symbol, near 0 or below for other patterns; what was set aside counts
+// little. `digits` matter only for what blur carries over from the neighbouring modules.
+double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
+                           const Digits& digits = {});
 
 }  // namespace tagsmith
