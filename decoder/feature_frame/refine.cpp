@@ -357,7 +357,6 @@ Parameters first_guess(const std::vector<EdgeSample>& samples, const SideLine& s
     }
   }
   Parameters p = Parameters::Zero();
-  p[kLogBlur] = std::log(0.6);
   p[kWhite] = whites > 0 ? white / whites : 0.5;
   p[kBlack] = blacks > 0 ? black / blacks : 0.05;
   p[kLogStroke] = std::log(side.stroke);
@@ -386,75 +385,109 @@ double noise_scale(const std::vector<EdgeSample>& samples, const Parameters& p,
   return std::max(kLeast, 2 * *middle / 0.6745);
 }
 
+// The pixels that tell where a side is. A thin stroke is seen from edge to edge, of a thick one the
+// inner part: then its thickness stays as guessed and does not matter.
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side) {
+  const double inward = std::clamp(side.stroke, 2.0, 8.0);
+  const double outward = side.stroke < 4 ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
+  const double margin = std::max(2.0, 1.2 * side.reach);
+  return samples_near(image, side, inward, outward, margin);
+}
+
+struct Solution {
+  Parameters parameters;
+  NormalEquations normal;
+};
+
+// Levenberg-Marquardt with the weights' scale held; at most `max_steps` steps.
+Solution minimise(const std::vector<EdgeSample>& samples, const SideLine& side, Parameters p,
+                  double scale, int max_steps) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  double damping = 1e-3;
+  NormalEquations normal = accumulate(p, samples, scale, tone);
+  for (int step = 0; step < max_steps && damping < 1e3; ++step) {
+    Eigen::Matrix<double, kParameters, kParameters> matrix =
+        normal.matrix.selfadjointView<Eigen::Lower>();
+    // The constant keeps a stroke whose far edge lies outside the samples where it was.
+    matrix.diagonal().array() += damping * matrix.diagonal().array() + 1e-6;
+    Parameters next = p + matrix.ldlt().solve(normal.right);
+    constrain(next, side.stroke);
+    const NormalEquations tried = accumulate(next, samples, scale, tone);
+    if (!(tried.cost < normal.cost)) {
+      damping *= 10;
+      continue;
+    }
+    const bool settled = normal.cost - tried.cost < 1e-5 * tried.cost;
+    p = next;
+    normal = tried;
+    damping = std::max(1e-6, damping * 0.2);
+    if (settled) break;
+  }
+  return {p, normal};
+}
+
+// First with the scale of the guess, then with that of what was found.
+Solution solve_side(const std::vector<EdgeSample>& samples, const SideLine& side,
+                    double start_blur) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  Parameters p = first_guess(samples, side, tone);
+  p[kLogBlur] = std::log(start_blur);
+  constrain(p, side.stroke);
+  p = minimise(samples, side, p, noise_scale(samples, p, tone), 6).parameters;
+  return minimise(samples, side, p, noise_scale(samples, p, tone), 15);
+}
+
+SideLine moved(const SideLine& side, double begin_shift, double end_shift) {
+  SideLine line = side;
+  line.begin = side.begin + begin_shift * side.outward;
+  line.end = side.end + end_shift * side.outward;
+  line.along = 1.0 / distance(line.begin, line.end) * (line.end - line.begin);
+  line.outward = {line.along.y, -line.along.x};
+  return line;
+}
+
 struct SideFit {
   SideLine line;
   FrameSide side;
 };
 
-// Levenberg-Marquardt on the pixels around the side.
-std::optional<SideFit> fit_side(const GrayView& image, const SideLine& side) {
-  const ToneCurve& tone = ToneCurve::srgb();
-  // A thin stroke is seen from edge to edge, of a thick one the inner part: then its thickness
-  // stays as guessed and does not matter.
-  const double inward = std::clamp(side.stroke, 2.0, 8.0);
-  const double outward = side.stroke < 4 ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
-  const double margin = std::max(2.0, 1.2 * side.reach);
-  const std::vector<EdgeSample> samples = samples_near(image, side, inward, outward, margin);
-  if (samples.size() < 2 * kParameters) return std::nullopt;
-  Parameters p = first_guess(samples, side, tone);
-  constrain(p, side.stroke);
-  double scale = noise_scale(samples, p, tone);
-  double damping = 1e-3;
-  NormalEquations normal = accumulate(p, samples, scale, tone);
-  for (int iteration = 0; iteration < 25; ++iteration) {
-    Eigen::Matrix<double, kParameters, kParameters> matrix =
-        normal.matrix.selfadjointView<Eigen::Lower>();
-    for (int i = 0; i < kParameters; ++i) {
-      // The prior keeps a stroke whose far edge lies outside the samples from drifting.
-      matrix(i, i) += damping * matrix(i, i) + 1e-6;
-    }
-    const Parameters step = matrix.ldlt().solve(normal.right);
-    Parameters next = p + step;
-    constrain(next, side.stroke);
-    NormalEquations tried = accumulate(next, samples, scale, tone);
-    if (!(tried.cost < normal.cost)) {
-      damping *= 10;
-      if (damping > 1e3) break;
-      continue;
-    }
-    const bool settled = iteration > 3 && normal.cost - tried.cost < 1e-5 * tried.cost;
-    p = next;
-    normal = tried;
-    damping = std::max(1e-6, damping * 0.2);
-    if (settled) break;
-    if (iteration == 3) {
-      scale = noise_scale(samples, p, tone);
-      normal = accumulate(p, samples, scale, tone);
-    }
-  }
+SideFit describe(const Solution& solution, const SideLine& side) {
+  const Parameters& p = solution.parameters;
   SideFit fit;
-  const double begin_shift = p[kPlace] - p[kTurn];
-  const double end_shift = p[kPlace] + p[kTurn];
-  if (!(std::max(std::abs(begin_shift), std::abs(end_shift)) < side.reach)) return std::nullopt;
-  fit.line = side;
-  fit.line.begin = side.begin + begin_shift * side.outward;
-  fit.line.end = side.end + end_shift * side.outward;
-  fit.line.along = 1.0 / distance(fit.line.begin, fit.line.end) * (fit.line.end - fit.line.begin);
-  fit.line.outward = {fit.line.along.y, -fit.line.along.x};
+  fit.line = moved(side, p[kPlace] - p[kTurn], p[kPlace] + p[kTurn]);
   fit.side.blur_px = std::exp(p[kLogBlur]);
   fit.side.stroke_px = std::exp(p[kLogStroke]);
   fit.side.white_begin = p[kWhite] - p[kWhiteSlope];
   fit.side.white_end = p[kWhite] + p[kWhiteSlope];
   fit.side.black_begin = p[kBlack] - p[kBlackSlope];
   fit.side.black_end = p[kBlack] + p[kBlackSlope];
-  const double variance = normal.cost / std::max(1.0, normal.weight - kParameters);
+  const double freedom = std::max(1.0, solution.normal.weight - kParameters);
+  const double variance = solution.normal.cost / freedom;
   fit.side.residual = std::sqrt(variance);
   Eigen::Matrix<double, kParameters, kParameters> matrix =
-      normal.matrix.selfadjointView<Eigen::Lower>();
+      solution.normal.matrix.selfadjointView<Eigen::Lower>();
   matrix.diagonal().array() += 1e-9;
   const Parameters unit = Parameters::Unit(kPlace);
   fit.side.sigma_px = std::sqrt(std::max(0.0, variance * matrix.ldlt().solve(unit)[kPlace]));
   return fit;
+}
+
+bool stays_near(const Solution& solution, const SideLine& side) {
+  const Parameters& p = solution.parameters;
+  return std::abs(p[kPlace]) + std::abs(p[kTurn]) < side.reach;
+}
+
+// A side along the pixel grid shows every pixel at the same fraction, and its blur may be mistaken
+// for its place: where a side's blur differs from its neighbours', theirs is tried as the start.
+constexpr double kStartBlur = 0.6;  // pixels
+
+SideFit fit_again(const GrayView& image, const SideLine& side, double start_blur,
+                  const Solution& first) {
+  const Solution second = solve_side(edge_samples(image, side), side, start_blur);
+  const bool better =
+      second.normal.cost / second.normal.weight < first.normal.cost / first.normal.weight;
+  const Solution& chosen = better && stays_near(second, side) ? second : first;
+  return describe(chosen, side);
 }
 
 }  // namespace
@@ -495,16 +528,30 @@ Result<Quad> settle_frame(const GrayView& image, const Quad& rough) {
 }
 
 Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
-  RefinedFrame frame;
-  std::array<SideLine, 4> sides{};
+  std::array<SideLine, 4> lines{};
+  std::array<Solution, 4> solutions{};
+  std::array<double, 4> blurs{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const SideLine side = side_of(settled, i);
-    const std::optional<SideFit> fit = fit_side(image, side);
-    if (!fit) return fail("feature frame: a side's edge cannot be fitted");
-    sides[i] = fit->line;
-    frame.sides[i] = fit->side;
+    lines[i] = side_of(settled, i);
+    const std::vector<EdgeSample> samples = edge_samples(image, lines[i]);
+    if (samples.size() < 2 * kParameters) return fail("feature frame: a side is too short");
+    solutions[i] = solve_side(samples, lines[i], kStartBlur);
+    if (!stays_near(solutions[i], lines[i])) {
+      return fail("feature frame: a side's edge cannot be fitted");
+    }
+    blurs[i] = solutions[i].parameters[kLogBlur];
   }
-  const std::optional<Quad> corners = corners_of(sides);
+  std::ranges::sort(blurs);
+  const double common_blur = (blurs[1] + blurs[2]) / 2;  // logarithm of
+  RefinedFrame frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool alike = std::abs(solutions[i].parameters[kLogBlur] - common_blur) < 0.25;
+    const SideFit fit = alike ? describe(solutions[i], lines[i])
+                              : fit_again(image, lines[i], std::exp(common_blur), solutions[i]);
+    lines[i] = fit.line;
+    frame.sides[i] = fit.side;
+  }
+  const std::optional<Quad> corners = corners_of(lines);
   if (!corners) return fail("feature frame: its sides do not close");
   frame.corners = *corners;
   return frame;
