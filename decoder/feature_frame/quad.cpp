@@ -103,6 +103,23 @@ std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull) {
   return Quad{polygon[0], polygon[1], polygon[2], polygon[3]};
 }
 
+Quad widened(const Quad& quad, double pixels) {
+  const auto shift_of = [&](std::size_t i) {
+    const PixelPoint side = quad[(i + 1) % 4] - quad[i];
+    return pixels / std::max(length(side), 1e-9) * PixelPoint{side.y, -side.x};
+  };
+  Quad moved = quad;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t before = (i + 3) % 4;
+    const PixelPoint first = shift_of(before);
+    const PixelPoint second = shift_of(i);
+    const auto corner = meeting_point(quad[before] + first, quad[i] + first, quad[i] + second,
+                                      quad[(i + 1) % 4] + second);
+    if (corner) moved[i] = *corner;
+  }
+  return moved;
+}
+
 PixelPoint Homography::operator()(double u, double v) const {
   const double w = h[6] * u + h[7] * v + h[8];
   return {(h[0] * u + h[1] * v + h[2]) / w, (h[3] * u + h[4] * v + h[5]) / w};

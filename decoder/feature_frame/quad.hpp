@@ -27,6 +27,9 @@ double area_of(const std::vector<PixelPoint>& polygon);
 // neighbours, prolonged to meet, add the least area) are dropped one by one.
 std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull);
 
+// Every side moved outwards by this many pixels; the corners are where the moved sides meet.
+Quad widened(const Quad& quad, double pixels);
+
 // Plane projective map from the unit square, (0,0) (1,0) (1,1) (0,1) -> the quad's corners in
 // order.
 struct Homography {

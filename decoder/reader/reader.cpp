@@ -85,9 +85,13 @@ std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& f
   return best;
 }
 
-FrameCorners corners_from(const Quad& quad, std::size_t first_corner) {
+// The frame's corners from P on. Whatever widens the bars, ink or a tone curve that is not sRGB,
+// moves the frame's inner edge inwards by as much.
+FrameCorners corners_of(const RefinedFrame& frame, const Attempt& attempt) {
+  const double growth_px = attempt.decoding.fit.image.growth * attempt.profile.module_px;
+  const Quad quad = widened(frame.corners, growth_px / 2);
   FrameCorners corners{};
-  for (std::size_t i = 0; i < 4; ++i) corners[i] = quad[(first_corner + i) % 4];
+  for (std::size_t i = 0; i < 4; ++i) corners[i] = quad[(attempt.first_corner + i) % 4];
   return corners;
 }
 
@@ -159,7 +163,7 @@ class PictureReader {
 
  private:
   void judge(const RefinedFrame& frame, const Attempt& attempt) {
-    const FrameCorners corners = corners_from(frame.corners, attempt.first_corner);
+    const FrameCorners corners = corners_of(frame, attempt);
     if (const auto reason = objection(attempt, options_)) {
       result_.rejected.push_back({*reason, corners});
     } else {

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/observation.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "decoder/image/load.hpp"
+
+namespace tagsmith {
+namespace {
+
+ReadOptions read_options_for(const std::vector<Survey>& surveys) {
+  ReadOptions options;
+  for (const Survey& survey : surveys) {
+    for (const PlacedTag& tag : survey.tags) options.code_book.push_back(tag.digits);
+  }
+  const auto scheme = [](const Survey& survey) { return survey.code.check; };
+  const bool one_scheme =
+      std::ranges::adjacent_find(surveys, std::ranges::not_equal_to{}, scheme) == surveys.end();
+  if (one_scheme && !surveys.empty()) options.check = surveys.front().code.check;
+  return options;
+}
+
+// The tag, and the index of its survey, that `matches`; all of them.
+std::vector<std::pair<std::size_t, const PlacedTag*>> find_tags(const std::vector<Survey>& surveys,
+                                                                const auto& key) {
+  std::vector<std::pair<std::size_t, const PlacedTag*>> found;
+  for (std::size_t i = 0; i < surveys.size(); ++i) {
+    if (const PlacedTag* tag = find_tag(surveys[i], key)) found.emplace_back(i, tag);
+  }
+  return found;
+}
+
+std::string no_tag_read(const std::filesystem::path& image, const ReadResult& result) {
+  const std::vector<Rejection>& rejected = result.rejected;
+  std::string text = image.string() + ": no tag read";
+  if (!rejected.empty()) text += " (" + rejected.front().reason;
+  if (rejected.size() > 1) text += fmt::format(", and {} more candidates", rejected.size() - 1);
+  if (!rejected.empty()) text += ")";
+  return text;
+}
+
+void add_image(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
+               const std::vector<Survey>& surveys, const ReaderChoice& reader) {
+  const Result<GrayImage> image = load_gray_image(seen.image);
+  if (!image) {
+    observation.faults.push_back(image.error().message);
+    return;
+  }
+  if (image->width != camera.camera.width || image->height != camera.camera.height) {
+    observation.faults.push_back(fmt::format(
+        "{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has", seen.image.string(),
+        image->width, image->height, camera.camera.width, camera.camera.height, camera.name));
+    return;
+  }
+  const ReadResult result = reader.read(image->view(), read_options_for(surveys));
+  if (result.tags.empty()) observation.faults.push_back(no_tag_read(seen.image, result));
+  for (const Reading& reading : result.tags) {
+    for (const auto& [survey, tag] : find_tags(surveys, reading.digits)) {
+      observation.tags.push_back({camera.name, survey, *tag,
+                                  SeenCorners{reading.corners, reader.corner_sigma_px},
+                                  std::nullopt});
+    }
+  }
+}
+
+void add_distance(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
+                  const std::vector<Survey>& surveys) {
+  const std::string& name = seen.tag.value();
+  const std::optional<Digits> digits = parse_digits(name);
+  auto found = find_tags(surveys, std::string_view(name));
+  if (found.empty() && digits) found = find_tags(surveys, *digits);
+  if (found.size() != 1) {
+    observation.faults.push_back(fmt::format("{}_tag is {}, {}", camera.name, name,
+                                             found.empty()
+                                                 ? "expected a tag of the survey"
+                                                 : "which several surveys have: give digits"));
+    return;
+  }
+  const auto& [survey, tag] = found.front();
+  observation.tags.push_back({camera.name, survey, *tag, std::nullopt, seen.distance});
+}
+
+}  // namespace
+
+Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
+                    const Rig& rig, const ReaderChoice& reader) {
+  Observation observation{measurement.id, {}, measurement.ranges, {}};
+  for (const RigCamera& camera : rig.cameras) {
+    const auto seen = measurement.cameras.find(camera.name);
+    if (seen == measurement.cameras.end()) continue;
+    if (!seen->second.image.empty()) {
+      add_image(observation, camera, seen->second, surveys, reader);
+    }
+    if (seen->second.tag && seen->second.distance) {
+      add_distance(observation, camera, seen->second, surveys);
+    }
+  }
+  return observation;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a vehicle saw at one moment, in terms of the survey: the input of every localization method.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/reader/reading.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/run.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Where a tag's corners lie in an image.
+struct SeenCorners {
+  FrameCorners corners{};  // in the image as taken, distortion included
+  double sigma_px = 0;     // standard deviation of a corner's coordinate
+};
+
+// A tag of the survey as one camera saw it: by its corners, or by a distance measured elsewhere.
+struct SeenTag {
+  std::string camera;      // of the rig
+  std::size_t survey = 0;  // index of the survey that has the tag
+  PlacedTag tag;
+  std::optional<SeenCorners> seen_corners;
+  std::optional<double> distance;  // from the camera to corner P, metres
+};
+
+struct Observation {
+  std::string id;
+  std::vector<SeenTag> tags;
+  std::map<std::string, double> ranges;  // by the rig's range names, metres
+  std::vector<std::string> faults;       // unreadable images, images without a tag, unknown tags
+};
+
+// How images are read.
+struct ReaderChoice {
+  std::function<ReadResult(const GrayView&, const ReadOptions&)> read;
+  double corner_sigma_px = 0;  // standard deviation of the corners it returns
+};
+
+// Standard deviations of P' and Q'. Fitted edges: on the safe side of what noise and lens blur
+// leave. The paper's pipeline: an outermost whole pixel, beside a border that the opening moves.
+inline constexpr double kFittedCornerSigmaPx = 0.3;
+inline constexpr double kOutlineCornerSigmaPx = 1.0;
+
+// Loads and reads the measurement's images, one after the other, with the surveys' codes as code
+// book, and looks up the tags. Never fails: what could not be used is a fault.
+Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
+                    const Rig& rig, const ReaderChoice& reader);
+
+}  // namespace tagsmith

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Localization by the paper's closed form: two tags facing each other, one seen by each of two
+// cameras, and the distance to the left wall. Xu et al. (2017), equations (6)-(23).
+#pragma once
+
+#include <vector>
+
+#include "decoder/localize/fix.hpp"
+#include "decoder/localize/observation.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// The angle theta for a tag on the left wall and one on the right. The one that the survey states,
+// when the tags' stagger along the drive is that of a pair, either way round, to an eighth of the
+// pitch; else, and when the survey states none, atan(|stagger| / W_T). The margin is for positions
+// like those of the paper's Table 4, which are 58 mm (a fourteenth of the pitch) off the theta that
+// its authors computed with; in the corridor as designed, tags of two different pairs are off by a
+// seventh.
+double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedTag& right);
+
+// The heading of the drive (world frame) midway between two tags, from how their plates hang.
+double heading_between(const PlacedTag& left, const PlacedTag& right);
+
+// O by the closed form.
+//
+// Tags: one on the left wall and one on the right, of one survey, seen by different cameras, at
+// their surveyed positions. Of several choices two tags of one pair go first, then the tags nearest
+// each other along the drive, then those nearest the cameras (least D1 + D2), which are the largest
+// in their images.
+// Distances: (10) with the rig's focal length and principal point after its distortion has been
+// undone; or as measured. As in the paper the cameras are taken to be level and at O, and the left
+// tag's P' decides whether O lies above or below the tags; for measured distances the survey's and
+// the rig's heights do.
+// d: the least of the ranges to the left wall that lie in their sensor's limits.
+//
+// There is no heading: the method does not determine one. The covariance is carried over from the
+// noise of d, of P' and Q' (of measured distances: what an outline's corners would give at that
+// distance) and of the tags' surveyed positions, by a step of one standard deviation each way, the
+// one that moves the position farther. A step that has no solution is halved until it has one and
+// its effect scaled up, z at most to the tags' height; a note says that the covariance is rough.
+// The paper takes d for the distance to the plane of the left plate, which in a bend it is not; and
+// where coded positions contradict theta its result is not at d from the wall. The larger of the
+// two differences counts as one more standard deviation of d, with a note. Attitude, and cameras
+// away from O, are not in it.
+//
+// Without a position the fix says why. Never fails.
+Fix localize_by_paper(const Observation& observation, const std::vector<Survey>& surveys,
+                      const Rig& rig);
+
+}  // namespace tagsmith

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the reader manages on simulated tags, one degradation at a time: share read, wrong readings
+// and corner errors by pixels per module, incidence, roll, blur, noise, bar growth and tone curve.
+// Usage: bench_read_ladder [TAGS_PER_CELL]
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <mutex>
+#include <numbers>
+#include <random>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/tag/drawing.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+struct Conditions {
+  double module_px = 2;
+  double incidence = 0;  // radians; random up to 40 degrees where negative
+  double roll = -1;      // radians; random where negative
+  double blur_px = 0.5;  // sigma; a camera's own pixels come on top
+  double noise = 4;      // grey levels
+  double growth = 0;     // modules
+  double contrast = 1;   // of the plate, 1 = 0.82 against 0.05
+  double motion_px = 0;
+  SensorTone tone = SensorTone::srgb;
+  std::size_t book = 0;  // codes in the code book; 0 = none
+};
+
+struct Outcome {
+  bool read = false;
+  bool wrong = false;
+  std::array<double, 8> errors{};  // of corner coordinates, pixels
+};
+
+TagTemplate corridor_template() {
+  TagTemplate tag;
+  tag.plate_length = 0.4;
+  tag.plate_height = 0.3;
+  tag.frame_inner_length = 0.343;
+  tag.frame_inner_height = 0.168;
+  tag.frame_stroke = 0.012;
+  return tag;
+}
+
+Digits random_code(std::mt19937_64& random) {
+  std::uniform_int_distribution<int> digit(0, 9);
+  Digits digits{};
+  for (auto& value : digits) value = static_cast<std::uint8_t>(digit(random));
+  digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
+  return digits;
+}
+
+Camera camera_for(double module_px) {
+  Camera camera;
+  const double size = std::max(200.0, 190.0 * module_px);
+  camera.width = static_cast<int>(size);
+  camera.height = static_cast<int>(size);
+  camera.fx = camera.fy = 1600;
+  camera.cx = (camera.width - 1) / 2.0;
+  camera.cy = (camera.height - 1) / 2.0;
+  return camera;
+}
+
+ScenePlate place(const Camera& camera, const Digits& code, const Conditions& conditions,
+                 std::mt19937_64& random) {
+  std::uniform_real_distribution<double> any(0, 1);
+  ScenePlate plate;
+  plate.drawing = draw_tag(corridor_template(), code);
+  plate.finish.bar_growth = conditions.growth;
+  plate.finish.white_reflectance = 0.435 + 0.385 * conditions.contrast;
+  plate.finish.ink_reflectance = 0.435 - 0.385 * conditions.contrast;
+  const double tilt = conditions.incidence < 0 ? radians(40 * any(random)) : conditions.incidence;
+  const double way = any(random) < 0.5 ? 1 : -1;
+  const double roll = conditions.roll < 0 ? 2 * std::numbers::pi * any(random) : conditions.roll;
+  const Eigen::Vector2d pixel(camera.cx + any(random), camera.cy + any(random));
+  double distance = camera.fx * plate.drawing.module / conditions.module_px * std::cos(tilt);
+  for (int i = 0; i < 4; ++i) {
+    plate.camera_from_plate =
+        camera_from_turned_plate(camera, plate.drawing, pixel, distance, way * tilt, 0, roll);
+    const auto truth = plate_truths(camera, std::span(&plate, 1));
+    if (truth.front().module_px <= 0) break;
+    distance *= truth.front().module_px / conditions.module_px;
+  }
+  return plate;
+}
+
+Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const Digits code = random_code(random);
+  const Camera camera = camera_for(conditions.module_px);
+  const ScenePlate plate = place(camera, code, conditions, random);
+  ViewOptions view;
+  view.sensor.blur_sigma_px = conditions.blur_px;
+  view.sensor.noise_sigma = conditions.noise;
+  view.sensor.tone = conditions.tone;
+  view.sensor.motion_px = {conditions.motion_px, 0};
+  view.sensor.exposure = 0.85;
+  view.seed = seed;
+  const View picture = render_view(camera, std::span(&plate, 1), view);
+  ReadOptions options;
+  options.check = CheckDigit::gs1;
+  if (conditions.book > 0) {
+    options.code_book.push_back(code);
+    while (options.code_book.size() < conditions.book) {
+      options.code_book.push_back(random_code(random));
+    }
+  }
+  Outcome outcome;
+  for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
+    if (reading.digits != code) {
+      outcome.wrong = true;
+      continue;
+    }
+    outcome.read = true;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d truth =
+          picture.plates.front().corners[i].value_or(Eigen::Vector2d::Zero());
+      outcome.errors[2 * i] = std::abs(reading.corners[i].x - truth.x());
+      outcome.errors[2 * i + 1] = std::abs(reading.corners[i].y - truth.y());
+    }
+  }
+  return outcome;
+}
+
+void run_cell(const std::string& name, const Conditions& conditions, int count) {
+  std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < outcomes.size(); i = next++) {
+      outcomes[i] = run_one(conditions, 1000 + i);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    threads.emplace_back(work);
+  }
+  threads.clear();
+  int read = 0, wrong = 0;
+  std::vector<double> errors;
+  for (const Outcome& outcome : outcomes) {
+    wrong += outcome.wrong ? 1 : 0;
+    if (!outcome.read) continue;
+    ++read;
+    errors.insert(errors.end(), outcome.errors.begin(), outcome.errors.end());
+  }
+  std::ranges::sort(errors);
+  const double median = errors.empty() ? 0 : errors[errors.size() / 2];
+  fmt::print("| {} | {:.1f} % | {} | {:.3f} |\n", name, 100.0 * read / count, wrong, median);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int count = argc > 1 ? std::atoi(argv[1]) : 60;
+  if (count < 1) {
+    fmt::print(stderr, "usage: bench_read_ladder [TAGS_PER_CELL]\n");
+    return 2;
+  }
+  fmt::print(
+      "| condition ({} tags each) | read | wrong | median corner error, px |\n|---|---|---|---|\n",
+      count);
+  Conditions typical;
+  typical.incidence = -1;
+  for (const double module_px : {0.35, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 4.0}) {
+    Conditions conditions = typical;
+    conditions.module_px = module_px;
+    run_cell(fmt::format("{} px/module, incidence 0-40", module_px), conditions, count);
+    conditions.blur_px = 0.35;
+    conditions.noise = 2;
+    run_cell(fmt::format("{} px/module, clean", module_px), conditions, count);
+    if (module_px > 0.6) continue;
+    conditions = typical;
+    conditions.module_px = module_px;
+    conditions.book = 200;
+    run_cell(fmt::format("{} px/module, code book of 200", module_px), conditions, count);
+  }
+  for (const double incidence : {50.0, 60.0, 65.0, 70.0}) {
+    Conditions conditions;
+    conditions.module_px = 1.5;
+    conditions.incidence = radians(incidence);
+    run_cell(fmt::format("incidence {} at 1.5 px/module", incidence), conditions, count);
+  }
+  for (const double noise : {10.0, 20.0, 30.0}) {
+    Conditions conditions = typical;
+    conditions.noise = noise;
+    run_cell(fmt::format("noise sigma {} at 2 px/module", noise), conditions, count);
+  }
+  for (const double growth : {-0.6, -0.4, -0.2, 0.2, 0.4, 0.6}) {
+    Conditions conditions = typical;
+    conditions.growth = growth;
+    run_cell(fmt::format("bar growth {} at 2 px/module", growth), conditions, count);
+  }
+  for (const double blur : {1.0, 1.5, 2.0}) {
+    Conditions conditions = typical;
+    conditions.blur_px = blur;
+    run_cell(fmt::format("blur sigma {} px at 2 px/module", blur), conditions, count);
+  }
+  Conditions linear = typical;
+  linear.tone = SensorTone::linear;
+  run_cell("linear camera at 2 px/module", linear, count);
+  Conditions pale = typical;
+  pale.contrast = 0.25;
+  run_cell("quarter contrast at 2 px/module", pale, count);
+  Conditions motion = typical;
+  motion.motion_px = 4;
+  run_cell("motion of 4 px at 2 px/module", motion, count);
+  return 0;
+}

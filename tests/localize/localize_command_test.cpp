@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.hpp"
+
+using nlohmann::json;
+using tagsmith::test::ProgramOutput;
+using tagsmith::test::run_tagsmith;
+using tagsmith::test::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string on_survey(const std::string& name, const std::string& run) {
+  const std::string folder = "surveys/" + name;
+  return "localize " + folder + "/survey.yaml --rig " + folder + "/rig.yaml --run " + run;
+}
+
+std::vector<json> json_lines(const std::string& text) {
+  std::vector<json> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
+  return lines;
+}
+
+std::string file_with(const fs::path& path, const std::string& text) {
+  std::ofstream(path) << text;
+  return path.string();
+}
+
+std::string contents(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::size_t count_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count(text, '\n'));
+}
+
+}  // namespace
+
+TEST_CASE("Table 4 through the command line, with the d that its results imply") {
+  const ProgramOutput output =
+      run_tagsmith(on_survey("corridor-table4", "surveys/corridor-table4/run.csv") + " --json");
+  CHECK(output.exit_code == 0);
+  CHECK(output.err.empty());
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 11);
+  const json& first = lines.front();
+  CHECK(first.at("id") == "1");
+  CHECK(first.at("status") == "ok");
+  CHECK(first.at("method") == "paper");
+  CHECK(first.at("position").at(0).get<double>() == doctest::Approx(0.980).epsilon(0.001));
+  CHECK(first.at("position").at(1).get<double>() == doctest::Approx(-0.419).epsilon(0.001));
+  CHECK(first.at("position").at(2).get<double>() == doctest::Approx(0.151).epsilon(0.005));
+  CHECK(first.at("heading_deg").is_null());
+  CHECK(first.at("covariance").size() == 9);
+  CHECK(first.at("covariance").at(1) == first.at("covariance").at(3));
+  CHECK(first.at("covariance").at(0).get<double>() > 0);
+  CHECK(first.at("tags") == json({"000L", "000R"}));
+  CHECK(first.at("reason").is_null());
+  CHECK(first.at("error_plane").get<double>() == doctest::Approx(0.083).epsilon(0.01));
+  CHECK(first.at("error_z").get<double>() == doctest::Approx(0.089).epsilon(0.01));
+  const json& summary = lines.back().at("summary");
+  CHECK(summary.at("count") == 10);
+  CHECK(summary.at("located") == 10);
+  CHECK(summary.at("mean_error_plane").get<double>() == doctest::Approx(0.142).epsilon(0.005));
+  CHECK(summary.at("mean_error_z").get<double>() == doctest::Approx(0.083).epsilon(0.005));
+}
+
+TEST_CASE("Table 4 with its printed d stays within the residuals of its rounding") {
+  const ProgramOutput printed = run_tagsmith(
+      on_survey("corridor-table4", "surveys/corridor-table4/run-printed-d.csv") + " --json");
+  const ProgramOutput implied =
+      run_tagsmith(on_survey("corridor-table4", "surveys/corridor-table4/run.csv") + " --json");
+  CHECK(printed.exit_code == 0);
+  const std::vector<json> a = json_lines(printed.out);
+  const std::vector<json> b = json_lines(implied.out);
+  REQUIRE(a.size() == 11);
+  REQUIRE(b.size() == 11);
+  const double limits[] = {0.0035, 0.0145, 0.0335};
+  for (std::size_t i = 0; i < 10; ++i) {
+    CAPTURE(i + 1);
+    const bool odd = i == 1 || i == 8;  // their printed d contradicts their printed result
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double moved =
+          a[i].at("position").at(axis).get<double>() - b[i].at("position").at(axis).get<double>();
+      if (!odd) CHECK(std::abs(moved) < limits[axis]);
+      if (odd && axis == 1)
+        CHECK(std::abs(moved) == doctest::Approx(i == 1 ? 0.060 : 0.039).epsilon(0.02));
+    }
+  }
+}
+
+TEST_CASE("the corridor photos: what is located is near the truth, the rest has its reason") {
+  const ProgramOutput output =
+      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --json");
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 11);
+  int located = 0;
+  for (std::size_t i = 0; i < 10; ++i) {
+    CHECK(lines[i].at("id") == std::to_string(i + 1));
+    CHECK(lines[i].at("tags").size() == 2);
+    if (lines[i].at("status") == "ok") {
+      ++located;
+      CHECK(lines[i].at("error_plane").get<double>() < 0.15);
+      CHECK(lines[i].at("error_z").get<double>() < 0.2);
+    } else {
+      CHECK(lines[i].at("status") == "no_position");
+      CHECK(lines[i].at("position").is_null());
+      CHECK(lines[i].at("covariance").is_null());
+      CHECK(lines[i].at("reason").get<std::string>().find("no real solution") != std::string::npos);
+      CHECK_FALSE(lines[i].contains("error_z"));
+    }
+  }
+  CHECK(located == lines.back().at("summary").at("located").get<int>());
+  CHECK(located >= 2);
+}
+
+TEST_CASE("the number of jobs changes nothing in the output") {
+  const std::string arguments = on_survey("corridor", "surveys/corridor/run.csv") + " --json";
+  CHECK(run_tagsmith(arguments + " --jobs 1").out == run_tagsmith(arguments + " --jobs 3").out);
+}
+
+TEST_CASE("the paper's own pipeline can read the images") {
+  const ProgramOutput output =
+      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --reader paper --json");
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 11);
+  // Another plate, cut by the border, is the second largest white area of the left image.
+  CHECK(lines[1].at("reason").get<std::string>().find(
+            "corridor_02_left.jpg: no tag read (scan the rows") != std::string::npos);
+  CHECK(lines[9].at("tags") == json({"007L", "007R"}));
+}
+
+TEST_CASE("the table for people names the points, positions and errors") {
+  const ProgramOutput output =
+      run_tagsmith(on_survey("corridor-table4", "surveys/corridor-table4/run.csv"));
+  CHECK(output.exit_code == 0);
+  CHECK(output.out.find("000L 000R      0.980    -0.419     0.151") != std::string::npos);
+  CHECK(output.out.find(
+            "10 measurements, 10 located; mean error 0.142 m in the plane, 0.083 m in z") !=
+        std::string::npos);
+}
+
+TEST_CASE("positions go to a file too") {
+  const TemporaryFolder folder;
+  const fs::path fixes = folder.path() / "fixes.csv";
+  const ProgramOutput output = run_tagsmith(
+      on_survey("corridor-table4", "surveys/corridor-table4/run.csv") + " -o " + fixes.string());
+  CHECK(output.exit_code == 0);
+  const std::string text = contents(fixes);
+  CHECK(text.starts_with("id,status,method,survey,x,y,z,"));
+  CHECK(count_lines(text) == 11);
+  CHECK(text.find("\n1,ok,paper,corridor-table4,0.98000") != std::string::npos);
+}
+
+TEST_CASE("a missing or broken image costs its own row only") {
+  const TemporaryFolder folder;
+  const fs::path photos = fs::absolute("surveys/corridor/photos");
+  file_with(folder.path() / "broken.jpg", "not a picture");
+  const std::string good_left = (photos / "corridor_05_left.jpg").string();
+  const std::string good_right = (photos / "corridor_05_right.jpg").string();
+  const std::string run = file_with(folder.path() / "run.csv",
+                                    "id,left,right,d\n"
+                                    "missing,nowhere.jpg," +
+                                        good_right +
+                                        ",0.894\n"
+                                        "broken," +
+                                        good_left +
+                                        ",broken.jpg,0.894\n"
+                                        "none,,,0.894\n"
+                                        "far," +
+                                        good_left + "," + good_right +
+                                        ",7\n"
+                                        "good," +
+                                        good_left + "," + good_right + ",0.894\n");
+  const ProgramOutput output = run_tagsmith(on_survey("corridor", run) + " --json");
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 6);
+  const auto reason = [&](std::size_t i) { return lines[i].at("reason").get<std::string>(); };
+  CHECK(reason(0).find("nowhere.jpg") != std::string::npos);
+  CHECK(reason(0).find("no tag on the left wall was seen") != std::string::npos);
+  CHECK(reason(1).find("broken.jpg") != std::string::npos);
+  CHECK(reason(2) == "no tag was seen");
+  CHECK(reason(3) == "d is 7 m, expected 0.25 to 5 m");
+  CHECK(lines[4].at("status") == "ok");
+  CHECK(lines[5].at("summary").at("located") == 1);
+  CHECK_FALSE(lines[5].at("summary").contains("mean_error_plane"));
+}
+
+TEST_CASE("wrong use and unreadable input are exit code 2, on standard error") {
+  const TemporaryFolder folder;
+  const std::string table4 = "surveys/corridor-table4/";
+  const std::string run = table4 + "run.csv";
+  const std::string broken_run = file_with(folder.path() / "run.csv", "id,middle,d\n1,x.jpg,abc\n");
+  const std::string file = file_with(folder.path() / "file", "");
+  const std::vector<std::string> wrong = {
+      "localize",
+      "localize " + table4 + "survey.yaml --run " + run,
+      "localize no/survey.yaml --rig " + table4 + "rig.yaml --run " + run,
+      "localize " + table4 + "survey.yaml --rig no/rig.yaml --run " + run,
+      "localize " + table4 + "survey.yaml --rig " + table4 + "rig.yaml --run no/run.csv",
+      "localize " + table4 + "survey.yaml --rig " + table4 + "survey.yaml --run " + run,
+      on_survey("corridor-table4", broken_run),
+      on_survey("corridor-table4", run) + " --method joyful",
+      on_survey("corridor-table4", run) + " --reader mine",
+      on_survey("corridor-table4", run) + " --jobs -1",
+      on_survey("corridor-table4", run) + " -o " + file + "/inside/fixes.csv",
+  };
+  for (const std::string& arguments : wrong) {
+    CAPTURE(arguments);
+    const ProgramOutput output = run_tagsmith(arguments);
+    CHECK(output.exit_code == 2);
+    CHECK(output.out.empty());
+    CHECK_FALSE(output.err.empty());
+  }
+}
+
+TEST_CASE("the help has an example") {
+  const ProgramOutput output = run_tagsmith("localize --help");
+  CHECK(output.exit_code == 0);
+  CHECK(output.out.find("tagsmith localize surveys/corridor/survey.yaml --rig") !=
+        std::string::npos);
+}
