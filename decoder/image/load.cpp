@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/image/load.hpp"
 
+#include <cstring>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <cstring>
-#include <string>
-
+#include "decoder/image/image_header.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith {
 namespace {
@@ -32,47 +37,78 @@ GrayImage copy_of(const cv::Mat& mat) {
   return image;
 }
 
+// Refuses what would not decode to a usable picture before the decoder allocates for it.
+Result<void> check_header(const std::string& bytes) {
+  const std::optional<ImageHeader> header = read_image_header(bytes);
+  if (!header) {
+    return fail("is no image this program can read, expected JPEG, PNG, WebP, TIFF, PNM or BMP");
+  }
+  const double pixels = static_cast<double>(header->width) * header->height;
+  if (pixels > kMaxPixels) {
+    return fail("says it has " + std::to_string(header->width) + " x " +
+                std::to_string(header->height) + " pixels, expected at most " +
+                format_number(kMaxPixels / 1e6) + " million");
+  }
+  if (!header->complete) return fail("is cut short: its end is missing");
+  return {};
+}
+
+Result<GrayImage> decode(const std::string& bytes) {
+  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
+                        const_cast<char*>(bytes.data()));  // cv::Mat has no view of const data
+  try {
+    constexpr int kFlags =
+        cv::IMREAD_ANYDEPTH | cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
+    const cv::Mat image = cv::imdecode(encoded, kFlags);
+    if (image.empty()) return fail("cannot be decoded: it is damaged or cut short");
+    if (image.depth() != CV_8U && image.depth() != CV_16U) {
+      return fail("has samples that are neither 8 nor 16 bits deep");
+    }
+    return copy_of(to_gray_8bit(image));
+  } catch (const cv::Exception& error) {
+    return fail("cannot be decoded: " + error.err);
+  } catch (const std::bad_alloc&) {
+    return fail("is too large for the memory there is");
+  }
+}
+
 }  // namespace
 
 Result<GrayImage> load_gray_image(const std::filesystem::path& path) {
   const Result<std::string> bytes = read_file(path, kMaxFileBytes);
   if (!bytes) return fail(bytes.error().message);
   if (bytes->empty()) return fail(path.string() + ": is empty, expected an image");
-  const cv::Mat encoded(1, static_cast<int>(bytes->size()), CV_8U,
-                        const_cast<char*>(bytes->data()));  // cv::Mat has no view of const data
-  try {
-    constexpr int kFlags =
-        cv::IMREAD_ANYDEPTH | cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
-    const cv::Mat image = cv::imdecode(encoded, kFlags);
-    if (image.empty()) {
-      return fail(path.string() +
-                  ": is no image this program can read (expected JPEG, PNG, WebP, TIFF or PNM)");
-    }
-    if (static_cast<double>(image.total()) > kMaxPixels) {
-      return fail(path.string() + ": has more than 200 million pixels");
-    }
-    if (image.depth() != CV_8U && image.depth() != CV_16U) {
-      return fail(path.string() + ": has samples that are neither 8 nor 16 bits deep");
-    }
-    return copy_of(to_gray_8bit(image));
-  } catch (const cv::Exception& error) {
-    return fail(path.string() + ": cannot be decoded: " + error.err);
+  if (const auto header = check_header(*bytes); !header) {
+    return fail(path.string() + ": " + header.error().message);
   }
+  Result<GrayImage> image = decode(*bytes);
+  if (!image) return fail(path.string() + ": " + image.error().message);
+  return image;
 }
 
-Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& image) {
+Result<std::string> encode_gray_image(const std::filesystem::path& name, const GrayView& image,
+                                      int jpeg_quality) {
+  if (image.width <= 0 || image.height <= 0) return fail(name.string() + ": an image of no size");
   const cv::Mat mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
                     static_cast<std::size_t>(image.stride));
   std::vector<std::uint8_t> encoded;
   try {
-    const std::vector<int> parameters{cv::IMWRITE_JPEG_QUALITY, 95};
-    if (!cv::imencode(path.extension().string(), mat, encoded, parameters)) {
-      return fail(path.string() + ": its extension is no image format this program can write");
+    const std::vector<int> parameters{cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
+    if (!cv::imencode(name.extension().string(), mat, encoded, parameters)) {
+      return fail(name.string() + ": cannot be encoded");
     }
-  } catch (const cv::Exception& error) {
-    return fail(path.string() + ": cannot be encoded: " + error.err);
+  } catch (const cv::Exception&) {
+    return fail(name.string() + ": its extension `" + name.extension().string() +
+                "` is no image format this program can write, expected .png or .jpg");
   }
-  return write_file(path, {reinterpret_cast<const char*>(encoded.data()), encoded.size()});
+  return std::string(encoded.begin(), encoded.end());
+}
+
+Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& image,
+                             int jpeg_quality) {
+  const Result<std::string> bytes = encode_gray_image(path, image, jpeg_quality);
+  if (!bytes) return fail(bytes.error().message);
+  return write_file(path, *bytes);
 }
 
 }  // namespace tagsmith

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <string>
 
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
@@ -15,7 +15,13 @@ namespace tagsmith {
 // are truncated, or have more than 200 million pixels.
 Result<GrayImage> load_gray_image(const std::filesystem::path& path);
 
-// Writes PNG or JPEG by the file's extension, whole or not at all.
-Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& image);
+// The bytes of an image file of the format that the name's extension says (PNG, JPEG and others);
+// `jpeg_quality` 1 to 100 concerns JPEG only.
+Result<std::string> encode_gray_image(const std::filesystem::path& name, const GrayView& image,
+                                      int jpeg_quality = 95);
+
+// Writes the file of that name, whole or not at all.
+Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& image,
+                             int jpeg_quality = 95);
 
 }  // namespace tagsmith

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/image_header.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace tagsmith {
+namespace {
+
+using namespace std::string_view_literals;
+
+// Bytes as numbers; reading beyond the end gives 0 and is remembered.
+class Bytes {
+ public:
+  explicit Bytes(std::string_view bytes, bool big_endian = false)
+      : bytes_(bytes), big_endian_(big_endian) {}
+
+  std::uint32_t number(std::size_t offset, std::size_t size) {
+    if (offset > bytes_.size() || bytes_.size() - offset < size) {
+      beyond_ = true;
+      return 0;
+    }
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
+      value = value << 8U | static_cast<unsigned char>(bytes_[at]);
+    }
+    return value;
+  }
+
+  bool beyond() const { return beyond_; }
+
+ private:
+  std::string_view bytes_;
+  bool big_endian_;
+  bool beyond_ = false;
+};
+
+std::optional<ImageHeader> header_of(const Bytes& bytes, std::uint32_t width, std::uint32_t height,
+                                     bool complete = true) {
+  if (bytes.beyond() || width == 0 || height == 0) return std::nullopt;
+  return ImageHeader{width, height, complete};
+}
+
+// ISO/IEC 15948, 11.2.2 IHDR and 11.2.5 IEND.
+std::optional<ImageHeader> read_png(std::string_view text) {
+  Bytes bytes(text, true);
+  const bool complete = text.find("IEND"sv) != std::string_view::npos;
+  return header_of(bytes, bytes.number(16, 4), bytes.number(20, 4), complete);
+}
+
+// ITU-T T.81, B.1.1.3: the frame header (SOF) among the marker segments; the end of the image (EOI)
+// cannot occur within the coded data that follow it.
+std::optional<ImageHeader> read_jpeg(std::string_view text) {
+  Bytes bytes(text, true);
+  std::size_t at = 2;
+  while (!bytes.beyond()) {
+    if (bytes.number(at, 1) != 0xFF) return std::nullopt;
+    const std::uint32_t marker = bytes.number(at + 1, 1);
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    const bool is_frame =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame) {
+      const bool complete = text.find("\xFF\xD9"sv, at) != std::string_view::npos;
+      return header_of(bytes, bytes.number(at + 7, 2), bytes.number(at + 5, 2), complete);
+    }
+    const std::size_t length = bytes.number(at + 2, 2);
+    if (length < 2) return std::nullopt;
+    at += 2 + length;
+  }
+  return std::nullopt;
+}
+
+// RFC 9649, 2.5 to 2.7.
+std::optional<ImageHeader> read_webp(std::string_view text) {
+  Bytes bytes(text);
+  const std::string_view kind = text.substr(12, 4);
+  const bool complete = text.size() >= std::size_t{8} + bytes.number(4, 4);
+  if (kind == "VP8X"sv) {
+    return header_of(bytes, 1 + bytes.number(24, 3), 1 + bytes.number(27, 3), complete);
+  }
+  if (kind == "VP8L"sv) {
+    const std::uint32_t bits = bytes.number(21, 4);
+    return header_of(bytes, 1 + (bits & 0x3FFFU), 1 + (bits >> 14U & 0x3FFFU), complete);
+  }
+  if (kind != "VP8 "sv) return std::nullopt;
+  return header_of(bytes, bytes.number(26, 2) & 0x3FFFU, bytes.number(28, 2) & 0x3FFFU, complete);
+}
+
+// TIFF 6.0, section 2: the first directory's ImageWidth (256) and ImageLength (257).
+std::optional<ImageHeader> read_tiff(std::string_view text) {
+  Bytes bytes(text, text.front() == 'M');
+  const std::size_t directory = bytes.number(4, 4);
+  const std::uint32_t count = bytes.number(directory, 2);
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  for (std::uint32_t i = 0; i < count && !bytes.beyond(); ++i) {
+    const std::size_t entry = directory + 2 + std::size_t{12} * i;
+    const std::uint32_t tag = bytes.number(entry, 2);
+    constexpr std::uint32_t kShort = 3;
+    const std::size_t size = bytes.number(entry + 2, 2) == kShort ? 2 : 4;
+    if (tag == 256) width = bytes.number(entry + 8, size);
+    if (tag == 257) height = bytes.number(entry + 8, size);
+  }
+  return header_of(bytes, width, height);
+}
+
+// Netpbm: "P", a digit, then width and height as text among white space and # comments.
+std::optional<ImageHeader> read_pnm(std::string_view text) {
+  std::size_t at = 2;
+  const auto number = [&]() -> std::uint32_t {
+    while (at < text.size() &&
+           (std::isspace(static_cast<unsigned char>(text[at])) != 0 || text[at] == '#')) {
+      at = text[at] == '#' ? std::min(text.find('\n', at), text.size()) : at + 1;
+    }
+    std::uint32_t value = 0;
+    constexpr std::uint32_t kMost = 100'000'000;
+    for (; at < text.size() && text[at] >= '0' && text[at] <= '9' && value < kMost; ++at) {
+      value = 10 * value + static_cast<std::uint32_t>(text[at] - '0');
+    }
+    return value;
+  };
+  const std::uint32_t width = number();
+  const std::uint32_t height = number();
+  return header_of(Bytes(text), width, height);
+}
+
+// BITMAPCOREHEADER has 12 bytes and 16-bit sizes, its successors 32-bit ones; a negative height
+// means that the rows come from the top.
+std::optional<ImageHeader> read_bmp(std::string_view text) {
+  Bytes bytes(text);
+  if (bytes.number(14, 4) == 12) return header_of(bytes, bytes.number(18, 2), bytes.number(20, 2));
+  const auto height = static_cast<std::int32_t>(bytes.number(22, 4));
+  const std::uint32_t rows =
+      height < 0 ? 0U - static_cast<std::uint32_t>(height) : static_cast<std::uint32_t>(height);
+  return header_of(bytes, bytes.number(18, 4), rows);
+}
+
+}  // namespace
+
+std::optional<ImageHeader> read_image_header(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1A\n"sv)) return read_png(bytes);
+  if (bytes.starts_with("\xFF\xD8\xFF"sv)) return read_jpeg(bytes);
+  if (bytes.starts_with("RIFF"sv) && bytes.size() > 16 && bytes.substr(8, 4) == "WEBP"sv) {
+    return read_webp(bytes);
+  }
+  if (bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv)) return read_tiff(bytes);
+  if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6') {
+    return read_pnm(bytes);
+  }
+  if (bytes.starts_with("BM"sv)) return read_bmp(bytes);
+  return std::nullopt;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/simulate/tunnel_backdrop.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "decoder/simulate/noise.hpp"
+#include "decoder/simulate/tunnel_walls.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kFar = 1e6;  // metres of depth where there is nothing
+
+struct Place {
+  double depth = kFar;
+  double u = 0;  // metres on the surface
+  double v = 0;
+  double cosine = 1;  // between the ray and the surface's normal
+  enum class Kind { nothing, left, right, floor, roof } kind = Kind::nothing;
+};
+
+// Fractal value noise about 0. An octave finer than the pixel's footprint is left out, because it
+// would only flicker.
+double roughness(std::uint64_t seed, double u, double v, double footprint) {
+  struct Octave {
+    double wavelength;
+    double amplitude;
+  };
+  constexpr std::array<Octave, 5> kOctaves{
+      {{1.3, 0.35}, {0.45, 0.30}, {0.16, 0.25}, {0.055, 0.2}, {0.02, 0.15}}};
+  double sum = 0;
+  for (const Octave& octave : kOctaves) {
+    const double fade = std::min(octave.wavelength / footprint / 2 - 0.5, 1.0);
+    if (fade <= 0) break;
+    const double noise = value_noise(++seed, u / octave.wavelength, v / octave.wavelength);
+    sum += fade * octave.amplitude * (2 * noise - 1);
+  }
+  return sum;
+}
+
+// Share of mortar at a place of the wall, softened over the footprint.
+double mortar(double u, double v, double footprint) {
+  constexpr double kLength = 0.52;
+  constexpr double kCourse = 0.18;
+  constexpr double kJoint = 0.018;
+  const double course = std::floor(v / kCourse);
+  const double shifted = u / kLength + 0.5 * (course - 2 * std::floor(course / 2));
+  const double to_side = kLength * std::abs(shifted - std::round(shifted));
+  const double to_course = kCourse * std::abs(v / kCourse - std::round(v / kCourse));
+  const double to_joint = std::min(to_side, to_course);
+  const double soft = std::max(footprint, 1e-3);
+  const double share = std::clamp((kJoint / 2 - to_joint) / soft + 0.5, 0.0, 1.0);
+  return share * std::min(1.0, kJoint / soft);
+}
+
+double reflectance(const Place& place, double footprint, std::uint64_t seed) {
+  const auto kind = static_cast<std::uint64_t>(place.kind);
+  const double rough = roughness(seed + 100 * kind, place.u, place.v, footprint);
+  if (place.kind == Place::Kind::floor) return 0.16 * (1 + 0.8 * rough);
+  if (place.kind == Place::Kind::roof) return 0.22 * (1 + 0.8 * rough);
+  const double brick = 0.22 * (1 + 0.7 * rough);
+  return brick + mortar(place.u, place.v, footprint) * (0.40 * (1 + 0.3 * rough) - brick);
+}
+
+// Height above the floor of the point `way` along the ray.
+struct Height {
+  const Tunnel& tunnel;
+  bool level = true;
+
+  double operator()(const Vector3d& point) const {
+    const Centerline& line = tunnel.centerline;
+    const double chainage = level ? 0.0 : line.locate(point.head<2>()).chainage;
+    return point.z() - line.at(chainage).position.z();
+  }
+};
+
+// The way to where the height above the floor passes `target`, between 0 and `way`, at whose ends
+// it lies on different sides: regula falsi (Illinois). The height is all but linear along a ray.
+double way_to_height(const Height& height, const Vector3d& origin, const Vector3d& ray, double way,
+                     double target) {
+  double low = 0;
+  double high = way;
+  double low_value = height(origin) - target;
+  double high_value = height(origin + high * ray) - target;
+  for (int i = 0; i < 12 && std::abs(high - low) > 1e-4; ++i) {
+    const double middle = (low * high_value - high * low_value) / (high_value - low_value);
+    const double value = height(origin + middle * ray) - target;
+    if (std::abs(value) < 1e-4) return middle;
+    if ((value > 0) == (high_value > 0)) {
+      high = middle;
+      high_value = value;
+      low_value *= 0.5;
+    } else {
+      low = middle;
+      low_value = value;
+      high_value *= 0.5;
+    }
+  }
+  return high;
+}
+
+Place look(const TunnelWalls& walls, const Height& height, const Vector3d& origin,
+           const Vector3d& ray) {
+  Place place;
+  const std::optional<WallHit> wall = walls.first_hit(origin.head<2>(), ray.head<2>());
+  const double way = wall ? wall->way : kFar;
+  const double height_there = height(origin + way * ray);
+  const double roof = height.tunnel.height;
+  if (height_there < 0 || height_there > roof) {
+    const bool down = height_there < 0;
+    place.kind = down ? Place::Kind::floor : Place::Kind::roof;
+    place.depth = way_to_height(height, origin, ray, way, down ? 0 : roof);
+    const Vector3d point = origin + place.depth * ray;
+    place.u = point.x();
+    place.v = point.y();
+    place.cosine = std::abs(ray.z()) / ray.norm();
+  } else if (wall) {
+    place.kind = wall->side == Side::left ? Place::Kind::left : Place::Kind::right;
+    place.depth = way;
+    place.u = wall->chainage;
+    place.v = height_there;
+    place.cosine = wall->cosine * ray.head<2>().norm() / ray.norm();
+  }
+  return place;
+}
+
+bool is_level(const Centerline& line) {
+  return std::ranges::all_of(line.elements(),
+                             [](const CenterlineElement& element) { return element.grade == 0; });
+}
+
+}  // namespace
+
+Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& camera,
+                         const Pose& world_from_camera, const Lighting& lighting,
+                         std::uint64_t seed) {
+  const Vector3d origin = world_from_camera.translation;
+  const double chainage = tunnel.centerline.locate(origin.head<2>()).chainage;
+  const TunnelWalls walls(tunnel, standoff, chainage);
+  const Height height{tunnel, is_level(tunnel.centerline)};
+  Backdrop backdrop{LightImage(camera.width, camera.height),
+                    LightImage(camera.width, camera.height, static_cast<float>(kFar))};
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Vector3d ray = world_from_camera.rotation *
+                           ray_through(camera, {static_cast<double>(x), static_cast<double>(y)});
+      const Place place = look(walls, height, origin, ray);
+      if (place.kind == Place::Kind::nothing) continue;
+      const double distance = place.depth * ray.norm();
+      const double footprint = distance / camera.fx / std::sqrt(std::max(place.cosine, 0.01));
+      const double light =
+          irradiance(lighting, distance, place.cosine) * reflectance(place, footprint, seed);
+      backdrop.light.row(y)[x] = static_cast<float>(std::max(light, 0.0));
+      backdrop.depth.row(y)[x] = static_cast<float>(place.depth);
+    }
+  }
+  return backdrop;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vertical walls of a tunnel, seen from above.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Where a line of sight, seen from above, first meets a wall.
+struct WallHit {
+  double way = 0;       // in lengths of the ray's direction vector
+  double chainage = 0;  // metres
+  Side side = Side::left;
+  double cosine = 1;  // of the angle between the ray, seen from above, and the wall's normal
+};
+
+// The walls along a tunnel's center line, straight on before its start and beyond its end. World
+// frame.
+class TunnelWalls {
+ public:
+  // Walls that stand `standoff` metres behind the plates' planes, as far as `reach` metres along
+  // the tunnel before and after `chainage`. The inner wall of an arc that leaves it no radius is
+  // left out.
+  TunnelWalls(const Tunnel& tunnel, double standoff, double chainage, double reach = 60);
+
+  std::optional<WallHit> first_hit(const Eigen::Vector2d& origin,
+                                   const Eigen::Vector2d& direction) const;
+
+ private:
+  struct Straight {
+    Eigen::Vector2d start;
+    Eigen::Vector2d along;
+    Eigen::Vector2d across;  // to the right of the drive
+    double length;
+    double chainage;
+    Side side;
+  };
+  struct Arc {
+    Eigen::Vector2d centre;
+    Eigen::Vector2d from_centre;  // unit, to the start
+    double radius;
+    double curvature;  // of the center line
+    double length;     // of the center line
+    double chainage;
+    Side side;
+  };
+
+  void add(const CenterlinePoint& start, double curvature, double length, double chainage,
+           double half_width);
+  static void meet(const Straight& wall, const Eigen::Vector2d& origin,
+                   const Eigen::Vector2d& direction, std::optional<WallHit>& nearest);
+  static void meet(const Arc& wall, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+                   std::optional<WallHit>& nearest);
+
+  std::vector<Straight> straights_;
+  std::vector<Arc> arcs_;
+};
+
+// How far the walls must stand behind the plates' planes so that no plate within the reach of
+// `chainage` sinks into them: 10 mm more than the plate corner that lies farthest out (flat plates
+// stick out of the planes' curve on the outer side of an arc, surveyed ones anywhere); at most
+// 0.5 m.
+double wall_standoff(const Survey& survey, double chainage, double reach = 60);
+
+}  // namespace tagsmith

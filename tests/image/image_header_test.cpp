@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/image_header.hpp"
+
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "decoder/image/load.hpp"
+
+namespace tagsmith {
+namespace {
+
+GrayImage ramp(int width, int height) {
+  GrayImage image{width, height, {}};
+  for (int i = 0; i < width * height; ++i) {
+    image.samples.push_back(static_cast<std::uint8_t>(i * 7 % 251));
+  }
+  return image;
+}
+
+std::string encoded(const std::string& extension, int width = 37, int height = 23) {
+  const GrayImage image = ramp(width, height);
+  const auto bytes = encode_gray_image("image" + extension, image.view());
+  REQUIRE(bytes);
+  return *bytes;
+}
+
+TEST_CASE("The size is read from every format's header") {
+  for (const char* extension : {".png", ".jpg", ".webp", ".tiff", ".pgm", ".bmp"}) {
+    CAPTURE(extension);
+    const auto header = read_image_header(encoded(extension));
+    REQUIRE(header);
+    CHECK(header->width == 37);
+    CHECK(header->height == 23);
+    CHECK(header->complete);
+  }
+}
+
+TEST_CASE("Comments in a PNM header are skipped") {
+  const auto header = read_image_header("P5 # by hand\n# 99 98\n 12\t34\n255\n");
+  REQUIRE(header);
+  CHECK(header->width == 12);
+  CHECK(header->height == 34);
+}
+
+TEST_CASE("A JPEG's thumbnail does not stand in for its end") {
+  std::string bytes = encoded(".jpg");
+  bytes.insert(2, std::string("\xFF\xE1\x00\x06\xFF\xD8\xFF\xD9", 8));
+  CHECK(read_image_header(bytes)->complete);
+  bytes.resize(bytes.size() - 40);
+  const auto header = read_image_header(bytes);
+  REQUIRE(header);
+  CHECK(header->width == 37);
+  CHECK_FALSE(header->complete);
+}
+
+TEST_CASE("No header cut anywhere, nor any flipped byte, is read beyond its end") {
+  std::mt19937 random(1);
+  for (const char* extension : {".png", ".jpg", ".webp", ".tiff", ".pgm", ".bmp"}) {
+    const std::string bytes = encoded(extension);
+    for (std::size_t size = 0; size < bytes.size() && size < 800; ++size) {
+      // A heap copy of exactly this size, so that the sanitizers see a read beyond it.
+      const std::string cut = bytes.substr(0, size);
+      const auto header = read_image_header(cut);
+      CHECK((!header || header->width == 37));
+    }
+    for (int i = 0; i < 2000; ++i) {
+      std::string changed = bytes;
+      changed[random() % changed.size()] = static_cast<char>(random());
+      const auto header = read_image_header(changed);
+      CHECK((!header || header->height > 0));
+    }
+  }
+}
+
+TEST_CASE("Other files have no header") {
+  for (const char* text : {"", "P", "P5", "P5 3", "GIF89a", "hello", "BM", "\xFF\xD8\xFF", "RIFF",
+                           "RIFF....WEBP", "II*", "P5 0 10\n255\n", "P9 3 3"}) {
+    CAPTURE(text);
+    CHECK_FALSE(read_image_header(text));
+  }
+}
+
+}  // namespace
+}  // namespace tagsmith

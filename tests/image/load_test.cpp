@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/load.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <sys/resource.h>
+
+#include "tagsmith/base/file.hpp"
+#include "tests/support/program.hpp"
+
+namespace tagsmith {
+namespace {
+
+namespace fs = std::filesystem;
+
+GrayImage ramp(int width, int height) {
+  GrayImage image{width, height, {}};
+  for (int i = 0; i < width * height; ++i) {
+    image.samples.push_back(static_cast<std::uint8_t>(i * 7 % 251));
+  }
+  return image;
+}
+
+// The error of loading a file of these bytes; "" when it could be loaded.
+std::string error_of(const std::string& bytes, const std::string& name = "image") {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / name;
+  REQUIRE(write_file(path, bytes));
+  const auto image = load_gray_image(path);
+  if (image) return "";
+  CHECK(image.error().message.find(path.string()) == 0);
+  return image.error().message;
+}
+
+long peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+TEST_CASE("Lossless formats come back as they were") {
+  const test::TemporaryFolder folder;
+  const GrayImage image = ramp(61, 40);
+  for (const char* name : {"a.png", "b.tiff", "c.pgm", "d.bmp", "E.PNG"}) {
+    CAPTURE(name);
+    REQUIRE(save_gray_image(folder.path() / name, image.view()));
+    const auto loaded = load_gray_image(folder.path() / name);
+    REQUIRE(loaded);
+    CHECK(loaded->width == 61);
+    CHECK(loaded->height == 40);
+    CHECK(loaded->samples == image.samples);
+  }
+}
+
+TEST_CASE("A view with padded rows is saved without the padding") {
+  const test::TemporaryFolder folder;
+  const GrayImage image = ramp(50, 30);
+  const GrayView left{image.samples.data(), 20, 30, 50};
+  REQUIRE(save_gray_image(folder.path() / "left.png", left));
+  const auto loaded = load_gray_image(folder.path() / "left.png");
+  REQUIRE(loaded);
+  CHECK(loaded->width == 20);
+  CHECK(loaded->samples[20] == image.samples[50]);
+}
+
+TEST_CASE("16-bit samples are scaled to 8 bits and rounded") {
+  const test::TemporaryFolder folder;
+  const std::string pixels("\x00\x00\x80\x80\xFF\xFF\x01\x01", 8);
+  REQUIRE(write_file(folder.path() / "deep.pgm", "P5 4 1 65535\n" + pixels));
+  const auto image = load_gray_image(folder.path() / "deep.pgm");
+  REQUIRE(image);
+  CHECK(image->samples == std::vector<std::uint8_t>{0, 128, 255, 1});
+}
+
+TEST_CASE("Colour becomes luma") {
+  const test::TemporaryFolder folder;
+  const std::string pixels("\xFF\x00\x00\x00\xFF\x00\x00\x00\xFF\x64\x64\x64", 12);
+  REQUIRE(write_file(folder.path() / "colour.ppm", "P6 4 1 255\n" + pixels));
+  const auto image = load_gray_image(folder.path() / "colour.ppm");
+  REQUIRE(image);
+  // ITU-R BT.601: 0.299, 0.587, 0.114 of 255.
+  const std::vector<std::uint8_t> expected{76, 150, 29, 100};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CAPTURE(i);
+    CHECK(std::abs(image->samples[i] - expected[i]) <= 1);
+  }
+}
+
+TEST_CASE("What is no image says so") {
+  CHECK(error_of("").find("is empty") != std::string::npos);
+  CHECK(error_of("hello, I am text").find("is no image") != std::string::npos);
+  CHECK(error_of(std::string(1000, '\0')).find("is no image") != std::string::npos);
+  const auto missing = load_gray_image("no/such/image.png");
+  REQUIRE_FALSE(missing);
+  CHECK(missing.error().message == "no/such/image.png: no such file");
+  CHECK_FALSE(load_gray_image("tests"));
+}
+
+TEST_CASE("A file cut short is refused, never half a picture") {
+  const GrayImage image = ramp(200, 150);
+  for (const char* name : {"a.png", "a.jpg", "a.webp", "a.tiff", "a.pgm", "a.bmp"}) {
+    const auto bytes = encode_gray_image(name, image.view());
+    REQUIRE(bytes);
+    CHECK(error_of(*bytes) == "");
+    for (const double share : {0.001, 0.02, 0.3, 0.6, 0.9, 0.999}) {
+      CAPTURE(name);
+      CAPTURE(share);
+      const auto size = static_cast<std::size_t>(share * static_cast<double>(bytes->size()));
+      CHECK(error_of(bytes->substr(0, size)) != "");
+    }
+  }
+}
+
+TEST_CASE("A header that asks for a huge picture is refused before memory is taken") {
+  const long before = peak_megabytes();
+  const std::string huge = error_of("P5 40000 40000 255\nabc");
+  CHECK(huge.find("says it has 40000 x 40000 pixels, expected at most 200 million") !=
+        std::string::npos);
+  auto png = *encode_gray_image("a.png", ramp(8, 8).view());
+  png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
+  CHECK(error_of(png).find("65535 x 65535") != std::string::npos);
+  auto jpeg = *encode_gray_image("a.jpg", ramp(8, 8).view());
+  const std::size_t frame = jpeg.find("\xFF\xC0");
+  REQUIRE(frame != std::string::npos);
+  jpeg.replace(frame + 5, 4, std::string("\xFF\xFF\xFF\xFF", 4));
+  CHECK(error_of(jpeg).find("65535 x 65535") != std::string::npos);
+  CHECK(peak_megabytes() - before < 200);
+}
+
+TEST_CASE("Saving needs a format and a place") {
+  const GrayImage image = ramp(5, 5);
+  const auto unknown = save_gray_image("image.xyz", image.view());
+  REQUIRE_FALSE(unknown);
+  CHECK(unknown.error().message.find("expected .png or .jpg") != std::string::npos);
+  CHECK_FALSE(save_gray_image("image", image.view()));
+  CHECK_FALSE(save_gray_image("/proc/no/such/image.png", image.view()));
+  CHECK_FALSE(save_gray_image("empty.png", GrayView{}));
+}
+
+TEST_CASE("JPEG quality decides the size") {
+  const GrayImage image = ramp(300, 200);
+  const auto fine = encode_gray_image("a.jpg", image.view(), 95);
+  const auto coarse = encode_gray_image("a.jpg", image.view(), 30);
+  REQUIRE(fine);
+  REQUIRE(coarse);
+  CHECK(coarse->size() < fine->size());
+}
+
+}  // namespace
+}  // namespace tagsmith
