@@ -100,12 +100,16 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   // A symbol of ours explains 95 % and more of its profile when it can be read at all; the product
   // codes and random stripes of the test pictures reach 88 %.
   constexpr double kLeastExplained = 0.9;
+  // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.
+  constexpr double kLeastDigit = 0.75;
   constexpr double kLeastGuards = 0.8;
   constexpr double kLeastKept = 0.7;
   constexpr double kMostGrowth = 0.7;  // modules; beyond, narrow elements vanish
   const Decoding& decoding = attempt.decoding;
   if (decoding.guards < kLeastGuards) return "guard pattern";
-  if (decoding.fit.explained < kLeastExplained) return "element widths";
+  if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
+    return "element widths";
+  }
   if (decoding.fit.kept < kLeastKept) return "bars covered";
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (decoding.confidence < options.min_confidence) return "not certain enough";

@@ -357,6 +357,8 @@ std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolI
   if (!decoding) return std::nullopt;
   decoding->fit.kept = cleaned.kept;
   decoding->guards = explained_by_guards(cleaned.profile, decoding->fit.image, decoding->digits);
+  decoding->worst_digit =
+      least_explained_digit(cleaned.profile, decoding->fit.image, decoding->digits);
   const double per_place =
       decoding->fit.cost / (cleaned.kept * static_cast<double>(profile.size()));
   const double temperature = options.flattening * std::max(1.0, per_place);

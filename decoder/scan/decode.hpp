@@ -24,7 +24,8 @@ struct Decoding {
   Digits digits{};
   double confidence = 0;  // posterior probability of these digits, given that a symbol is there
   SymbolFit fit;
-  double guards = 0;  // explained_by_guards, without what was set aside
+  double guards = 0;       // explained_by_guards, without what was set aside
+  double worst_digit = 0;  // least_explained_digit, likewise
 };
 
 // Starts from the given picture of the symbol (its blur is the one that matters) and alternates

@@ -206,24 +206,60 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
   return {unpack(p), normal.cost, 1 - normal.cost / std::max(total_variation(profile), 1e-12), 1};
 }
 
+namespace {
+
+// Sums over one stretch of a profile.
+struct Share {
+  double variation = 0;  // about mid grey
+  double unexplained = 0;
+  double noise = 0;  // what the variances allow of the latter
+
+  void add(const ScanBin& bin, double expected, double middle) {
+    const double residual = bin.darkness - expected;
+    const double deviation = bin.darkness - middle;
+    unexplained += residual * residual / bin.variance;
+    variation += deviation * deviation / bin.variance;
+    noise += 1;
+  }
+};
+
+}  // namespace
+
 double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
                            const Digits& digits) {
   // Each left digit starts with a space and ends with a bar, each right digit the reverse.
   constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
   const std::vector<double> expected = expected_darkness(image, digits, profile);
   const double middle = (image.white + image.black) / 2;
-  double variation = 0;
-  double unexplained = 0;
+  Share share;
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const double place = profile[i].at;
     const auto holds = [&](const auto& range) { return place >= range[0] && place <= range[1]; };
     if (!std::any_of(kKnown.begin(), kKnown.end(), holds)) continue;
-    const double residual = profile[i].darkness - expected[i];
-    const double deviation = profile[i].darkness - middle;
-    unexplained += residual * residual / profile[i].variance;
-    variation += deviation * deviation / profile[i].variance;
+    share.add(profile[i], expected[i], middle);
   }
-  return variation > 0 ? 1 - unexplained / variation : 0;
+  return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
+}
+
+double least_explained_digit(const ScanProfile& profile, const SymbolImage& image,
+                             const Digits& digits) {
+  const std::vector<double> expected = expected_darkness(image, digits, profile);
+  const double middle = (image.white + image.black) / 2;
+  std::array<Share, kDigitCount> shares{};
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    for (int digit = 0; digit < kDigitCount; ++digit) {
+      const double first = first_module_of_digit(digit);
+      if (profile[i].at < first || profile[i].at >= first + kModulesPerDigit) continue;
+      shares[static_cast<std::size_t>(digit)].add(profile[i], expected[i], middle);
+    }
+  }
+  double least = 1;
+  for (const Share& share : shares) {
+    if (share.variation <= 0) continue;
+    const double unexplained = std::max(0.0, share.unexplained - share.noise);
+    least = std::min(least, 1 - unexplained / share.variation);
+  }
+  return least;
 }
 
 }  // namespace tagsmith

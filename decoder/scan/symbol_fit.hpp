@@ -45,4 +45,10 @@ std::vector<double> expected_darkness(const SymbolImage& image, const Digits& di
 double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
                            const Digits& digits = {});
 
+// The digit that is explained worst: share of its variation about mid grey, as above, over its
+// seven modules, beyond what the profile's variances allow. A digit with a single element edge a
+// module off falls below 0.5.
+double least_explained_digit(const ScanProfile& profile, const SymbolImage& image,
+                             const Digits& digits);
+
 }  // namespace tagsmith
