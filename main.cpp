@@ -1,22 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 // The front door: the list of commands.
-#include <CLI/CLI.hpp>
-
+#include <cstdio>
+#include <exception>
 #include <vector>
 
-#include "tagsmith/cli/command.hpp"
+#include <CLI/CLI.hpp>
 
-int main(int argc, char** argv) {
-  CLI::App app{"tagsmith: position tags for mine tunnels, from the survey to the vehicle's position"};
+#include "decoder/cli/demo_command.hpp"
+#include "decoder/cli/localize_command.hpp"
+#include "decoder/cli/read_command.hpp"
+#include "decoder/cli/simulate_command.hpp"
+#include "decoder/cli/verify_command.hpp"
+#include "tagsmith/cli/command.hpp"
+#include "tagsmith/cli/print_command.hpp"
+#include "tagsmith/cli/validate_command.hpp"
+
+namespace {
+
+// Runs the command that was chosen. Results that never reached standard output are a failure.
+int run(const tagsmith::Command& command) {
+  const int exit_code = command.run();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  return tagsmith::report_failure(command.app->get_name(), {"standard output cannot be written"});
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "tagsmith: position tags for mine tunnels, from the survey to the vehicle's position"};
   app.require_subcommand(1);
-  const std::vector<tagsmith::Command> commands{};
+  const std::vector<tagsmith::Command> commands{
+      tagsmith::validate_command(app), tagsmith::print_command(app),
+      tagsmith::read_command(app),     tagsmith::verify_command(app),
+      tagsmith::localize_command(app), tagsmith::simulate_command(app),
+      tagsmith::demo_command(app),
+  };
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? tagsmith::kExitOk : tagsmith::kExitFailure;
   }
   for (const tagsmith::Command& command : commands) {
-    if (command.app->parsed()) return command.run();
+    if (command.app->parsed()) return run(command);
   }
   return tagsmith::kExitFailure;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {  // what no library foresees, such as no memory left
+    std::fprintf(stderr, "tagsmith: %s\n", error.what());
+    return tagsmith::kExitFailure;
+  }
 }

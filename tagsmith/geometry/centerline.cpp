@@ -76,9 +76,23 @@ CenterlinePoint Centerline::at(double chainage) const {
   if (chainage >= length_) {
     return advance(starts_.back(), {1, 0, elements_.back().grade}, chainage - length_);
   }
-  const auto next = std::upper_bound(chainages_.begin(), chainages_.end(), chainage);
-  const auto index = static_cast<std::size_t>(std::distance(chainages_.begin(), next)) - 1;
+  const std::size_t index = element_at(chainage);
   return advance(starts_[index], elements_[index], chainage - chainages_[index]);
+}
+
+std::size_t Centerline::element_at(double chainage) const {
+  const auto next = std::upper_bound(chainages_.begin(), chainages_.end(), chainage);
+  return static_cast<std::size_t>(std::distance(chainages_.begin(), next)) - 1;
+}
+
+double Centerline::distance_to_a_start(const Eigen::Vector2d& point) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < elements_.size();) {
+    const double away = (point - starts_[i].position.head<2>()).norm();
+    least = std::min(least, away);
+    i = std::max(element_at(chainages_[i] + away), i + 1);
+  }
+  return least;
 }
 
 CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
@@ -97,8 +111,14 @@ CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (elements_.empty()) return nearest;
   consider(starts_.front(), {1, 0, 0}, 0, -kInfinity, 0);
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);
+  const double bound = distance_to_a_start(point);
+  for (std::size_t i = 0; i < elements_.size();) {
+    // No place nears the point by more than the chainage between them: up to here none is nearer.
+    const double away = (point - starts_[i].position.head<2>()).norm();
+    const double clear = chainages_[i] + std::max(0.0, away - std::min(least, bound));
+    const std::size_t next = element_at(clear);
+    if (next == i) consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);
+    i = std::max(next, i + 1);
   }
   consider(starts_.back(), {1, 0, 0}, length_, 0, kInfinity);
   return nearest;

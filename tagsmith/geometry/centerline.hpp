@@ -2,6 +2,7 @@
 // The tunnel's center line on the floor: straight lines and circular arcs, with grades.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,6 +46,13 @@ class Centerline {
   CenterlineAddress locate(const Eigen::Vector2d& point) const;
 
  private:
+  // Index of the element at a chainage >= 0; their number beyond the end.
+  std::size_t element_at(double chainage) const;
+
+  // The distance to the start of one of the elements that lie near the point: some bound on the
+  // least one, found without looking at all of them.
+  double distance_to_a_start(const Eigen::Vector2d& point) const;
+
   std::vector<CenterlineElement> elements_;
   std::vector<CenterlinePoint> starts_;  // of each element, and last the end of the line
   std::vector<double> chainages_;        // of starts_

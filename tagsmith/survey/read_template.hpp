@@ -22,13 +22,14 @@ struct TemplateReading {
 Result<TemplateReading> read_template(const std::filesystem::path& path);
 
 // The file that a survey means by `name`: a path (absolute, or relative to the survey's folder), or
-// NAME.yaml beside the survey, or NAME.yaml among the tool's own templates. Nothing when none exists.
+// NAME.yaml beside the survey, or NAME.yaml among the tool's own templates. Nothing when none
+// exists.
 std::optional<std::filesystem::path> find_template(const std::string& name,
                                                    const std::filesystem::path& survey_folder);
 
 // The folder that holds the tool's own `templates` and `surveys`: the environment variable
-// TAGSMITH_DATA, else the nearest folder above the executable (or its share/tagsmith) that has them,
-// else the source tree it was built from.
+// TAGSMITH_DATA, else the nearest folder above the executable (or its share/tagsmith) that has
+// them, else the source tree it was built from.
 std::filesystem::path data_directory();
 
 }  // namespace tagsmith

@@ -21,7 +21,9 @@ struct RigCamera {
   std::string name;
   Camera camera;
   Pose vehicle_from_camera;
-  std::optional<Side> side;  // the wall it looks at, where the rig says so
+  std::optional<Side> side;        // the wall it looks at, where the rig says so
+  std::optional<double> exposure;  // seconds
+  std::optional<double> blur_px;   // standard deviation of its point spread, pixels
 };
 
 struct RigRange {
@@ -32,6 +34,13 @@ struct RigRange {
   double sigma = 0;  // standard deviation, metres
 };
 
+// How far the vehicle strays from the center line, for planning.
+struct VehicleEnvelope {
+  double lateral = 0;  // metres to either side
+  double yaw = 0;      // radians to either side
+  double speed = 0;    // metres a second
+};
+
 struct Rig {
   std::filesystem::path file;
   std::string name;
@@ -40,6 +49,7 @@ struct Rig {
   double vehicle_height = 0;  // of O above the floor
   double roll_sigma = 0;      // attitude priors, radians
   double pitch_sigma = 0;
+  std::optional<VehicleEnvelope> envelope;
 };
 
 const RigCamera* find_camera(const Rig& rig, std::string_view name);
@@ -52,7 +62,8 @@ Pose vehicle_from_side_camera(Side side, double alpha);
 // looks forward, upright.
 Pose vehicle_from_camera(double yaw, double pitch, double roll, const Eigen::Vector3d& position);
 
-// A vehicle at `position_in_world` with this heading (radians from +y towards +x, world frame), level.
+// A vehicle at `position_in_world` with this heading (radians from +y towards +x, world frame),
+// level.
 Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading);
 
 struct RigReading {

@@ -24,7 +24,7 @@ struct CameraMeasurement {
 
 struct Measurement {
   std::string id;
-  int line = 0;  // in the run file
+  int line = 0;                                      // in the run file
   std::map<std::string, CameraMeasurement> cameras;  // by the rig's camera names
   std::map<std::string, double> ranges;              // by the rig's range names, metres
   std::optional<Eigen::Vector3d> truth_in_grid;

@@ -19,7 +19,7 @@ const PlacedTag* find_if(const Survey& survey, const auto& matches) {
 std::string to_string(Side side) { return side == Side::left ? "left" : "right"; }
 
 Eigen::Vector3d world_from_grid(const Grid& grid, const Eigen::Vector3d& point_in_grid) {
-  const double x = grid.x_axis_left ? -point_in_grid.x() : point_in_grid.x();
+  const double x = grid.x_axis_left ? 0.0 - point_in_grid.x() : point_in_grid.x();
   return {x, point_in_grid.y(), point_in_grid.z()};
 }
 
@@ -49,7 +49,8 @@ double facing_pair_angle(const Survey& survey) {
 
 Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
                    const Eigen::Vector3d& p_in_world) {
-  const double towards_right = side == Side::left ? 1.0 : -1.0;  // a viewer's right, along the drive
+  const double towards_right =
+      side == Side::left ? 1.0 : -1.0;  // a viewer's right, along the drive
   double chainage = tunnel.centerline.locate(p_in_world.head<2>()).chainage;
   for (int iteration = 0; iteration < 50; ++iteration) {
     const Eigen::Vector3d along = direction_of(tunnel.centerline.at(chainage).heading);

@@ -35,8 +35,8 @@ double world_heading_from_grid(const Grid& grid, double heading);
 double grid_heading_from_world(const Grid& grid, double heading);
 
 struct Tunnel {
-  double width = 0;   // W_T, between the planes of the left and the right plates
-  double height = 0;  // of the roof above the floor
+  double width = 0;       // W_T, between the planes of the left and the right plates
+  double height = 0;      // of the roof above the floor
   Centerline centerline;  // in the world frame
 };
 
@@ -54,12 +54,12 @@ struct PlacedTag {
   std::string name;  // pair and side: 000L
   int pair = 0;
   Side side = Side::left;
-  Digits digits{};                  // as printed
+  Digits digits{};                                          // as printed
   Eigen::Vector3d p_in_grid = Eigen::Vector3d::Zero();      // corner P
   Eigen::Vector3d coded_in_grid = Eigen::Vector3d::Zero();  // what the digits say
-  Pose world_from_plate;            // plate frame: origin P, x right, y down, z into the wall
-  double chainage = 0;              // of corner P
-  bool surveyed = false;            // from `placed` (as-built), not from the regular series
+  Pose world_from_plate;  // plate frame: origin P, x right, y down, z into the wall
+  double chainage = 0;    // of corner P
+  bool surveyed = false;  // from `placed` (as-built), not from the regular series
 };
 
 struct Survey {

@@ -2,6 +2,7 @@
 #include "tagsmith/tag/drawing.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tagsmith {
 namespace {
@@ -39,31 +40,161 @@ std::vector<Rectangle> bars_of(const TagTemplate& tag, const Digits& digits) {
   return bars;
 }
 
-// The label stands below the frame, clear of it by a stroke, an up arrow at its left end.
-void add_label(TagDrawing& drawing, const TagTemplate& tag, const TagText& text) {
-  if (!tag.label.shown || text.lines.empty()) return;
-  constexpr double kLinePitch = 1.6;  // of the capital height
-  const double frame_bottom = drawing.frame_outer.y + drawing.frame_outer.height;
-  const double plate_bottom = drawing.plate.y + drawing.plate.height;
-  const double gap = tag.frame_stroke;
-  const double room = plate_bottom - frame_bottom - 2 * gap;
-  if (room <= 0) return;
-  const double line_count = static_cast<double>(text.lines.size());
-  const double height =
-      std::min(tag.label.text_height, room / (1.0 + (line_count - 1.0) * kLinePitch));
-  const double block = height * (1.0 + (line_count - 1.0) * kLinePitch);
-  const double top = frame_bottom + gap;
-  const double left = drawing.frame_outer.x;
-  drawing.arrows.push_back({{left, top, 0.6 * block, block}});
-  const double text_left = left + 0.6 * block + height;
-  const double text_width = drawing.frame_outer.x + drawing.frame_outer.width - text_left;
+constexpr double kEdgeClearance = 0.003;  // between ink and the plate's edge: a cut is never exact
+constexpr double kRowHeight = kTextAscent + kTextDescent;  // of a line, in capital letters
+constexpr double kCharacterWidth = 0.9;  // of a capital letter's height: a sans serif's mean
+constexpr double kArrowAspect = 0.6;     // width over height
+
+// Capital letters smaller than this are hard to read in a tunnel.
+constexpr double kReadableHeight = 0.004;
+
+// Characters of the last line that count when room is shared out: a longer one may be cut.
+constexpr double kLastLineCharacters = 40;
+
+// The part of the plate that the label may use, and which way its lines run.
+struct LabelStrip {
+  Rectangle box;
+  bool upwards = false;
+
+  double length() const { return upwards ? box.height : box.width; }
+  double thickness() const { return upwards ? box.width : box.height; }
+};
+
+// Lines set below each other, all of one height.
+struct LabelRows {
+  LabelStrip strip;
+  std::vector<std::string> rows;
+  double height = 0;        // of a capital letter
+  double least_height = 0;  // of the row that has to be shrunk most to fit its width
+
+  double thickness() const { return static_cast<double>(rows.size()) * kRowHeight * height; }
+
+  // The arrow is as thick as the rows, upright whichever way they run.
+  Rectangle arrow() const {
+    const double size = thickness();
+    const auto& [x, y, width, strip_height] = strip.box;
+    if (!strip.upwards) return {x, y, kArrowAspect * size, size};
+    return {x, y + strip_height - size / kArrowAspect, size, size / kArrowAspect};
+  }
+
+  double row_start() const { return (strip.upwards ? arrow().height : arrow().width) + height; }
+  double row_length() const { return strip.length() - row_start(); }
+};
+
+// Characters of a UTF-8 text.
+double length_of(const std::string& text) {
+  return static_cast<double>(
+      std::ranges::count_if(text, [](char byte) { return (byte & '\xc0') != '\x80'; }));
+}
+
+LabelStrip strip_below(const TagDrawing& drawing, double gap) {
+  const Rectangle& frame = drawing.frame_outer;
+  const double top = frame.y + frame.height + gap;
+  const double bottom = drawing.plate.y + drawing.plate.height - kEdgeClearance;
+  return {{frame.x, top, frame.width, bottom - top}};
+}
+
+LabelStrip strip_left(const TagDrawing& drawing, double gap) {
+  const Rectangle& frame = drawing.frame_outer;
+  const double left = drawing.plate.x + kEdgeClearance;
+  return {{left, frame.y, frame.x - gap - left, frame.height}, true};
+}
+
+// Height the rows have when each is shrunk to its length.
+double least_height(const LabelRows& label, const TagText& text) {
+  double least = label.height;
+  for (const std::string& row : label.rows) {
+    double length = length_of(row);
+    if (&row == &label.rows.back()) {
+      length -= std::max(0.0, length_of(text.lines.back()) - kLastLineCharacters);
+    }
+    least = std::min(least, label.row_length() / (kCharacterWidth * length));
+  }
+  return least;
+}
+
+// The lines on so many rows: joined from the front, so that the last, which may be cut, is the
+// least important one.
+LabelRows arrange_label(const TagText& text, std::size_t rows, const LabelStrip& strip,
+                        double wanted_height) {
+  LabelRows label{strip, {}};
+  const std::size_t joined = text.lines.size() - rows + 1;
   for (std::size_t i = 0; i < text.lines.size(); ++i) {
-    const double baseline = top + height * (1.0 + static_cast<double>(i) * kLinePitch);
-    drawing.label.push_back({text.lines[i], text_left, baseline, height, text_width, false});
+    if (i == 0 || i >= joined) {
+      label.rows.push_back(text.lines[i]);
+    } else {
+      label.rows.back() += "  \u00b7  " + text.lines[i];
+    }
+  }
+  const double room = strip.thickness() / (static_cast<double>(rows) * kRowHeight);
+  label.height = std::min(wanted_height, room);
+  label.least_height = least_height(label, text);
+  return label;
+}
+
+LabelRows best_arrangement(const TagText& text, const LabelStrip& strip, double wanted_height) {
+  LabelRows best{strip, {}};
+  for (std::size_t rows = text.lines.size(); rows > 0; --rows) {
+    LabelRows label = arrange_label(text, rows, strip, wanted_height);
+    if (label.least_height > best.least_height) best = std::move(label);
+  }
+  return best;
+}
+
+// Below the frame, or beside it where that is the only readable place.
+LabelRows place_label(const TagDrawing& drawing, const TagTemplate& tag, const TagText& text) {
+  const double wanted = tag.label.text_height;
+  constexpr double kDots = 0.0003;  // a few printer's dots, so that no smear enters the clearance
+  const double gap = label_clearance(tag) + kDots;
+  LabelRows below = best_arrangement(text, strip_below(drawing, gap), wanted);
+  if (below.least_height >= std::min(wanted, kReadableHeight)) return below;
+  LabelRows beside = best_arrangement(text, strip_left(drawing, gap), wanted);
+  return beside.least_height > below.least_height ? beside : below;
+}
+
+TextItem label_row(const LabelRows& label, std::size_t index) {
+  const Rectangle& box = label.strip.box;
+  const double down = (kTextAscent + static_cast<double>(index) * kRowHeight) * label.height;
+  TextItem item{label.rows[index], 0, 0, label.height, label.row_length()};
+  item.upwards = label.strip.upwards;
+  item.x = item.upwards ? box.x + down : box.x + label.row_start();
+  item.y = item.upwards ? box.y + box.height - label.row_start() : box.y + down;
+  return item;
+}
+
+// The lines of the label, an up arrow at their start.
+void add_label(TagDrawing& drawing, const TagTemplate& tag, const TagText& text) {
+  if (!tag.label.shown) return;
+  const LabelRows label = place_label(drawing, tag, text);
+  if (label.height < kLeastLabelHeight) return;
+  drawing.arrows.push_back({label.arrow()});
+  for (std::size_t i = 0; i < label.rows.size(); ++i) {
+    drawing.label.push_back(label_row(label, i));
   }
 }
 
 }  // namespace
+
+std::array<PlatePoint, 7> outline_of(const UpArrow& arrow) {
+  constexpr double kHead = 0.45;   // of the arrow's height
+  constexpr double kShaft = 0.36;  // of its width
+  const auto& [x, y, width, height] = arrow.box;
+  const double middle = x + width / 2;
+  const double shoulder = y + kHead * height;
+  const double half_shaft = kShaft * width / 2;
+  return {{{middle, y},
+           {x + width, shoulder},
+           {middle + half_shaft, shoulder},
+           {middle + half_shaft, y + height},
+           {middle - half_shaft, y + height},
+           {middle - half_shaft, shoulder},
+           {x, shoulder}}};
+}
+
+double label_clearance(const TagTemplate& tag) {
+  constexpr double kAmple = 0.012;  // thick strokes need no more
+  return std::min(tag.frame_stroke, kAmple);
+}
 
 TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText& text) {
   TagDrawing drawing;

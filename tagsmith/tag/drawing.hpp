@@ -2,6 +2,7 @@
 // The one geometry of a tag that printing, simulation, tests and the decoder share.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,19 @@ struct Rectangle {
   double height = 0;
 };
 
-// A line of text; (x, y) is the left (or centre) end of its baseline.
+// A point of the plate frame.
+struct PlatePoint {
+  double x = 0;
+  double y = 0;
+};
+
+// How far the ink of a line of text may reach above and below its baseline, in heights of a capital
+// letter: room for accents, descenders and full-width characters. Who sets the text shrinks it to
+// stay inside.
+inline constexpr double kTextAscent = 1.3;
+inline constexpr double kTextDescent = 0.4;
+
+// A line of text; (x, y) is the left end (centred: the middle) of its baseline.
 struct TextItem {
   std::string text;
   double x = 0;
@@ -27,6 +40,7 @@ struct TextItem {
   double height = 0;     // of a capital letter
   double max_width = 0;  // the text is shrunk to fit
   bool centred = false;
+  bool upwards = false;  // turned to read from below upwards
 };
 
 // An arrow that must point up when the plate hangs; the box around it.
@@ -34,21 +48,34 @@ struct UpArrow {
   Rectangle box;
 };
 
+// The arrow's corners, clockwise from its tip.
+std::array<PlatePoint, 7> outline_of(const UpArrow& arrow);
+
 struct TagDrawing {
-  Rectangle plate;               // white
-  Rectangle frame_outer;         // black between the outer and the inner rectangle
-  Rectangle frame_inner;         // white inside
-  std::vector<Rectangle> bars;   // black, left to right: the 30 bars of the symbol
-  std::vector<TextItem> label;   // black
-  std::vector<UpArrow> arrows;   // black
-  double module = 0;             // module width
+  Rectangle plate;              // white
+  Rectangle frame_outer;        // black between the outer and the inner rectangle
+  Rectangle frame_inner;        // white inside
+  std::vector<Rectangle> bars;  // black, left to right: the 30 bars of the symbol
+  std::vector<TextItem> label;  // black
+  std::vector<UpArrow> arrows;  // black
+  double module = 0;            // module width
 };
 
-// What the label says, line by line; each line is set on its own line when it fits the plate.
+// What the label says, the most important line first. Lines that don't fit below each other are
+// joined on one.
 struct TagText {
   std::vector<std::string> lines;
 };
 
+// White that the label leaves around the feature frame: a stroke, at most 12 mm; metres.
+double label_clearance(const TagTemplate& tag);
+
+// The label stands below the feature frame, label_clearance from it and 3 mm clear of the plate's
+// edge; where that strip is too thin to be read, left of the frame, reading upwards; where neither
+// has room for kLeastLabelHeight, it is left out.
 TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText& text = {});
+
+// Capital letters smaller than this cannot be read on a wall at arm's length.
+inline constexpr double kLeastLabelHeight = 0.001;
 
 }  // namespace tagsmith

@@ -17,16 +17,16 @@ struct LabelStyle {
 // Lengths in metres as seen facing the plate.
 struct TagTemplate {
   std::string name;
-  double plate_length = 0;         // L
-  double plate_height = 0;         // H
-  double frame_inner_length = 0;   // L_CI
-  double frame_inner_height = 0;   // H_CI
-  double frame_stroke = 0;         // thickness of the feature frame
-  double frame_offset_right = 0;   // of the frame's centre from the plate's centre
+  double plate_length = 0;        // L
+  double plate_height = 0;        // H
+  double frame_inner_length = 0;  // L_CI
+  double frame_inner_height = 0;  // H_CI
+  double frame_stroke = 0;        // thickness of the feature frame
+  double frame_offset_right = 0;  // of the frame's centre from the plate's centre
   double frame_offset_up = 0;
-  double quiet_zone_modules = 9;   // between the frame's inner edge and the symbol, left and right
-  double margin_modules = 9;       // between the frame's inner edge and the bars, above and below
-  LabelStyle label;
+  double quiet_zone_modules = 9;  // between the frame's inner edge and the symbol, left and right
+  double margin_modules = 9;      // between the frame's inner edge and the bars, above and below
+  LabelStyle label{};
 };
 
 // Width of one module: inner length / (95 + 2 quiet zones).

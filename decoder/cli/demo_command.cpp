@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/demo_command.hpp"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "decoder/cli/json.hpp"
+#include "decoder/cli/parallel.hpp"
+#include "decoder/localize/fix.hpp"
+#include "decoder/localize/observation.hpp"
+#include "decoder/localize/paper_method.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/verify_file.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/print_manifest.hpp"
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/render/pdf.hpp"
+#include "tagsmith/render/svg.hpp"
+#include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/read_template.hpp"
+#include "tagsmith/survey/run.hpp"
+
+namespace tagsmith {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Xu et al. (2017), Table 4: errors in the plane and in z at the ten points, metres. They come from
+// other pictures than ours, of a real corridor, so they are a yardstick and no expectation.
+constexpr std::array<FixError, 10> kPaperErrors{{{0.083, 0.089},
+                                                 {0.179, 0.039},
+                                                 {0.270, 0.057},
+                                                 {0.231, 0.128},
+                                                 {0.209, 0.187},
+                                                 {0.095, 0.042},
+                                                 {0.021, 0.007},
+                                                 {0.060, 0.108},
+                                                 {0.146, 0.030},
+                                                 {0.124, 0.144}}};
+constexpr FixError kPaperMean{0.142, 0.083};  // (27) and (25)
+
+constexpr const char* kAboutRange =
+    "  The closed form magnifies an error of d by 1/tan(theta) = 5.6 along the drive, and with d "
+    "a\n"
+    "  centimetre off it often has no real solution. What the photos alone allow stands under "
+    "\"with\n"
+    "  true d\". The paper's figures are from its own pictures.\n";
+
+struct Demo {
+  fs::path folder;  // of the output
+  Survey survey;
+  Rig rig;
+  Run run;
+  int jobs = 0;
+};
+
+// The path relative to the working directory, when it lies inside it.
+fs::path as_seen_from_here(const fs::path& path) {
+  std::error_code error;
+  const fs::path nearer = fs::proximate(path, error);
+  return error || nearer.string().starts_with("..") ? path : nearer;
+}
+
+Result<Demo> load_demo(const fs::path& output, int jobs) {
+  const fs::path corridor = as_seen_from_here(data_directory() / "surveys" / "corridor");
+  Result<Survey> survey = load_survey(corridor / "survey.yaml");
+  if (!survey) return fail(survey.error().message);
+  Result<Rig> rig = load_rig(corridor / "rig.yaml");
+  if (!rig) return fail(rig.error().message);
+  Result<Run> run = load_run(corridor / "run.csv", *rig);
+  if (!run) return fail(run.error().message);
+  return Demo{output, std::move(*survey), std::move(*rig), std::move(*run), jobs};
+}
+
+Result<void> add_tag(const Page& page, const PrintedTag& printed, const StagedFiles& files) {
+  const Result<std::string> pdf = render_pdf(std::span(&page, 1));
+  if (!pdf) return fail(pdf.error().message);
+  if (Result<void> added = files.add(printed.files[0], *pdf); !added) return added;
+  return files.add(printed.files[1], render_svg(page));
+}
+
+// PDF and SVG of every tag and their manifest. The PDFs' paths.
+Result<std::vector<fs::path>> print_tags(const Demo& demo) {
+  const fs::path folder = demo.folder / "print";
+  Result<StagedFiles> files = StagedFiles::begin(folder);
+  if (!files) return fail(files.error().message);
+  std::vector<PrintedTag> printed;
+  std::vector<fs::path> pdfs;
+  for (const PlacedTag& tag : demo.survey.tags) {
+    printed.push_back({&tag, {tag.name + ".pdf", tag.name + ".svg"}});
+    pdfs.push_back(folder / printed.back().files[0]);
+    const Result<void> added = add_tag(tag_page(demo.survey, tag), printed.back(), *files);
+    if (!added) return fail(added.error().message);
+  }
+  const Page page = tag_page(demo.survey, demo.survey.tags.front());
+  const Result<void> listed =
+      files->add("manifest.json", print_manifest_json(demo.survey, page, printed));
+  if (!listed) return fail(listed.error().message);
+  if (Result<void> published = files->publish(); !published) return fail(published.error().message);
+  return pdfs;
+}
+
+struct Verified {
+  std::vector<FileReport> reports;
+  std::vector<std::string> unreadable;  // why, a file each
+};
+
+Verified verify_files(const Demo& demo, const std::vector<fs::path>& files) {
+  Verified verified;
+  ProgressBar bar("files", files.size());
+  run_in_order(files.size(), demo.jobs, [&](std::size_t i) -> Delivery {
+    auto report = std::make_shared<Result<FileReport>>(verify_file(demo.survey, files[i]));
+    return [&, report] {
+      bar.advance([] {});
+      if (*report) {
+        verified.reports.push_back(std::move(**report));
+      } else {
+        verified.unreadable.push_back(report->error().message);
+      }
+    };
+  });
+  return verified;
+}
+
+std::vector<fs::path> photos_of(const Run& run) {
+  std::vector<fs::path> photos;
+  for (const Measurement& measurement : run.measurements) {
+    for (const auto& [name, seen] : measurement.cameras) {
+      if (!seen.image.empty()) photos.push_back(seen.image);
+    }
+  }
+  return photos;
+}
+
+// One line on the reports, and every finding. True when there is none.
+bool show(const Demo& demo, const std::string& step, const Verified& verified) {
+  const VerifySummary summary = summarize(demo.survey, verified.reports);
+  fmt::print("{:<10} {} files read; tags: {} ok, {} unknown, {} misprinted, {} unreadable\n", step,
+             summary.files, summary.ok, summary.unknown, summary.misprinted, summary.unreadable);
+  for (const std::string& problem : verified.unreadable) fmt::print("{:<10} {}\n", "", problem);
+  for (const FileReport& report : verified.reports) {
+    for (const std::string& finding : report.findings) {
+      fmt::print("{:<10} {}: {}\n", "", report.file.filename().string(), finding);
+    }
+  }
+  if (!summary.missing.empty()) {
+    fmt::print("{:<10} not seen in them: {}\n", "", fmt::join(summary.missing, " "));
+  }
+  return summary.files_with_findings == 0 && verified.unreadable.empty();
+}
+
+Result<void> save_reports(const fs::path& file, const Demo& demo, const Verified& verified) {
+  std::string lines;
+  for (const FileReport& report : verified.reports) lines += to_json_line(report) + "\n";
+  lines += to_json_line(summarize(demo.survey, verified.reports)) + "\n";
+  return write_file(file, lines);
+}
+
+// The ten points, each located twice from one reading of its photos.
+struct Located {
+  std::vector<Fix> as_measured;
+  std::vector<Fix> with_true_range;  // the measured d replaced by the true one
+};
+
+// The observation with every range to the left wall as the truth says it should be. The plates'
+// surface is W_T/2 left of the center line.
+Observation with_true_ranges(Observation observation, const Measurement& measurement,
+                             const Demo& demo) {
+  if (!measurement.truth_in_grid) return observation;
+  const Eigen::Vector3d truth = world_from_grid(demo.survey.grid, *measurement.truth_in_grid);
+  const double offset = demo.survey.tunnel.centerline.locate(truth.head<2>()).offset;
+  for (const RigRange& range : demo.rig.ranges) {
+    const double to_right = range.wall == Side::left ? offset : -offset;
+    if (observation.ranges.contains(range.name)) {
+      observation.ranges[range.name] = demo.survey.tunnel.width / 2 + to_right;
+    }
+  }
+  return observation;
+}
+
+Located localize(const Demo& demo) {
+  const std::vector<Measurement>& measurements = demo.run.measurements;
+  const std::vector<Survey> surveys{demo.survey};
+  const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
+  Located located{std::vector<Fix>(measurements.size()), std::vector<Fix>(measurements.size())};
+  ProgressBar bar("points", measurements.size());
+  run_in_order(measurements.size(), demo.jobs, [&](std::size_t i) -> Delivery {
+    const Observation seen = observe(measurements[i], surveys, demo.rig, reader);
+    located.as_measured[i] = localize_by_paper(seen, surveys, demo.rig);
+    located.with_true_range[i] =
+        localize_by_paper(with_true_ranges(seen, measurements[i], demo), surveys, demo.rig);
+    return [&bar] { bar.advance([] {}); };
+  });
+  return located;
+}
+
+std::string errors_in_words(const std::optional<FixError>& error, int decimals = 3) {
+  return error ? fmt::format("{:6.{}f} {:6.{}f}", error->plane, decimals, error->height, decimals)
+               : fmt::format("{:>6} {:>6}", "-", "-");
+}
+
+// The position, or why there is none up to the numbers.
+std::string position_in_words(const Fix& fix) {
+  if (!fix.position_in_grid) return fix.reason.substr(0, fix.reason.find(':'));
+  const Eigen::Vector3d& position = *fix.position_in_grid;
+  return fmt::format("{:7.3f} {:7.3f} {:7.3f}", position.x(), position.y(), position.z());
+}
+
+std::string table_of(const Demo& demo, const Located& located) {
+  constexpr const char* kRow = "  {:<5}  {:<9}  {:<23}  {:>13}  {:>13}  {:>13}\n";
+  const std::vector<Measurement>& measurements = demo.run.measurements;
+  const std::string plane_z = fmt::format("{:>6} {:>6}", "plane", "z");
+  std::string text = fmt::format(kRow, "", "", "", "error (m)", "with true d", "paper's own");
+  text += fmt::format(kRow, "point", "tags", "      x       y       z", plane_z, plane_z, plane_z);
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    const Fix& fix = located.as_measured[i];
+    text += fmt::format(kRow, fix.id, fmt::format("{}", fmt::join(fix.tags, " ")),
+                        position_in_words(fix), errors_in_words(error_of(fix, measurements[i])),
+                        errors_in_words(error_of(located.with_true_range[i], measurements[i]), 4),
+                        i < kPaperErrors.size() ? errors_in_words(kPaperErrors[i]) : "");
+  }
+  const FixSummary measured = summarize(located.as_measured, measurements);
+  const FixSummary with_true = summarize(located.with_true_range, measurements);
+  text += fmt::format(kRow, "mean", "", fmt::format("of {} located", measured.located),
+                      errors_in_words(measured.mean_error),
+                      errors_in_words(with_true.mean_error, 4), errors_in_words(kPaperMean));
+  return text;
+}
+
+// Why points have no position, with the numbers.
+std::string reasons_of(const std::vector<Fix>& fixes) {
+  std::string text;
+  for (const Fix& fix : fixes) {
+    if (!fix.reason.empty()) text += fmt::format("  {}: {}\n", fix.id, fix.reason);
+  }
+  return text;
+}
+
+void show_files(const Demo& demo) {
+  const std::string corridor = demo.survey.file.parent_path().string();
+  fmt::print(
+      "\nFiles in {}:\n"
+      "  print/           {} tags as PDF and SVG, true scale, and manifest.json\n"
+      "  prints.jsonl     what was read from the PDFs\n"
+      "  photos.jsonl     what was read in the photos\n"
+      "  positions.txt    the table above, and why points have no position\n"
+      "Step by step, with your own files in place of these:\n"
+      "  tagsmith validate {corridor}/survey.yaml\n"
+      "  tagsmith print {corridor}/survey.yaml -o print\n"
+      "  tagsmith verify {corridor}/survey.yaml print {corridor}/photos\n"
+      "  tagsmith localize {corridor}/survey.yaml --rig {corridor}/rig.yaml --run "
+      "{corridor}/run.csv\n",
+      demo.folder.string(), demo.survey.tags.size(), fmt::arg("corridor", corridor));
+}
+
+Result<bool> run_steps(const Demo& demo) {
+  fmt::print("{:<10} {}: {} tags, no findings\n", "validate", demo.survey.file.string(),
+             demo.survey.tags.size());
+  const Result<std::vector<fs::path>> pdfs = print_tags(demo);
+  if (!pdfs) return fail(pdfs.error().message);
+  fmt::print("{:<10} {} tags as PDF and SVG\n", "print", pdfs->size());
+  const Verified prints = verify_files(demo, *pdfs);
+  const bool prints_are_well = show(demo, "prints", prints);
+  const Verified photos = verify_files(demo, photos_of(demo.run));
+  const bool photos_are_well = show(demo, "photos", photos);
+  const Located located = localize(demo);
+  const std::string table = table_of(demo, located);
+  fmt::print("{:<10} ten points by the paper's closed form, from the photos and the range d\n{}",
+             "localize", table);
+  fmt::print("{}", kAboutRange);
+  for (const Result<void>& saved :
+       {save_reports(demo.folder / "prints.jsonl", demo, prints),
+        save_reports(demo.folder / "photos.jsonl", demo, photos),
+        write_file(demo.folder / "positions.txt", table + reasons_of(located.as_measured))}) {
+    if (!saved) return fail(saved.error().message);
+  }
+  show_files(demo);
+  return prints_are_well && photos_are_well;
+}
+
+int run(const fs::path& output, int jobs) {
+  const Result<Demo> demo = load_demo(output, jobs);
+  if (!demo) return report_failure("demo", demo.error());
+  const Result<bool> well = run_steps(*demo);
+  if (!well) return report_failure("demo", well.error());
+  return *well ? kExitOk : kExitFindings;
+}
+
+}  // namespace
+
+Command demo_command(CLI::App& parent) {
+  struct Options {
+    std::string output = "tagsmith-demo";
+    int jobs = 0;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* app = parent.add_subcommand(
+      "demo", "The whole loop on the corridor of Xu et al. (2017): print, verify, read, localize");
+  app->add_option("-o,--output", options->output, "Folder for the files; made if missing")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app->add_option("--jobs", options->jobs, "Files read at once (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  app->footer(
+      "Exit: 0 all went well, 1 a print or a photo has a finding, 2 the files could not be "
+      "made.\n\n"
+      "Example:\n  tagsmith demo -o demo");
+  return {app, [options] { return run(options->output, options->jobs); }};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/json.hpp"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+namespace tagsmith {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Rounded so that the shortest text of the number has that many decimals.
+double with_decimals(double value, int decimals) {
+  const double scale = std::pow(10.0, decimals);
+  return std::round(value * scale) / scale;
+}
+
+Json to_json(const FrameCorners& corners) {
+  Json list = Json::array();
+  for (const PixelPoint& corner : corners) {
+    list.push_back({with_decimals(corner.x, 3), with_decimals(corner.y, 3)});
+  }
+  return list;
+}
+
+Json to_json(const Reading& reading, const std::vector<Survey>& surveys) {
+  return {{"digits", to_string(reading.digits)},
+          {"check_digit", check_digit_name(reading)},
+          {"position", coded_position(reading.digits, surveys)},
+          {"corners", to_json(reading.corners)},
+          {"module_px", with_decimals(reading.module_px, 3)},
+          {"confidence", reading.confidence},
+          {"method", reading.method}};
+}
+
+Json to_json(const TagFinding& tag) {
+  Json object{{"tag", tag.tag.empty() ? Json() : Json(tag.tag)},
+              {"status", to_string(tag.status)},
+              {"digits", tag.digits ? Json(to_string(*tag.digits)) : Json()},
+              {"corners", to_json(tag.corners)}};
+  if (tag.digits) {
+    object["module_px"] = with_decimals(tag.module_px, 3);
+    object["confidence"] = tag.confidence;
+  }
+  if (tag.page > 0) object["page"] = tag.page;
+  if (!tag.message.empty()) object["message"] = tag.message;
+  return object;
+}
+
+std::string line_of(const Json& object) {
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+GridPoint coded_position(const Digits& digits, const std::vector<Survey>& surveys) {
+  PositionCode code;
+  for (const Survey& survey : surveys) {
+    if (find_tag(survey, digits) != nullptr) code = survey.code;
+  }
+  GridPoint position = decode_position(code, digits);
+  for (double& coordinate : position) coordinate = with_decimals(coordinate, 6);
+  return position;
+}
+
+std::string check_digit_name(const Reading& reading) {
+  if (reading.sum10_holds && reading.gs1_holds) return "both";
+  if (reading.sum10_holds) return "sum10";
+  return reading.gs1_holds ? "gs1" : "none";
+}
+
+std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys) {
+  Json tags = Json::array();
+  for (const Reading& reading : readings.result.tags) tags.push_back(to_json(reading, surveys));
+  Json rejected = Json::array();
+  for (const Rejection& rejection : readings.result.rejected) {
+    rejected.push_back({{"reason", rejection.reason}, {"corners", to_json(rejection.corners)}});
+  }
+  return line_of({{"image", readings.image.string()},
+                  {"width", readings.width},
+                  {"height", readings.height},
+                  {"tags", tags},
+                  {"rejected", rejected},
+                  {"time_ms", with_decimals(readings.time_ms, 3)}});
+}
+
+std::string to_json_line(const FileReport& report) {
+  Json tags = Json::array();
+  for (const TagFinding& tag : report.tags) tags.push_back(to_json(tag));
+  Json object{{"file", report.file.string()}, {"tags", tags}, {"findings", report.findings}};
+  if (report.pages > 0) object["pages"] = report.pages;
+  return line_of(object);
+}
+
+std::string to_json_line(const VerifySummary& summary) {
+  return line_of({{"summary",
+                   {{"files", summary.files},
+                    {"files_with_findings", summary.files_with_findings},
+                    {"ok", summary.ok},
+                    {"unknown", summary.unknown},
+                    {"misprinted", summary.misprinted},
+                    {"unreadable", summary.unreadable},
+                    {"duplicate", summary.duplicate},
+                    {"cut_off", summary.cut_off},
+                    {"missing", summary.missing}}}});
+}
+
+}  // namespace tagsmith

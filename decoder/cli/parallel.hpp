@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many pieces of work at once, their results in order.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+namespace tagsmith {
+
+// What becomes of a finished piece of work, e.g. printing its result.
+using Delivery = std::function<void()>;
+
+// Calls work(0) ... work(count - 1), up to `jobs` at once (0 = as many as cores the process may
+// use), and each one's delivery one at a time in the order of the numbers, as soon as its turn
+// comes. Only a few results wait at any time.
+void run_in_order(std::size_t count, int jobs, const std::function<Delivery(std::size_t)>& work);
+
+// A bar on standard error for work that has taken longer than a second; nothing when standard error
+// is no terminal. The bar is wiped at the end of its scope.
+class ProgressBar {
+ public:
+  // `what` is counted: "images".
+  ProgressBar(std::string what, std::size_t total);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  // One more is done. `print` runs with the bar out of the way.
+  void advance(const std::function<void()>& print);
+
+ private:
+  void wipe();
+  void draw();
+
+  std::string what_;
+  std::size_t total_;
+  std::size_t done_ = 0;
+  double start_seconds_;
+  bool on_terminal_;
+  bool drawn_ = false;
+};
+
+}  // namespace tagsmith

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/read_command.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "decoder/cli/file_list.hpp"
+#include "decoder/cli/json.hpp"
+#include "decoder/cli/parallel.hpp"
+#include "decoder/image/load.hpp"
+#include "decoder/paper/pipeline.hpp"
+#include "decoder/reader/reader.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExample = R"(Example:
+  tagsmith read surveys/corridor/photos --survey surveys/corridor/survey.yaml
+
+--json prints one object an image: image, width, height, tags (digits, check_digit, position,
+corners P F lower-right Q in pixels, module_px, confidence, method), rejected (reason, corners),
+time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
+
+struct Options {
+  std::vector<std::string> images;
+  std::vector<std::string> surveys;
+  std::string check;
+  std::string reader = "tagsmith";
+  bool json = false;
+  int jobs = 0;
+};
+
+struct Tally {
+  std::size_t tags = 0;
+  bool unreadable_file = false;
+};
+
+Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
+  ReadOptions read;
+  if (!options.check.empty()) read.check = parse_check_digit(options.check);
+  for (const Survey& survey : surveys) {
+    for (const PlacedTag& tag : survey.tags) read.code_book.push_back(tag.digits);
+  }
+  if (!surveys.empty() && read.code_book.empty()) {
+    return fail("the surveys given with --survey have no tags, expected at least one");
+  }
+  return read;
+}
+
+Result<ImageReadings> read_image(const fs::path& path, const std::string& reader,
+                                 const ReadOptions& options) {
+  const Result<GrayImage> image = load_gray_image(path);
+  if (!image) return fail(image.error().message);
+  const auto start = std::chrono::steady_clock::now();
+  ReadResult result = reader == "paper" ? read_tags_paper(image->view(), options)
+                                        : read_tags(image->view(), options);
+  const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+  return ImageReadings{path, image->width, image->height, std::move(result), time.count()};
+}
+
+std::string tag_in_words(const Reading& tag, const std::vector<Survey>& surveys) {
+  const GridPoint position = coded_position(tag.digits, surveys);
+  std::string name;
+  for (const Survey& survey : surveys) {
+    const PlacedTag* placed = find_tag(survey, tag.digits);
+    if (placed != nullptr) name = fmt::format("  {} of {}", placed->name, survey.name);
+  }
+  return fmt::format("  {}  x {} y {} z {}  {}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}",
+                     to_string(tag.digits), format_number(position[0]), format_number(position[1]),
+                     format_number(position[2]), check_digit_name(tag), tag.corners[0].x,
+                     tag.corners[0].y, tag.module_px, name);
+}
+
+void print_in_words(const ImageReadings& readings, const std::vector<Survey>& surveys) {
+  const std::size_t count = readings.result.tags.size();
+  fmt::print("{}: {} {}\n", readings.image.string(), count, count == 1 ? "tag" : "tags");
+  for (const Reading& tag : readings.result.tags) fmt::print("{}\n", tag_in_words(tag, surveys));
+  for (const Rejection& rejection : readings.result.rejected) {
+    fmt::print("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x,
+               rejection.corners[0].y, rejection.reason);
+  }
+}
+
+Tally read_all(const Options& options, const std::vector<fs::path>& files,
+               const std::vector<Survey>& surveys, const ReadOptions& read) {
+  Tally tally;
+  ProgressBar bar("images", files.size());
+  run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
+    auto readings =
+        std::make_shared<Result<ImageReadings>>(read_image(files[i], options.reader, read));
+    return [&, readings] {
+      bar.advance([&] {
+        if (!*readings) {
+          report_failure("read", readings->error());
+          tally.unreadable_file = true;
+          return;
+        }
+        tally.tags += (*readings)->result.tags.size();
+        if (options.json) {
+          fmt::print("{}\n", to_json_line(**readings, surveys));
+        } else {
+          print_in_words(**readings, surveys);
+        }
+      });
+    };
+  });
+  return tally;
+}
+
+int run(const Options& options) {
+  const Result<std::vector<Survey>> surveys =
+      load_surveys({options.surveys.begin(), options.surveys.end()});
+  if (!surveys) return report_failure("read", surveys.error());
+  const Result<ReadOptions> read = read_options(options, *surveys);
+  if (!read) return report_failure("read", read.error());
+  const Result<std::vector<fs::path>> files =
+      list_files(options.images, image_extensions(), std::cin);
+  if (!files) return report_failure("read", files.error());
+  const Tally tally = read_all(options, *files, *surveys, *read);
+  if (tally.unreadable_file) return kExitFailure;
+  return tally.tags > 0 ? kExitOk : kExitFindings;
+}
+
+}  // namespace
+
+Command read_command(CLI::App& parent) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = parent.add_subcommand("read", "Decode the tags in pictures; needs no survey");
+  app->add_option("image", options->images,
+                  "Pictures, folders of pictures, or - for a list of files on standard input")
+      ->required()
+      ->type_name("IMAGE");
+  app->add_option("--survey", options->surveys,
+                  "Read only the codes of this survey (repeatable); reaches smaller tags")
+      ->type_name("FILE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app->add_option("--check", options->check, "Check digit that a tag must have (default: either)")
+      ->check(CLI::IsMember({"sum10", "gs1"}));
+  app->add_option("--reader", options->reader,
+                  "tagsmith, or paper: the published pipeline, literally, for comparison")
+      ->check(CLI::IsMember({"tagsmith", "paper"}))
+      ->capture_default_str();
+  app->add_flag("--json", options->json, "One JSON object an image");
+  app->add_option("--jobs", options->jobs, "Pictures read at once (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  app->footer(kExample);
+  return {app, [options] { return run(*options); }};
+}
+
+}  // namespace tagsmith

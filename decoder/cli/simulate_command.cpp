@@ -1,0 +1,464 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/simulate_command.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/cli/parallel.hpp"
+#include "decoder/image/load.hpp"
+#include "decoder/simulate/noise.hpp"
+#include "decoder/simulate/survey_view.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/run.hpp"
+
+namespace tagsmith {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kName = "simulate";
+
+struct SimulateOptions {
+  fs::path survey;
+  fs::path rig;
+  fs::path run;
+  fs::path folder;
+  double blur_px = 0.7;
+  double noise = 1.5;
+  bool linear = false;
+  std::uint64_t seed = 0;
+  int jobs = 0;  // 0 = as many as the process may use
+  std::string format = "png";
+  int quality = 95;
+  bool force = false;
+  bool json = false;
+};
+
+struct SimulateInput {
+  Survey survey;
+  Rig rig;
+  Run run;
+};
+
+// One measurement of the run, with what was simulated for it.
+struct Station {
+  const Measurement* measurement = nullptr;
+  Pose world_from_vehicle;
+  std::map<std::string, double> ranges;
+};
+
+// One image to make.
+struct Shot {
+  const Station* station = nullptr;
+  const RigCamera* camera = nullptr;
+  std::string file;
+};
+
+std::string image_name(const std::string& id, const std::string& camera,
+                       const std::string& format) {
+  return id + "_" + camera + "." + format;
+}
+
+// --- checks ---
+
+Result<SimulateInput> load(const SimulateOptions& options) {
+  auto survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
+  auto rig = load_rig(options.rig);
+  if (!rig) return fail(rig.error().message);
+  auto run = load_run(options.run, *rig);
+  if (!run) return fail(run.error().message);
+  return SimulateInput{std::move(*survey), std::move(*rig), std::move(*run)};
+}
+
+Result<void> check_image_sizes(const Rig& rig) {
+  constexpr double kMostPixels = 50e6;  // 13 bytes a pixel while an image is made
+  for (const RigCamera& camera : rig.cameras) {
+    const double pixels = static_cast<double>(camera.camera.width) * camera.camera.height;
+    if (pixels <= kMostPixels) continue;
+    return fail(rig.file.string() + ": camera " + camera.name + " has " +
+                format_number(pixels / 1e6, 0) + " million pixels, expected at most 50 million");
+  }
+  return {};
+}
+
+bool fits_file_name(const std::string& text) {
+  constexpr std::size_t kLongest = 100;
+  return text.size() <= kLongest && text.find_first_of("/\\,\"") == std::string::npos &&
+         !text.starts_with('.');
+}
+
+// Each image has a file name of its own that cannot leave the folder.
+Result<void> check_file_names(const SimulateInput& input, const std::string& format) {
+  std::set<std::string> names;
+  for (const Measurement& measurement : input.run.measurements) {
+    const std::string place = fmt::format("{}:{}: ", input.run.file.string(), measurement.line);
+    for (const RigCamera& camera : input.rig.cameras) {
+      if (!fits_file_name(measurement.id) || !fits_file_name(camera.name)) {
+        return fail(place + "the id `" + measurement.id + "` with camera `" + camera.name +
+                    "` makes no file name, expected at most 100 characters without / \\ , \" and "
+                    "no leading point");
+      }
+      const std::string name = image_name(measurement.id, camera.name, format);
+      if (!names.insert(name).second) {
+        return fail(place + "a second image would be called " + name +
+                    ", expected ids that differ");
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> check_folder(const SimulateOptions& options) {
+  std::error_code error;
+  if (options.force || !fs::exists(options.folder, error)) return {};
+  if (!fs::is_directory(options.folder, error)) {
+    return fail(options.folder.string() + ": is a file, expected a folder or nothing");
+  }
+  if (fs::is_empty(options.folder, error) || error) return {};
+  return fail(options.folder.string() +
+              ": the folder is not empty; --force replaces files of the same names in it");
+}
+
+Result<Station> station_of(const SimulateInput& input, const Measurement& measurement,
+                           std::uint64_t seed) {
+  const std::string place = fmt::format("{}:{}: ", input.run.file.string(), measurement.line);
+  if (!measurement.truth_in_grid) {
+    return fail(place + "no true position, expected truth_x, truth_y and truth_z in each row");
+  }
+  Station station{
+      &measurement,
+      vehicle_in_tunnel(input.survey, *measurement.truth_in_grid, measurement.truth_heading),
+      {}};
+  const Eigen::Vector3d& position = station.world_from_vehicle.translation;
+  if (const auto inside = check_in_tunnel(input.survey, position); !inside) {
+    return fail(place + "the true position is " + inside.error().message);
+  }
+  for (const RigCamera& camera : input.rig.cameras) {
+    const Pose world_from_camera = station.world_from_vehicle * camera.vehicle_from_camera;
+    const auto inside = check_in_tunnel(input.survey, world_from_camera.translation);
+    if (!inside) return fail(place + "camera " + camera.name + " is " + inside.error().message);
+  }
+  for (const RigRange& range : input.rig.ranges) {
+    const auto value = measured_range(input.survey, range, position, random_bits(seed, 0));
+    if (value) station.ranges.emplace(range.name, *value);
+    ++seed;
+  }
+  return station;
+}
+
+Result<std::vector<Station>> stations_of(const SimulateInput& input, std::uint64_t seed) {
+  std::vector<Station> stations;
+  for (const Measurement& measurement : input.run.measurements) {
+    const auto row = static_cast<std::uint64_t>(measurement.line);
+    auto station = station_of(input, measurement, random_bits(seed, row));
+    if (!station) return fail(station.error().message);
+    stations.push_back(std::move(*station));
+  }
+  return stations;
+}
+
+// --- truth.json ---
+
+Json numbers(const auto& vector) {
+  Json list = Json::array();
+  for (const double value : vector) list.push_back(value);
+  return list;
+}
+
+Json corner_json(const std::optional<Eigen::Vector2d>& corner) {
+  return corner ? numbers(*corner) : Json();
+}
+
+Json plate_json(const Survey& survey, const PlacedTag& tag, const PlateTruth& truth) {
+  const auto corner_in_grid = [&](double x, double y) {
+    return numbers(grid_from_world(survey.grid, tag.world_from_plate * Eigen::Vector3d(x, y, 0)));
+  };
+  const double right = survey.tag_template.frame_inner_length;
+  const double bottom = survey.tag_template.frame_inner_height;
+  return {{"tag", tag.name},
+          {"code", to_string(tag.digits)},
+          {"corners_px",
+           {{"P", corner_json(truth.corners[0])},
+            {"F", corner_json(truth.corners[1])},
+            {"R", corner_json(truth.corners[2])},
+            {"Q", corner_json(truth.corners[3])}}},
+          {"corners_grid",
+           {{"P", corner_in_grid(0, 0)},
+            {"F", corner_in_grid(right, 0)},
+            {"R", corner_in_grid(right, bottom)},
+            {"Q", corner_in_grid(0, bottom)}}},
+          {"px_per_module", truth.module_px},
+          {"incidence_deg", degrees(truth.incidence)},
+          {"fraction_visible", truth.visible_fraction}};
+}
+
+// x_camera = R x_grid + t.
+Json camera_json(const Grid& grid, const Camera& camera, const Pose& world_from_camera) {
+  const Pose camera_from_world = inverse(world_from_camera);
+  Json rotation = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    const Eigen::Vector3d in_world = camera_from_world.rotation.row(row).transpose();
+    rotation.push_back(numbers(grid_from_world(grid, in_world)));
+  }
+  return {{"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"distortion", numbers(camera.distortion)},
+          {"R", rotation},
+          {"t", numbers(camera_from_world.translation)},
+          {"position_grid", numbers(grid_from_world(grid, world_from_camera.translation))}};
+}
+
+Json shot_json(const Survey& survey, const Shot& shot, const SurveyView& seen) {
+  const Pose& world_from_vehicle = shot.station->world_from_vehicle;
+  const Eigen::Vector3d& position = *shot.station->measurement->truth_in_grid;
+  const Eigen::Vector3d forward = world_from_vehicle.rotation.col(0);
+  Json plates = Json::array();
+  for (std::size_t i = 0; i < seen.tags.size(); ++i) {
+    plates.push_back(plate_json(survey, survey.tags[seen.tags[i]], seen.view.plates[i]));
+  }
+  return {{"file", shot.file},
+          {"id", shot.station->measurement->id},
+          {"camera_name", shot.camera->name},
+          {"image_size", {shot.camera->camera.width, shot.camera->camera.height}},
+          {"vehicle",
+           {{"O_grid", numbers(position)},
+            {"heading_grid", numbers(grid_from_world(survey.grid, forward))}}},
+          {"camera", camera_json(survey.grid, shot.camera->camera,
+                                 world_from_vehicle * shot.camera->vehicle_from_camera)},
+          {"plates", plates}};
+}
+
+std::string truth_text(const Survey& survey, Json images) {
+  const Json truth{
+      {"set", "simulated"},
+      {"survey", survey.name},
+      {"check", to_string(survey.code.check)},
+      {"conventions",
+       "x_camera = R x_grid + t (x right, y down, z forward); pixel (0, 0) is the centre of the "
+       "upper left pixel; corners P, F, R, Q = upper left, upper right, lower right, lower left "
+       "inner corner of the feature frame seen facing the plate, null where it has no pixel; "
+       "metres, degrees"},
+      {"grid_x_axis", survey.grid.x_axis_left ? "left" : "right"},
+      {"images", std::move(images)}};
+  // Names come from files and may not be UTF-8.
+  return truth.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+// --- run.csv ---
+
+std::string run_text(const SimulateInput& input, const std::vector<Station>& stations,
+                     const std::string& format) {
+  std::string text = "id";
+  for (const RigCamera& camera : input.rig.cameras) text += "," + camera.name;
+  for (const RigRange& range : input.rig.ranges) text += "," + range.name;
+  text += ",truth_x,truth_y,truth_z,truth_heading,time\n";
+  for (const Station& station : stations) {
+    const Measurement& measurement = *station.measurement;
+    const Eigen::Vector3d forward = station.world_from_vehicle.rotation.col(0);
+    const double heading =
+        grid_heading_from_world(input.survey.grid, std::atan2(forward.x(), forward.y()));
+    text += measurement.id;
+    for (const RigCamera& camera : input.rig.cameras) {
+      text += "," + image_name(measurement.id, camera.name, format);
+    }
+    for (const RigRange& range : input.rig.ranges) {
+      const auto value = station.ranges.find(range.name);
+      text += "," + (value == station.ranges.end() ? "" : format_number(value->second, 4));
+    }
+    for (const double value : *measurement.truth_in_grid) text += "," + format_number(value);
+    text += "," + format_number(degrees(heading), 6) + ",";
+    if (measurement.time) text += format_number(*measurement.time);
+    text += "\n";
+  }
+  return text;
+}
+
+// --- the work ---
+
+std::vector<Shot> shots_of(const SimulateInput& input, const std::vector<Station>& stations,
+                           const std::string& format) {
+  std::vector<Shot> shots;
+  for (const Station& station : stations) {
+    for (const RigCamera& camera : input.rig.cameras) {
+      shots.push_back(
+          {&station, &camera, image_name(station.measurement->id, camera.name, format)});
+    }
+  }
+  return shots;
+}
+
+ViewOptions view_options(const SimulateOptions& options, std::uint64_t shot) {
+  ViewOptions view;
+  view.lighting = tunnel_lighting();
+  view.sensor.blur_sigma_px = options.blur_px;
+  view.sensor.noise_sigma = options.noise;
+  view.sensor.tone = options.linear ? SensorTone::linear : SensorTone::srgb;
+  view.seed = random_bits(options.seed + 1, shot);
+  return view;
+}
+
+void print_line(const Json& line) {
+  fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void print_json(const Json& truths, const fs::path& folder) {
+  for (const Json& shot : truths) {
+    Json tags = Json::array();
+    for (const Json& plate : shot["plates"]) tags.push_back(plate["tag"]);
+    print_line({{"file", shot["file"]},
+                {"id", shot["id"]},
+                {"camera", shot["camera_name"]},
+                {"tags", std::move(tags)}});
+  }
+  print_line({{"summary", {{"images", truths.size()}, {"folder", folder.string()}}}});
+}
+
+// Renders every shot into the staged folder; the truth of each, or the first failure.
+Result<Json> render_shots(const SimulateOptions& options, const SimulateInput& input,
+                          const std::vector<Shot>& shots, const StagedFiles& files) {
+  Json truths = Json::array();
+  std::optional<Error> failure;
+  ProgressBar progress("images", shots.size());
+  run_in_order(shots.size(), options.jobs, [&](std::size_t i) -> Delivery {
+    const Shot& shot = shots[i];
+    const SurveyView seen =
+        render_survey_view(input.survey, *shot.camera, shot.station->world_from_vehicle,
+                           view_options(options, i), options.seed);
+    auto bytes = encode_gray_image(shot.file, seen.view.image.view(), options.quality);
+    const Result<void> written =
+        bytes ? files.add(shot.file, *bytes) : Result<void>(tl::unexpected(bytes.error()));
+    return [&, written, truth = shot_json(input.survey, shot, seen)] {
+      if (!written && !failure) failure = written.error();
+      truths.push_back(truth);
+      progress.advance([] {});
+    };
+  });
+  if (failure) return tl::unexpected(*failure);
+  return truths;
+}
+
+Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input) {
+  if (const auto sizes = check_image_sizes(input.rig); !sizes) return tl::unexpected(sizes.error());
+  const auto names = check_file_names(input, options.format);
+  if (!names) return tl::unexpected(names.error());
+  const auto stations = stations_of(input, options.seed);
+  if (!stations) return tl::unexpected(stations.error());
+  const auto folder = check_folder(options);
+  if (!folder) return tl::unexpected(folder.error());
+  auto files = StagedFiles::begin(options.folder);
+  if (!files) return tl::unexpected(files.error());
+  auto truths = render_shots(options, input, shots_of(input, *stations, options.format), *files);
+  if (!truths) return truths;
+  for (const auto& [name, text] :
+       {std::pair{"truth.json", truth_text(input.survey, *truths)},
+        std::pair{"run.csv", run_text(input, *stations, options.format)}}) {
+    if (const auto added = files->add(name, text); !added) return tl::unexpected(added.error());
+  }
+  if (const auto published = files->publish(); !published) {
+    return tl::unexpected(published.error());
+  }
+  return truths;
+}
+
+int run_simulate(const SimulateOptions& options) {
+  const Result<SimulateInput> input = load(options);
+  if (!input) return report_failure(kName, input.error());
+  const Result<Json> truths = simulate(options, *input);
+  if (!truths) return report_failure(kName, truths.error());
+  if (options.json) {
+    print_json(*truths, options.folder);
+  } else {
+    fmt::print("{} images, run.csv and truth.json in {}\n", truths->size(),
+               options.folder.string());
+  }
+  return kExitOk;
+}
+
+// CLI::Range lets "nan" through.
+CLI::Validator number_between(double low, double high) {
+  return {[low, high](std::string& text) {
+            const std::optional<double> value = parse_number(text);
+            if (value && *value >= low && *value <= high) return std::string();
+            return "found `" + text + "`, expected a number from " + format_number(low) + " to " +
+                   format_number(high);
+          },
+          ""};
+}
+
+void add_camera_options(CLI::App& app, SimulateOptions& options) {
+  app.add_option("--blur", options.blur_px, "Standard deviation of the lens's blur, pixels")
+      ->type_name("PX")
+      ->check(number_between(0, 20))
+      ->capture_default_str();
+  app.add_option("--noise", options.noise, "Standard deviation of the noise at middle grey")
+      ->type_name("LEVELS")
+      ->check(number_between(0, 100))
+      ->capture_default_str();
+  app.add_flag("--linear", options.linear, "Grey levels in proportion to light (default: sRGB)");
+  app.add_option("--seed", options.seed, "Of the noise and of the walls' texture")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--format", options.format, "Image format")
+      ->check(CLI::IsMember({"png", "jpg"}))
+      ->capture_default_str();
+  app.add_option("--quality", options.quality, "JPEG quality, 1 to 100")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+Command simulate_command(CLI::App& parent) {
+  const auto options = std::make_shared<SimulateOptions>();
+  CLI::App* app =
+      parent.add_subcommand(kName, "What the cameras would see along a run, for rehearsals");
+  app->add_option("survey", options->survey, "The tunnel and its tags (survey.yaml)")
+      ->required()
+      ->type_name("SURVEY");
+  app->add_option("--rig", options->rig, "The vehicle's cameras and range sensors (rig.yaml)")
+      ->required()
+      ->type_name("RIG");
+  app->add_option("--run", options->run, "True positions: id, truth_x, truth_y, truth_z, ...")
+      ->required()
+      ->type_name("RUN.csv");
+  app->add_option("-o,--output", options->folder, "Folder for the images, run.csv and truth.json")
+      ->required()
+      ->type_name("DIR");
+  add_camera_options(*app, *options);
+  app->add_flag("--force", options->force, "Write into a folder that is not empty");
+  app->add_flag("--json", options->json, "One JSON object an image, the summary last");
+  app->add_option("--jobs", options->jobs, "Images made at the same time (0 = all processors)")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  app->footer(
+      "For each row and camera DIR/ID_CAMERA.png; DIR/run.csv with the ranges measured and the "
+      "truth, for localize;\nDIR/truth.json with each plate's corners in pixels. Without "
+      "truth_heading the vehicle looks along the tunnel.\nLabel text on the plates is not drawn. "
+      "Exit code 0: all files written; 2: wrong use or input, none written.\n\n"
+      "Example:\n  tagsmith simulate surveys/curved/survey.yaml --rig surveys/curved/rig.yaml "
+      "--run surveys/curved/run.csv \\\n    -o rehearsal");
+  return {app, [options] { return run_simulate(*options); }};
+}
+
+}  // namespace tagsmith

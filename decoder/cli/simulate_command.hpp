@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tagsmith simulate`: what the cameras would see.
+#pragma once
+
+#include "tagsmith/cli/command.hpp"
+
+namespace tagsmith {
+
+Command simulate_command(CLI::App& parent);
+
+}  // namespace tagsmith

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/verify_command.hpp"
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "decoder/cli/file_list.hpp"
+#include "decoder/cli/json.hpp"
+#include "decoder/cli/parallel.hpp"
+#include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/verify_file.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExample = R"(Example:
+  tagsmith verify surveys/corridor/survey.yaml print/*.pdf photos
+
+--json prints one object a file: file, tags (tag, status, digits, corners, message, page), findings;
+and last the summary: counts by status, and the survey's tags that no file shows (missing).
+Status: ok, unknown (not in the survey), misprinted (wrong check digit, size or file), unreadable,
+duplicate, or cut_off (at a photo's edge, which is no fault). Exit: 0 nothing is wrong, 1 something
+is, 2 a file could not be read. Missing tags count as wrong only with --complete.)";
+
+struct Options {
+  std::string survey;
+  std::vector<std::string> files;
+  bool complete = false;
+  bool json = false;
+  int jobs = 0;
+};
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+void print_in_words(const FileReport& report) {
+  std::vector<std::string> good;
+  for (const TagFinding& tag : report.tags) {
+    if (tag.status == TagStatus::ok) good.push_back(tag.tag);
+  }
+  fmt::print("{}: {}{}{}\n", report.file.string(), report.findings.empty() ? "ok" : "WRONG",
+             good.empty() ? "" : "  ", joined(good));
+  for (const std::string& finding : report.findings) fmt::print("  {}\n", finding);
+}
+
+void print_in_words(const VerifySummary& summary) {
+  fmt::print(
+      "{} {}, {} with findings; tags: {} ok, {} unknown, {} misprinted, {} unreadable, {} "
+      "duplicate, {} cut off\n",
+      summary.files, summary.files == 1 ? "file" : "files", summary.files_with_findings, summary.ok,
+      summary.unknown, summary.misprinted, summary.unreadable, summary.duplicate, summary.cut_off);
+  if (summary.missing.empty()) {
+    fmt::print("every tag of the survey was seen\n");
+  } else {
+    fmt::print("not seen: {}\n", joined(summary.missing));
+  }
+}
+
+struct Outcome {
+  std::vector<FileReport> reports;
+  bool unreadable_file = false;
+};
+
+Outcome verify_all(const Options& options, const Survey& survey,
+                   const std::vector<fs::path>& files) {
+  Outcome outcome;
+  ProgressBar bar("files", files.size());
+  run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
+    auto report = std::make_shared<Result<FileReport>>(verify_file(survey, files[i]));
+    return [&, report] {
+      bar.advance([&] {
+        if (!*report) {
+          report_failure("verify", report->error());
+          outcome.unreadable_file = true;
+          return;
+        }
+        if (options.json) {
+          fmt::print("{}\n", to_json_line(**report));
+        } else {
+          print_in_words(**report);
+        }
+        outcome.reports.push_back(std::move(**report));
+      });
+    };
+  });
+  return outcome;
+}
+
+int run(const Options& options) {
+  const Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return report_failure("verify", survey.error());
+  const Result<std::vector<fs::path>> files =
+      list_files(options.files, image_and_pdf_extensions(), std::cin);
+  if (!files) return report_failure("verify", files.error());
+  const Outcome outcome = verify_all(options, *survey, *files);
+  const VerifySummary summary = summarize(*survey, outcome.reports);
+  if (options.json) {
+    fmt::print("{}\n", to_json_line(summary));
+  } else {
+    print_in_words(summary);
+  }
+  if (outcome.unreadable_file) return kExitFailure;
+  const bool incomplete = options.complete && !summary.missing.empty();
+  return summary.files_with_findings > 0 || incomplete ? kExitFindings : kExitOk;
+}
+
+}  // namespace
+
+Command verify_command(CLI::App& parent) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app =
+      parent.add_subcommand("verify", "Check print files and photos against the survey");
+  app->add_option("survey", options->survey, "The survey")->required()->type_name("SURVEY");
+  app->add_option("file", options->files,
+                  "Pictures, PDFs, folders of them, or - for a list of files on standard input")
+      ->required()
+      ->type_name("FILE");
+  app->add_flag("--complete", options->complete,
+                "Tags of the survey that no file shows are wrong too");
+  app->add_flag("--json", options->json, "One JSON object a file, then the summary");
+  app->add_option("--jobs", options->jobs, "Files read at once (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  app->footer(kExample);
+  return {app, [options] { return run(*options); }};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/check_tags.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "decoder/image/pixel.hpp"
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+int differing_digits(const Digits& a, const Digits& b) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i] == b[i] ? 0 : 1;
+  return count;
+}
+
+std::string nearest_in_words(const Survey& survey, const Digits& digits) {
+  const PlacedTag* nearest = nearest_tag(survey, digits);
+  if (nearest == nullptr) return "the survey has no tags";
+  return fmt::format("nearest is {} {}, which differs in {}", nearest->name,
+                     to_string(nearest->digits), describe_difference(digits, nearest->digits));
+}
+
+// A reading that the survey does not have.
+void judge_stranger(const Survey& survey, TagFinding& finding) {
+  const Digits& digits = *finding.digits;
+  const CheckDigit scheme = survey.code.check;
+  if (has_check_digit(scheme, digits)) {
+    finding.status = TagStatus::unknown;
+    finding.message = fmt::format("{} is not in survey {}; {}", to_string(digits), survey.name,
+                                  nearest_in_words(survey, digits));
+    return;
+  }
+  const std::uint8_t expected = check_digit(scheme, std::span(digits).first<11>());
+  finding.status = TagStatus::misprinted;
+  finding.message =
+      fmt::format("{} ends with check digit {}, expected {} ({}); {}", to_string(digits),
+                  digits.back(), expected, to_string(scheme), nearest_in_words(survey, digits));
+  const PlacedTag* nearest = nearest_tag(survey, digits);
+  if (nearest != nullptr && differing_digits(nearest->digits, digits) == 1) {
+    finding.tag = nearest->name;  // only the check digit is another
+  }
+}
+
+TagFinding finding_of(const Survey& survey, const Reading& reading) {
+  TagFinding finding;
+  finding.digits = reading.digits;
+  finding.corners = reading.corners;
+  finding.module_px = reading.module_px;
+  finding.confidence = reading.confidence;
+  if (const PlacedTag* tag = find_tag(survey, reading.digits)) {
+    finding.tag = tag->name;
+  } else {
+    judge_stranger(survey, finding);
+  }
+  return finding;
+}
+
+// True when the outline, were it larger by a quarter of its size on every side, would leave the
+// picture: what was taken for a feature frame may be the visible end of one.
+bool may_be_cut_off(const FrameCorners& corners, const PictureSize& size) {
+  const auto leaves = [](double least, double greatest, int pixels) {
+    const double margin = 0.25 * (greatest - least);
+    return least - margin < 0 || greatest + margin > pixels - 1;
+  };
+  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
+  return leaves(left.x, right.x, size.width) || leaves(top.y, bottom.y, size.height);
+}
+
+TagFinding finding_of(const Rejection& rejection, const std::optional<PictureSize>& size) {
+  TagFinding finding;
+  finding.corners = rejection.corners;
+  if (size && may_be_cut_off(rejection.corners, *size)) {
+    finding.status = TagStatus::cut_off;
+    finding.message = "a tag at the picture's edge, not read: " + rejection.reason;
+  } else {
+    finding.status = TagStatus::unreadable;
+    finding.message = "a tag was found and could not be read: " + rejection.reason;
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::string to_string(TagStatus status) {
+  switch (status) {
+    case TagStatus::ok:
+      return "ok";
+    case TagStatus::unknown:
+      return "unknown";
+    case TagStatus::misprinted:
+      return "misprinted";
+    case TagStatus::unreadable:
+      return "unreadable";
+    case TagStatus::duplicate:
+      return "duplicate";
+    case TagStatus::cut_off:
+      return "cut_off";
+  }
+  return "unknown";
+}
+
+const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits) {
+  const auto nearest = std::ranges::min_element(
+      survey.tags, {}, [&](const PlacedTag& tag) { return differing_digits(tag.digits, digits); });
+  return nearest == survey.tags.end() ? nullptr : &*nearest;
+}
+
+std::string describe_difference(const Digits& found, const Digits& expected) {
+  std::string text;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i] == expected[i]) continue;
+    text += fmt::format("{}digit {} (found {}, expected {})", text.empty() ? "" : ", ", i + 1,
+                        found[i], expected[i]);
+  }
+  return text.empty() ? "no digit" : text;
+}
+
+std::optional<std::string> check_print_size(const TagTemplate& tag, const FrameCorners& corners,
+                                            double metres_per_pixel) {
+  const auto& [p, f, lower_right, q] = corners;
+  const double length = (distance(p, f) + distance(q, lower_right)) / 2 * metres_per_pixel;
+  const double height = (distance(p, q) + distance(f, lower_right)) / 2 * metres_per_pixel;
+  const auto fits = [&](double found, double expected) {
+    return std::abs(found - expected) <= std::max(0.005 * expected, 1.5 * metres_per_pixel);
+  };
+  if (fits(length, tag.frame_inner_length) && fits(height, tag.frame_inner_height)) return {};
+  return fmt::format("its feature frame is {} x {} mm inside, expected {} x {} mm ({})",
+                     format_number(length * 1e3, 1), format_number(height * 1e3, 1),
+                     format_number(tag.frame_inner_length * 1e3, 1),
+                     format_number(tag.frame_inner_height * 1e3, 1), tag.name);
+}
+
+std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readings,
+                                   const std::optional<PictureSize>& size) {
+  std::vector<TagFinding> findings;
+  std::set<std::string> seen;
+  for (const Reading& reading : readings.tags) {
+    TagFinding finding = finding_of(survey, reading);
+    if (finding.status == TagStatus::ok && !seen.insert(finding.tag).second) {
+      finding.status = TagStatus::duplicate;
+      finding.message = finding.tag + " is there more than once, expected once";
+    }
+    findings.push_back(std::move(finding));
+  }
+  for (const Rejection& rejection : readings.rejected)
+    findings.push_back(finding_of(rejection, size));
+  return findings;
+}
+
+VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports) {
+  VerifySummary summary;
+  std::set<std::string> seen;
+  const auto count = [&](TagStatus status) -> int& {
+    switch (status) {
+      case TagStatus::ok:
+        return summary.ok;
+      case TagStatus::misprinted:
+        return summary.misprinted;
+      case TagStatus::unreadable:
+        return summary.unreadable;
+      case TagStatus::duplicate:
+        return summary.duplicate;
+      case TagStatus::cut_off:
+        return summary.cut_off;
+      case TagStatus::unknown:
+        break;
+    }
+    return summary.unknown;
+  };
+  for (const FileReport& report : reports) {
+    ++summary.files;
+    if (!report.findings.empty()) ++summary.files_with_findings;
+    for (const TagFinding& tag : report.tags) {
+      ++count(tag.status);
+      if (tag.status == TagStatus::ok) seen.insert(tag.tag);
+    }
+  }
+  for (const PlacedTag& tag : survey.tags) {
+    if (!seen.contains(tag.name)) summary.missing.push_back(tag.name);
+  }
+  return summary;
+}
+
+}  // namespace tagsmith

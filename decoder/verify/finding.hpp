@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a check of pictures against a survey finds.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/reader/reading.hpp"
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+enum class TagStatus {
+  ok,          // the survey has this tag
+  unknown,     // a good reading of a code that the survey does not have
+  misprinted,  // the print is wrong: check digit, content other than the manifest says, size
+  unreadable,  // a tag was found and refused
+  duplicate,   // the same tag stands elsewhere in the same picture or print file
+  cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
+};
+
+std::string to_string(TagStatus status);
+
+// One tag in one picture.
+struct TagFinding {
+  TagStatus status = TagStatus::ok;
+  std::string tag;               // the survey's name for it; empty when it has none
+  std::optional<Digits> digits;  // as read; nothing when unreadable
+  FrameCorners corners{};        // pixels of the picture, or of the page as rasterised
+  double module_px = 0;
+  double confidence = 0;
+  int page = 0;         // 1-based page of a print file; 0 in a picture
+  std::string message;  // what is wrong and what was expected; empty when ok
+};
+
+// One file.
+struct FileReport {
+  std::filesystem::path file;
+  int pages = 0;  // 0 for a picture
+  std::vector<TagFinding> tags;
+  std::vector<std::string> findings;  // whatever is wrong, in words; empty = all well
+};
+
+// All files together.
+struct VerifySummary {
+  int files = 0;
+  int files_with_findings = 0;
+  int ok = 0;  // tags by status, over all files
+  int unknown = 0;
+  int misprinted = 0;
+  int unreadable = 0;
+  int duplicate = 0;
+  int cut_off = 0;
+  std::vector<std::string> missing;  // names of the survey's tags that no file shows in order
+};
+
+}  // namespace tagsmith

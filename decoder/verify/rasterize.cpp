@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/rasterize.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include "decoder/verify/child_process.hpp"
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr int kMaxPages = 1000;
+constexpr double kDpi = 150;
+constexpr double kMaxPixels = 40e6;
+constexpr double kMetresPerInch = 0.0254;
+constexpr double kMetresPerPoint = kMetresPerInch / 72;
+
+// A name that poppler's programs cannot take for an option.
+std::string argument_of(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  return name.starts_with('-') ? "./" + name : name;
+}
+
+std::string first_line(const std::string& text) {
+  return std::string(trim(std::string_view(text).substr(0, text.find('\n'))));
+}
+
+Result<std::string> run_poppler(const std::filesystem::path& path,
+                                const std::vector<std::string>& argv) {
+  Result<ProcessOutput> output = run_process(argv);
+  if (!output) {
+    return fail(path.string() + ": PDF files need poppler-utils: " + output.error().message);
+  }
+  if (output->exit_code == 0) return std::move(output->out);
+  const std::string reason = first_line(output->err);
+  return fail(path.string() +
+              ": is no PDF that can be drawn: " + (reason.empty() ? argv[0] + " failed" : reason));
+}
+
+// A line "Page    3 size:  1275.59 x 992.126 pts ..." or "Page    3 rot:  90" of pdfinfo.
+struct PageLine {
+  std::size_t number = 0;
+  std::string key;
+  std::string value;
+};
+
+std::optional<PageLine> parse_page_line(const std::string& line) {
+  std::istringstream words(line);
+  std::string page;
+  PageLine parsed;
+  if (!(words >> page >> parsed.number >> parsed.key) || page != "Page") return std::nullopt;
+  std::getline(words, parsed.value);
+  return parsed;
+}
+
+std::optional<PageSize> parse_size(const std::string& value) {
+  std::istringstream words(value);
+  std::string width;
+  std::string by;
+  std::string height;
+  words >> width >> by >> height;
+  const std::optional<double> w = parse_number(width);
+  const std::optional<double> h = parse_number(height);
+  if (!w || !h || *w <= 0 || *h <= 0) return std::nullopt;
+  return PageSize{*w * kMetresPerPoint, *h * kMetresPerPoint};
+}
+
+// A binary PGM with 8-bit samples, as pdftoppm writes it.
+std::optional<GrayImage> parse_pgm(const std::string& bytes) {
+  std::istringstream header(bytes.substr(0, 64));
+  std::string magic;
+  int greatest = 0;
+  GrayImage image;
+  header >> magic >> image.width >> image.height >> greatest;
+  if (!header || magic != "P5" || greatest != 255 || image.width <= 0 || image.height <= 0) {
+    return std::nullopt;
+  }
+  const auto start = static_cast<std::size_t>(header.tellg()) + 1;
+  const std::size_t count =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (bytes.size() < start || bytes.size() - start < count) return std::nullopt;
+  image.samples.resize(count);
+  std::memcpy(image.samples.data(), bytes.data() + start, count);
+  return image;
+}
+
+double dots_per_inch(const PageSize& size) {
+  const double square_inches = size.width * size.height / (kMetresPerInch * kMetresPerInch);
+  return std::min(kDpi, std::sqrt(kMaxPixels / square_inches));
+}
+
+}  // namespace
+
+bool is_pdf(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string start(5, '\0');
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start == "%PDF-";
+}
+
+Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
+  const std::string last = std::to_string(kMaxPages + 1);
+  const Result<std::string> text =
+      run_poppler(path, {"pdfinfo", "-f", "1", "-l", last, argument_of(path)});
+  if (!text) return fail(text.error().message);
+  std::vector<PageSize> pages;
+  for (const std::string& line : split(*text, '\n')) {
+    const std::optional<PageLine> parsed = parse_page_line(line);
+    if (!parsed || parsed->number == 0) continue;
+    if (parsed->key == "size:") {
+      const std::optional<PageSize> size = parse_size(parsed->value);
+      if (!size || parsed->number != pages.size() + 1) break;
+      pages.push_back(*size);
+    } else if (parsed->key == "rot:" && parsed->number == pages.size()) {
+      const int turn = parse_integer(trim(parsed->value)).value_or(0);
+      if (turn % 180 != 0) std::swap(pages.back().width, pages.back().height);
+    }
+  }
+  if (pages.empty()) return fail(path.string() + ": has no page that can be drawn");
+  if (pages.size() > kMaxPages) {
+    return fail(path.string() + ": has more than " + std::to_string(kMaxPages) + " pages");
+  }
+  return pages;
+}
+
+Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
+                                 const PageSize& size) {
+  const double dpi = dots_per_inch(size);
+  const std::string page = std::to_string(number);
+  const Result<std::string> bytes =
+      run_poppler(path, {"pdftoppm", "-gray", "-r", format_number(dpi, 3), "-f", page, "-l", page,
+                         argument_of(path)});
+  if (!bytes) return fail(bytes.error().message);
+  std::optional<GrayImage> image = parse_pgm(*bytes);
+  if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
+  return PageImage{std::move(*image), kMetresPerInch / dpi};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/verify_file.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "decoder/image/load.hpp"
+#include "decoder/image/pixel.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/manifest.hpp"
+#include "decoder/verify/rasterize.hpp"
+
+namespace tagsmith {
+namespace {
+
+// True when the point lies inside the corners' convex outline, whichever way it turns.
+bool lies_in(const FrameCorners& corners, const PixelPoint& point) {
+  int left = 0;
+  int right = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const PixelPoint& a = corners[i];
+    const PixelPoint& b = corners[(i + 1) % corners.size()];
+    ++(cross(b - a, point - a) < 0 ? left : right);
+  }
+  return left == 0 || right == 0;
+}
+
+PixelPoint middle_of(const FrameCorners& corners) {
+  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+}
+
+bool overlap(const FrameCorners& a, const FrameCorners& b) {
+  return lies_in(a, middle_of(b)) || lies_in(b, middle_of(a));
+}
+
+bool overlaps_any(const std::vector<Reading>& tags, const FrameCorners& corners) {
+  return std::ranges::any_of(tags,
+                             [&](const Reading& tag) { return overlap(tag.corners, corners); });
+}
+
+// The findings in words: of each tag that is not as it should be.
+void describe_tags(FileReport& report) {
+  for (const TagFinding& tag : report.tags) {
+    if (tag.status == TagStatus::ok || tag.status == TagStatus::cut_off) continue;
+    const std::string page = tag.page == 0 ? "" : fmt::format("page {}: ", tag.page);
+    report.findings.push_back(fmt::format("{}{}: {}", page, to_string(tag.status), tag.message));
+  }
+}
+
+Result<FileReport> verify_picture(const Survey& survey, const std::filesystem::path& path) {
+  const Result<GrayImage> image = load_gray_image(path);
+  if (!image) return fail(image.error().message);
+  FileReport report;
+  report.file = path;
+  report.tags = check_tags(survey, read_for_survey(image->view(), survey),
+                           PictureSize{image->width, image->height});
+  const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
+  if (std::ranges::all_of(report.tags, is_cut_off))
+    report.findings.emplace_back("no tag was found");
+  return report;
+}
+
+std::vector<TagFinding> verify_page(const Survey& survey, const PageImage& page, int number) {
+  std::vector<TagFinding> tags = check_tags(survey, read_for_survey(page.image.view(), survey));
+  for (TagFinding& tag : tags) {
+    tag.page = number;
+    if (tag.status != TagStatus::ok) continue;
+    const std::optional<std::string> size =
+        check_print_size(survey.tag_template, tag.corners, page.metres_per_pixel);
+    if (!size) continue;
+    tag.status = TagStatus::misprinted;
+    tag.message = fmt::format("{}: {}", tag.tag, *size);
+  }
+  return tags;
+}
+
+// A tag that an earlier page already holds.
+void find_repeats(std::vector<TagFinding>& tags) {
+  std::map<std::string, int> first_page;
+  for (TagFinding& tag : tags) {
+    if (tag.status != TagStatus::ok) continue;
+    const auto [first, is_new] = first_page.emplace(tag.tag, tag.page);
+    if (is_new) continue;
+    tag.status = TagStatus::duplicate;
+    tag.message = fmt::format("{} is on page {} already, expected once", tag.tag, first->second);
+  }
+}
+
+Result<FileReport> verify_pdf(const Survey& survey, const std::filesystem::path& path) {
+  const Result<std::vector<PageSize>> pages = pdf_pages(path);
+  if (!pages) return fail(pages.error().message);
+  const Result<std::optional<PrintManifest>> manifest = find_manifest(path);
+  if (!manifest) return fail(manifest.error().message);
+  FileReport report;
+  report.file = path;
+  report.pages = static_cast<int>(pages->size());
+  for (int number = 1; number <= report.pages; ++number) {
+    const PageSize& size = (*pages)[static_cast<std::size_t>(number - 1)];
+    const Result<PageImage> page = rasterize_page(path, number, size);
+    if (!page) return fail(page.error().message);
+    const std::vector<TagFinding> tags = verify_page(survey, *page, number);
+    if (tags.empty()) report.findings.push_back(fmt::format("page {}: no tag was found", number));
+    std::ranges::copy(tags, std::back_inserter(report.tags));
+  }
+  find_repeats(report.tags);
+  if (*manifest) report = check_against_manifest(**manifest, survey, std::move(report));
+  return report;
+}
+
+}  // namespace
+
+ReadResult merge_readings(const ReadResult& first, const ReadResult& second) {
+  ReadResult merged{first.tags, {}};
+  for (const Reading& tag : second.tags) {
+    if (!overlaps_any(first.tags, tag.corners)) merged.tags.push_back(tag);
+  }
+  for (const Rejection& rejection : first.rejected) {
+    if (!overlaps_any(merged.tags, rejection.corners)) merged.rejected.push_back(rejection);
+  }
+  return merged;
+}
+
+ReadResult read_for_survey(const GrayView& image, const Survey& survey) {
+  const ReadResult first = read_tags(image);
+  ReadOptions with_code_book;
+  for (const PlacedTag& tag : survey.tags) with_code_book.code_book.push_back(tag.digits);
+  if (with_code_book.code_book.empty()) return merge_readings(first, {});
+  return merge_readings(first, read_tags(image, with_code_book));
+}
+
+Result<FileReport> verify_file(const Survey& survey, const std::filesystem::path& path) {
+  Result<FileReport> report =
+      is_pdf(path) ? verify_pdf(survey, path) : verify_picture(survey, path);
+  if (report) describe_tags(*report);
+  return report;
+}
+
+}  // namespace tagsmith

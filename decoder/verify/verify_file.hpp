@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole file against the survey: a picture, or a PDF that was printed from it.
+#pragma once
+
+#include <filesystem>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/verify/finding.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Everything in the picture: first read without the survey, so that a tag that should not be there
+// is seen for what it is, then once more with the survey as the code book, for tags too small or
+// too worn for the first. What the first reading found stays as it was found.
+ReadResult read_for_survey(const GrayView& image, const Survey& survey);
+
+// Readings of both passes in one: of a second reading that lies on a first one the first is kept,
+// and a refusal that lies on any reading is dropped.
+ReadResult merge_readings(const ReadResult& first, const ReadResult& second);
+
+// Reads the file and checks its tags. In print files (PDF) every page must hold a tag, the printed
+// size must be the template's, and the content what the manifest beside the file says.
+// Fails when the file cannot be read at all.
+Result<FileReport> verify_file(const Survey& survey, const std::filesystem::path& path);
+
+}  // namespace tagsmith

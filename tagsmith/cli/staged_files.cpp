@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/staged_files.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <stdlib.h>
+#include <string>
+#include <system_error>
+
+#include "tagsmith/base/file.hpp"
+
+namespace tagsmith {
+namespace fs = std::filesystem;
+namespace {
+
+// A file moved to its place, and where the one it replaced is kept until the whole set is there.
+struct Move {
+  fs::path target;
+  fs::path replaced;  // empty = there was none
+};
+
+std::vector<fs::path> missing_folders(const fs::path& folder) {
+  std::vector<fs::path> missing;
+  std::error_code ignored;
+  for (fs::path at = folder; !at.empty() && !fs::exists(at, ignored); at = at.parent_path()) {
+    missing.push_back(at);
+  }
+  return missing;
+}
+
+void undo(const std::vector<Move>& moves) {
+  std::error_code ignored;
+  for (const Move& move : moves) {
+    fs::remove(move.target, ignored);
+    if (!move.replaced.empty()) fs::rename(move.replaced, move.target, ignored);
+  }
+}
+
+std::vector<fs::path> files_in(const fs::path& folder, std::error_code& error) {
+  std::vector<fs::path> files;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    files.push_back(at->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+Result<Move> move_to(const fs::path& target, const fs::path& file) {
+  std::error_code error;
+  Move move{target, {}};
+  if (fs::is_directory(target, error)) {
+    return fail(target.string() + ": is a folder, expected a file or nothing");
+  }
+  if (fs::exists(fs::symlink_status(target, error))) {
+    move.replaced = file;
+    move.replaced += ".replaced";
+    fs::rename(target, move.replaced, error);
+    if (error) return fail(target.string() + ": cannot be replaced: " + error.message());
+  }
+  fs::rename(file, target, error);
+  if (!error) return move;
+  undo({move});
+  return fail(target.string() + ": cannot be written: " + error.message());
+}
+
+}  // namespace
+
+Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
+  std::error_code error;
+  StagedFiles files;
+  files.folder_ = (folder / "").parent_path();  // without a trailing slash
+  files.made_folders_ = missing_folders(files.folder_);
+  fs::create_directories(files.folder_, error);
+  if (error) return fail(folder.string() + ": cannot be made: " + error.message());
+  if (!fs::is_directory(files.folder_)) return fail(folder.string() + ": is not a folder");
+  std::string pattern = (files.folder_ / ".tagsmith-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) {
+    return fail(folder.string() +
+                ": no file can be written there: " + std::generic_category().message(errno));
+  }
+  files.staging_ = pattern;
+  return files;
+}
+
+StagedFiles::~StagedFiles() {
+  std::error_code ignored;
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  for (const fs::path& made : made_folders_) fs::remove(made, ignored);  // only when empty
+}
+
+Result<void> StagedFiles::add(const fs::path& name, std::string_view bytes) const {
+  if (write_file(staging_ / name, bytes)) return {};
+  return fail((folder_ / name).string() + ": cannot be written, is the disk full?");
+}
+
+Result<void> StagedFiles::publish() {
+  std::error_code error;
+  std::vector<Move> moves;
+  for (const fs::path& file : files_in(staging_, error)) {
+    const Result<Move> move = move_to(folder_ / file.filename(), file);
+    if (!move) {
+      undo(moves);
+      return fail(move.error().message);
+    }
+    moves.push_back(*move);
+  }
+  if (error) {
+    undo(moves);
+    return fail(folder_.string() + ": cannot be written: " + error.message());
+  }
+  made_folders_.clear();
+  return {};
+}
+
+}  // namespace tagsmith

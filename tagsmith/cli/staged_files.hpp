@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A set of output files that appears in its folder as a whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// Files gather in a hidden folder inside the target folder; publish() moves them to their names.
+// Without publish(), or when it fails, the destructor leaves the disk as it was before, folders
+// included.
+class StagedFiles {
+ public:
+  // Makes the folder where it is missing. Fails when files cannot be made in it.
+  static Result<StagedFiles> begin(const std::filesystem::path& folder);
+
+  ~StagedFiles();
+  StagedFiles(StagedFiles&& other) noexcept
+      : folder_(std::move(other.folder_)),
+        staging_(std::exchange(other.staging_, {})),
+        made_folders_(std::exchange(other.made_folders_, {})) {}
+  StagedFiles(const StagedFiles&) = delete;
+  StagedFiles& operator=(const StagedFiles&) = delete;
+  StagedFiles& operator=(StagedFiles&&) = delete;
+
+  // `name` is a file name without folders. Several threads may add files of different names.
+  Result<void> add(const std::filesystem::path& name, std::string_view bytes) const;
+
+  // Replaces files of the same names.
+  Result<void> publish();
+
+ private:
+  StagedFiles() = default;
+
+  std::filesystem::path folder_;
+  std::filesystem::path staging_;
+  std::vector<std::filesystem::path> made_folders_;  // innermost first
+};
+
+}  // namespace tagsmith

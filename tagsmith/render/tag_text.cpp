@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/tag_text.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace tagsmith {
+namespace {
+
+// To the millimetre, never "-0.000".
+double whole_millimetres(double metres) { return std::round(metres * 1000) / 1000 + 0.0; }
+
+}  // namespace
+
+std::string grouped_digits(const PositionCode& code, const Digits& digits) {
+  std::string text = to_string(digits);
+  std::size_t end = 0;
+  for (const int count : code.digit_counts) {
+    end += static_cast<std::size_t>(count);
+    text.insert(end, " ");
+    ++end;
+  }
+  return text;
+}
+
+TagText tag_text(const Survey& survey, const PlacedTag& tag) {
+  const Eigen::Vector3d p = tag.p_in_grid.unaryExpr(&whole_millimetres);
+  return {{tag.name + " " + to_string(tag.side) + "  \u00b7  " +
+               grouped_digits(survey.code, tag.digits),
+           fmt::format("x {:.3f}   y {:.3f}   z {:.3f} m", p.x(), p.y(), p.z()), survey.name}};
+}
+
+PageNotes page_notes(const Survey& survey, const PlacedTag& tag) {
+  return {survey.name + " " + tag.name, "template " + survey.tag_template.name + ", digits " +
+                                            grouped_digits(survey.code, tag.digits) + " (" +
+                                            to_string(survey.code.check) + ")"};
+}
+
+Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style) {
+  const TagDrawing drawing = draw_tag(survey.tag_template, tag.digits, tag_text(survey, tag));
+  return lay_out_page(drawing, page_notes(survey, tag), style);
+}
+
+}  // namespace tagsmith

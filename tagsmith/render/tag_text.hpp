@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a survey's tag says to people.
+#pragma once
+
+#include <string>
+
+#include "tagsmith/render/page.hpp"
+#include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/drawing.hpp"
+
+namespace tagsmith {
+
+// The digits in groups: one an axis, then the check digit: "0190 0000 040 4".
+std::string grouped_digits(const PositionCode& code, const Digits& digits);
+
+// The label on the plate: name, side and digits; grid coordinates of P in metres; survey.
+TagText tag_text(const Survey& survey, const PlacedTag& tag);
+
+// The notes in the page's margin.
+PageNotes page_notes(const Survey& survey, const PlacedTag& tag);
+
+// The page of one tag of the survey.
+Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style = {});
+
+}  // namespace tagsmith

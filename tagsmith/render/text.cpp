@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/text.hpp"
+
+#include <algorithm>
+#include <cairo.h>
+#include <memory>
+#include <numbers>
+
+#include <pango/pangocairo.h>
+
+namespace tagsmith {
+namespace {
+
+// Text is laid out at one font size and scaled to its height when drawn, so that its shape does not
+// depend on the size.
+constexpr double kFontSize = 100;
+constexpr double kLeastShrink = 0.6;
+// Longer texts would overflow Pango's 32-bit lengths, and fit nowhere.
+constexpr glong kMostCharacters = 500;
+
+struct Unref {
+  void operator()(void* object) const { g_object_unref(object); }
+};
+using Context = std::unique_ptr<PangoContext, Unref>;
+using Layout = std::unique_ptr<PangoLayout, Unref>;
+
+// Font options and language are pinned: the machine's settings must not change a print.
+Context make_context() {
+  // Pango's default font map is one per thread.
+  Context context(pango_font_map_create_context(pango_cairo_font_map_get_default()));
+  cairo_font_options_t* options = cairo_font_options_create();
+  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+  pango_cairo_context_set_font_options(context.get(), options);
+  cairo_font_options_destroy(options);
+  pango_cairo_context_set_resolution(context.get(), 72);
+  pango_context_set_round_glyph_positions(context.get(), FALSE);
+  pango_context_set_language(context.get(), pango_language_from_string("en"));
+  pango_context_set_base_dir(context.get(), PANGO_DIRECTION_LTR);
+  return context;
+}
+
+Layout make_layout(PangoContext* context, const std::string& text) {
+  Layout layout(pango_layout_new(context));
+  PangoFontDescription* font = pango_font_description_from_string("DejaVu Sans");
+  pango_font_description_set_absolute_size(font, kFontSize * PANGO_SCALE);
+  pango_layout_set_font_description(layout.get(), font);
+  pango_font_description_free(font);
+  pango_layout_set_auto_dir(layout.get(), FALSE);
+  pango_layout_set_single_paragraph_mode(layout.get(), TRUE);
+  pango_layout_set_text(layout.get(), text.c_str(), static_cast<int>(text.size()));
+  return layout;
+}
+
+// Reaches of a laid-out line from the left end of its baseline, in layout units.
+struct Extents {
+  double ascent = 0;
+  double descent = 0;
+  double width = 0;
+};
+
+Extents extents_of(PangoLayout* layout) {
+  PangoRectangle ink{};
+  PangoRectangle logical{};
+  pango_layout_line_get_extents(pango_layout_get_line_readonly(layout, 0), &ink, &logical);
+  return {static_cast<double>(-ink.y) / PANGO_SCALE,
+          static_cast<double>(ink.y + ink.height) / PANGO_SCALE,
+          static_cast<double>(logical.width) / PANGO_SCALE};
+}
+
+struct SetText {
+  Context context;
+  Layout layout;     // null when the machine has no font at all
+  double scale = 0;  // metres of one layout unit
+  double width = 0;  // layout units
+};
+
+double shrink_to(double room, double length) {
+  return length > room ? std::max(room, 0.0) / length : 1.0;
+}
+
+void ellipsize(PangoLayout* layout, double width) {
+  constexpr double kMostUnits = 1e9;  // Pango counts in 32 bits
+  const double units = std::clamp(width * PANGO_SCALE, 0.0, kMostUnits);
+  pango_layout_set_ellipsize(layout, PANGO_ELLIPSIZE_END);
+  pango_layout_set_width(layout, static_cast<int>(units));
+}
+
+SetText set_text(const TextItem& item) {
+  SetText set{make_context(), nullptr};
+  const double capital = extents_of(make_layout(set.context.get(), "H").get()).ascent;
+  if (capital <= 0) return set;
+  set.layout = make_layout(set.context.get(), printable_text(item.text));
+  const double scale = item.height / capital;
+  double shrink = shrink_to(item.max_width / scale, extents_of(set.layout.get()).width);
+  if (shrink < kLeastShrink) {
+    shrink = kLeastShrink;
+    ellipsize(set.layout.get(), item.max_width / (scale * shrink));
+  }
+  const Extents extents = extents_of(set.layout.get());
+  shrink = std::min({shrink, shrink_to(kTextAscent * capital, extents.ascent),
+                     shrink_to(kTextDescent * capital, extents.descent)});
+  set.scale = scale * shrink;
+  set.width = extents.width;
+  return set;
+}
+
+// User space becomes layout units with the origin at the left end of the baseline.
+void enter_text_space(cairo_t* context, const TextItem& item, const SetText& set) {
+  cairo_translate(context, item.x, item.y);
+  if (item.upwards) cairo_rotate(context, -std::numbers::pi / 2);
+  cairo_scale(context, set.scale, set.scale);
+  if (item.centred) cairo_translate(context, -set.width / 2, 0);
+}
+
+PangoLayoutLine* only_line(const SetText& set) {
+  return pango_layout_get_line_readonly(set.layout.get(), 0);
+}
+
+PathSegment segment_of(const cairo_path_data_t* data, const cairo_matrix_t& item_from_text) {
+  PathSegment segment;
+  switch (data->header.type) {
+    case CAIRO_PATH_MOVE_TO:
+      segment.verb = PathVerb::move;
+      break;
+    case CAIRO_PATH_LINE_TO:
+      segment.verb = PathVerb::line;
+      break;
+    case CAIRO_PATH_CURVE_TO:
+      segment.verb = PathVerb::curve;
+      break;
+    case CAIRO_PATH_CLOSE_PATH:
+      segment.verb = PathVerb::close;
+      break;
+  }
+  for (int i = 1; i < data->header.length; ++i) {
+    double x = data[i].point.x;
+    double y = data[i].point.y;
+    cairo_matrix_transform_point(&item_from_text, &x, &y);
+    segment.points[static_cast<std::size_t>(i - 1)] = {x, y};
+  }
+  return segment;
+}
+
+}  // namespace
+
+std::string printable_text(std::string_view text) {
+  const std::unique_ptr<char, decltype(&g_free)> valid(
+      g_utf8_make_valid(text.data(), static_cast<gssize>(text.size())), &g_free);
+  std::string printable;
+  glong count = 0;
+  for (const char* at = valid.get(); *at != '\0' && count < kMostCharacters; ++count) {
+    const char* next = g_utf8_next_char(at);
+    const gunichar character = g_utf8_get_char(at);
+    const bool shown = !g_unichar_iscntrl(character) && character != 0x2028 &&
+                       character != 0x2029 && (character & 0xfffe) != 0xfffe;
+    printable.append(shown ? std::string_view(at, static_cast<std::size_t>(next - at)) : " ");
+    at = next;
+  }
+  return printable;
+}
+
+bool has_glyphs(const std::string& text) {
+  const Context context = make_context();
+  const Layout layout = make_layout(context.get(), printable_text(text));
+  return pango_layout_get_unknown_glyphs_count(layout.get()) == 0;
+}
+
+void show_text(cairo_t* context, const TextItem& item) {
+  const SetText set = set_text(item);
+  if (set.layout == nullptr) return;
+  cairo_save(context);
+  enter_text_space(context, item, set);
+  cairo_move_to(context, 0, 0);
+  pango_cairo_show_layout_line(context, only_line(set));
+  cairo_restore(context);
+}
+
+std::vector<PathSegment> text_outline(const TextItem& item) {
+  const SetText set = set_text(item);
+  if (set.layout == nullptr) return {};
+  // Cairo keeps paths in 1/256 of a device unit: the device is made fine enough.
+  constexpr double kDeviceScale = 64;
+  cairo_surface_t* surface = cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, nullptr);
+  cairo_t* context = cairo_create(surface);
+  cairo_scale(context, kDeviceScale, kDeviceScale);
+  pango_cairo_layout_line_path(context, only_line(set));
+  cairo_path_t* path = cairo_copy_path(context);
+
+  cairo_identity_matrix(context);
+  enter_text_space(context, item, set);
+  cairo_matrix_t item_from_text{};
+  cairo_get_matrix(context, &item_from_text);
+  std::vector<PathSegment> outline;
+  for (int i = 0; i < path->num_data; i += path->data[i].header.length) {
+    outline.push_back(segment_of(&path->data[i], item_from_text));
+  }
+  cairo_path_destroy(path);
+  cairo_destroy(context);
+  cairo_surface_destroy(surface);
+  return outline;
+}
+
+}  // namespace tagsmith

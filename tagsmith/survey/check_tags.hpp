@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What can be wrong with tags that are placed: their codes and their room on the walls. Internal to
+// tagsmith/survey.
+#pragma once
+
+#include <vector>
+
+#include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// A tag and where the survey file speaks of it.
+struct SourcedTag {
+  PlacedTag tag;
+  Place place;
+  bool printed_digits = false;  // `digits` was given, not derived from the position
+  bool coded = false;           // false: the code cannot say its position, `digits` are void
+};
+
+// Positions that the code cannot say; a finding an axis for the regular tags together, one for each
+// surveyed tag. The survey's own `tags` are not looked at.
+void check_code_range(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
+                      FindingLog& log);
+
+// Two tags with one code, and coding that rounds more than the survey's accuracy bears.
+void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
+                 FindingLog& log);
+
+// Plates that stick out of the tunnel, hang off their wall, or overlap on one wall. Takes
+// O(n log n) time for n tags.
+void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, FindingLog& log);
+
+}  // namespace tagsmith

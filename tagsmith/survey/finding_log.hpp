@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Collects the findings about one file.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tagsmith/base/diagnostic.hpp"
+
+namespace tagsmith {
+
+// Line and column in a file, 1-based; 0 = the whole file, the whole line.
+struct Place {
+  int line = 0;
+  int column = 0;
+};
+
+// The findings of one file. Of one rule the first hundred are kept and the others counted, so that
+// a file with a million equal faults stays readable.
+class FindingLog {
+ public:
+  explicit FindingLog(std::string file) : file_(std::move(file)) {}
+
+  void error(Place place, std::string code, std::string message, std::string hint = {});
+  void warning(Place place, std::string code, std::string message, std::string hint = {});
+
+  // Findings of another file (a template that the survey names), taken over as they are.
+  void append(const std::vector<Diagnostic>& diagnostics);
+
+  bool has_errors() const { return tagsmith::has_errors(diagnostics_); }
+
+  // In the order of the file; what was left out is said last.
+  std::vector<Diagnostic> sorted() const;
+
+ private:
+  void add(Place place, Severity severity, std::string code, std::string message, std::string hint);
+
+  std::string file_;
+  std::vector<Diagnostic> diagnostics_;
+  std::map<std::string, int> counts_;  // by rule
+};
+
+}  // namespace tagsmith

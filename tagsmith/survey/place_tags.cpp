@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/place_tags.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+GridPoint to_grid_point(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
+
+}  // namespace
+
+std::string tag_name(int pair, Side side) {
+  return fmt::format("{:03}{}", pair, side == Side::left ? 'L' : 'R');
+}
+
+std::optional<TagName> parse_tag_name(std::string_view name) {
+  if (name.size() < 2) return std::nullopt;
+  const std::string_view number = name.substr(0, name.size() - 1);
+  const bool digits = std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; });
+  const std::optional<int> pair = digits ? parse_integer(number) : std::nullopt;
+  if (!pair) return std::nullopt;
+  const TagName parsed{*pair, name.back() == 'R' ? Side::right : Side::left};
+  if (tag_name(parsed.pair, parsed.side) != name) return std::nullopt;
+  return parsed;
+}
+
+double right_plate_shift(const Survey& survey) {
+  if (!survey.series || !survey.series->pair_angle) return 0;
+  return survey.tunnel.width * std::tan(*survey.series->pair_angle) -
+         survey.tag_template.frame_inner_length;
+}
+
+PlacedTag place_in_series(const Survey& survey, int pair, Side side) {
+  const TagSeries& series = *survey.series;
+  const TagTemplate& tag_template = survey.tag_template;
+  const Centerline& line = survey.tunnel.centerline;
+  const double half_inner = tag_template.frame_inner_length / 2;
+  const double pitch = tag_template.plate_length + series.spacing;
+  const double shift = side == Side::right ? right_plate_shift(survey) : 0.0;
+  const double middle = series.first + half_inner + pair * pitch + shift;
+
+  const CenterlinePoint point = line.at(middle);
+  const double to_right = side == Side::left ? -1.0 : 1.0;
+  const Eigen::Vector3d back_to_p = to_right * half_inner * direction_of(point.heading);
+  Eigen::Vector3d p =
+      point.position + to_right * survey.tunnel.width / 2 * right_of(point.heading) + back_to_p;
+  PlacedTag tag;
+  tag.name = tag_name(pair, side);
+  tag.pair = pair;
+  tag.side = side;
+  tag.chainage = line.locate(p.head<2>()).chainage;
+  p.z() = line.at(tag.chainage).position.z() + series.mount_height;
+  tag.p_in_grid = grid_from_world(survey.grid, p) + Eigen::Vector3d::Zero();  // -0 becomes 0
+  const Eigen::Vector3d x = -to_right * direction_of(point.heading);
+  tag.world_from_plate.rotation << x, -Eigen::Vector3d::UnitZ(), to_right * right_of(point.heading);
+  tag.world_from_plate.translation = p;
+  return tag;
+}
+
+PlacedTag place_surveyed(const Survey& survey, const TagName& name,
+                         const Eigen::Vector3d& p_in_grid) {
+  const Eigen::Vector3d p = world_from_grid(survey.grid, p_in_grid);
+  PlacedTag tag;
+  tag.name = tag_name(name.pair, name.side);
+  tag.pair = name.pair;
+  tag.side = name.side;
+  tag.p_in_grid = p_in_grid;
+  tag.world_from_plate = plate_on_wall(survey.tunnel, survey.tag_template, name.side, p);
+  tag.chainage = survey.tunnel.centerline.locate(p.head<2>()).chainage;
+  tag.surveyed = true;
+  return tag;
+}
+
+std::optional<PlacedTag> with_own_digits(PlacedTag tag, const PositionCode& code) {
+  const auto encoded = encode_position(code, to_grid_point(tag.p_in_grid));
+  if (!encoded) return std::nullopt;
+  return with_digits(std::move(tag), code, encoded->digits);
+}
+
+PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& digits) {
+  const GridPoint coded = decode_position(code, digits);
+  tag.digits = digits;
+  tag.coded_in_grid = {coded[0], coded[1], coded[2]};
+  return tag;
+}
+
+}  // namespace tagsmith

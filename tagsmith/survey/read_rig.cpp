@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/yaml_reader.hpp"
+
+namespace tagsmith {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kLargestVehicle = 100.0;  // metres
+constexpr double kMostPixels = 65'535;     // of an image side
+constexpr double kDefaultAttitude = 2.0;   // degrees: what an undulating floor does to a crawler
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+std::optional<ImageSize> read_image_size(const MapReader& map) {
+  const YamlNode* node = map.need("image_size", "image_size: [width, height] in pixels");
+  const std::string name = map.name_of("image_size");
+  const auto values = read_numbers(node, name, 2, between(1, kMostPixels, "pixels"), map.log());
+  if (!values) return std::nullopt;
+  if ((*values)[0] != std::floor((*values)[0]) || (*values)[1] != std::floor((*values)[1])) {
+    map.log().error(node->place, "wrong-type", name + " has fractions, expected whole pixels");
+    return std::nullopt;
+  }
+  return ImageSize{static_cast<int>((*values)[0]), static_cast<int>((*values)[1])};
+}
+
+// The lens and sensor as their data sheets give them.
+std::optional<Camera> read_lens(const MapReader& map, const ImageSize& size) {
+  const auto focal = map.number("focal_length_mm", above_zero(10'000, "mm"),
+                                "focal_length_mm and sensor_mm, or fx, fy, cx, cy");
+  const auto sensor = read_numbers(map.need("sensor_mm", "sensor_mm: [width, height]"),
+                                   map.name_of("sensor_mm"), 2, above_zero(1000, "mm"), map.log());
+  if (!focal || !sensor) return std::nullopt;
+  const Camera camera =
+      camera_from_sensor(size.width, size.height, *focal, (*sensor)[0], (*sensor)[1]);
+  constexpr double kSquare = 0.02;  // data sheets round sensor sizes to a tenth of a millimetre
+  if (std::abs(camera.fx / camera.fy - 1) > kSquare) {
+    map.log().warning(map.find("sensor_mm")->place, "odd-pixels",
+                      map.name_of("sensor_mm") + " and image_size give pixels of " +
+                          format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
+                          format_number(1000 * (*sensor)[1] / size.height, 3) +
+                          " micrometres, expected square ones",
+                      "check the order of width and height");
+  }
+  return camera;
+}
+
+std::optional<Camera> read_calibrated(const MapReader& map, const ImageSize& size) {
+  const NumberRange focal = above_zero(1e7, "pixels");
+  const NumberRange centre = between(-kMostPixels, 2 * kMostPixels, "pixels");
+  const auto fx = map.number("fx", focal);
+  const auto fy = map.number("fy", focal);
+  const auto cx = map.number("cx", centre);
+  const auto cy = map.number("cy", centre);
+  const YamlNode* node = map.find("distortion");
+  const auto distortion =
+      read_numbers(node, map.name_of("distortion"), 5, between(-100, 100, ""), map.log());
+  if (!fx || !fy || !cx || !cy || (node != nullptr && !distortion)) return std::nullopt;
+  Camera camera{size.width, size.height, *fx, *fy, *cx, *cy, {}};
+  if (distortion) std::ranges::copy(*distortion, camera.distortion.begin());
+  if (!in_image(camera, {*cx, *cy})) {
+    map.log().warning(map.find("cx")->place, "odd-principal-point",
+                      map.name_of("cx") + ", cy lie outside the image",
+                      "was the camera calibrated at another image size?");
+  }
+  return camera;
+}
+
+void refuse_calibration_file(const MapReader& map) {
+  const YamlNode* node = map.find("calibration");
+  if (node == nullptr) return;
+  map.log().error(node->place, "calibration-file",
+                  map.name_of("calibration") + " names a file, which this version does not read",
+                  "copy its numbers: fx, fy, cx, cy, distortion: [k1, k2, p1, p2, k3]");
+}
+
+std::optional<Camera> read_intrinsics(const MapReader& map) {
+  const std::optional<ImageSize> size = read_image_size(map);
+  refuse_calibration_file(map);
+  map.exclude_each_other({"focal_length_mm", "fx"});
+  map.exclude_each_other({"focal_length_mm", "distortion"});
+  if (!map.is_map() || map.has("calibration")) return std::nullopt;
+  const ImageSize used = size.value_or(ImageSize{1, 1});
+  const bool calibrated = map.has("fx") || map.has("fy") || map.has("cx") || map.has("cy");
+  const auto camera = calibrated ? read_calibrated(map, used) : read_lens(map, used);
+  return size ? camera : std::nullopt;
+}
+
+std::optional<Side> read_side(const YamlNode* node, const std::string& name, FindingLog& log) {
+  const auto side = read_choice(node, name, {"left", "right"}, log);
+  if (!side) return std::nullopt;
+  return *side == "left" ? Side::left : Side::right;
+}
+
+Eigen::Vector3d read_position(const MapReader& map) {
+  const auto p = read_numbers(map.find("position"), map.name_of("position"), 3,
+                              between(-kLargestVehicle, kLargestVehicle, "m"), map.log());
+  return p ? Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]) : Eigen::Vector3d(0, 0, 0);
+}
+
+// Mounting by alpha and side (Xu et al. 2017, Fig 11), or by yaw, pitch and roll.
+Pose read_mounting(const MapReader& map, std::optional<Side> side) {
+  const Eigen::Vector3d position = read_position(map);
+  for (const char* key : {"yaw", "pitch", "roll"}) map.exclude_each_other({"alpha", key});
+  if (map.has("alpha")) {
+    const double alpha = map.number_or("alpha", 0, between(-90, 90, "degrees"));
+    map.need("side", "side: left or side: right, the wall that the camera looks at");
+    Pose pose = vehicle_from_side_camera(side.value_or(Side::left), radians(alpha));
+    pose.translation = position;
+    return pose;
+  }
+  const NumberRange turn = between(-360, 360, "degrees");
+  const double yaw = map.number("yaw", turn, "alpha and side, or yaw, pitch, roll").value_or(0);
+  return vehicle_from_camera(radians(yaw), radians(map.number_or("pitch", 0, turn)),
+                             radians(map.number_or("roll", 0, turn)), position);
+}
+
+std::optional<double> read_optional(const MapReader& map, const char* key,
+                                    const NumberRange& range) {
+  return read_number(map.find(key), map.name_of(key), range, map.log());
+}
+
+RigCamera read_camera(const YamlNode& node, const std::string& name, FindingLog& log) {
+  const MapReader map(
+      &node, "cameras." + name,
+      {"image_size", "focal_length_mm", "sensor_mm", "fx", "fy", "cx", "cy", "distortion",
+       "calibration", "alpha", "side", "yaw", "pitch", "roll", "position", "exposure", "blur_px"},
+      log);
+  RigCamera camera;
+  camera.name = name;
+  camera.camera = read_intrinsics(map).value_or(Camera{});
+  camera.side = read_side(map.find("side"), map.name_of("side"), log);
+  camera.vehicle_from_camera = read_mounting(map, camera.side);
+  camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));
+  camera.blur_px = read_optional(map, "blur_px", between(0, 100, "pixels"));
+  return camera;
+}
+
+std::optional<RigRange> read_range(const YamlNode& node, const std::string& name, FindingLog& log) {
+  const MapReader map(&node, "ranges." + name, {"wall", "min", "max", "sigma"}, log);
+  const auto wall =
+      read_side(map.need("wall", "wall: left or wall: right"), map.name_of("wall"), log);
+  const auto min = map.number("min", between(0, 1000, "m"));
+  const auto max = map.number("max", above_zero(1000, "m"));
+  const auto sigma = map.number("sigma", above_zero(100, "m"));
+  if (!wall || !min || !max || !sigma) return std::nullopt;
+  if (*min >= *max) {
+    log.error(map.find("max")->place, "out-of-range",
+              map.name_of("max") + " is " + format_number(*max) + ", expected more than min, " +
+                  format_number(*min) + " m");
+  }
+  return RigRange{name, *wall, *min, *max, *sigma};
+}
+
+// Cameras and ranges name columns of run files.
+bool is_column_name(const YamlKey& key, const std::string& kind, FindingLog& log) {
+  static const std::set<std::string> kTaken = {"id",      "time",    "truth_x",
+                                               "truth_y", "truth_z", "truth_heading"};
+  const std::string& name = key.text;
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const bool well_formed = !name.empty() && name.size() <= 60 && is_letter(name.front()) &&
+                           std::ranges::all_of(name, [&](char c) {
+                             return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
+                           });
+  if (!well_formed || kTaken.contains(name)) {
+    log.error(
+        key.place, "bad-name",
+        "a " + kind + " named `" + name.substr(0, 60) +
+            "`, expected a letter and then letters, digits, - or _, and no column of a run file");
+    return false;
+  }
+  return true;
+}
+
+// Calls `read(node, name)` for each well-named entry of a map whose keys are names.
+template <class Read>
+void read_named(const YamlNode* node, const std::string& kind, const Read& read, FindingLog& log) {
+  if (node == nullptr || node->kind == YamlNode::Kind::broken) return;
+  if (node->kind != YamlNode::Kind::map) {
+    log.error(node->place, "wrong-type",
+              kind + "s is no map, expected a map from names to " + kind + "s");
+    return;
+  }
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < node->keys.size(); ++i) {
+    const YamlKey& key = node->keys[i];
+    if (!is_column_name(key, kind, log)) continue;
+    if (!seen.insert(key.text).second) {
+      log.error(key.place, "duplicate-key", "the " + kind + " `" + key.text + "` a second time",
+                "remove one of the two");
+      continue;
+    }
+    read(node->items[i], key.text);
+  }
+}
+
+// Run-file columns that two parts of the rig would share.
+void check_columns(const Rig& rig, const MapReader& file) {
+  std::set<std::string> columns;
+  for (const RigCamera& camera : rig.cameras) {
+    for (const char* suffix : {"", "_tag", "_distance"}) columns.insert(camera.name + suffix);
+  }
+  for (const RigRange& range : rig.ranges) {
+    if (columns.insert(range.name).second) continue;
+    file.log().error(file.find("ranges")->place, "duplicate-key",
+                     "the range `" + range.name + "` has the name of a camera's column",
+                     "rename the range");
+  }
+  if (columns.size() != 3 * rig.cameras.size() + rig.ranges.size()) {
+    file.log().error(file.find("cameras")->place, "duplicate-key",
+                     "two cameras share a column of the run file, as NAME_tag does with NAME",
+                     "rename one of them");
+  }
+}
+
+VehicleEnvelope read_envelope(const YamlNode* node, FindingLog& log) {
+  const MapReader map(node, "vehicle.envelope", {"lateral", "yaw", "speed"}, log);
+  VehicleEnvelope envelope;
+  envelope.lateral = map.number("lateral", between(0, kLargestVehicle, "m")).value_or(0);
+  envelope.yaw = radians(map.number("yaw", between(0, 90, "degrees")).value_or(0));
+  envelope.speed = map.number("speed", between(0, 100, "m/s")).value_or(0);
+  return envelope;
+}
+
+void read_vehicle(const MapReader& map, Rig& rig) {
+  const NumberRange sigma = above_zero(45, "degrees");
+  rig.vehicle_height = map.number("height", between(-kLargestVehicle, kLargestVehicle, "m"),
+                                  "height: of the vehicle's centre O above the floor")
+                           .value_or(0);
+  rig.roll_sigma = radians(map.number_or("roll_sigma", kDefaultAttitude, sigma));
+  rig.pitch_sigma = radians(map.number_or("pitch_sigma", kDefaultAttitude, sigma));
+  if (map.has("envelope")) rig.envelope = read_envelope(map.find("envelope"), map.log());
+}
+
+Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
+  const MapReader file(&root, "", {"rig", "cameras", "ranges", "vehicle"}, log);
+  Rig rig;
+  rig.file = path;
+  rig.name = read_name(file.need("rig", "rig: NAME"), "rig", log).value_or("");
+  const YamlNode* cameras = file.need("cameras", "cameras: { left: ..., right: ... }");
+  read_named(
+      cameras, "camera",
+      [&](const YamlNode& node, const std::string& name) {
+        rig.cameras.push_back(read_camera(node, name, log));
+      },
+      log);
+  if (cameras != nullptr && cameras->kind == YamlNode::Kind::map && cameras->keys.empty()) {
+    log.error(cameras->place, "wrong-length", "cameras is empty, expected at least one camera");
+  }
+  read_named(
+      file.find("ranges"), "range",
+      [&](const YamlNode& node, const std::string& name) {
+        if (auto range = read_range(node, name, log)) rig.ranges.push_back(*range);
+      },
+      log);
+  read_vehicle(MapReader(file.need("vehicle", "vehicle: { height: 0.24 }"), "vehicle",
+                         {"height", "roll_sigma", "pitch_sigma", "envelope"}, log),
+               rig);
+  if (!log.has_errors()) check_columns(rig, file);
+  return rig;
+}
+
+}  // namespace
+
+Result<RigReading> read_rig(const fs::path& path) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  FindingLog log(path.string());
+  RigReading reading;
+  if (const std::optional<YamlNode> root = parse_yaml(*text, log)) {
+    reading.rig = read_tree(*root, path, log);
+  }
+  if (log.has_errors()) reading.rig.reset();
+  reading.diagnostics = log.sorted();
+  return reading;
+}
+
+Result<Rig> load_rig(const fs::path& path) {
+  Result<RigReading> reading = read_rig(path);
+  if (!reading) return tl::unexpected(reading.error());
+  if (!reading->rig) return fail(to_string(reading->diagnostics, true));
+  return std::move(*reading->rig);
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/read_survey.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/check_tags.hpp"
+#include "tagsmith/survey/place_tags.hpp"
+#include "tagsmith/survey/read_placed.hpp"
+#include "tagsmith/survey/read_template.hpp"
+#include "tagsmith/survey/read_tunnel.hpp"
+#include "tagsmith/survey/yaml_reader.hpp"
+
+namespace tagsmith {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kPayloadDigits = kDigitCount - 1;
+
+std::optional<TagTemplate> read_named_template(const MapReader& tags,
+                                               const fs::path& survey_folder) {
+  FindingLog& log = tags.log();
+  const YamlNode* node = tags.need("template", "template: tag-400x300");
+  const auto name = read_text(node, tags.name_of("template"), log);
+  if (!name) return std::nullopt;
+  const auto path = find_template(*name, survey_folder);
+  if (!path) {
+    log.error(node->place, "no-template",
+              "no template `" + *name + "`, expected a path, or a file " + *name +
+                  ".yaml beside the survey or among the tool's own templates",
+              "own templates: tag-400x300, tag-800x430");
+    return std::nullopt;
+  }
+  const Result<TemplateReading> reading = read_template(*path);
+  if (!reading) {
+    log.error(node->place, "no-template", reading.error().message);
+    return std::nullopt;
+  }
+  log.append(reading->diagnostics);
+  return reading->tag;
+}
+
+// The number of pairs that `pairs` or `to` says; a pitch of 0 is one that was faulty.
+std::optional<int> read_pair_count(const MapReader& tags, double first, double pitch) {
+  constexpr int kMostPairs = kMostTags / 2;
+  tags.exclude_each_other({"pairs", "to"});
+  if (tags.has("pairs")) {
+    return read_integer(tags.find("pairs"), tags.name_of("pairs"), 1, kMostPairs, tags.log());
+  }
+  const auto to = read_number(tags.find("to"), tags.name_of("to"),
+                              between(first, kLongest * kMostElements, "m"), tags.log());
+  if (!to || pitch <= 0) return std::nullopt;
+  constexpr double kNudge = 1e-9;  // lets 5.6 = 7 * 0.8 count the eighth pair
+  const double count = std::floor((*to - first) / pitch + kNudge) + 1;
+  if (count > kMostPairs) {
+    tags.log().error(tags.find("to")->place, "too-many-tags",
+                     tags.name_of("to") + " asks for " + format_number(count, 0) +
+                         " pairs, expected at most " + std::to_string(kMostPairs),
+                     "split the survey into several files");
+    return std::nullopt;
+  }
+  return static_cast<int>(count);
+}
+
+// The regular pairs. Without `pairs` and `to` there are none, and only what speaks of surveyed tags
+// too (height, theta) is kept.
+std::optional<TagSeries> read_series(const MapReader& tags, bool has_placed,
+                                     const std::optional<TagTemplate>& tag_template) {
+  const bool regular = tags.has("pairs") || tags.has("to");
+  if (!regular && !has_placed && tags.is_map()) {
+    tags.need("pairs", "pairs: 8, or to: CHAINAGE, or a list `placed` of surveyed tags");
+  }
+  TagSeries series;
+  const NumberRange height = between(0, kLargestRoom, "m");
+  const NumberRange spacing = above_zero(kLongest, "m");
+  const NumberRange first = between(-kLongest, kLongest * kMostElements, "m");
+  const auto required = [&](const char* key, const NumberRange& range) {
+    return regular ? tags.number(key, range)
+                   : read_number(tags.find(key), tags.name_of(key), range, tags.log());
+  };
+  const auto mount_height = required("height", height);
+  const auto gap = required("spacing", spacing);
+  const auto start = required("first", first);
+  if (tags.has("theta")) {
+    NumberRange range = above_zero(80, "degrees");
+    const auto theta = read_number(tags.find("theta"), tags.name_of("theta"), range, tags.log());
+    if (theta) series.pair_angle = radians(*theta);
+  }
+  std::optional<int> pairs;
+  if (regular && start) {
+    const double pitch = gap && tag_template ? tag_template->plate_length + *gap : 0.0;
+    pairs = read_pair_count(tags, *start, pitch);
+  }
+  if (!regular && !mount_height && !series.pair_angle) return std::nullopt;
+  series.mount_height = mount_height.value_or(0);
+  series.spacing = gap.value_or(0);
+  series.first = start.value_or(0);
+  // With a faulty dimension the regular tags would only collect faults that are none.
+  series.pairs = mount_height && gap ? pairs.value_or(0) : 0;
+  return series;
+}
+
+std::optional<GridPoint> read_resolution(const MapReader& map, const GridPoint& fallback) {
+  constexpr double kCoarsest = 1000;
+  const YamlNode* node = map.find("resolution");
+  if (node == nullptr) return fallback;
+  const std::string name = map.name_of("resolution");
+  const NumberRange range = above_zero(kCoarsest, "m");
+  if (node->kind == YamlNode::Kind::sequence) {
+    const auto values = read_numbers(node, name, 3, range, map.log());
+    if (!values) return std::nullopt;
+    return GridPoint{(*values)[0], (*values)[1], (*values)[2]};
+  }
+  const auto one = read_number(node, name, range, map.log());
+  if (!one) return std::nullopt;
+  return GridPoint{*one, *one, *one};
+}
+
+std::optional<std::array<int, 3>> read_digit_counts(const MapReader& map,
+                                                    const std::array<int, 3>& fallback) {
+  const YamlNode* node = map.find("digits");
+  if (node == nullptr) return fallback;
+  const std::string name = map.name_of("digits");
+  const auto values = read_numbers(node, name, 3, between(1, 9, ""), map.log());
+  if (!values) return std::nullopt;
+  const double sum = std::accumulate(values->begin(), values->end(), 0.0);
+  const bool whole = std::ranges::all_of(*values, [](double v) { return v == std::floor(v); });
+  if (!whole || sum != static_cast<double>(kPayloadDigits)) {
+    map.log().error(node->place, "bad-digit-counts",
+                    name + (whole ? " sum to " + format_number(sum) : " are no whole numbers") +
+                        ", expected three whole numbers that sum to 11",
+                    "for example [4, 4, 3]");
+    return std::nullopt;
+  }
+  return std::array{static_cast<int>((*values)[0]), static_cast<int>((*values)[1]),
+                    static_cast<int>((*values)[2])};
+}
+
+std::optional<GridPoint> read_origin(const MapReader& map, const GridPoint& fallback) {
+  const YamlNode* node = map.find("origin");
+  if (node == nullptr) return fallback;
+  const auto values =
+      read_numbers(node, map.name_of("origin"), 3, between(-kFarthest, kFarthest, "m"), map.log());
+  if (!values) return std::nullopt;
+  return GridPoint{(*values)[0], (*values)[1], (*values)[2]};
+}
+
+std::optional<CheckDigit> read_check_digit(const MapReader& map) {
+  const auto check = read_choice(
+      map.need("check_digit", "sum10 (the plain sum of Xu et al. 2017) or gs1 (standard UPC-A)"),
+      map.name_of("check_digit"), {"sum10", "gs1"}, map.log());
+  return check ? parse_check_digit(*check) : std::nullopt;
+}
+
+std::optional<PositionCode> read_code(const MapReader& map,
+                                      const std::optional<CheckDigit>& check) {
+  const PositionCode fallback;
+  const auto resolution = read_resolution(map, fallback.resolution);
+  const auto digit_counts = read_digit_counts(map, fallback.digit_counts);
+  const auto origin = read_origin(map, fallback.origin);
+  if (!check || !resolution || !digit_counts || !origin) return std::nullopt;
+  return PositionCode{*check, *digit_counts, *resolution, *origin};
+}
+
+SourcedTag coded(PlacedTag tag, const std::optional<Digits>& printed, Place place,
+                 const PositionCode& code) {
+  SourcedTag entry;
+  entry.place = place;
+  entry.printed_digits = printed.has_value();
+  const auto with_code = printed ? with_digits(tag, code, *printed) : with_own_digits(tag, code);
+  entry.coded = with_code.has_value();
+  entry.tag = with_code ? *with_code : std::move(tag);
+  return entry;
+}
+
+// The regular tags and the surveyed ones, which replace regular ones of their name; by pair, left
+// before right.
+std::vector<SourcedTag> place_tags(const Survey& survey,
+                                   const std::map<TagKey, PlacedEntry>& placed,
+                                   Place series_place) {
+  std::vector<SourcedTag> tags;
+  const int pairs = survey.series ? survey.series->pairs : 0;
+  auto next = placed.begin();
+  const auto add_placed = [&] {
+    const PlacedEntry& entry = next->second;
+    tags.push_back(coded(place_surveyed(survey, entry.name, entry.p_in_grid), entry.digits,
+                         entry.place, survey.code));
+    ++next;
+  };
+  for (int pair = 0; pair < pairs; ++pair) {
+    for (const Side side : {Side::left, Side::right}) {
+      if (next != placed.end() && next->first == TagKey{pair, side}) {
+        add_placed();
+      } else {
+        tags.push_back(
+            coded(place_in_series(survey, pair, side), std::nullopt, series_place, survey.code));
+      }
+    }
+  }
+  while (next != placed.end()) add_placed();
+  return tags;
+}
+
+// A theta that cannot be meant (in radians, a typing error), and one that moves the right plates.
+void check_pair_angle(const Survey& survey, Place place, FindingLog& log) {
+  if (!survey.series || !survey.series->pair_angle) return;
+  constexpr double kNoticeable = 0.005;  // metres
+  const double shift = right_plate_shift(survey);
+  const double asked = survey.tunnel.width * std::tan(*survey.series->pair_angle);
+  const std::string facing = format_number(degrees(facing_pair_angle(survey)), 2);
+  const std::string subject =
+      "tags.theta is " + format_number(degrees(*survey.series->pair_angle), 3) +
+      " degrees, plates that face each other have atan(L_CI / W_T) = " + facing;
+  const std::string hint = "leave theta out for plates that face each other";
+  if (std::abs(shift) > asked) {
+    log.error(place, "theta",
+              subject + ": it puts the two P " + format_number(asked, 3) +
+                  " m apart along the drive, facing plates " + format_number(asked - shift, 3) +
+                  " m",
+              hint + "; theta is in degrees");
+  } else if (std::abs(shift) > kNoticeable) {
+    log.warning(place, "theta",
+                subject + ": it moves the right plates by " + format_number(shift, 3) +
+                    " m along the drive",
+                hint);
+  }
+}
+
+std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
+  const MapReader file(&root, "", {"survey", "grid", "tunnel", "tags", "code", "placed"}, log);
+  Survey survey;
+  survey.file = path;
+  survey.name = read_name(file.need("survey", "survey: NAME"), "survey", log).value_or("");
+  survey.grid = read_grid(file.find("grid"), log);
+  const auto tunnel =
+      read_tunnel(file.need("tunnel", "tunnel: { width: 1.9, height: 3.0, centerline: ... }"),
+                  survey.grid, log);
+
+  const MapReader tags(file.need("tags", "tags: { template: tag-400x300, ... }"), "tags",
+                       {"template", "height", "spacing", "first", "pairs", "to", "theta", "sigma"},
+                       log);
+  const auto tag_template = read_named_template(tags, path.parent_path());
+  survey.series = read_series(tags, file.has("placed"), tag_template);
+  survey.sigma = tags.number_or("sigma", 0, between(0, 10, "m"));
+
+  const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",
+                       {"check_digit", "resolution", "digits", "origin"}, log);
+  const auto check = read_check_digit(code);
+  const auto position_code = read_code(code, check);
+  survey.code = position_code.value_or(PositionCode{});
+  const auto placed = read_placed(file.find("placed"), check, log);
+  if (!tunnel || !tag_template) return std::nullopt;
+  survey.tunnel = *tunnel;
+  survey.tag_template = *tag_template;
+
+  if (tags.has("theta")) check_pair_angle(survey, tags.find("theta")->place, log);
+  const std::vector<SourcedTag> placed_tags = place_tags(survey, placed, tags.place());
+  if (position_code) {
+    check_code_range(survey, placed_tags, code.place(), log);
+    check_codes(survey, placed_tags, code.place(), log);
+  }
+  check_walls(survey, placed_tags, log);
+  survey.tags.reserve(placed_tags.size());
+  for (const SourcedTag& entry : placed_tags) survey.tags.push_back(entry.tag);
+  return survey;
+}
+
+}  // namespace
+
+Result<SurveyReading> read_survey(const fs::path& path) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  FindingLog log(path.string());
+  SurveyReading reading;
+  if (const std::optional<YamlNode> root = parse_yaml(*text, log)) {
+    reading.survey = read_tree(*root, path, log);
+  }
+  if (log.has_errors()) reading.survey.reset();
+  reading.diagnostics = log.sorted();
+  return reading;
+}
+
+Result<Survey> load_survey(const fs::path& path) {
+  Result<SurveyReading> reading = read_survey(path);
+  if (!reading) return tl::unexpected(reading.error());
+  if (!reading->survey) return fail(to_string(reading->diagnostics, true));
+  return std::move(*reading->survey);
+}
+
+Result<std::vector<Survey>> load_surveys(const std::vector<fs::path>& paths) {
+  std::vector<Survey> surveys;
+  std::string faults;
+  for (const fs::path& path : paths) {
+    Result<Survey> survey = load_survey(path);
+    if (survey) {
+      surveys.push_back(std::move(*survey));
+    } else {
+      faults += (faults.empty() ? "" : "\n") + survey.error().message;
+    }
+  }
+  if (!faults.empty()) return fail(faults);
+  const std::vector<Diagnostic> together = check_together(surveys);
+  if (has_errors(together)) return fail(to_string(together, true));
+  return surveys;
+}
+
+std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
+  struct Owner {
+    const Survey* survey;
+    const PlacedTag* tag;
+  };
+  std::map<std::string, const Survey*> by_name;
+  std::map<Digits, Owner> by_digits;
+  std::vector<Diagnostic> diagnostics;
+  for (const Survey& survey : surveys) {
+    FindingLog log(survey.file.string());
+    const auto [named, new_name] = by_name.emplace(survey.name, &survey);
+    if (!new_name) {
+      log.error(
+          {}, "duplicate-survey",
+          "the survey is named " + survey.name + ", and so is " + named->second->file.string(),
+          "give each survey a name of its own");
+    }
+    for (const PlacedTag& tag : survey.tags) {
+      const auto [first, is_new] = by_digits.emplace(tag.digits, Owner{&survey, &tag});
+      if (is_new || first->second.survey == &survey) continue;
+      log.error({}, "code-collision",
+                "tag " + tag.name + " has the code " + to_string(tag.digits) + ", and so has tag " +
+                    first->second.tag->name + " of " + first->second.survey->file.string(),
+                "give the surveys different code.origin or different check digits");
+    }
+    const std::vector<Diagnostic> found = log.sorted();
+    diagnostics.insert(diagnostics.end(), found.begin(), found.end());
+  }
+  return diagnostics;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/read_tunnel.hpp"
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith {
+namespace {
+
+struct Elements {
+  std::vector<CenterlineElement> elements;
+  bool complete = true;  // false: some were faulty
+};
+
+const char* kElementHint = "{ line: LENGTH } or { arc: RADIUS, turn: left|right, angle: DEGREES }";
+
+std::optional<CenterlineElement> read_line(const MapReader& map) {
+  const auto length = map.number("line", above_zero(kLongest, "m"));
+  if (!length) return std::nullopt;
+  return CenterlineElement{*length, 0, 0};
+}
+
+std::optional<CenterlineElement> read_arc(const MapReader& map, std::optional<double> width) {
+  const auto radius = map.number("arc", above_zero(kLongest, "m"));
+  const auto turn = read_choice(map.need("turn", "turn: left or turn: right"), map.name_of("turn"),
+                                {"left", "right"}, map.log());
+  const auto angle = map.number("angle", above_zero(360, "degrees"));
+  if (radius && width && *radius <= *width / 2) {
+    map.log().error(map.find("arc")->place, "tight-arc",
+                    map.name_of("arc") + " has a radius of " + format_number(*radius) +
+                        " m, expected more than half the tunnel's width, " +
+                        format_number(*width / 2) + " m",
+                    "the radius is that of the center line");
+    return std::nullopt;
+  }
+  if (!radius || !turn || !angle) return std::nullopt;
+  const double curvature = (*turn == "right" ? 1.0 : -1.0) / *radius;
+  return CenterlineElement{*radius * radians(*angle), curvature, 0};
+}
+
+std::optional<CenterlineElement> read_element(const YamlNode& node, const std::string& name,
+                                              std::optional<double> width, FindingLog& log) {
+  const MapReader map(&node, name, {"line", "arc", "turn", "angle", "grade"}, log);
+  if (!map.is_map()) return std::nullopt;
+  const double grade = map.number_or("grade", 0, between(-100, 100, "percent")) / 100;
+  std::optional<CenterlineElement> element;
+  if (map.has("arc") == map.has("line")) {
+    log.error(map.place(), "bad-element",
+              name + " has " + (map.has("arc") ? "both" : "neither") +
+                  " `line` and `arc`, expected one of them",
+              kElementHint);
+  } else if (map.has("arc")) {
+    element = read_arc(map, width);
+  } else {
+    for (const char* key : {"turn", "angle"}) {
+      if (!map.has(key)) continue;
+      log.error(map.find(key)->place, "conflicting-keys",
+                "`" + map.name_of(key) + "` of a line, expected it with `arc` only", kElementHint);
+    }
+    element = read_line(map);
+  }
+  if (element) element->grade = grade;
+  return element;
+}
+
+Elements read_elements(const MapReader& centerline, std::optional<double> width) {
+  const std::string name = centerline.name_of("elements");
+  FindingLog& log = centerline.log();
+  const YamlNode* node = centerline.need("elements", "elements: [ { line: 10.0 } ]");
+  const std::vector<YamlNode>* list = read_list(node, name, log);
+  Elements result;
+  result.complete = list != nullptr;
+  if (list == nullptr) return result;
+  if (list->empty() || list->size() > kMostElements) {
+    log.error(node->place, "wrong-length",
+              name + " has " + std::to_string(list->size()) + " elements, expected 1 to " +
+                  std::to_string(kMostElements));
+    result.complete = false;
+    return result;
+  }
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const auto element = read_element((*list)[i], name + "[" + std::to_string(i) + "]", width, log);
+    result.complete = result.complete && element.has_value();
+    if (element) result.elements.push_back(*element);
+  }
+  return result;
+}
+
+std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid,
+                                          std::optional<double> width, FindingLog& log) {
+  const MapReader map(node, "tunnel.centerline", {"start", "heading", "elements"}, log);
+  const auto start =
+      read_numbers(map.need("start", "start: [x, y, z] on the floor"), map.name_of("start"), 3,
+                   between(-kFarthest, kFarthest, "m"), log);
+  const auto heading =
+      map.number("heading", between(-360, 360, "degrees"), "heading: degrees from +y towards +x");
+  const Elements elements = read_elements(map, width);
+  if (!start || !heading || !elements.complete) return std::nullopt;
+  const Eigen::Vector3d start_in_grid((*start)[0], (*start)[1], (*start)[2]);
+  return Centerline(world_from_grid(grid, start_in_grid),
+                    world_heading_from_grid(grid, radians(*heading)), elements.elements);
+}
+
+}  // namespace
+
+std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, FindingLog& log) {
+  const MapReader map(node, "tunnel", {"width", "height", "centerline"}, log);
+  const auto width = map.number("width", above_zero(kLargestRoom, "m"));
+  const auto height = map.number("height", above_zero(kLargestRoom, "m"));
+  const auto centerline = read_centerline(
+      map.need("centerline",
+               "centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 10.0 } ] }"),
+      grid, width, log);
+  if (!width || !height || !centerline) return std::nullopt;
+  return Tunnel{*width, *height, *centerline};
+}
+
+Grid read_grid(const YamlNode* node, FindingLog& log) {
+  const MapReader map(node, "grid", {"x_axis"}, log);
+  const auto axis = read_choice(map.find("x_axis"), map.name_of("x_axis"), {"right", "left"}, log);
+  return Grid{axis == "left"};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/rig.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace tagsmith {
+namespace {
+
+// Camera axes (x right, y down, z along the optical axis) of a camera that looks along a body's
+// x axis (y left, z up).
+Eigen::Matrix3d body_from_camera() {
+  Eigen::Matrix3d rotation;
+  rotation << 0, 0, 1,  //
+      -1, 0, 0,         //
+      0, -1, 0;
+  return rotation;
+}
+
+}  // namespace
+
+const RigCamera* find_camera(const Rig& rig, std::string_view name) {
+  const auto found = std::ranges::find(rig.cameras, name, &RigCamera::name);
+  return found == rig.cameras.end() ? nullptr : &*found;
+}
+
+Pose vehicle_from_side_camera(Side side, double alpha) {
+  const double yaw = std::numbers::pi / 2 - alpha;
+  return vehicle_from_camera(side == Side::left ? yaw : -yaw, 0, 0, Eigen::Vector3d::Zero());
+}
+
+Pose vehicle_from_camera(double yaw, double pitch, double roll, const Eigen::Vector3d& position) {
+  return {rotation_from_yaw_pitch_roll(yaw, pitch, roll) * body_from_camera(), position};
+}
+
+Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading) {
+  Pose pose;
+  pose.rotation << direction_of(heading), -right_of(heading), Eigen::Vector3d::UnitZ();
+  pose.translation = position_in_world;
+  return pose;
+}
+
+}  // namespace tagsmith

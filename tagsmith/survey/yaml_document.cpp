@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/yaml_document.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <sstream>
+#include <utility>
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/mark.h>
+#include <yaml-cpp/parser.h>
+
+namespace tagsmith {
+namespace {
+
+constexpr std::size_t kDeepest = 32;
+constexpr std::size_t kMostNodes = 4'000'000;
+
+// yaml-cpp reads an outermost [...] or {...} to its end before it says anything of it, at some 100
+// bytes of memory a byte.
+constexpr std::size_t kLongestFlow = 2'000'000;
+
+// Ends the parse; the reason is in the log.
+struct Abandoned : std::exception {};
+
+// yaml-cpp counts lines and columns from 0.
+Place place_of(const YAML::Mark& mark) { return {mark.line + 1, mark.column + 1}; }
+
+void log_too_deep(Place place, FindingLog& log) {
+  log.error(place, "too-deep",
+            "nested more than " + std::to_string(kDeepest) + " deep, expected at most 5");
+}
+
+class TreeBuilder final : public YAML::EventHandler {
+ public:
+  explicit TreeBuilder(FindingLog& log) : log_(log) {}
+
+  std::optional<YamlNode> take() { return std::exchange(root_, std::nullopt); }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents_ < 2) return;
+    log_.error(place_of(mark), "several-documents", "a second document begins, expected one",
+               "put each survey into a file of its own");
+    throw Abandoned();
+  }
+
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
+    YamlNode node;
+    node.place = place_of(mark);
+    add(std::move(node), true);
+  }
+
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    add(broken(mark, "alias", "an alias (*name), expected the value itself",
+               "write the value out; aliases are not supported"),
+        false);
+  }
+
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                const std::string& value) override {
+    if (!plain_tag(tag)) {
+      add(explicit_tag(mark, tag), false);
+      return;
+    }
+    YamlNode node;
+    node.kind = YamlNode::Kind::scalar;
+    node.quoted = tag == "!";
+    node.place = place_of(mark);
+    node.text = value;
+    add(std::move(node), false);
+  }
+
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                       YAML::EmitterStyle::value style) override {
+    open(mark, tag, YamlNode::Kind::sequence, style);
+  }
+  void OnSequenceEnd() override { close(); }
+
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
+                  YAML::EmitterStyle::value style) override {
+    open(mark, tag, YamlNode::Kind::map, style);
+  }
+  void OnMapEnd() override { close(); }
+
+ private:
+  // A map or sequence being read, or the document itself at the bottom.
+  struct Open {
+    YamlNode node;
+    bool at_key_of_parent = false;  // place it at the key it is the value of
+  };
+
+  static bool plain_tag(const std::string& tag) { return tag.empty() || tag == "?" || tag == "!"; }
+
+  YamlNode broken(const YAML::Mark& mark, std::string code, std::string message, std::string hint) {
+    YamlNode node;
+    node.kind = YamlNode::Kind::broken;
+    node.place = place_of(mark);
+    log_.error(node.place, std::move(code), std::move(message), std::move(hint));
+    return node;
+  }
+
+  YamlNode explicit_tag(const YAML::Mark& mark, const std::string& tag) {
+    return broken(mark, "yaml-tag", "the YAML tag " + tag + ", expected a plain value",
+                  "remove the tag");
+  }
+
+  void open(const YAML::Mark& mark, const std::string& tag, YamlNode::Kind kind,
+            YAML::EmitterStyle::value style) {
+    if (open_.size() >= kDeepest) {
+      log_too_deep(place_of(mark), log_);
+      throw Abandoned();
+    }
+    Open entry;
+    entry.node.kind = kind;
+    entry.node.place = place_of(mark);
+    if (!plain_tag(tag)) entry.node = explicit_tag(mark, tag);
+    entry.at_key_of_parent = style == YAML::EmitterStyle::Block;
+    open_.push_back(std::move(entry));
+  }
+
+  void close() {
+    Open entry = std::move(open_.back());
+    open_.pop_back();
+    add(std::move(entry.node), entry.at_key_of_parent);
+  }
+
+  void add(YamlNode node, bool at_key) {
+    if (++count_ > kMostNodes) {
+      log_.error(node.place, "too-many-values",
+                 "more than " + std::to_string(kMostNodes) + " values in one file",
+                 "split the survey into several files");
+      throw Abandoned();
+    }
+    if (open_.empty()) {
+      root_ = std::move(node);
+      return;
+    }
+    YamlNode& parent = open_.back().node;
+    if (parent.kind == YamlNode::Kind::map && parent.keys.size() == parent.items.size()) {
+      add_key(parent, node);
+      return;
+    }
+    if (parent.kind == YamlNode::Kind::map && at_key) node.place = parent.keys.back().place;
+    parent.items.push_back(std::move(node));
+  }
+
+  void add_key(YamlNode& map, const YamlNode& key) {
+    if (key.kind == YamlNode::Kind::sequence || key.kind == YamlNode::Kind::map ||
+        key.kind == YamlNode::Kind::empty) {
+      log_.error(key.place, "complex-key", "a key that is no word, expected a name",
+                 "write `name: value`");
+      throw Abandoned();
+    }
+    map.keys.push_back({key.text, key.place});
+  }
+
+  FindingLog& log_;
+  std::vector<Open> open_;
+  std::optional<YamlNode> root_;
+  std::size_t count_ = 0;
+  int documents_ = 0;
+};
+
+// Length of the UTF-8 sequence at the front of the text, 0 when it is none (RFC 3629 section 4).
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char lead = byte(0);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xC2 ? 0
+                             : lead < 0xE0 ? 2
+                             : lead < 0xF0 ? 3
+                             : lead < 0xF5 ? 4
+                                           : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80) return 0;
+  }
+  if ((lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xED && byte(1) > 0x9F) ||
+      (lead == 0xF0 && byte(1) < 0x90) || (lead == 0xF4 && byte(1) > 0x8F)) {
+    return 0;
+  }
+  return length;
+}
+
+// Logs the first byte that is no UTF-8 text; true when there is none.
+bool check_utf8(std::string_view text, FindingLog& log) {
+  Place place{1, 1};
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const char first = text.front();
+    const bool control =
+        static_cast<unsigned char>(first) < 0x20 && first != '\t' && first != '\n' && first != '\r';
+    if (length == 0 || control) {
+      log.error(place, "not-utf-8", "a byte that is no text, expected UTF-8",
+                "save the file as UTF-8");
+      return false;
+    }
+    place = first == '\n' ? Place{place.line + 1, 1} : Place{place.line, place.column + 1};
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+// Where the quoted text that begins at `quote` ends: at its closing quote, or at the end.
+std::size_t end_of_quoted(std::string_view text, std::size_t quote) {
+  std::size_t i = quote + 1;
+  while (i < text.size() && text[i] != text[quote]) {
+    i += text[quote] == '"' && text[i] == '\\' ? 2 : 1;
+  }
+  return std::min(i, text.size());
+}
+
+// Follows brackets and braces, skipping quoted text and comments; true when they nest no deeper and
+// run no longer than the parser bears. Where a quote begins is judged by the character before it.
+bool check_flow(std::string_view text, FindingLog& log) {
+  std::size_t depth = 0;
+  std::size_t start = 0;  // of the outermost collection
+  int line = 1;
+  char before = '\n';  // the last character that is no blank, or a line's end
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool after_blank = i == 0 || text[i - 1] == ' ' || text[i - 1] == '\t' || before == '\n';
+    if (c == '#' && after_blank) {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if ((c == '"' || c == '\'') &&
+               std::string_view("\n[{,:-?").find(before) != std::string_view::npos) {
+      const std::size_t end = end_of_quoted(text, i);
+      line += static_cast<int>(std::ranges::count(text.substr(i, end - i), '\n'));
+      i = end;
+    } else if (c == '[' || c == '{') {
+      if (depth++ == 0) start = i;
+    } else if (c == ']' || c == '}') {
+      if (depth > 0) --depth;
+    }
+    if (depth > kDeepest) {
+      log_too_deep({line, 0}, log);
+      return false;
+    }
+    if (depth > 0 && i - start > kLongestFlow) {
+      log.error({line, 0}, "long-flow",
+                "brackets around more than " + std::to_string(kLongestFlow) + " characters",
+                "write the list without brackets, each item on a line of its own after a dash");
+      return false;
+    }
+    if (c == '\n') ++line;
+    if (c != ' ' && c != '\t') before = c;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log) {
+  if (!check_utf8(text, log) || !check_flow(text, log)) return std::nullopt;
+  TreeBuilder builder(log);
+  try {
+    std::istringstream stream{std::string(text)};
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
+    }
+  } catch (const Abandoned&) {
+    return std::nullopt;
+  } catch (const YAML::Exception& error) {
+    log.error(place_of(error.mark), "syntax", "no valid YAML: " + error.msg,
+              "check indentation, brackets, quotes and colons on this line and the one before");
+    return std::nullopt;
+  }
+  std::optional<YamlNode> root = builder.take();
+  if (!root || root->kind == YamlNode::Kind::empty) {
+    log.error({1, 1}, "empty-file", "the file is empty, expected keys and values");
+    return std::nullopt;
+  }
+  return root;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// YAML text as a tree that knows its places. Internal to tagsmith/survey: yaml-cpp shows nowhere.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tagsmith/survey/finding_log.hpp"
+
+namespace tagsmith {
+
+// A key of a map, as written.
+struct YamlKey {
+  std::string text;
+  Place place;
+};
+
+struct YamlNode {
+  // `broken` = a finding was logged about it already; whoever meets it stays silent.
+  enum class Kind { empty, scalar, sequence, map, broken };
+
+  Kind kind = Kind::empty;
+  bool quoted = false;          // a scalar in quotes is text, whatever it looks like
+  Place place;                  // of a block map, sequence or nothing under a key: the key's
+  std::string text;             // of a scalar
+  std::vector<YamlKey> keys;    // of a map
+  std::vector<YamlNode> items;  // of a sequence; of a map, the values of `keys` one by one
+};
+
+// The text's one document. Nothing when it has no usable tree; why is in the log: syntax, not
+// UTF-8, empty, several documents, nested deeper than 32, more than four million values. Aliases,
+// merge keys and explicit tags are logged as errors and leave a broken node.
+std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log);
+
+}  // namespace tagsmith

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/house/house.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <regex>
+
+namespace tagsmith::house {
+namespace {
+
+constexpr std::array<std::string_view, 19> kLayers{
+    "tagsmith/base",    "tagsmith/geometry",     "tagsmith/symbology",
+    "tagsmith/tag",     "tagsmith/survey",       "tagsmith/placement",
+    "tagsmith/render",  "tagsmith/cli",          "decoder/image",
+    "decoder/simulate", "decoder/feature_frame", "decoder/scan",
+    "decoder/reader",   "decoder/paper",         "decoder/localize",
+    "decoder/grade",    "decoder/verify",        "decoder/cli",
+    "main.cpp",
+};
+
+constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",
+                                                      "tagsmith", "templates", "tests"};
+
+// Who may include a third-party library. Tests may include any.
+struct ThirdParty {
+  std::string_view name;
+  std::string_view headers;  // regular expression over the whole header name
+  std::string_view folders;  // regular expression over the layer
+  bool sources_only;         // not in headers: the library stays behind the module's interface
+};
+
+constexpr std::array<ThirdParty, 11> kThirdParty{{
+    {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
+    {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
+    {"qpdf", "qpdf/.*", "tagsmith/render", true},
+    {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},
+    {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",
+     "decoder/(image|simulate|feature_frame|reader|paper|localize|grade)", true},
+    {"Ceres", "ceres/.*", "decoder/localize", true},
+    {"oneTBB", "(oneapi/)?tbb/.*", "(tagsmith|decoder)/cli|decoder/(reader|localize)", true},
+    {"nlohmann-json", "nlohmann/.*",
+     "(tagsmith|decoder)/cli|tagsmith/(placement|render)|decoder/verify", true},
+    {"tl::expected", "tl/expected.hpp", ".*", false},
+    {"fmt", "fmt/.*", "(tagsmith|decoder)/(?!symbology|scan).*|main.cpp", true},
+    {"Eigen", "Eigen/.*", "tagsmith/(geometry|survey|placement|render|cli)|decoder/.*", false},
+}};
+
+// Folders that run programs or touch files below the C++ library may use the system's headers.
+constexpr std::string_view kSystemHeaders = "(sys/)?[a-z0-9_]+\\.h";
+constexpr std::string_view kSystemFolders =
+    "tagsmith/(base|survey|cli)|decoder/(verify|cli)|main.cpp";
+
+bool matches(std::string_view text, std::string_view pattern) {
+  return std::regex_match(text.begin(), text.end(), std::regex(pattern.begin(), pattern.end()));
+}
+
+bool starts_with_layer(std::string_view path, std::string_view layer) {
+  return path.starts_with(layer) && (path.size() == layer.size() || path[layer.size()] == '/');
+}
+
+std::optional<std::size_t> rank_of(std::string_view path) {
+  const auto layer = std::ranges::find_if(
+      kLayers, [&](std::string_view candidate) { return starts_with_layer(path, candidate); });
+  if (layer == kLayers.end()) return std::nullopt;
+  return static_cast<std::size_t>(std::distance(kLayers.begin(), layer));
+}
+
+std::string allowed_up_to(std::size_t rank) {
+  std::string text;
+  for (std::size_t i = 0; i <= rank; ++i) {
+    text += (i == 0 ? "" : " ") + std::string(kLayers[i]);
+  }
+  return text;
+}
+
+// What is wrong with `#include "header"`; empty when nothing is.
+std::string check_own_include(std::string_view file, std::string_view header) {
+  const std::optional<std::size_t> rank = rank_of(file);
+  const std::optional<std::size_t> included = rank_of(header);
+  if (!rank) {
+    if (included || header.starts_with("tests/")) return {};
+    return "include paths start at the project's root";
+  }
+  if (!included) return "not a folder of the house; allowed: " + allowed_up_to(*rank);
+  if (*included <= *rank) return {};
+  return std::string(kLayers[*included]) + " stands below; allowed: " + allowed_up_to(*rank);
+}
+
+// What is wrong with `#include <header>` in a file of the layer; empty when nothing is.
+std::string check_third_party(std::string_view file, std::string_view header) {
+  const std::string layer = layer_of(file);
+  if (layer.empty()) return {};
+  if (matches(header, "[a-z0-9_]+")) return {};  // the standard library
+  for (const ThirdParty& library : kThirdParty) {
+    if (!matches(header, library.headers)) continue;
+    if (!matches(layer, library.folders)) {
+      return std::string(library.name) + " is allowed only in " + std::string(library.folders);
+    }
+    if (library.sources_only && !file.ends_with(".cpp")) {
+      return std::string(library.name) + " is allowed only in .cpp files";
+    }
+    return {};
+  }
+  if (matches(header, kSystemHeaders)) {
+    if (matches(layer, kSystemFolders)) return {};
+    return "system headers are allowed only in " + std::string(kSystemFolders);
+  }
+  return "not in the house's list of third-party headers";
+}
+
+// What is wrong with a line of code that is no include; empty when nothing is.
+std::string check_line(std::string_view file, std::string_view line) {
+  static const std::regex unfinished(
+      "\\b(TO"
+      "DO|FIX"
+      "ME|XX"
+      "X|HA"
+      "CK)\\b");
+  static const std::regex prints(
+      "std::(cout|cerr|clog|exit|abort)\\b|\\bf?printf\\(|fmt::print\\(");
+  if (std::regex_search(line.begin(), line.end(), unfinished)) return "unfinished work";
+  const std::string layer = layer_of(file);
+  const bool library = !layer.empty() && layer != "main.cpp" && !layer.ends_with("/cli");
+  const std::string_view code = line.substr(0, line.find("//"));
+  if (library && std::regex_search(code.begin(), code.end(), prints)) {
+    return "libraries neither print nor end the program";
+  }
+  return {};
+}
+
+std::string check_include_or_line(std::string_view file, std::string_view line) {
+  static const std::regex include("\\s*#\\s*include\\s*([<\"])([^>\"]*)[>\"].*");
+  std::match_results<std::string_view::const_iterator> match;
+  if (!std::regex_match(line.begin(), line.end(), match, include)) return check_line(file, line);
+  const std::string header = match[2].str();
+  const bool own = match[1].str() == "\"";
+  const std::string problem =
+      own ? check_own_include(file, header) : check_third_party(file, header);
+  return problem.empty() ? problem : "includes " + header + ": " + problem;
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::span<const std::string_view> layers() { return kLayers; }
+std::span<const std::string_view> top_folders() { return kTopFolders; }
+
+std::string layer_of(std::string_view file) {
+  const std::optional<std::size_t> rank = rank_of(file);
+  return rank ? std::string(kLayers[*rank]) : std::string();
+}
+
+std::vector<std::string> check_source(std::string_view file, std::string_view text) {
+  std::vector<std::string> violations;
+  const auto add = [&](std::size_t line, const std::string& problem) {
+    violations.push_back(std::string(file) + ":" + std::to_string(line) + ": " + problem);
+  };
+  const std::vector<std::string_view> lines = lines_of(text);
+  const bool inside = file.starts_with("tests/") || file.starts_with("docs/");
+  if (!inside && layer_of(file).empty()) {
+    add(1, "lies in no folder of the house; allowed: " + allowed_up_to(kLayers.size() - 1));
+  }
+  if (lines.empty() || lines[0] != "// SPDX-License-Identifier: Apache-2.0") {
+    add(1, "the first line must be the SPDX line");
+  }
+  if (file.ends_with(".hpp") && std::ranges::find(lines, "#pragma once") == lines.end()) {
+    add(1, "a header needs #pragma once");
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string problem = check_include_or_line(file, lines[i]);
+    if (!problem.empty()) add(i + 1, problem);
+  }
+  return violations;
+}
+
+std::vector<std::string> types_defined(std::string_view header) {
+  static const std::regex definition("(?:struct|class|enum class) (\\w+)[^;]*\\{.*");
+  std::vector<std::string> names;
+  for (const std::string_view line : lines_of(header)) {
+    std::match_results<std::string_view::const_iterator> match;
+    if (std::regex_match(line.begin(), line.end(), match, definition)) names.push_back(match[1]);
+  }
+  return names;
+}
+
+std::vector<std::string> unlisted_sources(std::string_view cmake_list,
+                                          std::span<const std::string> sources) {
+  std::vector<std::string> unlisted;
+  for (const std::string& source : sources) {
+    const std::regex word("(^|[\\s(/])" + std::regex_replace(source, std::regex("\\."), "\\.") +
+                          "([\\s)]|$)");
+    if (!std::regex_search(cmake_list.begin(), cmake_list.end(), word)) unlisted.push_back(source);
+  }
+  return unlisted;
+}
+
+}  // namespace tagsmith::house

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The walls of the house: which folder may include what, and what every source file must have.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tagsmith::house {
+
+// The project's folders, lowest first: each may include itself and what stands before it.
+std::span<const std::string_view> layers();
+
+// The folders that may stand at the top of the project (hidden and ignored ones apart).
+std::span<const std::string_view> top_folders();
+
+// The layer of a source file named relative to the project's root ("decoder/scan/a.cpp" ->
+// "decoder/scan", "main.cpp" -> "main.cpp"), empty for files outside the layers (tests, docs).
+std::string layer_of(std::string_view file);
+
+// The violations of one source file, `file:line: what was found; what is allowed`. `file` is
+// relative to the project's root. Empty = the walls stand.
+std::vector<std::string> check_source(std::string_view file, std::string_view text);
+
+// The names of the types that a header defines at its outermost level.
+std::vector<std::string> types_defined(std::string_view header);
+
+// The source files among `sources` (names relative to their folder) that the folder's
+// CMakeLists.txt does not name.
+std::vector<std::string> unlisted_sources(std::string_view cmake_list,
+                                          std::span<const std::string> sources);
+
+}  // namespace tagsmith::house

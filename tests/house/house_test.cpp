@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keeps the walls of docs/architecture.md, and proves on made-up files that the check can fail.
+#include "tests/house/house.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/file.hpp"
+
+namespace fs = std::filesystem;
+
+namespace tagsmith::house {
+namespace {
+
+const std::string kSpdx = "// SPDX-License-Identifier: Apache-2.0\n";
+
+std::string contents(const fs::path& path) {
+  const Result<std::string> bytes = read_file(path);
+  REQUIRE_MESSAGE(bytes.has_value(), path.string());
+  return *bytes;
+}
+
+// Every C++ source of the project, relative to its root.
+std::vector<std::string> project_sources() {
+  std::vector<std::string> files{"main.cpp"};
+  for (const char* folder : {"tagsmith", "decoder", "tests", "docs"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension == ".cpp" || extension == ".hpp") files.push_back(entry.path().string());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("every source keeps the layers, the third-party walls and the house rules") {
+  const std::vector<std::string> files = project_sources();
+  REQUIRE(files.size() > 40);  // an empty list would pass unseen
+  std::vector<std::string> violations;
+  for (const std::string& file : files) {
+    std::ranges::copy(check_source(file, contents(file)), std::back_inserter(violations));
+  }
+  CHECK_MESSAGE(violations.empty(), joined(violations));
+}
+
+TEST_CASE("every source file is built by its folder's CMakeLists.txt") {
+  std::map<fs::path, std::vector<std::string>> by_folder;
+  for (const std::string& file : project_sources()) {
+    const fs::path path(file);
+    if (path.extension() == ".cpp") by_folder[path.parent_path()].push_back(path.filename());
+  }
+  by_folder.erase("tests/support");  // listed in tests/CMakeLists.txt
+  by_folder.erase("docs/examples");  // built by tests/examples
+  for (const auto& entry : by_folder) {
+    const fs::path& folder = entry.first;
+    const std::string list = contents(folder / "CMakeLists.txt");
+    const std::vector<std::string> unlisted = unlisted_sources(list, entry.second);
+    CHECK_MESSAGE(unlisted.empty(), folder.string() << ":\n" << joined(unlisted));
+  }
+}
+
+// Two types of one name in one namespace break the program without a word from the linker.
+TEST_CASE("no two headers define a type of one name") {
+  std::map<std::string, std::string> defined_in;
+  for (const std::string& file : project_sources()) {
+    if (layer_of(file).empty() || !file.ends_with(".hpp")) continue;
+    for (const std::string& type : types_defined(contents(file))) {
+      const auto entry = defined_in.emplace(type, file);
+      const std::string& first = entry.first->second;
+      CHECK_MESSAGE(entry.second, type << " is defined in " << first << " and " << file);
+    }
+  }
+  CHECK(defined_in.size() > 30);
+}
+
+TEST_CASE("the top of the project holds exactly the folders of the house") {
+  std::set<std::string> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(".")) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory() && name[0] != '.' && name != "build" && name != "out") {
+      found.insert(name);
+    }
+  }
+  const std::set<std::string> allowed(top_folders().begin(), top_folders().end());
+  CHECK(found == allowed);
+}
+
+TEST_CASE("docs/architecture.md lists the layers in the order that is kept here") {
+  const std::string text = contents("docs/architecture.md");
+  std::size_t place = 0;
+  for (const std::string_view layer : layers()) {
+    const std::size_t next = text.find("\n" + std::string(layer), place);
+    CHECK_MESSAGE(next != std::string::npos, layer);
+    if (next != std::string::npos) place = next;
+  }
+}
+
+TEST_CASE("what breaks a wall is found") {
+  struct Case {
+    const char* name;
+    const char* file;
+    std::string text;
+    const char* expected;  // part of the one violation; empty = none
+  };
+  const std::vector<Case> cases{
+      {"a lower layer", "tagsmith/tag/a.cpp", "#include \"tagsmith/survey/survey.hpp\"\n",
+       "tagsmith/tag/a.cpp:2: includes tagsmith/survey/survey.hpp: tagsmith/survey stands below; "
+       "allowed: tagsmith/base tagsmith/geometry tagsmith/symbology tagsmith/tag"},
+      {"a higher layer", "tagsmith/survey/a.cpp", "#include \"tagsmith/tag/template.hpp\"\n", ""},
+      {"the same layer", "decoder/scan/a.cpp", "#include \"decoder/scan/profile.hpp\"\n", ""},
+      {"tagsmith uses the decoder", "tagsmith/cli/a.cpp", "#include \"decoder/image/gray.hpp\"\n",
+       "decoder/image stands below"},
+      {"a test header in a library", "tagsmith/tag/a.cpp", "#include \"tests/support/x.hpp\"\n",
+       "not a folder of the house"},
+      {"a relative include", "tests/tag/a.cpp", "#include \"helper.hpp\"\n",
+       "include paths start at the project's root"},
+      {"a folder whose name begins alike", "tagsmith/tag/a.cpp", "#include \"tagsmith/tagged/x\"\n",
+       "not a folder of the house"},
+      {"yaml-cpp where it belongs", "tagsmith/survey/a.cpp", "#include <yaml-cpp/yaml.h>\n", ""},
+      {"yaml-cpp in a header", "tagsmith/survey/a.hpp",
+       "#pragma once\n#include <yaml-cpp/yaml.h>\n",
+       "a.hpp:3: includes yaml-cpp/yaml.h: yaml-cpp is allowed only in .cpp files"},
+      {"yaml-cpp elsewhere", "tagsmith/cli/a.cpp", "#include <yaml-cpp/yaml.h>\n",
+       "yaml-cpp is allowed only in tagsmith/survey"},
+      {"Cairo elsewhere", "tagsmith/tag/a.cpp", "#include <cairo.h>\n", "Cairo, Pango is allowed"},
+      {"Cairo's folder form", "decoder/simulate/a.cpp", "#include <cairo/cairo.h>\n",
+       "Cairo, Pango is allowed"},
+      {"Pango elsewhere", "tagsmith/cli/a.cpp", "#include <pango/pangocairo.h>\n",
+       "Cairo, Pango is allowed"},
+      {"qpdf elsewhere", "tagsmith/cli/a.cpp", "#include <qpdf/QPDF.hh>\n", "qpdf is allowed"},
+      {"CLI11 in a library", "decoder/verify/a.cpp", "#include <CLI/CLI.hpp>\n",
+       "CLI11 is allowed"},
+      {"OpenCV in tagsmith", "tagsmith/render/a.cpp", "#include <opencv2/core.hpp>\n",
+       "OpenCV is allowed only in decoder/"},
+      {"OpenCV in the scan", "decoder/scan/a.cpp", "#include <opencv2/core.hpp>\n",
+       "OpenCV is allowed only in decoder/"},
+      {"OpenCV where it belongs", "decoder/image/a.cpp", "#include <opencv2/imgproc.hpp>\n", ""},
+      {"OpenCV's umbrella header", "decoder/image/a.cpp", "#include <opencv2/opencv.hpp>\n",
+       "not in the house's list"},
+      {"OpenCV's windows", "decoder/image/a.cpp", "#include <opencv2/highgui.hpp>\n",
+       "not in the house's list"},
+      {"a library nobody agreed on", "tagsmith/base/a.cpp", "#include <boost/any.hpp>\n",
+       "not in the house's list"},
+      {"Eigen in the symbology", "tagsmith/symbology/a.cpp", "#include <Eigen/Core>\n",
+       "Eigen is allowed only"},
+      {"fmt in the symbology", "tagsmith/symbology/a.cpp", "#include <fmt/core.h>\n",
+       "fmt is allowed only"},
+      {"system calls in the scan", "decoder/scan/a.cpp", "#include <unistd.h>\n",
+       "system headers are allowed only"},
+      {"the standard library", "decoder/scan/a.cpp", "#include <vector>\n", ""},
+      {"an include with blanks", "tagsmith/tag/a.cpp", "  #  include  <CLI/CLI.hpp>\n",
+       "CLI11 is allowed"},
+      {"a library that prints", "decoder/scan/a.cpp", "void f() { std::cout << 1; }\n",
+       "libraries neither print"},
+      {"a library that exits", "decoder/scan/a.cpp", "void f() { std::exit(1); }\n",
+       "libraries neither print"},
+      {"a word about printing", "decoder/scan/a.cpp", "// not std::cout\n", ""},
+      {"a command that prints", "decoder/cli/a.cpp", "void f() { std::puts(\"\"); }\n", ""},
+      {"unfinished work", "decoder/scan/a.cpp", std::string("// TO") + "DO: later\n",
+       "a.cpp:2: unfinished work"},
+      {"no include guard", "decoder/scan/a.hpp", "int f();\n", "a header needs #pragma once"},
+      {"a folder of its own", "helpers/a.cpp", "int a;\n", "lies in no folder of the house"},
+  };
+  for (const Case& one : cases) {
+    CAPTURE(one.name);
+    const std::vector<std::string> violations = check_source(one.file, kSpdx + one.text);
+    if (one.expected[0] == '\0') {
+      CHECK_MESSAGE(violations.empty(), joined(violations));
+    } else {
+      REQUIRE(violations.size() == 1);
+      CHECK_MESSAGE(violations[0].find(one.expected) != std::string::npos, violations[0]);
+    }
+  }
+}
+
+TEST_CASE("the types of a header are found") {
+  const char* const header =
+      "struct A {\nenum class B { x, y };\nclass C final : public D {\nstruct E;\n  struct F {\n";
+  CHECK(types_defined(header) == std::vector<std::string>{"A", "B", "C"});
+}
+
+TEST_CASE("a missing SPDX line is found") {
+  CHECK(check_source("main.cpp", "int main() {}\n").size() == 1);
+  CHECK(check_source("main.cpp", "").size() == 1);
+}
+
+TEST_CASE("a source that no CMakeLists.txt names is found") {
+  const std::vector<std::string> sources{"code.cpp", "position_code.cpp", "a.cpp"};
+  const std::string list = "tagsmith_module(x SOURCES position_code.cpp a.cpp)\n";
+  CHECK(unlisted_sources(list, sources) == std::vector<std::string>{"code.cpp"});
+}
+
+}  // namespace tagsmith::house

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/staged_files.hpp"
+
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/file.hpp"
+#include "tests/support/program.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+}  // namespace
+
+TEST_CASE("published files appear, replacing older ones, and nothing else") {
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "a/b";
+  REQUIRE(write_file(folder / "one", "old"));
+  REQUIRE(write_file(folder / "other", "kept"));
+  {
+    Result<StagedFiles> files = StagedFiles::begin(folder);
+    REQUIRE(files);
+    REQUIRE(files->add("one", "1"));
+    REQUIRE(files->add("two", "2"));
+    CHECK(read_file(folder / "one").value() == "old");
+    CHECK_FALSE(fs::exists(folder / "two"));
+    REQUIRE(files->publish());
+  }
+  CHECK(read_file(folder / "one").value() == "1");
+  CHECK(read_file(folder / "two").value() == "2");
+  CHECK(read_file(folder / "other").value() == "kept");
+  CHECK(entries(folder) == 3);
+}
+
+TEST_CASE("files that are not published leave nothing, not even the folders made for them") {
+  const TemporaryFolder temporary;
+  {
+    const Result<StagedFiles> files = StagedFiles::begin(temporary.path() / "a/b/c/");
+    REQUIRE(files);
+    REQUIRE(files->add("one", "1"));
+    CHECK(fs::exists(temporary.path() / "a/b/c"));
+  }
+  CHECK(entries(temporary.path()) == 0);
+}
+
+TEST_CASE("when one file cannot take its place, the others give theirs back") {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  REQUIRE(write_file(folder / "a", "old"));
+  REQUIRE(write_file(folder / "c/in the way", ""));
+  {
+    Result<StagedFiles> files = StagedFiles::begin(folder);
+    REQUIRE(files);
+    for (const char* name : {"a", "b", "c"}) REQUIRE(files->add(name, "new"));
+    const Result<void> published = files->publish();
+    REQUIRE_FALSE(published);
+    CHECK(published.error().message.find("c: is a folder") != std::string::npos);
+  }
+  CHECK(read_file(folder / "a").value() == "old");
+  CHECK_FALSE(fs::exists(folder / "b"));
+  CHECK(entries(folder) == 2);
+}
+
+TEST_CASE("a folder that cannot be made is an error that names it") {
+  const TemporaryFolder temporary;
+  REQUIRE(write_file(temporary.path() / "file", ""));
+  for (const char* name : {"file", "file/folder"}) {
+    const Result<StagedFiles> files = StagedFiles::begin(temporary.path() / name);
+    REQUIRE_FALSE(files);
+    CHECK(files.error().message.find(name) != std::string::npos);
+  }
+  CHECK_FALSE(StagedFiles::begin("/proc/tagsmith"));
+}

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <Eigen/LU>
+#include <doctest/doctest.h>
+
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tests/support/program.hpp"
+#include "tests/survey/files.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+
+namespace {
+
+RigReading read_text_as_rig(const std::string& text) {
+  const TemporaryFolder folder;
+  const auto reading = read_rig(write_text(folder.path() / "rig.yaml", text));
+  REQUIRE(reading.has_value());
+  return *reading;
+}
+
+const Breakage kErrors[] = {
+    {"unknown key of a camera", "alpha: 35", "alfa: 35", "unknown-key", 7},
+    {"no mounting", "    alpha: 35\n", "", "missing-key", 3},
+    {"alpha without side", "    side: left\n", "", "missing-key", 3},
+    {"alpha and yaw", "alpha: 35", "alpha: 35\n    yaw: 3", "conflicting-keys", 8},
+    {"alpha behind", "alpha: 35", "alpha: 135", "out-of-range", 7},
+    {"no intrinsics", "    focal_length_mm: 6.0\n    sensor_mm: [4.8, 3.6]\n", "", "missing-key",
+     3},
+    {"two kinds of intrinsics", "focal_length_mm: 6.0", "focal_length_mm: 6.0\n    fx: 1600",
+     "conflicting-keys", 6},
+    {"calibration file", "alpha: 35", "calibration: left.yaml", "calibration-file", 7},
+    {"image of one number", "image_size: [1280, 960]", "image_size: 1280", "wrong-type", 4},
+    {"image without pixels", "image_size: [1280, 960]", "image_size: [1280, 0]", "out-of-range", 4},
+    {"half a pixel", "image_size: [1280, 960]", "image_size: [1280, 960.5]", "wrong-type", 4},
+    {"four distortions", "[0.1, 0, 0, 0, 0]", "[0.1, 0, 0, 0]", "wrong-length", 9},
+    {"negative exposure", "exposure: 0.01", "exposure: -1", "out-of-range", 9},
+    {"negative blur", "blur_px: 0.5", "blur_px: -1", "out-of-range", 9},
+    {"a wall that is none", "wall: left", "wall: roof", "bad-choice", 11},
+    {"range upside down", "max: 5.0", "max: 0.1", "out-of-range", 11},
+    {"no sigma", ", sigma: 0.01", "", "missing-key", 11},
+    {"camera named as a column", "  left:", "  truth_x:", "bad-name", 3},
+    {"camera with a blank", "  left:", "  my camera:", "bad-name", 3},
+    {"range named as a camera", "  d:", "  left:", "duplicate-key", 10},
+    {"a camera twice", "  front:", "  left:", "duplicate-key", 9},
+    {"no vehicle height", "height: 0.24, ", "", "missing-key", 12},
+    {"envelope without speed", ", speed: 1.5", "", "missing-key", 12},
+    {"attitude of nothing", "roll_sigma: 2", "roll_sigma: 0", "out-of-range", 12},
+};
+
+}  // namespace
+
+TEST_CASE("the rig that the others break is right, and says what it says") {
+  const RigReading reading = read_text_as_rig(right_rig());
+  CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
+  REQUIRE(reading.rig.has_value());
+  const Rig& rig = *reading.rig;
+  REQUIRE(rig.cameras.size() == 2);
+  CHECK(rig.cameras[0].camera.fx == doctest::Approx(1600));
+  CHECK(rig.cameras[0].side == Side::left);
+  CHECK(rig.cameras[1].camera.fy == 1601);
+  CHECK(rig.cameras[1].camera.distortion[0] == 0.1);
+  CHECK_FALSE(rig.cameras[1].side.has_value());
+  CHECK(rig.cameras[1].vehicle_from_camera.translation == Eigen::Vector3d(0.5, 0, 0.1));
+  CHECK(rig.cameras[1].exposure == 0.01);
+  CHECK(rig.cameras[1].blur_px == 0.5);
+  REQUIRE(rig.ranges.size() == 1);
+  CHECK(rig.ranges[0].sigma == 0.01);
+  CHECK(rig.roll_sigma == doctest::Approx(radians(2)));
+  REQUIRE(rig.envelope.has_value());
+  CHECK(rig.envelope->yaw == doctest::Approx(radians(8)));
+}
+
+TEST_CASE("every way to break a rig is reported by its rule and line") {
+  for (const Breakage& broken : kErrors) {
+    CAPTURE(broken.name);
+    const RigReading reading = read_text_as_rig(replaced(right_rig(), broken.from, broken.to));
+    CHECK_FALSE(reading.rig.has_value());
+    CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
+                  to_string(reading.diagnostics));
+  }
+}
+
+TEST_CASE("odd cameras are warned about") {
+  const auto swapped = read_text_as_rig(replaced(right_rig(), "[4.8, 3.6]", "[3.6, 4.8]"));
+  CHECK(swapped.rig.has_value());
+  CHECK(count_findings(swapped.diagnostics, "odd-pixels", 6) == 1);
+  const auto outside = read_text_as_rig(replaced(right_rig(), "cx: 640", "cx: 1640"));
+  CHECK(outside.rig.has_value());
+  CHECK(count_findings(outside.diagnostics, "odd-principal-point", 9) == 1);
+}
+
+TEST_CASE("a side camera looks forward and to its side, level and upright") {
+  for (const Side side : {Side::left, Side::right}) {
+    const Pose vehicle_from_camera = vehicle_from_side_camera(side, radians(35));
+    const Eigen::Vector3d axis = vehicle_from_camera.rotation.col(2);
+    const double to_left = side == Side::left ? 1.0 : -1.0;
+    CHECK(axis.x() == doctest::Approx(std::sin(radians(35))));
+    CHECK(axis.y() == doctest::Approx(to_left * std::cos(radians(35))));
+    CHECK(std::abs(axis.z()) < 1e-15);
+    CHECK((vehicle_from_camera.rotation.col(1) + Eigen::Vector3d::UnitZ()).norm() < 1e-15);
+  }
+}
+
+TEST_CASE("yaw 55 to the left is alpha 35 on the left") {
+  const Pose by_yaw = vehicle_from_camera(radians(55), 0, 0, Eigen::Vector3d::Zero());
+  const Pose by_alpha = vehicle_from_side_camera(Side::left, radians(35));
+  CHECK((by_yaw.rotation - by_alpha.rotation).norm() < 1e-12);
+}
+
+TEST_CASE("a vehicle's forward is its heading, its left to the left of it") {
+  const Pose pose = world_from_vehicle({1, 2, 3}, radians(90));  // towards +x
+  CHECK((pose * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(2, 2, 3)).norm() < 1e-12);
+  CHECK((pose * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(1, 3, 3)).norm() < 1e-12);
+  CHECK(pose.rotation.determinant() == doctest::Approx(1.0));
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/read_template.hpp"
+#include "tests/support/program.hpp"
+#include "tests/survey/files.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+
+namespace {
+
+TemplateReading read_text_as_template(const std::string& text) {
+  const TemporaryFolder folder;
+  const auto reading = read_template(write_text(folder.path() / "t.yaml", text));
+  REQUIRE(reading.has_value());
+  return *reading;
+}
+
+const Breakage kErrors[] = {
+    {"no name", "tag: trial\n", "", "missing-key", 1},
+    {"no frame", "feature_frame:", "frame:", "missing-key", 1},
+    {"name as a path", "tag: trial", "tag: ../trial", "bad-name", 1},
+    {"plate of one number", "[0.400, 0.300]", "0.4", "wrong-type", 2},
+    {"plate of centimetres", "[0.400, 0.300]", "[40, 30]", "out-of-range", 2},
+    {"no stroke", ", stroke: 0.012", "", "missing-key", 3},
+    {"quiet zone below GS1's", "quiet_zone: 9", "quiet_zone: 8", "out-of-range", 4},
+    {"negative margin", "margin: 9", "margin: -1", "out-of-range", 4},
+    {"margin that leaves no bars", "margin: 9", "margin: 28", "no-bars", 4},
+    {"frame longer than the plate", "inner: [0.343", "inner: [0.39", "frame-outside-plate", 3},
+    {"frame pushed off the plate", "offset: [0, 0.02]", "offset: [0, 0.06]", "frame-outside-plate",
+     3},
+    {"a word for a truth value", "shown: true", "shown: yes", "wrong-type", 5},
+    {"text of no height", "text_height_mm: 8", "text_height_mm: 0", "out-of-range", 5},
+};
+
+}  // namespace
+
+TEST_CASE("the template that the others break is right") {
+  const TemplateReading reading = read_text_as_template(right_template());
+  CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
+  REQUIRE(reading.tag.has_value());
+  CHECK(reading.tag->frame_offset_up == 0.02);
+  CHECK(reading.tag->label.text_height == doctest::Approx(0.008));
+}
+
+TEST_CASE("every way to break a template is reported by its rule and line") {
+  for (const Breakage& broken : kErrors) {
+    CAPTURE(broken.name);
+    const TemplateReading reading =
+        read_text_as_template(replaced(right_template(), broken.from, broken.to));
+    CHECK_FALSE(reading.tag.has_value());
+    CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
+                  to_string(reading.diagnostics));
+  }
+}
+
+TEST_CASE("a template is looked for as a path, beside the survey, then among the tool's own") {
+  const TemporaryFolder folder;
+  const auto own = find_template("tag-400x300", folder.path());
+  REQUIRE(own.has_value());
+  CHECK(*own == data_directory() / "templates/tag-400x300.yaml");
+  const auto beside = write_text(folder.path() / "tag-400x300.yaml", right_template());
+  CHECK(find_template("tag-400x300", folder.path()) == beside);
+  CHECK(find_template("./tag-400x300.yaml", folder.path()).has_value());
+  CHECK(find_template(beside.string(), "elsewhere") == beside);
+  CHECK_FALSE(find_template("tag-1x1", folder.path()).has_value());
+  CHECK_FALSE(find_template(std::string(5000, 'a'), folder.path()).has_value());
+}
+
+TEST_CASE("what is wrong with a survey's template is reported with the template's place") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "mine.yaml",
+             replaced(right_template(), "quiet_zone: 9", "quiet_zone: 3"));
+  const auto path =
+      write_text(folder.path() / "survey.yaml", replaced(right_survey(), "tag-400x300", "mine"));
+  const auto reading = read_survey(path);
+  REQUIRE(reading.has_value());
+  CHECK_FALSE(reading->survey.has_value());
+  REQUIRE(reading->diagnostics.size() == 1);
+  CHECK(reading->diagnostics[0].file.ends_with("mine.yaml"));
+  CHECK(reading->diagnostics[0].line == 4);
+}
+
+TEST_CASE("the data folder can be named by the environment") {
+  const char* before = std::getenv("TAGSMITH_DATA");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("TAGSMITH_DATA", "/somewhere/else", 1);
+  CHECK(data_directory() == "/somewhere/else");
+  if (before == nullptr) {
+    unsetenv("TAGSMITH_DATA");
+  } else {
+    setenv("TAGSMITH_DATA", kept.c_str(), 1);
+  }
+  CHECK(std::filesystem::exists(data_directory() / "templates"));
+}

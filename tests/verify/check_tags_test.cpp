@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/check_tags.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/verify/survey_of_four.hpp"
+
+namespace tagsmith {
+namespace {
+
+using test::reading_of;
+using test::survey_of_four;
+
+FrameCorners rectangle(double width, double height) {
+  return {{{10, 20}, {10 + width, 20}, {10 + width, 20 + height}, {10, 20 + height}}};
+}
+
+}  // namespace
+
+TEST_CASE("a reading becomes a finding against the survey") {
+  struct Case {
+    const char* name;
+    const char* digits;
+    TagStatus status;
+    const char* tag;
+    const char* message;  // part of it
+  };
+  const Case cases[] = {
+      {"a code of the survey", "019000000404", TagStatus::ok, "000L", ""},
+      {"a valid code that the survey does not have", "019001600401", TagStatus::unknown, "",
+       "019001600401 is not in survey little; nearest is 000L 019000000404, which differs in digit "
+       "6 (found 1, expected 0), digit 7 (found 6, expected 0), digit 12 (found 1, expected 4)"},
+      {"a code of the survey with the other check digit", "019000000408", TagStatus::misprinted,
+       "000L",
+       "019000000408 ends with check digit 8, expected 4 (sum10); nearest is 000L 019000000404, "
+       "which differs in digit 12 (found 8, expected 4)"},
+      {"a strange code with the other check digit", "123456789012", TagStatus::misprinted, "",
+       "123456789012 ends with check digit 2, expected 6 (sum10)"},
+  };
+  for (const Case& one : cases) {
+    CAPTURE(one.name);
+    const auto findings = check_tags(survey_of_four(), {{reading_of(one.digits)}, {}});
+    REQUIRE(findings.size() == 1);
+    CHECK(to_string(findings[0].status) == to_string(one.status));
+    CHECK(findings[0].tag == one.tag);
+    CHECK_MESSAGE(findings[0].message.find(one.message) != std::string::npos, findings[0].message);
+    CHECK(to_string(*findings[0].digits) == one.digits);
+  }
+}
+
+TEST_CASE("a tag seen twice in one picture is a duplicate, and a refusal is unreadable") {
+  ReadResult readings;
+  readings.tags = {reading_of("019000000404"), reading_of("019000000404", 600)};
+  readings.rejected = {{"guard pattern", rectangle(50, 20)}};
+  const auto findings = check_tags(survey_of_four(), readings);
+  REQUIRE(findings.size() == 3);
+  CHECK(findings[0].status == TagStatus::ok);
+  CHECK(findings[1].status == TagStatus::duplicate);
+  CHECK(findings[1].corners[0].x == 600);
+  CHECK(findings[2].status == TagStatus::unreadable);
+  CHECK(findings[2].message.find("guard pattern") != std::string::npos);
+  CHECK(!findings[2].digits);
+}
+
+TEST_CASE("a refusal near the edge of a photo is cut off, one in its middle unreadable") {
+  const auto status = [](double x, double y, const std::optional<PictureSize>& size) {
+    FrameCorners corners = rectangle(400, 200);
+    for (PixelPoint& corner : corners) corner = corner + PixelPoint{x - 10, y - 20};
+    const auto findings = check_tags(survey_of_four(), {{}, {{"no symbol", corners}}}, size);
+    return to_string(findings.at(0).status);
+  };
+  const PictureSize photo{1280, 960};
+  CHECK(status(400, 300, photo) == "unreadable");
+  CHECK(status(90, 300, photo) == "cut_off");
+  CHECK(status(110, 300, photo) == "unreadable");
+  CHECK(status(790, 300, photo) == "cut_off");
+  CHECK(status(400, 40, photo) == "cut_off");
+  CHECK(status(400, 715, photo) == "cut_off");
+  CHECK(status(0, 0, std::nullopt) == "unreadable");
+}
+
+TEST_CASE("a survey without tags knows no code") {
+  Survey survey = survey_of_four();
+  survey.tags.clear();
+  const auto findings = check_tags(survey, {{reading_of("019000000404")}, {}});
+  REQUIRE(findings.size() == 1);
+  CHECK(findings[0].status == TagStatus::unknown);
+  CHECK(nearest_tag(survey, *findings[0].digits) == nullptr);
+}
+
+TEST_CASE("a print at the wrong scale is found") {
+  const TagTemplate tag = survey_of_four().tag_template;
+  const double metres_per_pixel = 0.0254 / 150;
+  struct Case {
+    const char* name;
+    double length;
+    double height;
+    bool fits;
+  };
+  const Case cases[] = {{"exact", 0.343, 0.168, true},
+                        {"0.4 % short", 0.343 * 0.996, 0.168 * 0.996, true},
+                        {"fitted to a smaller page", 0.343 * 0.97, 0.168 * 0.97, false},
+                        {"scaled in height only", 0.343, 0.168 * 1.02, false},
+                        {"turned", 0.168, 0.343, false}};
+  for (const Case& one : cases) {
+    CAPTURE(one.name);
+    const FrameCorners corners =
+        rectangle(one.length / metres_per_pixel, one.height / metres_per_pixel);
+    CHECK(check_print_size(tag, corners, metres_per_pixel).has_value() != one.fits);
+  }
+}
+
+TEST_CASE("the summary counts by status and names the tags that nobody saw") {
+  const Survey survey = survey_of_four();
+  FileReport good;
+  good.tags = check_tags(survey, {{reading_of("019000000404")}, {}});
+  FileReport bad;
+  bad.tags = check_tags(survey, {{reading_of("000000340401"), reading_of("000000340401", 600),
+                                  reading_of("123456789012"), reading_of("019001600401")},
+                                 {{"too small", {}}}});
+  bad.findings = {"something"};
+  const std::vector<FileReport> reports{good, bad};
+  const VerifySummary summary = summarize(survey, reports);
+  CHECK(summary.files == 2);
+  CHECK(summary.files_with_findings == 1);
+  CHECK(summary.ok == 2);
+  CHECK(summary.duplicate == 1);
+  CHECK(summary.misprinted == 1);
+  CHECK(summary.unknown == 1);
+  CHECK(summary.unreadable == 1);
+  CHECK(summary.missing == std::vector<std::string>{"001L", "001R"});
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/manifest.hpp"
+
+#include <doctest/doctest.h>
+
+#include "decoder/verify/check_tags.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tests/support/program.hpp"
+#include "tests/verify/survey_of_four.hpp"
+
+namespace tagsmith {
+namespace {
+
+using test::reading_of;
+using test::survey_of_four;
+
+const char* const kManifest = R"({"survey": "little", "tags": [
+  {"tag": "000L", "digits": "019000000404", "files": ["000L.pdf", "000L.svg"]},
+  {"tag": "000R", "digits": "000000340401", "files": ["000R.pdf"]},
+  {"tag": "001L", "digits": "019000810403", "files": ["001L.pdf"]},
+  {"tag": "009L", "digits": "019009000403", "files": ["009L.pdf"]}]})";
+
+PrintManifest manifest_of(const char* text) {
+  const test::TemporaryFolder folder;
+  REQUIRE(write_file(folder.path() / "manifest.json", text).has_value());
+  const auto manifest = find_manifest(folder.path() / "000L.pdf");
+  REQUIRE(manifest.has_value());
+  REQUIRE(manifest->has_value());
+  return **manifest;
+}
+
+FileReport report_of(const char* file, const char* digits) {
+  FileReport report;
+  report.file = file;
+  report.tags = check_tags(survey_of_four(), {{reading_of(digits)}, {}});
+  return check_against_manifest(manifest_of(kManifest), survey_of_four(), report);
+}
+
+}  // namespace
+
+TEST_CASE("a manifest is read") {
+  const PrintManifest manifest = manifest_of(kManifest);
+  CHECK(manifest.survey == "little");
+  REQUIRE(manifest.tags.size() == 4);
+  CHECK(manifest.tags[0].name == "000L");
+  CHECK(to_string(manifest.tags[0].digits) == "019000000404");
+  CHECK(manifest.tags[0].files == std::vector<std::string>{"000L.pdf", "000L.svg"});
+}
+
+TEST_CASE("no manifest, and one that is something else, are no manifest") {
+  const test::TemporaryFolder folder;
+  CHECK(!find_manifest(folder.path() / "a.pdf")->has_value());
+  REQUIRE(write_file(folder.path() / "manifest.json", R"({"short_name": "web app"})").has_value());
+  CHECK(!find_manifest(folder.path() / "a.pdf")->has_value());
+}
+
+TEST_CASE("a broken manifest is an error") {
+  for (const char* text :
+       {"", "{", R"({"survey": 1, "tags": []})", R"({"survey": "a", "tags": {}})",
+        R"({"survey": "a", "tags": [1]})", R"({"survey": "a", "tags": [{"tag": "000L"}]})",
+        R"({"survey": "a", "tags": [{"tag": "000L", "digits": "12", "files": []}]})",
+        R"({"survey": "a", "tags": [{"tag": "0", "digits": "019000000404", "files": [3]}]})"}) {
+    CAPTURE(text);
+    const test::TemporaryFolder folder;
+    REQUIRE(write_file(folder.path() / "manifest.json", text).has_value());
+    const auto manifest = find_manifest(folder.path() / "a.pdf");
+    REQUIRE(!manifest.has_value());
+    CHECK(manifest.error().message.find("manifest.json: ") != std::string::npos);
+  }
+}
+
+TEST_CASE("a print file holds what the manifest says") {
+  const FileReport report = report_of("000L.pdf", "019000000404");
+  CHECK(report.tags[0].status == TagStatus::ok);
+  CHECK(report.findings.empty());
+}
+
+TEST_CASE("a file that the manifest does not name is left alone") {
+  const FileReport report = report_of("copy.pdf", "019000000404");
+  CHECK(report.tags[0].status == TagStatus::ok);
+  CHECK(report.findings.empty());
+}
+
+TEST_CASE("another tag of the survey in a print file is misprinted") {
+  const FileReport report = report_of("000R.pdf", "019000000404");
+  CHECK(report.tags[0].status == TagStatus::misprinted);
+  CHECK(report.tags[0].message ==
+        "000L 019000000404 stands in this file, expected 000R (manifest.json)");
+  CHECK(report.findings ==
+        std::vector<std::string>{
+            "000R 000000340401 was not read, but manifest.json says it is here"});
+}
+
+TEST_CASE("a print from an older survey is found") {
+  const FileReport moved = report_of("001L.pdf", "019000810403");
+  CHECK(moved.findings ==
+        std::vector<std::string>{"001L was printed as 019000810403, but survey little now says "
+                                 "019000800402: print it again"});
+  const FileReport removed = report_of("009L.pdf", "019009000403");
+  CHECK(removed.findings ==
+        std::vector<std::string>{"009L was printed, but survey little has no such tag"});
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/base/file.hpp"
+#include "tests/support/program.hpp"
+
+namespace tagsmith::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kSurvey = "surveys/corridor/survey.yaml";
+const std::string kPhotos = "surveys/corridor/photos";
+
+std::vector<json> json_lines(const std::string& text) {
+  std::vector<json> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
+  return lines;
+}
+
+// Prints tags of the corridor into the folder.
+void print_into(const fs::path& folder, const std::string& options) {
+  const ProgramOutput output =
+      run_tagsmith("print " + kSurvey + " -o '" + folder.string() + "' --format pdf " + options);
+  REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+}
+
+}  // namespace
+
+TEST_CASE("the corridor's photos show tags of its survey and nothing else") {
+  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + kPhotos);
+  CHECK_MESSAGE(output.exit_code == 0, output.out);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 21);
+  CHECK(lines[0]["file"] == kPhotos + "/corridor_01_left.jpg");
+  CHECK(lines[0]["tags"][0]["tag"] == "000L");
+  CHECK(lines[0]["tags"][0]["status"] == "ok");
+  CHECK(lines[0]["findings"].empty());
+  const json summary = lines[20]["summary"];
+  CHECK(summary["files"] == 20);
+  CHECK(summary["ok"] >= 20);
+  CHECK(summary["unknown"] == 0);
+  CHECK(summary["misprinted"] == 0);
+}
+
+TEST_CASE("missing tags are named, and a fault only with --complete") {
+  const std::string arguments = kSurvey + " " + kPhotos + "/corridor_01_*.jpg";
+  const ProgramOutput output = run_tagsmith("verify " + arguments);
+  CHECK(output.exit_code == 0);
+  CHECK(output.out.find("not seen: 001L 001R 002L") != std::string::npos);
+  CHECK(run_tagsmith("verify --complete " + arguments).exit_code == 1);
+}
+
+TEST_CASE("photos of another tunnel hold unknown tags") {
+  const ProgramOutput output =
+      run_tagsmith("verify --json surveys/curved/survey.yaml " + kPhotos + "/corridor_01_left.jpg");
+  CHECK(output.exit_code == 1);
+  const json line = json_lines(output.out).at(0);
+  CHECK(line["tags"][0]["tag"].is_null());
+  CHECK(line["tags"][0]["digits"] == "019000000404");
+  CHECK(line["findings"].size() == 1);
+}
+
+TEST_CASE("print files are read back and hold what their manifest says") {
+  const TemporaryFolder folder;
+  print_into(folder.path(), "--tags 000L,000R,003L");
+  const ProgramOutput output =
+      run_tagsmith("verify --json " + kSurvey + " '" + folder.path().string() + "'");
+  CHECK_MESSAGE(output.exit_code == 0, output.out << output.err);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[2]["tags"][0]["tag"] == "003L");
+  CHECK(lines[2]["tags"][0]["page"] == 1);
+  CHECK(lines[3]["summary"]["missing"].size() == 13);
+}
+
+TEST_CASE("print files that were mixed up are misprinted") {
+  const TemporaryFolder folder;
+  print_into(folder.path(), "--tags 000L,000R");
+  fs::copy_file(folder.path() / "000R.pdf", folder.path() / "000L.pdf",
+                fs::copy_options::overwrite_existing);
+  const ProgramOutput output =
+      run_tagsmith("verify --json " + kSurvey + " '" + folder.path().string() + "/000L.pdf'");
+  CHECK(output.exit_code == 1);
+  const json line = json_lines(output.out).at(0);
+  CHECK(line["tags"][0]["status"] == "misprinted");
+  CHECK(line["findings"].size() == 2);
+}
+
+TEST_CASE("a page that was fitted to A4 is misprinted") {
+  const TemporaryFolder folder;
+  print_into(folder.path(), "--tags 000L");
+  const std::string original = "'" + (folder.path() / "000L.pdf").string() + "'";
+  const std::string fitted = "'" + (folder.path() / "fitted.pdf").string() + "'";
+  REQUIRE(run_shell("pdftocairo -pdf -paper A4 " + original + " " + fitted).exit_code == 0);
+  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + fitted);
+  CHECK(output.exit_code == 1);
+  const json tag = json_lines(output.out).at(0)["tags"][0];
+  CHECK(tag["status"] == "misprinted");
+  CHECK(tag["message"].get<std::string>().find("expected 343 x 168 mm (tag-400x300)") !=
+        std::string::npos);
+}
+
+TEST_CASE("a tag that is in a PDF twice is a duplicate") {
+  const TemporaryFolder folder;
+  print_into(folder.path(), "--tags 000L");
+  const std::string page = "'" + (folder.path() / "000L.pdf").string() + "'";
+  const std::string twice = "'" + (folder.path() / "twice.pdf").string() + "'";
+  REQUIRE(run_shell("pdfunite " + page + " " + page + " " + twice).exit_code == 0);
+  const ProgramOutput output = run_tagsmith("verify " + kSurvey + " " + twice);
+  CHECK(output.exit_code == 1);
+  CHECK(output.out.find("page 2: duplicate: 000L is on page 1 already") != std::string::npos);
+}
+
+TEST_CASE("a print from an older survey is found through its manifest") {
+  const TemporaryFolder folder;
+  print_into(folder.path(), "--tags 003L");
+  const fs::path manifest = folder.path() / "manifest.json";
+  json changed = json::parse(*read_file(manifest));
+  changed["tags"][0]["digits"] = "019000000404";
+  REQUIRE(write_file(manifest, changed.dump()).has_value());
+  const ProgramOutput output =
+      run_tagsmith("verify " + kSurvey + " '" + folder.path().string() + "'");
+  CHECK(output.exit_code == 1);
+  CHECK(output.out.find("003L was printed as 019000000404, but survey corridor now says") !=
+        std::string::npos);
+  REQUIRE(write_file(manifest, R"({"survey": "corridor", "tags": 3})").has_value());
+  const ProgramOutput broken =
+      run_tagsmith("verify " + kSurvey + " '" + folder.path().string() + "'");
+  CHECK(broken.exit_code == 2);
+  CHECK(broken.err.find("manifest.json: tags is no list") != std::string::npos);
+}
+
+TEST_CASE("unreadable files are told, the others checked, and the exit code is 2") {
+  const TemporaryFolder folder;
+  const fs::path broken = folder.path() / "broken.pdf";
+  REQUIRE(write_file(broken, "%PDF-1.4\nnothing").has_value());
+  const ProgramOutput output =
+      run_tagsmith("verify --json " + kSurvey + " no-such.jpg '" + broken.string() + "' " +
+                   kPhotos + "/corridor_01_left.jpg");
+  CHECK(output.exit_code == 2);
+  CHECK(json_lines(output.out).size() == 2);
+  CHECK(output.err.find("no-such.jpg: no such file") != std::string::npos);
+  CHECK(output.err.find("broken.pdf: is no PDF that can be drawn") != std::string::npos);
+}
+
+TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
+  for (const std::string& arguments :
+       {std::string("verify"), "verify " + kSurvey, "verify no-such.yaml " + kPhotos,
+        "verify " + kSurvey + " docs", "verify --jobs 0 " + kSurvey + " docs"}) {
+    CAPTURE(arguments);
+    const ProgramOutput output = run_tagsmith(arguments);
+    CHECK(output.exit_code == 2);
+    CHECK(output.out == "");
+    CHECK(output.err != "");
+  }
+  CHECK(run_tagsmith("verify --help").out.find("Example:") != std::string::npos);
+}
+
+}  // namespace tagsmith::test
