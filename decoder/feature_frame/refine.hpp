@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a rough quadrilateral to the inner edges of a feature frame, to a small part of a pixel.
+// From the settled edges of a feature frame to its corners, to a small part of a pixel.
 #pragma once
 
 #include <array>
-#include <optional>
-#include <string>
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
@@ -28,14 +26,6 @@ struct RefinedFrame {
   Quad corners{};  // of the inner edge, clockwise in the image
   std::array<FrameSide, 4> sides{};
 };
-
-// A quick look: whether the surroundings are darker outside than inside along most of every side.
-bool looks_framed(const GrayView& image, const Quad& rough);
-
-// Moves the sides of a rough quadrilateral onto the steepest falls from white inside to dark
-// outside that most of a side's length agrees on. Fails with the reason when a side shows no such
-// edge.
-Result<Quad> settle_frame(const GrayView& image, const Quad& rough);
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
 // and, where the stroke is thin, back to white, in light. Fails with the reason when one does not

@@ -13,7 +13,7 @@
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
-#include "decoder/feature_frame/regions.hpp"
+#include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/symbology/upca.hpp"

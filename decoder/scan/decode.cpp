@@ -151,78 +151,97 @@ int check_term(CheckDigit scheme, std::size_t position, std::size_t digit) {
   return position + 1 == kDigits ? (10 - value) % 10 : value;
 }
 
-// Least cost and log of the summed likelihoods over the symbols whose check sum is 0; without a
-// scheme over all symbols.
+// The most likely symbol of a set, and how likely the set is together.
 struct Search {
   Digits best{};
   double best_cost = std::numeric_limits<double>::infinity();
   double log_sum = -std::numeric_limits<double>::infinity();  // of exp(-cost / (2 * temperature))
 };
 
-// Forward pass over states (digit, check sum so far): least cost with the way to it, and the sum of
-// likelihoods relative to the least cost.
-Search search(const CostTable& table, std::optional<CheckDigit> scheme, double temperature) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The symbols that end, so far, in one digit with one check sum.
+struct Cell {
+  double cost = kInfinity;      // of the best of them
+  double mass = 0;              // summed likelihoods relative to exp(-cost / (2 temperature))
+  std::uint8_t from_digit = 0;  // where the best came from
+  std::uint8_t from_sum = 0;
+};
+
+using Layer = std::array<std::array<Cell, 10>, 10>;  // [check sum][digit]
+using Trellis = std::array<Layer, kDigits>;
+
+// What a digit adds to the check sum; without a scheme all sums are 0.
+std::size_t sum_term(std::optional<CheckDigit> scheme, std::size_t position, std::size_t digit) {
+  return scheme ? static_cast<std::size_t>(check_term(*scheme, position, digit)) : 0;
+}
+
+// The cell of `digit` reached from the cells of one check sum: `row[previous]`, with `pair` costs.
+Cell extend(const std::array<Cell, 10>& row, const PairCosts& pair, std::size_t digit,
+            std::size_t sum, double temperature) {
+  Cell cell;
+  for (std::size_t previous = 0; previous < 10; ++previous) {
+    const double cost = row[previous].cost + pair[previous][digit];
+    if (cost >= cell.cost) continue;
+    cell = {cost, 0, static_cast<std::uint8_t>(previous), static_cast<std::uint8_t>(sum)};
+  }
+  if (cell.cost == kInfinity) return cell;
+  for (std::size_t previous = 0; previous < 10; ++previous) {
+    if (row[previous].cost == kInfinity) continue;
+    const double excess = row[previous].cost + pair[previous][digit] - cell.cost;
+    cell.mass += row[previous].mass * std::exp(-excess / (2 * temperature));
+  }
+  return cell;
+}
+
+Trellis fill_trellis(const CostTable& table, std::optional<CheckDigit> scheme, double temperature) {
   const std::size_t sums = scheme ? 10 : 1;
-  struct Cell {
-    double cost = kInfinity;
-    double mass = 0;  // summed likelihoods relative to exp(-cost / (2 temperature))
-    std::uint8_t from_digit = 0;
-    std::uint8_t from_sum = 0;
-  };
-  using Layer = std::array<std::array<Cell, 10>, 10>;  // [sum][digit]
-  std::array<Layer, kDigits> layers{};
-  const auto term = [&](std::size_t position, std::size_t digit) {
-    return scheme ? static_cast<std::size_t>(check_term(*scheme, position, digit)) : 0;
-  };
+  Trellis trellis{};
   for (std::size_t digit = 0; digit < 10; ++digit) {
-    layers[0][term(0, digit)][digit] = {table.constant + table.alone[0][digit], 1, 0, 0};
+    trellis[0][sum_term(scheme, 0, digit)][digit] = {table.constant + table.alone[0][digit], 1};
   }
   for (std::size_t position = 1; position < kDigits; ++position) {
-    for (std::size_t digit = 0; digit < 10; ++digit) {
-      for (std::size_t sum = 0; sum < sums; ++sum) {
-        Cell& cell = layers[position][(sum + term(position, digit)) % sums][digit];
-        double mass = 0;
-        const auto& before = layers[position - 1][sum];
-        for (std::size_t previous = 0; previous < 10; ++previous) {
-          const double cost = before[previous].cost + table.pair[position - 1][previous][digit];
-          if (cost >= cell.cost) continue;
-          cell.cost = cost;
-          cell.from_digit = static_cast<std::uint8_t>(previous);
-          cell.from_sum = static_cast<std::uint8_t>(sum);
-        }
-        if (!std::isfinite(cell.cost)) continue;
-        for (std::size_t previous = 0; previous < 10; ++previous) {
-          const double cost = before[previous].cost + table.pair[position - 1][previous][digit];
-          if (!std::isfinite(cost)) continue;
-          mass += before[previous].mass * std::exp((cell.cost - cost) / (2 * temperature));
-        }
-        cell.mass = mass;
+    for (std::size_t sum = 0; sum < sums; ++sum) {
+      for (std::size_t digit = 0; digit < 10; ++digit) {
+        const std::size_t next = (sum + sum_term(scheme, position, digit)) % sums;
+        Cell& cell = trellis[position][next][digit];
+        cell =
+            extend(trellis[position - 1][sum], table.pair[position - 1], digit, sum, temperature);
         cell.cost += table.alone[position][digit];
       }
     }
   }
-  Search found;
-  std::size_t digit = 0;
-  for (std::size_t last = 0; last < 10; ++last) {
-    const Cell& cell = layers[kDigits - 1][0][last];
-    if (cell.cost >= found.best_cost) continue;
-    found.best_cost = cell.cost;
-    digit = last;
-  }
-  double mass = 0;
-  for (const Cell& cell : layers[kDigits - 1][0]) {
-    if (!std::isfinite(cell.cost)) continue;
-    mass += cell.mass * std::exp((found.best_cost - cell.cost) / (2 * temperature));
-  }
-  found.log_sum = std::log(mass) - found.best_cost / (2 * temperature);
+  return trellis;
+}
+
+// The digits on the way to the best cell of the last layer.
+Digits trace(const Trellis& trellis, std::size_t last_digit) {
+  Digits digits{};
+  std::size_t digit = last_digit;
   std::size_t sum = 0;
   for (std::size_t position = kDigits; position-- > 0;) {
-    found.best[position] = static_cast<std::uint8_t>(digit);
-    const Cell& cell = layers[position][sum][digit];
+    digits[position] = static_cast<std::uint8_t>(digit);
+    const Cell& cell = trellis[position][sum][digit];
     digit = cell.from_digit;
     sum = cell.from_sum;
   }
+  return digits;
+}
+
+// Over the symbols whose check sum is 0 under the scheme; without a scheme over all 10^12.
+Search search(const CostTable& table, std::optional<CheckDigit> scheme, double temperature) {
+  const Trellis trellis = fill_trellis(table, scheme, temperature);
+  const std::array<Cell, 10>& ends = trellis[kDigits - 1][0];
+  const auto best = std::ranges::min_element(ends, {}, &Cell::cost);
+  double mass = 0;
+  for (const Cell& cell : ends) {
+    if (cell.cost == kInfinity) continue;
+    mass += cell.mass * std::exp((best->cost - cell.cost) / (2 * temperature));
+  }
+  Search found;
+  found.best_cost = best->cost;
+  found.best = trace(trellis, static_cast<std::size_t>(best - ends.begin()));
+  found.log_sum = std::log(mass) - best->cost / (2 * temperature);
   return found;
 }
 

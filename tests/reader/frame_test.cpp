@@ -8,6 +8,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/regions.hpp"
+#include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/image/tone_curve.hpp"
 
 using namespace tagsmith;

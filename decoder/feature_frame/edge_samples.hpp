@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pixels that tell where a side of a feature frame is.
+#pragma once
+
+#include <vector>
+
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith {
+
+// The mean of the pixels in one place relative to a side.
+struct EdgeSample {
+  double along = 0;   // -1 to 1 between the side's ends
+  double across = 0;  // pixels outward from the current side
+  double value = 0;   // grey level
+  double weight = 0;  // number of pixels
+};
+
+// Means of the pixels on both sides of the line, its ends left out. A thin stroke is seen from edge
+// to edge, of a thick one the inner part: then its thickness stays as guessed and does not matter.
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side);
+
+}  // namespace tagsmith

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a rough quadrilateral to the edges of a feature frame, to about half a pixel.
+#pragma once
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// A quick look: whether the surroundings are darker outside than inside along most of every side.
+bool looks_framed(const GrayView& image, const Quad& rough);
+
+// Moves the sides of a rough quadrilateral onto the steepest falls from white inside to dark
+// outside that most of a side's length agrees on. Fails with the reason when a side shows no such
+// edge.
+Result<Quad> settle_frame(const GrayView& image, const Quad& rough);
+
+}  // namespace tagsmith

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/side_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tagsmith {
+
+// Corners are clockwise in the image, so the outside is to the left of the direction of travel.
+SideLine side_of(const Quad& quad, std::size_t i) {
+  SideLine side;
+  side.begin = quad[i];
+  side.end = quad[(i + 1) % 4];
+  side.along = 1.0 / std::max(distance(side.begin, side.end), 1e-9) * (side.end - side.begin);
+  side.outward = {side.along.y, -side.along.x};
+  const PixelPoint middle = 0.5 * (side.begin + side.end);
+  const PixelPoint opposite = 0.5 * (quad[(i + 2) % 4] + quad[(i + 3) % 4]);
+  const double depth = std::abs(dot(middle - opposite, side.outward));
+  // A stroke is 4 of 113 modules across the frame's length and of 55 across its height: the reach
+  // stays within stroke and quiet zone either way.
+  side.reach = std::clamp(0.035 * depth, 1.5, 8.0);
+  const bool along_symbol = distance(side.begin, side.end) > 1.2 * depth;
+  side.stroke = std::max(1.0, (along_symbol ? 3.95 / 55.3 : 3.95 / 113) * depth);
+  return side;
+}
+
+PixelPoint point_on(const SideLine& side, double along) {
+  return 0.5 * (1 - along) * side.begin + 0.5 * (1 + along) * side.end;
+}
+
+SideLine moved(const SideLine& side, double begin_shift, double end_shift) {
+  SideLine line = side;
+  line.begin = side.begin + begin_shift * side.outward;
+  line.end = side.end + end_shift * side.outward;
+  line.along = 1.0 / distance(line.begin, line.end) * (line.end - line.begin);
+  line.outward = {line.along.y, -line.along.x};
+  return line;
+}
+
+std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides) {
+  Quad corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const SideLine& before = sides[(i + 3) % 4];
+    const SideLine& here = sides[i];
+    const double determinant = cross(before.along, here.along);
+    if (std::abs(determinant) < 0.05) return std::nullopt;
+    const double t = cross(here.begin - before.begin, here.along) / determinant;
+    corners[i] = before.begin + t * before.along;
+  }
+  return is_convex(corners) ? std::optional(corners) : std::nullopt;
+}
+
+}  // namespace tagsmith
