@@ -5,10 +5,12 @@
 #include <bit>
 #include <cstring>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace tagsmith {
 namespace {
+
+constexpr std::uint32_t kNotKept = std::numeric_limits<std::uint32_t>::max();
 
 // Darkest and brightest samples of each tile, and grids of the same shape.
 struct TileGrid {
@@ -89,6 +91,7 @@ struct Run {
   int begin = 0;
   int end = 0;               // exclusive
   std::uint32_t parent = 0;  // index of a run of the same region; a root names itself
+  std::uint32_t region = 0;
   bool white = false;
 };
 
@@ -132,7 +135,7 @@ void append_runs(const std::vector<std::uint8_t>& row, std::vector<Run>& runs) {
   for (int x = 0; x < width;) {
     const std::uint8_t colour = row[static_cast<std::size_t>(x)];
     const int end = end_of_run(row, x, colour);
-    runs.push_back({x, end, static_cast<std::uint32_t>(runs.size()), colour == 1});
+    runs.push_back({x, end, static_cast<std::uint32_t>(runs.size()), 0, colour == 1});
     x = end;
   }
 }
@@ -185,22 +188,56 @@ RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   return map;
 }
 
-// Bounding box and area of every region, indexed by its root run.
-std::vector<Region> measure_regions(RunMap& map, const GrayView& image) {
-  std::vector<Region> regions(map.runs.size());
-  for (int y = 0; y < image.height; ++y) {
-    const auto row = static_cast<std::size_t>(y);
+// Gives every run the index of its region in a dense numbering; returns the number of regions. A
+// root precedes the runs that point to it.
+std::uint32_t number_regions(RunMap& map) {
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < map.runs.size(); ++i) {
+    Run& run = map.runs[i];
+    run.region = run.parent == i ? count++ : map.runs[run.parent].region;
+  }
+  return count;
+}
+
+// Calls `use(row, run)` for every run, row by row.
+template <class Use>
+void for_each_run(const RunMap& map, const Use& use) {
+  for (std::size_t row = 0; row + 1 < map.first_of_row.size(); ++row) {
     for (std::uint32_t i = map.first_of_row[row]; i < map.first_of_row[row + 1]; ++i) {
-      const Run& run = map.runs[i];
-      Region& region = regions[find_root(map.runs, i)];
-      if (region.area == 0) region = {run.white, run.begin, y, run.end - 1, y, 0, false, {}};
-      region.left = std::min(region.left, run.begin);
-      region.right = std::max(region.right, run.end - 1);
-      region.bottom = y;
-      region.area += run.end - run.begin;
+      use(static_cast<int>(row), map.runs[i]);
     }
   }
+}
+
+// Bounding box and area of every region.
+std::vector<Region> measure_regions(RunMap& map) {
+  std::vector<Region> regions(number_regions(map));
+  for_each_run(map, [&](int y, const Run& run) {
+    Region& region = regions[run.region];
+    if (region.area == 0) region = {run.white, run.begin, y, run.end - 1, y, 0, false, {}};
+    region.left = std::min(region.left, run.begin);
+    region.right = std::max(region.right, run.end - 1);
+    region.bottom = y;
+    region.area += run.end - run.begin;
+  });
   return regions;
+}
+
+// Leftmost and rightmost pixels of the regions that `kept_index` numbers, row by row.
+void add_outlines(const RunMap& map, const std::vector<std::uint32_t>& kept_index,
+                  std::vector<Region>& kept) {
+  for_each_run(map, [&](int y, const Run& run) {
+    const std::uint32_t index = kept_index[run.region];
+    if (index == kNotKept) return;
+    std::vector<PixelPoint>& outline = kept[index].outline;
+    const PixelPoint end{static_cast<double>(run.end - 1), static_cast<double>(y)};
+    if (!outline.empty() && outline.back().y == end.y) {
+      outline.back() = end;
+      return;
+    }
+    outline.push_back({static_cast<double>(run.begin), static_cast<double>(y)});
+    outline.push_back(end);
+  });
 }
 
 }  // namespace
@@ -208,55 +245,22 @@ std::vector<Region> measure_regions(RunMap& map, const GrayView& image) {
 std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options) {
   if (image.width < options.min_width || image.height < options.min_height) return {};
   RunMap map = find_runs(image, options);
-  std::vector<Region> measured = measure_regions(map, image);
+  std::vector<Region> measured = measure_regions(map);
   std::vector<Region> kept;
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> kept_index(measured.size(), kNone);
+  std::vector<std::uint32_t> kept_index(measured.size(), kNotKept);
   for (std::size_t i = 0; i < measured.size(); ++i) {
     Region& region = measured[i];
-    if (region.area == 0 || region.right - region.left + 1 < options.min_width ||
+    if (region.right - region.left + 1 < options.min_width ||
         region.bottom - region.top + 1 < options.min_height) {
       continue;
     }
     region.touches_border = region.left == 0 || region.top == 0 ||
                             region.right == image.width - 1 || region.bottom == image.height - 1;
     kept_index[i] = static_cast<std::uint32_t>(kept.size());
-    kept.push_back(region);
+    kept.push_back(std::move(region));
   }
-  std::vector<int> last_row(kept.size(), -1);
-  for (int y = 0; y < image.height; ++y) {
-    const auto row = static_cast<std::size_t>(y);
-    for (std::uint32_t i = map.first_of_row[row]; i < map.first_of_row[row + 1]; ++i) {
-      const std::uint32_t index = kept_index[find_root(map.runs, i)];
-      if (index == kNone) continue;
-      std::vector<PixelPoint>& outline = kept[index].outline;
-      const PixelPoint end{static_cast<double>(map.runs[i].end - 1), static_cast<double>(y)};
-      if (last_row[index] == y) {
-        outline.back() = end;
-        continue;
-      }
-      last_row[index] = y;
-      outline.push_back({static_cast<double>(map.runs[i].begin), static_cast<double>(y)});
-      outline.push_back(end);
-    }
-  }
+  add_outlines(map, kept_index, kept);
   return kept;
-}
-
-GrayImage half_size(const GrayView& image) {
-  GrayImage half{image.width / 2, image.height / 2, {}};
-  half.samples.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
-  for (int y = 0; y < half.height; ++y) {
-    const std::uint8_t* upper = image.row(2 * y);
-    const std::uint8_t* lower = image.row(2 * y + 1);
-    std::uint8_t* target =
-        half.samples.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(half.width);
-    for (int x = 0; x < half.width; ++x) {
-      const int sum = upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1];
-      target[x] = static_cast<std::uint8_t>((sum + 2) / 4);
-    }
-  }
-  return half;
 }
 
 }  // namespace tagsmith

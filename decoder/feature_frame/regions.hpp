@@ -38,7 +38,4 @@ struct Region {
 // ask, those that touch the image's border included.
 std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options = {});
 
-// The image at half its size, each pixel the mean of four; an odd last row or column is dropped.
-GrayImage half_size(const GrayView& image);
-
 }  // namespace tagsmith

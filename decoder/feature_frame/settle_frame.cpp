@@ -130,22 +130,34 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
   return settled;
 }
 
+// Whether it is white, dark and white again from the inside of the side to its outside. The stroke
+// may be twice as thick as guessed where the frame's proportions leave open which way it runs.
+bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) {
+  constexpr double kLeastFall = 6;  // grey levels
+  constexpr double kLeastRise = 4;  // of those, for the plate's margin, which may be narrow
+  const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
+  const double stroke = sample_bilinear(image, at + (0.7 * side.reach + 0.5) * side.outward);
+  if (inside - stroke <= kLeastFall) return false;
+  for (const double strokes : {1.5, 1.9, 2.5}) {
+    const PixelPoint beyond = at + (strokes * side.stroke + 0.5) * side.outward;
+    if (sample_bilinear(image, beyond) - stroke > kLeastRise) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool looks_framed(const GrayView& image, const Quad& rough) {
   constexpr int kPlaces = 8;
-  constexpr int kLeastDarker = 4;
-  constexpr double kLeastFall = 6;  // grey levels
+  constexpr int kLeastAlike = 4;
   for (std::size_t i = 0; i < 4; ++i) {
     const SideLine side = side_of(rough, i);
-    int darker = 0;
+    int alike = 0;
     for (int k = 0; k < kPlaces; ++k) {
       const PixelPoint at = point_on(side, 0.92 * (2.0 * k / (kPlaces - 1) - 1));
-      const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
-      const double outside = sample_bilinear(image, at + (0.7 * side.reach + 0.5) * side.outward);
-      darker += inside - outside > kLeastFall ? 1 : 0;
+      alike += crosses_stroke(image, side, at) ? 1 : 0;
     }
-    if (darker < kLeastDarker) return false;
+    if (alike < kLeastAlike) return false;
   }
   return true;
 }

@@ -8,7 +8,8 @@
 
 namespace tagsmith {
 
-// A quick look: whether the surroundings are darker outside than inside along most of every side.
+// A quick look: whether at half the places or more of every side it is white inside, dark on the
+// stroke and white again beyond.
 bool looks_framed(const GrayView& image, const Quad& rough);
 
 // Moves the sides of a rough quadrilateral onto the steepest falls from white inside to dark

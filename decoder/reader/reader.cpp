@@ -14,6 +14,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
+#include "decoder/image/half_size.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/symbology/upca.hpp"
