@@ -14,7 +14,7 @@
 #include "decoder/cli/parallel.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
@@ -45,11 +45,8 @@ struct Tally {
 };
 
 Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
-  ReadOptions read;
+  ReadOptions read = read_options_for(surveys);
   if (!options.check.empty()) read.check = parse_check_digit(options.check);
-  for (const Survey& survey : surveys) {
-    for (const PlacedTag& tag : survey.tags) read.code_book.push_back(tag.digits);
-  }
   if (!surveys.empty() && read.code_book.empty()) {
     return fail("the surveys given with --survey have no tags, expected at least one");
   }

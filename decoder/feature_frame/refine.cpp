@@ -65,8 +65,16 @@ struct NormalEquations {
 
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
 NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& samples,
-                           double scale, const ToneCurve& tone) {
+                           const SideLine& side, double scale, const ToneCurve& tone) {
   NormalEquations normal;
+  // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
+  // is.
+  constexpr double kStrokeSigma = 0.3;  // of the logarithm
+  const double stroke_weight = scale * scale / (kStrokeSigma * kStrokeSigma);
+  const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
+  normal.matrix(kLogStroke, kLogStroke) = stroke_weight;
+  normal.right[kLogStroke] = stroke_weight * stroke_residual;
+  normal.cost = stroke_weight * stroke_residual * stroke_residual;
   for (const EdgeSample& sample : samples) {
     const Predicted predicted = predict(p, sample, tone);
     const double residual = sample.value - predicted.sample;
@@ -132,15 +140,14 @@ Solution minimise(const std::vector<EdgeSample>& samples, const SideLine& side, 
                   double scale, int max_steps) {
   const ToneCurve& tone = ToneCurve::srgb();
   double damping = 1e-3;
-  NormalEquations normal = accumulate(p, samples, scale, tone);
+  NormalEquations normal = accumulate(p, samples, side, scale, tone);
   for (int step = 0; step < max_steps && damping < 1e3; ++step) {
     Eigen::Matrix<double, kParameters, kParameters> matrix =
         normal.matrix.selfadjointView<Eigen::Lower>();
-    // The constant keeps a stroke whose far edge lies outside the samples where it was.
-    matrix.diagonal().array() += damping * matrix.diagonal().array() + 1e-6;
+    matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
     constrain(next, side.stroke);
-    const NormalEquations tried = accumulate(next, samples, scale, tone);
+    const NormalEquations tried = accumulate(next, samples, side, scale, tone);
     if (!(tried.cost < normal.cost)) {
       damping *= 10;
       continue;

@@ -7,21 +7,10 @@
 #include <fmt/core.h>
 
 #include "decoder/image/load.hpp"
+#include "decoder/reader/survey_options.hpp"
 
 namespace tagsmith {
 namespace {
-
-ReadOptions read_options_for(const std::vector<Survey>& surveys) {
-  ReadOptions options;
-  for (const Survey& survey : surveys) {
-    for (const PlacedTag& tag : survey.tags) options.code_book.push_back(tag.digits);
-  }
-  const auto scheme = [](const Survey& survey) { return survey.code.check; };
-  const bool one_scheme =
-      std::ranges::adjacent_find(surveys, std::ranges::not_equal_to{}, scheme) == surveys.end();
-  if (one_scheme && !surveys.empty()) options.check = surveys.front().code.check;
-  return options;
-}
 
 // The tag, and the index of its survey, that `matches`; all of them.
 std::vector<std::pair<std::size_t, const PlacedTag*>> find_tags(const std::vector<Survey>& surveys,

@@ -71,8 +71,8 @@ std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& f
                                     const ReadOptions& options) {
   const DecodeOptions decode_options{options.check, options.code_book};
   std::optional<Attempt> best;
-  for (const std::size_t first_corner : possible_first_corners(frame.corners)) {
-    SymbolProfile profile = profile_symbol(image, frame, first_corner, options.quiet_zone_modules);
+  const auto attempt = [&](std::size_t first_corner, const SymbolLayout& layout) {
+    SymbolProfile profile = profile_symbol(image, frame, first_corner, layout);
     for (const std::size_t half_turn : {0U, 2U}) {
       if (half_turn == 2) profile.bins = reversed(profile.bins);
       SymbolImage start;
@@ -82,6 +82,9 @@ std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& f
       if (best && decoding->fit.explained <= best->decoding.fit.explained) continue;
       best = Attempt{*decoding, (first_corner + half_turn) % 4, profile};
     }
+  };
+  for (const std::size_t first_corner : possible_first_corners(frame.corners)) {
+    for (const SymbolLayout& layout : options.layouts) attempt(first_corner, layout);
   }
   return best;
 }

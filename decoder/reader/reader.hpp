@@ -7,6 +7,7 @@
 
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
+#include "decoder/reader/symbol_layout.hpp"
 
 namespace tagsmith {
 
@@ -16,8 +17,8 @@ struct ReadOptions {
   // Codes that exist (the survey's). When not empty, only these are returned, and reading works at
   // lower resolution.
   std::vector<Digits> code_book;
-  // Quiet zone between the frame's inner edge and the symbol, modules (the template's).
-  double quiet_zone_modules = 9;
+  // Where the symbol stands in the frame, one for each template in use.
+  std::vector<SymbolLayout> layouts{SymbolLayout{}};
   // Readings below this confidence are refused: 1 - 1e-6 keeps one wrong code in a million.
   double min_confidence = 1.0 - 1e-6;
 };

@@ -13,12 +13,15 @@
 namespace tagsmith {
 namespace {
 
-// The bars fill the middle two thirds of the frame's height; the part used stays clear of their
-// ends.
-constexpr double kTop = 0.21;
-constexpr double kBottom = 0.79;
 constexpr std::size_t kBands = 8;
 constexpr double kBeyond = 4;  // modules of quiet zone taken on both sides
+
+// The part of the bars' height that is used, as shares of the frame's: clear of the bars' ends.
+std::array<double, 2> scanned_height(const SymbolLayout& layout) {
+  constexpr double kClear = 0.07;  // of the bars' height at each end
+  const double clear = kClear * (layout.bars_bottom - layout.bars_top);
+  return {layout.bars_top + clear, layout.bars_bottom - clear};
+}
 
 // Light of plate and ink over the frame, from its upper and lower sides.
 struct Levels {
@@ -52,10 +55,14 @@ struct CellGrid {
   const Cell& at(std::size_t band, std::size_t bin) const { return cells[band * bins + bin]; }
 };
 
-CellGrid collect(const GrayView& image, const Homography& unit_from_image, const Quad& region,
-                 const Levels& levels, double quiet_zone, int bins_per_module, double thinning) {
+CellGrid collect(const GrayView& image, const Homography& image_from_unit, const Levels& levels,
+                 const SymbolLayout& layout, int bins_per_module, double thinning) {
   const ToneCurve& tone = ToneCurve::srgb();
-  const double modules = kModuleCount + 2 * quiet_zone;
+  const auto [scan_top, scan_bottom] = scanned_height(layout);
+  const Homography unit_from_image = inverse(image_from_unit);
+  const Quad region{image_from_unit(0, scan_top), image_from_unit(1, scan_top),
+                    image_from_unit(1, scan_bottom), image_from_unit(0, scan_bottom)};
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   CellGrid grid;
   grid.bins = static_cast<std::size_t>(bins_per_module * (kModuleCount + 2 * kBeyond));
   grid.bin_width = 1.0 / bins_per_module;
@@ -80,14 +87,15 @@ CellGrid collect(const GrayView& image, const Homography& unit_from_image, const
     const std::uint8_t* row = image.row(y);
     for (int x = x_begin; x <= x_end; x += x_step) {
       const PixelPoint unit = unit_from_image(x, y);
-      if (!(unit.y >= kTop && unit.y < kBottom)) continue;
-      const double place = unit.x * modules - quiet_zone;
+      if (!(unit.y >= scan_top && unit.y < scan_bottom)) continue;
+      const double place = unit.x * modules - layout.quiet_zone_modules;
       const double position = (place + kBeyond) / grid.bin_width;
       if (!(position >= 0 && position < static_cast<double>(grid.bins))) continue;
       const double white = levels.white(unit.x, unit.y);
       const double black = levels.black(unit.x, unit.y);
       const double darkness = (white - tone.light_of(row[x])) / std::max(white - black, 1e-3);
-      const auto band = static_cast<std::size_t>((unit.y - kTop) / (kBottom - kTop) * kBands);
+      const auto band =
+          static_cast<std::size_t>((unit.y - scan_top) / (scan_bottom - scan_top) * kBands);
       Cell& cell = grid.at(std::min(band, kBands - 1), static_cast<std::size_t>(position));
       cell.sum += darkness;
       cell.sum_of_squares += darkness * darkness;
@@ -178,7 +186,7 @@ ScanProfile combine_all(const CellGrid& grid, double variance) {
 }  // namespace
 
 SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
-                             std::size_t first_corner, double quiet_zone_modules) {
+                             std::size_t first_corner, const SymbolLayout& layout) {
   Quad corners{};
   std::array<FrameSide, 4> sides{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -188,18 +196,16 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
   const Homography image_from_unit = homography_to(corners);
   SymbolProfile profile;
   const double frame_px = (distance(corners[0], corners[1]) + distance(corners[3], corners[2])) / 2;
-  profile.module_px = frame_px / (kModuleCount + 2 * quiet_zone_modules);
-  const Quad region{image_from_unit(0, kTop), image_from_unit(1, kTop), image_from_unit(1, kBottom),
-                    image_from_unit(0, kBottom)};
+  profile.module_px = frame_px / (kModuleCount + 2 * layout.quiet_zone_modules);
   const double frame_height =
       (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
   // Two bins a pixel lose nothing; more than 60 rows of pixels add little.
   const int bins_per_module =
       std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 10);
-  const double thinning = frame_height * (kBottom - kTop) / 60;
+  const auto [scan_top, scan_bottom] = scanned_height(layout);
+  const double thinning = frame_height * (scan_bottom - scan_top) / 60;
   const Levels levels{sides[0], sides[2]};
-  const CellGrid grid = collect(image, inverse(image_from_unit), region, levels, quiet_zone_modules,
-                                bins_per_module, thinning);
+  const CellGrid grid = collect(image, image_from_unit, levels, layout, bins_per_module, thinning);
   const double variance = pixel_variance(grid);
   profile.bins = combine_all(grid, variance);
   const double smear = grid.bin_width * grid.bin_width / 12;

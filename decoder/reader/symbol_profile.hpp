@@ -6,6 +6,7 @@
 
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
+#include "decoder/reader/symbol_layout.hpp"
 #include "decoder/scan/profile.hpp"
 
 namespace tagsmith {
@@ -18,9 +19,8 @@ struct SymbolProfile {
 
 // Averages the pixels of the bars in light (not in samples) along the bars, with the frame's own
 // white and black as levels; stretches covered by dirt or glare are left out where the rest of the
-// bars' height disagrees with them. `first_corner` is the corner taken for P; quiet zones in
-// modules.
+// bars' height disagrees with them. `first_corner` is the corner taken for P.
 SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
-                             std::size_t first_corner, double quiet_zone_modules);
+                             std::size_t first_corner, const SymbolLayout& layout);
 
 }  // namespace tagsmith

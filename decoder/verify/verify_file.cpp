@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/rasterize.hpp"
@@ -124,9 +125,10 @@ ReadResult merge_readings(const ReadResult& first, const ReadResult& second) {
 }
 
 ReadResult read_for_survey(const GrayView& image, const Survey& survey) {
-  const ReadResult first = read_tags(image);
-  ReadOptions with_code_book;
-  for (const PlacedTag& tag : survey.tags) with_code_book.code_book.push_back(tag.digits);
+  const ReadOptions with_code_book = read_options_for(std::span(&survey, 1));
+  ReadOptions any_code;
+  any_code.layouts = with_code_book.layouts;
+  const ReadResult first = read_tags(image, any_code);
   if (with_code_book.code_book.empty()) return merge_readings(first, {});
   return merge_readings(first, read_tags(image, with_code_book));
 }

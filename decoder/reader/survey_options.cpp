@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/survey_options.hpp"
+
+#include <algorithm>
+
+namespace tagsmith {
+
+ReadOptions read_options_for(std::span<const Survey> surveys) {
+  ReadOptions options;
+  if (surveys.empty()) return options;
+  options.layouts.clear();
+  for (const Survey& survey : surveys) {
+    for (const PlacedTag& tag : survey.tags) options.code_book.push_back(tag.digits);
+    const SymbolLayout layout = layout_of(survey.tag_template);
+    if (std::ranges::find(options.layouts, layout) == options.layouts.end()) {
+      options.layouts.push_back(layout);
+    }
+  }
+  const CheckDigit check = surveys.front().code.check;
+  const auto agrees = [&](const Survey& survey) { return survey.code.check == check; };
+  if (std::ranges::all_of(surveys, agrees)) options.check = check;
+  return options;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "decoder/reader/reader.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// How to read the tags of these surveys: their templates' layouts, their codes as the code book,
+// and their check digit where they agree on one.
+ReadOptions read_options_for(std::span<const Survey> surveys);
+
+}  // namespace tagsmith

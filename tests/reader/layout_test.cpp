@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plates of other proportions than the paper's, on simulated pictures.
+#include <span>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/reader.hpp"
+#include "decoder/reader/survey_options.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/tag/drawing.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+TagTemplate wide_margins() {
+  TagTemplate tag;
+  tag.plate_length = 0.5;
+  tag.plate_height = 0.36;
+  tag.frame_inner_length = 0.4;
+  tag.frame_inner_height = 0.22;
+  tag.frame_stroke = 0.014;
+  tag.quiet_zone_modules = 14;
+  tag.margin_modules = 20;
+  return tag;
+}
+
+View picture_of(const TagTemplate& tag, const Digits& digits) {
+  Camera camera = camera_from_sensor(480, 360, 0.006, 0.0018, 0.00135);
+  ScenePlate plate;
+  plate.drawing = draw_tag(tag, digits);
+  plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, {240, 180}, 2.0,
+                                                     radians(25), radians(5), radians(12));
+  return render_view(camera, std::span(&plate, 1));
+}
+
+}  // namespace
+
+TEST_CASE("the layout of the paper's plates is the default") {
+  const auto survey = load_survey("surveys/corridor/survey.yaml");
+  REQUIRE(survey.has_value());
+  const SymbolLayout layout = layout_of(survey->tag_template);
+  CHECK(layout.quiet_zone_modules == 9);
+  CHECK(layout.bars_top == doctest::Approx(SymbolLayout{}.bars_top).epsilon(0.01));
+  CHECK(layout.bars_bottom == doctest::Approx(SymbolLayout{}.bars_bottom).epsilon(0.01));
+}
+
+TEST_CASE("a plate with wider margins is read by its own layout, and by no other") {
+  const Digits digits = *parse_digits("019000000404");
+  const View picture = picture_of(wide_margins(), digits);
+  CHECK(read_tags(picture.image.view()).tags.empty());
+  ReadOptions options;
+  options.layouts = {SymbolLayout{}, layout_of(wide_margins())};
+  const ReadResult result = read_tags(picture.image.view(), options);
+  REQUIRE(result.tags.size() == 1);
+  CHECK(to_string(result.tags[0].digits) == to_string(digits));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d truth = picture.plates[0].corners[i].value();
+    CHECK(distance(result.tags[0].corners[i], {truth.x(), truth.y()}) < 0.05);
+  }
+}
+
+TEST_CASE(
+    "several surveys are read with all their layouts, codes and, where they agree, check digit") {
+  auto corridor = load_survey("surveys/corridor/survey.yaml");
+  auto curved = load_survey("surveys/curved/survey.yaml");
+  REQUIRE(corridor.has_value());
+  REQUIRE(curved.has_value());
+  const std::vector<Survey> both{*corridor, *curved};
+  const ReadOptions options = read_options_for(both);
+  CHECK(options.code_book.size() == corridor->tags.size() + curved->tags.size());
+  CHECK_FALSE(options.check.has_value());  // sum10 and gs1
+  CHECK(read_options_for(std::span(both).first(1)).check == CheckDigit::sum10);
+  CHECK(read_options_for({}).layouts.size() == 1);
+}
