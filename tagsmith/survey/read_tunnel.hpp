@@ -2,6 +2,7 @@
 // The sections `grid` and `tunnel` of a survey file. Internal to tagsmith/survey.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "tagsmith/survey/survey.hpp"
