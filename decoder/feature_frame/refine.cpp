@@ -69,7 +69,7 @@ NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& s
   NormalEquations normal;
   // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
   // is.
-  constexpr double kStrokeSigma = 0.3;  // of the logarithm
+  constexpr double kStrokeSigma = 0.6;  // of the logarithm
   const double stroke_weight = scale * scale / (kStrokeSigma * kStrokeSigma);
   const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
   normal.matrix(kLogStroke, kLogStroke) = stroke_weight;

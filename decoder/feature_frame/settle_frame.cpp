@@ -138,7 +138,7 @@ bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) 
   const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
   const double stroke = sample_bilinear(image, at + (0.7 * side.reach + 0.5) * side.outward);
   if (inside - stroke <= kLeastFall) return false;
-  for (const double strokes : {1.5, 1.9, 2.5}) {
+  for (const double strokes : {1.0, 1.5, 1.9, 2.5}) {
     const PixelPoint beyond = at + (strokes * side.stroke + 0.5) * side.outward;
     if (sample_bilinear(image, beyond) - stroke > kLeastRise) return true;
   }

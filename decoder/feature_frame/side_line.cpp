@@ -19,8 +19,16 @@ SideLine side_of(const Quad& quad, std::size_t i) {
   // A stroke is 4 of 113 modules across the frame's length and of 55 across its height: the reach
   // stays within stroke and quiet zone either way.
   side.reach = std::clamp(0.035 * depth, 1.5, 8.0);
-  const bool along_symbol = distance(side.begin, side.end) > 1.2 * depth;
-  side.stroke = std::max(1.0, (along_symbol ? 3.95 / 55.3 : 3.95 / 113) * depth);
+  // Which way the symbol runs shows in the frame's proportions, unless foreshortening has made it
+  // nearly square: then the guess lies between the two.
+  constexpr double kAcross = 3.95 / 113;
+  constexpr double kAlong = 3.95 / 55.3;
+  constexpr double kUnclear = 1.35;
+  const double proportion = distance(side.begin, side.end) / std::max(depth, 1e-9);
+  double share = std::sqrt(kAcross * kAlong);
+  if (proportion > kUnclear) share = kAlong;
+  if (proportion < 1 / kUnclear) share = kAcross;
+  side.stroke = std::max(1.0, share * depth);
   return side;
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/base/file.hpp"
 
-#include <unistd.h>
-
 #include <fstream>
 #include <system_error>
+#include <unistd.h>
 
 namespace tagsmith {
 namespace fs = std::filesystem;

@@ -3,10 +3,10 @@
 // Result<T>; it never prints, exits or throws across its module's border.
 #pragma once
 
-#include <tl/expected.hpp>
-
 #include <string>
 #include <utility>
+
+#include <tl/expected.hpp>
 
 namespace tagsmith {
 

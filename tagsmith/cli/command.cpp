@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/command.hpp"
 
-#include <fmt/core.h>
-
 #include <cstdio>
+
+#include <fmt/core.h>
 
 namespace tagsmith {
 

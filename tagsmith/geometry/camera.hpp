@@ -30,8 +30,9 @@ Camera camera_from_sensor(int width, int height, double focal_length, double sen
 std::optional<Eigen::Vector2d> project(const Camera& camera,
                                        const Eigen::Vector3d& point_in_camera);
 
-// The direction (x, y, 1) that projects to the pixel; distortion is inverted to 1e-10 by fixed-point
-// iteration, which converges for the mild distortion that the five-parameter model describes.
+// The direction (x, y, 1) that projects to the pixel; distortion is inverted to 1e-10 by
+// fixed-point iteration, which converges for the mild distortion that the five-parameter model
+// describes.
 Eigen::Vector3d ray_through(const Camera& camera, const Eigen::Vector2d& pixel);
 
 // True when the pixel lies on the image, its outermost half pixels included.

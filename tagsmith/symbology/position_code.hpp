@@ -20,7 +20,7 @@ struct PositionCode {
   CheckDigit check = CheckDigit::gs1;
   std::array<int, 3> digit_counts{4, 4, 3};
   GridPoint resolution{0.01, 0.01, 0.01};  // metres of one unit of the last digit
-  GridPoint origin{0, 0, 0};               // subtracted before coding: nothing negative can be coded
+  GridPoint origin{0, 0, 0};  // subtracted before coding: nothing negative can be coded
 };
 
 // What became of a position.

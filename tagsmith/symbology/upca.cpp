@@ -7,7 +7,8 @@ namespace tagsmith {
 namespace {
 
 bool is_guard(std::span<const std::uint8_t> elements) {
-  return std::all_of(elements.begin(), elements.end(), [](std::uint8_t width) { return width == 1; });
+  return std::all_of(elements.begin(), elements.end(),
+                     [](std::uint8_t width) { return width == 1; });
 }
 
 std::optional<std::uint8_t> digit_of(std::span<const std::uint8_t> elements) {

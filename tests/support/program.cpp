@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/program.hpp"
 
-#include <sys/wait.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+
+#include <sys/wait.h>
 
 namespace tagsmith::test {
 namespace fs = std::filesystem;
@@ -38,9 +38,7 @@ ProgramOutput run_tagsmith(const std::string& arguments) {
   return run_shell("'" + std::string(program) + "' " + arguments);
 }
 
-bool has_program(const std::string& name) {
-  return run_shell("command -v " + name).exit_code == 0;
-}
+bool has_program(const std::string& name) { return run_shell("command -v " + name).exit_code == 0; }
 
 TemporaryFolder::TemporaryFolder() {
   std::string pattern = (fs::temp_directory_path() / "tagsmith-test-XXXXXX").string();

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/symbology/position_code.hpp"
 
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include <doctest/doctest.h>
 
 using namespace tagsmith;
 

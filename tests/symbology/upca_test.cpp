@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/symbology/upca.hpp"
 
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <random>
 #include <string>
+
+#include <doctest/doctest.h>
 
 using namespace tagsmith;
 
@@ -28,17 +28,21 @@ Digits random_digits(std::mt19937& random) {
 
 TEST_CASE("the published symbol of 036000291452 has these 95 modules") {
   // Wikipedia, "Universal Product Code", encoding table, applied by hand to its example number.
+  // clang-format off
   const std::string expected =
       "101" "0001101" "0111101" "0101111" "0001101" "0001101" "0001101" "01010"
       "1101100" "1110100" "1100110" "1011100" "1001110" "1101100" "101";
+  // clang-format on
   CHECK(module_text(*parse_digits("036000291452")) == expected);
 }
 
 TEST_CASE("the published symbol of 012345678905 has these 95 modules") {
   // GS1 General Specifications, number sets A and C.
+  // clang-format off
   const std::string expected =
       "101" "0001101" "0011001" "0010011" "0111101" "0100011" "0110001" "01010"
       "1010000" "1000100" "1001000" "1110100" "1110010" "1001110" "101";
+  // clang-format on
   CHECK(module_text(*parse_digits("012345678905")) == expected);
 }
 
@@ -48,8 +52,8 @@ TEST_CASE("published check digits") {
     CheckDigit scheme;
   };
   const Case cases[] = {
-      {"036000291452", CheckDigit::gs1}, {"012345678905", CheckDigit::gs1},
-      {"042100005264", CheckDigit::gs1}, {"614141000036", CheckDigit::gs1},
+      {"036000291452", CheckDigit::gs1},   {"012345678905", CheckDigit::gs1},
+      {"042100005264", CheckDigit::gs1},   {"614141000036", CheckDigit::gs1},
       {"019000000404", CheckDigit::sum10},  // the paper's P(1.9, 0, 0.4)
   };
   for (const Case& example : cases) {
