@@ -23,6 +23,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
 
@@ -47,16 +48,6 @@ struct Outcome {
   std::array<double, 8> errors{};  // of corner coordinates, pixels
 };
 
-TagTemplate corridor_template() {
-  TagTemplate tag;
-  tag.plate_length = 0.4;
-  tag.plate_height = 0.3;
-  tag.frame_inner_length = 0.343;
-  tag.frame_inner_height = 0.168;
-  tag.frame_stroke = 0.012;
-  return tag;
-}
-
 Digits random_code(std::mt19937_64& random) {
   std::uniform_int_distribution<int> digit(0, 9);
   Digits digits{};
@@ -80,7 +71,7 @@ ScenePlate place(const Camera& camera, const Digits& code, const Conditions& con
                  std::mt19937_64& random) {
   std::uniform_real_distribution<double> any(0, 1);
   ScenePlate plate;
-  plate.drawing = draw_tag(corridor_template(), code);
+  plate.drawing = draw_tag(test::corridor_template(), code);
   plate.finish.bar_growth = conditions.growth;
   plate.finish.white_reflectance = 0.435 + 0.385 * conditions.contrast;
   plate.finish.ink_reflectance = 0.435 - 0.385 * conditions.contrast;

@@ -23,20 +23,11 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/symbology/upca.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
 
 namespace {
-
-TagTemplate corridor_template() {
-  TagTemplate tag;
-  tag.plate_length = 0.4;
-  tag.plate_height = 0.3;
-  tag.frame_inner_length = 0.343;
-  tag.frame_inner_height = 0.168;
-  tag.frame_stroke = 0.012;
-  return tag;
-}
 
 double uniform(std::mt19937_64& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
@@ -162,7 +153,7 @@ Outcome run_one(std::uint64_t seed) {
     code.back() = static_cast<std::uint8_t>((code.back() + integer(random, 1, 9)) % 10);
   }
   ScenePlate plate;
-  plate.drawing = draw_tag(corridor_template(), code);
+  plate.drawing = draw_tag(test::corridor_template(), code);
   if (outcome.kind == Kind::stripes || outcome.kind == Kind::ean13 ||
       outcome.kind == Kind::no_digit) {
     const int kind = static_cast<int>(outcome.kind) - static_cast<int>(Kind::stripes);

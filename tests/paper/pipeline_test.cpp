@@ -16,6 +16,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
 
@@ -24,16 +25,6 @@ namespace {
 constexpr std::uint8_t kWall = 70;
 constexpr std::uint8_t kWhite = 210;
 constexpr std::uint8_t kBlack = 25;
-
-TagTemplate corridor_template() {
-  TagTemplate tag;
-  tag.plate_length = 0.400;
-  tag.plate_height = 0.300;
-  tag.frame_inner_length = 0.343;
-  tag.frame_inner_height = 0.168;
-  tag.frame_stroke = 0.012;
-  return tag;
-}
 
 GrayImage plain_image(int width, int height, std::uint8_t gray) {
   return {width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width * height), gray)};
@@ -60,7 +51,7 @@ constexpr double kTop = 100;
 
 // A plate seen straight on, `module_px` pixels a module.
 GrayImage draw_plate(const Digits& digits, double module_px) {
-  const TagTemplate tag = corridor_template();
+  const TagTemplate tag = test::corridor_template();
   const TagDrawing drawing = draw_tag(tag, digits);
   const double scale = module_px / drawing.module;
   GrayImage image = plain_image(static_cast<int>(240 + scale * tag.frame_inner_length),

@@ -11,6 +11,7 @@
 
 #include "decoder/image/load.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tests/support/corridor_template.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith {
@@ -19,15 +20,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-TagDrawing drawing() {
-  TagTemplate tag;
-  tag.plate_length = 0.4;
-  tag.plate_height = 0.3;
-  tag.frame_inner_length = 0.343;
-  tag.frame_inner_height = 0.168;
-  tag.frame_stroke = 0.012;
-  return draw_tag(tag, *parse_digits("012345678905"));
-}
+TagDrawing drawing() { return draw_tag(test::corridor_template(), *parse_digits("012345678905")); }
 
 Camera camera_of(int width, int height) {
   Camera camera;
