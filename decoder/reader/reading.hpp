@@ -21,7 +21,7 @@ struct Reading {
   bool sum10_holds = false;  // the paper's check digit
   bool gs1_holds = false;    // the standard's check digit
   FrameCorners corners{};
-  double module_px = 0;   // mean module width along the symbol, pixels
+  double module_px = 0;   // width of a module in the middle of the frame, pixels
   double confidence = 0;  // estimated probability that every digit is right
   std::string method;     // which way it was read
 };

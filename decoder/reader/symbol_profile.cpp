@@ -183,6 +183,12 @@ ScanProfile combine_all(const CellGrid& grid, double variance) {
   return profile;
 }
 
+// Width of a module in the middle of the frame, pixels.
+double module_at_middle(const Homography& image_from_unit, const SymbolLayout& layout) {
+  const double half = 0.5 / (kModuleCount + 2 * layout.quiet_zone_modules);
+  return distance(image_from_unit(0.5 - half, 0.5), image_from_unit(0.5 + half, 0.5));
+}
+
 }  // namespace
 
 SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
@@ -195,8 +201,7 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
   }
   const Homography image_from_unit = homography_to(corners);
   SymbolProfile profile;
-  const double frame_px = (distance(corners[0], corners[1]) + distance(corners[3], corners[2])) / 2;
-  profile.module_px = frame_px / (kModuleCount + 2 * layout.quiet_zone_modules);
+  profile.module_px = module_at_middle(image_from_unit, layout);
   const double frame_height =
       (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
   // Two bins a pixel lose nothing; more than 60 rows of pixels add little.

@@ -13,7 +13,7 @@ namespace tagsmith {
 
 struct SymbolProfile {
   ScanProfile bins;
-  double module_px = 0;  // mean width of a module in the image
+  double module_px = 0;  // width of a module in the middle of the frame
   double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
 };
 
