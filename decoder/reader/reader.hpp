@@ -19,7 +19,9 @@ struct ReadOptions {
   std::vector<Digits> code_book;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused: 1 - 1e-6 keeps one wrong code in a million.
+  // Readings below this confidence are refused. Confidence is overstated by some orders of
+  // magnitude (docs/accuracy.md, "Reliability"); no wrong code of a whole tag has been seen above
+  // this value.
   double min_confidence = 1.0 - 1e-6;
 };
 

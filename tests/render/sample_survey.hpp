@@ -23,7 +23,7 @@ inline TagTemplate large_template() {
           .plate_height = 0.43,
           .frame_inner_length = 0.665,
           .frame_inner_height = 0.325,
-          .frame_stroke = 0.0233};
+          .frame_stroke = 0.020};
 }
 
 // A survey without tags.
