@@ -187,14 +187,6 @@ SideFit describe(const Solution& solution, const SideLine& side) {
   fit.side.white_end = p[kWhite] + p[kWhiteSlope];
   fit.side.black_begin = p[kBlack] - p[kBlackSlope];
   fit.side.black_end = p[kBlack] + p[kBlackSlope];
-  const double freedom = std::max(1.0, solution.normal.weight - kParameters);
-  const double variance = solution.normal.cost / freedom;
-  fit.side.residual = std::sqrt(variance);
-  Eigen::Matrix<double, kParameters, kParameters> matrix =
-      solution.normal.matrix.selfadjointView<Eigen::Lower>();
-  matrix.diagonal().array() += 1e-9;
-  const Parameters unit = Parameters::Unit(kPlace);
-  fit.side.sigma_px = std::sqrt(std::max(0.0, variance * matrix.ldlt().solve(unit)[kPlace]));
   return fit;
 }
 
@@ -207,9 +199,9 @@ bool stays_near(const Solution& solution, const SideLine& side) {
 // for its place: where a side's blur differs from its neighbours', theirs is tried as the start.
 constexpr double kStartBlur = 0.6;  // pixels
 
-SideFit fit_again(const GrayView& image, const SideLine& side, double start_blur,
+SideFit fit_again(const std::vector<EdgeSample>& samples, const SideLine& side, double start_blur,
                   const Solution& first) {
-  const Solution second = solve_side(edge_samples(image, side), side, start_blur);
+  const Solution second = solve_side(samples, side, start_blur);
   const bool better =
       second.normal.cost / second.normal.weight < first.normal.cost / first.normal.weight;
   const Solution& chosen = better && stays_near(second, side) ? second : first;
@@ -220,13 +212,14 @@ SideFit fit_again(const GrayView& image, const SideLine& side, double start_blur
 
 Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   std::array<SideLine, 4> lines{};
+  std::array<std::vector<EdgeSample>, 4> samples;
   std::array<Solution, 4> solutions{};
   std::array<double, 4> blurs{};
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
-    const std::vector<EdgeSample> samples = edge_samples(image, lines[i]);
-    if (samples.size() < 2 * kParameters) return fail("feature frame: a side is too short");
-    solutions[i] = solve_side(samples, lines[i], kStartBlur);
+    samples[i] = edge_samples(image, lines[i]);
+    if (samples[i].size() < 2 * kParameters) return fail("feature frame: a side is too short");
+    solutions[i] = solve_side(samples[i], lines[i], kStartBlur);
     if (!stays_near(solutions[i], lines[i])) {
       return fail("feature frame: a side's edge cannot be fitted");
     }
@@ -237,8 +230,9 @@ Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   RefinedFrame frame;
   for (std::size_t i = 0; i < 4; ++i) {
     const bool alike = std::abs(solutions[i].parameters[kLogBlur] - common_blur) < 0.25;
-    const SideFit fit = alike ? describe(solutions[i], lines[i])
-                              : fit_again(image, lines[i], std::exp(common_blur), solutions[i]);
+    const SideFit fit = alike
+                            ? describe(solutions[i], lines[i])
+                            : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
     lines[i] = fit.line;
     frame.sides[i] = fit.side;
   }

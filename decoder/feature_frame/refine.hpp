@@ -18,8 +18,6 @@ struct FrameSide {
   double black_begin = 0;  // light of the stroke
   double black_end = 0;
   double stroke_px = 0;  // thickness of the stroke
-  double residual = 0;   // root mean square of the fit, grey levels
-  double sigma_px = 0;   // standard deviation of the side's place, from the fit
 };
 
 struct RefinedFrame {

@@ -214,7 +214,7 @@ std::vector<Region> measure_regions(RunMap& map) {
   std::vector<Region> regions(number_regions(map));
   for_each_run(map, [&](int y, const Run& run) {
     Region& region = regions[run.region];
-    if (region.area == 0) region = {run.white, run.begin, y, run.end - 1, y, 0, false, {}};
+    if (region.area == 0) region = {run.white, run.begin, y, run.end - 1, y, 0, {}};
     region.left = std::min(region.left, run.begin);
     region.right = std::max(region.right, run.end - 1);
     region.bottom = y;
@@ -254,8 +254,6 @@ std::vector<Region> find_regions(const GrayView& image, const RegionOptions& opt
         region.bottom - region.top + 1 < options.min_height) {
       continue;
     }
-    region.touches_border = region.left == 0 || region.top == 0 ||
-                            region.right == image.width - 1 || region.bottom == image.height - 1;
     kept_index[i] = static_cast<std::uint32_t>(kept.size());
     kept.push_back(std::move(region));
   }

@@ -30,7 +30,6 @@ struct Region {
   int right = 0;   // inclusive
   int bottom = 0;  // inclusive
   std::int64_t area = 0;
-  bool touches_border = false;
   std::vector<PixelPoint> outline;  // leftmost and rightmost pixel of each row, top to bottom
 };
 
