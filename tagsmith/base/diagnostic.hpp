@@ -2,6 +2,7 @@
 // A finding about a file the user wrote: the place, what was found, what is expected, the remedy.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,14 +10,23 @@ namespace tagsmith {
 
 enum class Severity { error, warning };
 
+// A mechanical remedy: what stands at the finding's place, replaced.
+struct TextEdit {
+  std::string found;  // quotes of both kinds count as equal
+  std::string text;
+
+  bool operator==(const TextEdit&) const = default;
+};
+
 struct Diagnostic {
   std::string file;
   int line = 0;    // 1-based; 0 = the whole file
   int column = 0;  // 1-based; 0 = the whole line
   Severity severity = Severity::error;
-  std::string code;     // short stable name of the rule, e.g. "unknown-key"
-  std::string message;  // what was found and what is expected
-  std::string hint;     // how to mend it; may be empty
+  std::string code;                  // short stable name of the rule, e.g. "unknown-key"
+  std::string message;               // what was found and what is expected
+  std::string hint;                  // how to mend it; may be empty
+  std::optional<TextEdit> fix = {};  // what a program may do about it without asking back
 };
 
 std::string to_string(Severity severity);

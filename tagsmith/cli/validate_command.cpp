@@ -12,9 +12,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/apply_fixes.hpp"
+#include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/rules.hpp"
 
 namespace tagsmith {
 namespace {
@@ -23,6 +27,9 @@ struct ValidateOptions {
   std::vector<std::string> surveys;
   std::vector<std::string> rigs;
   std::vector<std::string> templates;
+  std::string explain;  // a rule
+  bool list_rules = false;
+  bool fix = false;
   bool json = false;
 };
 
@@ -59,6 +66,10 @@ Findings validate(const ValidateOptions& options) {
   return findings;
 }
 
+std::string dump(const nlohmann::ordered_json& line) {
+  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 std::string json_line(const Diagnostic& diagnostic) {
   nlohmann::ordered_json line;
   line["file"] = diagnostic.file;
@@ -68,7 +79,10 @@ std::string json_line(const Diagnostic& diagnostic) {
   line["code"] = diagnostic.code;
   line["message"] = diagnostic.message;
   line["hint"] = diagnostic.hint;
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  if (diagnostic.fix) {
+    line["fix"] = {{"found", diagnostic.fix->found}, {"replacement", diagnostic.fix->text}};
+  }
+  return dump(line);
 }
 
 std::string counted(std::size_t count, const std::string& noun) {
@@ -76,8 +90,9 @@ std::string counted(std::size_t count, const std::string& noun) {
 }
 
 int report(const Findings& findings, const ValidateOptions& options) {
+  FindingPrinter printer;
   for (const Diagnostic& diagnostic : findings.diagnostics) {
-    fmt::print("{}\n", options.json ? json_line(diagnostic) : to_string(diagnostic));
+    fmt::print("{}", options.json ? json_line(diagnostic) + "\n" : printer.text_of(diagnostic));
   }
   std::fflush(stdout);  // findings before what is said about them
   for (const Error& error : findings.unreadable) report_failure("validate", error);
@@ -91,6 +106,78 @@ int report(const Findings& findings, const ValidateOptions& options) {
                  : fmt::format(", {} unreadable", findings.unreadable.size()));
   if (!findings.unreadable.empty()) return kExitFailure;
   return errors > 0 ? kExitFindings : kExitOk;
+}
+
+void show(const std::string& file, const FixedLine& line, bool json) {
+  if (json) {
+    fmt::print("{}\n", dump({{"file", file},
+                             {"line", line.line},
+                             {"fixed", line.codes},
+                             {"before", line.before},
+                             {"after", line.after}}));
+  } else {
+    fmt::print("{}:{}: mended [{}]\n  - {}\n  + {}\n", file, line.line,
+               fmt::join(line.codes, "] ["), trim(line.before), trim(line.after));
+  }
+}
+
+// Writes the mechanical remedies into the files that were given, and validates again: a remedy may
+// bring to light what the fault hid.
+Result<Findings> fix_and_validate(const ValidateOptions& options) {
+  constexpr int kMostPasses = 5;
+  std::vector<std::string> files = options.surveys;
+  files.insert(files.end(), options.rigs.begin(), options.rigs.end());
+  files.insert(files.end(), options.templates.begin(), options.templates.end());
+  Findings findings = validate(options);
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    bool changed = false;
+    for (const std::string& file : files) {
+      std::vector<Diagnostic> of_file;
+      std::ranges::copy_if(findings.diagnostics, std::back_inserter(of_file),
+                           [&](const Diagnostic& diagnostic) { return diagnostic.file == file; });
+      const auto lines = fix_file(file, of_file);
+      if (!lines && !of_file.empty()) return tl::unexpected(lines.error());
+      if (!lines) continue;
+      for (const FixedLine& line : *lines) show(file, line, options.json);
+      changed = changed || !lines->empty();
+    }
+    if (!changed) break;
+    findings = validate(options);
+  }
+  return findings;
+}
+
+int explain(const std::string& code) {
+  const Rule* rule = find_rule(code);
+  if (rule == nullptr) {
+    std::vector<std::string> codes;
+    for (const Rule& known : rules()) codes.emplace_back(known.code);
+    const auto near = nearest_word(code, codes);
+    return report_failure(
+        "validate", {fmt::format("--explain: no rule {}{}", code,
+                                 near ? ", did you mean " + *near + "?" : "; --rules lists them")});
+  }
+  fmt::print("{}: {}\n{}\n", rule->code, rule->title, rule->explanation);
+  return kExitOk;
+}
+
+int list_rules() {
+  fmt::print("| rule | finds | why, and what to do |\n|---|---|---|\n");
+  for (const Rule& rule : rules()) {
+    fmt::print("| `{}` | {} | {} |\n", rule.code, rule.title, rule.explanation);
+  }
+  return kExitOk;
+}
+
+int run_validate(const ValidateOptions& options) {
+  if (options.list_rules) return list_rules();
+  if (!options.explain.empty()) return explain(options.explain);
+  if (options.surveys.empty() && options.rigs.empty() && options.templates.empty()) {
+    return report_failure("validate", {"no files given, expected SURVEY, --rig or --template"});
+  }
+  if (!options.fix) return report(validate(options), options);
+  const Result<Findings> findings = fix_and_validate(options);
+  return findings ? report(*findings, options) : report_failure("validate", findings.error());
 }
 
 }  // namespace
@@ -107,18 +194,20 @@ Command validate_command(CLI::App& parent) {
   app->add_option("--template", options->templates, "Template file to check as well; repeatable")
       ->take_all()
       ->expected(1);
+  app->add_flag("--fix", options->fix,
+                "Write the mechanical remedies into the files (misspelt keys, decimal commas, "
+                "quotes), show them, and report what is left");
+  app->add_option("--explain", options->explain, "What the rule RULE is about, and why");
+  app->add_flag("--rules", options->list_rules, "All rules, as a table");
   app->add_flag("--json", options->json, "One JSON object a line for each finding");
   app->footer(
       "Example:\n"
       "  tagsmith validate surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml\n"
+      "  tagsmith validate --fix mine/survey.yaml\n"
+      "  tagsmith validate --explain spacing-outlier\n"
+      "A comment `# tagsmith: allow RULE: REASON` on or above a line silences a warning.\n"
       "Exit code: 0 no errors, 1 errors found, 2 a file cannot be read.");
-  return {app, [options] {
-            if (options->surveys.empty() && options->rigs.empty() && options->templates.empty()) {
-              return report_failure("validate",
-                                    {"no files given, expected SURVEY, --rig or --template"});
-            }
-            return report(validate(*options), *options);
-          }};
+  return {app, [options] { return run_validate(*options); }};
 }
 
 }  // namespace tagsmith

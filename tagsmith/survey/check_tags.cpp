@@ -226,19 +226,23 @@ void check_overlaps(std::vector<WallPlate> plates, SeriesFindings& series, Findi
 void check_code_range(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
                       FindingLog& log) {
   std::array<SeriesFindings, 3> series;
+  std::array<std::string, 3> remedies;
+  for (int axis = 0; axis < 3; ++axis) {
+    remedies[static_cast<std::size_t>(axis)] = range_remedy(survey.code, tags, axis);
+  }
   for (const SourcedTag& entry : tags) {
     if (entry.coded) continue;
     const int axis = faulty_axis(survey.code, entry.tag);
+    const std::string& remedy = remedies[static_cast<std::size_t>(axis)];
     const std::string message = range_message(survey.code, entry.tag, axis);
     if (entry.tag.surveyed) {
-      log.error(entry.place, "code-range", message, range_remedy(survey.code, tags, axis));
+      log.error(entry.place, "code-range", message, remedy);
     } else {
       series[static_cast<std::size_t>(axis)].add("", entry.tag, message);
     }
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    series[static_cast<std::size_t>(axis)].log_all(code_place, "code-range",
-                                                   range_remedy(survey.code, tags, axis), log);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    series[axis].log_all(code_place, "code-range", remedies[axis], log);
   }
 }
 

@@ -11,12 +11,15 @@ constexpr int kMostOfOneRule = 100;
 
 }  // namespace
 
-void FindingLog::error(Place place, std::string code, std::string message, std::string hint) {
-  add(place, Severity::error, std::move(code), std::move(message), std::move(hint));
+void FindingLog::error(Place place, std::string code, std::string message, std::string hint,
+                       std::optional<TextEdit> fix) {
+  add({file_, place.line, place.column, Severity::error, std::move(code), std::move(message),
+       std::move(hint), std::move(fix)});
 }
 
 void FindingLog::warning(Place place, std::string code, std::string message, std::string hint) {
-  add(place, Severity::warning, std::move(code), std::move(message), std::move(hint));
+  add({file_, place.line, place.column, Severity::warning, std::move(code), std::move(message),
+       std::move(hint)});
 }
 
 void FindingLog::append(const std::vector<Diagnostic>& diagnostics) {
@@ -28,20 +31,18 @@ std::vector<Diagnostic> FindingLog::sorted() const {
   std::ranges::stable_sort(diagnostics, [](const Diagnostic& a, const Diagnostic& b) {
     return std::tie(a.file, a.line, a.column) < std::tie(b.file, b.line, b.column);
   });
-  for (const auto& [code, count] : counts_) {
+  for (const auto& [rule, count] : counts_) {
     if (count <= kMostOfOneRule) continue;
-    diagnostics.push_back({file_, 0, 0, Severity::error, code,
+    diagnostics.push_back({file_, 0, 0, rule.second, rule.first,
                            std::to_string(count - kMostOfOneRule) + " more of this kind not shown",
                            "mend the first ones and validate again"});
   }
   return diagnostics;
 }
 
-void FindingLog::add(Place place, Severity severity, std::string code, std::string message,
-                     std::string hint) {
-  if (++counts_[code] > kMostOfOneRule) return;
-  diagnostics_.push_back({file_, place.line, place.column, severity, std::move(code),
-                          std::move(message), std::move(hint)});
+void FindingLog::add(Diagnostic diagnostic) {
+  if (++counts_[{diagnostic.code, diagnostic.severity}] > kMostOfOneRule) return;
+  diagnostics_.push_back(std::move(diagnostic));
 }
 
 }  // namespace tagsmith

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +24,8 @@ class FindingLog {
  public:
   explicit FindingLog(std::string file) : file_(std::move(file)) {}
 
-  void error(Place place, std::string code, std::string message, std::string hint = {});
+  void error(Place place, std::string code, std::string message, std::string hint = {},
+             std::optional<TextEdit> fix = {});
   void warning(Place place, std::string code, std::string message, std::string hint = {});
 
   // Findings of another file (a template that the survey names), taken over as they are.
@@ -35,11 +37,11 @@ class FindingLog {
   std::vector<Diagnostic> sorted() const;
 
  private:
-  void add(Place place, Severity severity, std::string code, std::string message, std::string hint);
+  void add(Diagnostic diagnostic);
 
   std::string file_;
   std::vector<Diagnostic> diagnostics_;
-  std::map<std::string, int> counts_;  // by rule
+  std::map<std::pair<std::string, Severity>, int> counts_;  // by rule
 };
 
 }  // namespace tagsmith

@@ -27,7 +27,8 @@ std::optional<Digits> read_digits(const YamlNode* node, const std::string& name,
   }
   if (!node->quoted) {
     log.error(node->place, "bad-digits", name + " is the number `" + text + "`, expected text",
-              "put it in quotes: \"" + text + "\"; as a number it loses its leading zeros");
+              "put it in quotes: \"" + text + "\"; as a number it loses its leading zeros",
+              TextEdit{text, "\"" + text + "\""});
     return std::nullopt;
   }
   if (!check) return digits;

@@ -8,6 +8,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
@@ -283,7 +284,7 @@ Result<RigReading> read_rig(const fs::path& path) {
     reading.rig = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.rig.reset();
-  reading.diagnostics = log.sorted();
+  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
   return reading;
 }
 

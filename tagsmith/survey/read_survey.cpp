@@ -10,7 +10,9 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/check_tags.hpp"
+#include "tagsmith/survey/lint_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_placed.hpp"
 #include "tagsmith/survey/read_template.hpp"
@@ -261,11 +263,17 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
 
   if (tags.has("theta")) check_pair_angle(survey, tags.find("theta")->place, log);
   const std::vector<SourcedTag> placed_tags = place_tags(survey, placed, tags.place());
-  if (position_code) {
-    check_code_range(survey, placed_tags, code.place(), log);
-    check_codes(survey, placed_tags, code.place(), log);
+  const Place placed_place = file.has("placed") ? file.find("placed")->place : Place{};
+  if (!check_grid(survey, placed_tags, placed_place, log)) {
+    if (position_code) {
+      check_code_range(survey, placed_tags, code.place(), log);
+      check_codes(survey, placed_tags, code.place(), log);
+      lint_codes(survey, placed_tags, code.place(), log);
+    }
+    check_walls(survey, placed_tags, log);
+    lint_places(survey, placed_tags, log);
   }
-  check_walls(survey, placed_tags, log);
+  lint_series(survey, tags.place(), log);
   survey.tags.reserve(placed_tags.size());
   for (const SourcedTag& entry : placed_tags) survey.tags.push_back(entry.tag);
   return survey;
@@ -282,7 +290,7 @@ Result<SurveyReading> read_survey(const fs::path& path) {
     reading.survey = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.survey.reset();
-  reading.diagnostics = log.sorted();
+  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
   return reading;
 }
 

@@ -7,6 +7,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith {
@@ -130,7 +131,7 @@ Result<TemplateReading> read_template(const fs::path& path) {
     reading.tag = read_tag(*root, log);
   }
   if (log.has_errors()) reading.tag.reset();
-  reading.diagnostics = log.sorted();
+  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
   return reading;
 }
 

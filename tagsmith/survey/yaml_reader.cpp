@@ -40,10 +40,16 @@ std::string describe(const YamlNode& node) {
 }
 
 void wrong_type(const YamlNode& node, const std::string& name, const std::string& expected,
-                FindingLog& log, std::string hint = {}, std::string code = "wrong-type") {
+                FindingLog& log, std::string hint = {}, std::string code = "wrong-type",
+                std::optional<TextEdit> fix = {}) {
   if (node.kind == YamlNode::Kind::broken) return;
   log.error(node.place, std::move(code), name + " is " + describe(node) + ", expected " + expected,
-            std::move(hint));
+            std::move(hint), std::move(fix));
+}
+
+TextEdit rewritten(const YamlNode& scalar, std::string text) {
+  const std::string quote = scalar.quoted ? "\"" : "";
+  return {quote + scalar.text + quote, std::move(text)};
 }
 
 // True for 012 and -007.5: octal to some readers of YAML, decimal to others.
@@ -66,19 +72,31 @@ bool has_decimal_comma(const std::string& text) {
   return parse_number(point).has_value();
 }
 
-// Why a scalar is no number, as code and hint.
-std::pair<std::string, std::string> number_fault(const YamlNode& node) {
+struct NumberFault {
+  std::string code;
+  std::string hint;
+  std::optional<TextEdit> fix = {};
+};
+
+// Why a scalar is no number.
+NumberFault number_fault(const YamlNode& node, const std::string& unit) {
   const std::string& text = node.text;
-  if (node.quoted && parse_number(text)) return {"wrong-type", "remove the quotes"};
+  if (node.quoted && parse_number(text)) {
+    return {"wrong-type", "remove the quotes", rewritten(node, text)};
+  }
   if (has_decimal_comma(text)) {
     std::string point = text;
     point[text.find(',')] = '.';
-    return {"decimal-comma", "write " + point + ": the decimal sign is a point"};
+    return {"decimal-comma", "write " + point + ": the decimal sign is a point",
+            rewritten(node, point)};
   }
   if (looks_infinite(text)) return {"not-finite", "give the measured number"};
   const std::size_t end = text.find_first_not_of("+-.0123456789eE");
   if (end != std::string::npos && end > 0 && parse_number(trim(text.substr(0, end)))) {
-    return {"wrong-type", "write the number alone: units are fixed by the format"};
+    const std::string number(trim(text.substr(0, end)));
+    const bool same_unit = !unit.empty() && trim(text.substr(end)) == unit;
+    return {"wrong-type", "write the number alone: units are fixed by the format",
+            same_unit ? std::optional(rewritten(node, number)) : std::nullopt};
   }
   return {"wrong-type", ""};
 }
@@ -127,14 +145,14 @@ std::optional<double> read_number(const YamlNode* node, const std::string& name,
   }
   const std::optional<double> value = node->quoted ? std::nullopt : parse_number(node->text);
   if (!value) {
-    const auto [code, hint] = number_fault(*node);
-    wrong_type(*node, name, "a finite number", log, hint, code);
+    const NumberFault fault = number_fault(*node, range.unit);
+    wrong_type(*node, name, "a finite number", log, fault.hint, fault.code, fault.fix);
     return std::nullopt;
   }
   if (looks_octal(node->text)) {
     wrong_type(*node, name, "a number without leading zeros", log,
                "write " + format_number(*value) + ": some programs read leading zeros as octal",
-               "leading-zero");
+               "leading-zero", rewritten(*node, format_number(*value)));
     return std::nullopt;
   }
   if (!contains(range, *value)) {
@@ -177,7 +195,8 @@ std::optional<std::string> read_text(const YamlNode* node, const std::string& na
   const bool other_type = parse_number(word) || looks_infinite(word) || word == "true" ||
                           word == "false" || word == "null" || word == "~";
   if (!node->quoted && other_type) {
-    wrong_type(*node, name, "text", log, "put it in quotes: \"" + node->text + "\"");
+    wrong_type(*node, name, "text", log, "put it in quotes: \"" + node->text + "\"", "wrong-type",
+               rewritten(*node, "\"" + node->text + "\""));
     return std::nullopt;
   }
   const bool control =
@@ -213,7 +232,7 @@ std::optional<std::string> read_choice(const YamlNode* node, const std::string& 
   const auto near =
       node->kind == YamlNode::Kind::scalar ? nearest_word(node->text, words) : std::nullopt;
   wrong_type(*node, name, either_of(words), log, near ? "did you mean `" + *near + "`?" : "",
-             "bad-choice");
+             "bad-choice", near ? std::optional(rewritten(*node, *near)) : std::nullopt);
   return std::nullopt;
 }
 
@@ -262,6 +281,11 @@ MapReader::MapReader(const YamlNode* node, std::string name, std::vector<std::st
   }
   node_ = node;
   std::set<std::string_view> seen;
+  // The right name, unless the map has it already.
+  const auto rename_to = [&](const YamlKey& key, const std::optional<std::string>& right) {
+    const bool usable = right && std::ranges::count(node->keys, *right, &YamlKey::text) == 0;
+    return usable ? std::optional(TextEdit{key.text, *right}) : std::nullopt;
+  };
   for (const YamlKey& key : node->keys) {
     if (key.text == "<<") {
       log.error(key.place, "merge-key", "the merge key <<, expected the keys themselves",
@@ -271,7 +295,7 @@ MapReader::MapReader(const YamlNode* node, std::string name, std::vector<std::st
       log.error(key.place, "unknown-key",
                 "unknown key `" + key.text.substr(0, 60) + "`" +
                     (name_.empty() ? "" : " in " + name_) + ", expected " + either_of(known_keys),
-                near ? "did you mean `" + *near + "`?" : "remove it");
+                near ? "did you mean `" + *near + "`?" : "remove it", rename_to(key, near));
     } else if (!seen.insert(key.text).second) {
       log.error(key.place, "duplicate-key", "the key `" + name_of(key.text) + "` a second time",
                 "remove one of the two");

@@ -29,7 +29,7 @@ tags:
   sigma: 0.003
 code: { check_digit: gs1, resolution: 0.01, digits: [4, 4, 3], origin: [0, 0, -1] }
 placed:
-  - { tag: 001R, side: right, p: [12.0, 22.7, 1.4] }
+  - { tag: 001R, side: right, p: [12.0, 22.4, 1.4] }
   - { tag: 004L, side: left, p: [8.0, 25.0, 1.4], digits: "000000000017" }
 )";
 }

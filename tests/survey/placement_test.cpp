@@ -148,8 +148,8 @@ TEST_CASE("a surveyed tag replaces the designed one, and others join in their or
   REQUIRE(survey.tags.size() == 9);
   CHECK(survey.tags[3].name == "001R");
   CHECK(survey.tags[3].surveyed);
-  CHECK(survey.tags[3].p_in_grid == Eigen::Vector3d(12.0, 22.7, 1.4));
-  CHECK(to_string(survey.tags[3].digits).substr(0, 11) == "12002270240");
+  CHECK(survey.tags[3].p_in_grid == Eigen::Vector3d(12.0, 22.4, 1.4));
+  CHECK(to_string(survey.tags[3].digits).substr(0, 11) == "12002240240");
   CHECK(survey.tags[8].name == "004L");
   CHECK_FALSE(survey.tags[2].surveyed);
 }

@@ -28,8 +28,10 @@ TEST_CASE("validate reports every error of several files in one run") {
       write_text(folder.path() / "r.yaml", replaced(right_rig(), "alpha:", "alfa:"));
   const ProgramOutput output = run_tagsmith("validate '" + survey + "' --rig '" + rig + "'");
   CHECK(output.exit_code == 1);
-  CHECK(output.out.find("s.yaml:4:10: error: tunnel.width is `4,0`, expected a finite number "
-                        "[decimal-comma]\n    write 4.0") != std::string::npos);
+  CHECK(output.out.find(
+            "s.yaml:4:10: error: tunnel.width is `4,0`, expected a finite number "
+            "[decimal-comma]\n    4 |   width: 4,0\n      |          ^~~\n    write 4.0") !=
+        std::string::npos);
   CHECK(output.out.find("s.yaml:15:3: error: unknown key `spaceing` in tags") != std::string::npos);
   CHECK(output.out.find("r.yaml:7:5: error: unknown key `alfa`") != std::string::npos);
   CHECK(output.err.find("2 files: ") == 0);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mechanical remedies written into a file; everything else in it, comments included, stays.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/diagnostic.hpp"
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// A line that a remedy changed.
+struct FixedLine {
+  int line = 0;
+  std::vector<std::string> codes;  // of the findings that it mends
+  std::string before;
+  std::string after;
+};
+
+struct FixedText {
+  std::string text;
+  std::vector<FixedLine> lines;
+};
+
+// The text with the remedies of these findings, all of one file. A remedy whose text does not stand
+// at its place is left out.
+FixedText apply_fixes(const std::string& text, std::vector<Diagnostic> diagnostics);
+
+// The same for a file, which is replaced as a whole when there is something to mend.
+Result<std::vector<FixedLine>> fix_file(const std::string& path,
+                                        const std::vector<Diagnostic>& diagnostics);
+
+}  // namespace tagsmith

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// One catalogue of rules: what the sources report, what --explain knows, what docs/rules.md says.
+#include "tagsmith/survey/rules.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/file.hpp"
+#include "tests/support/program.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+// Every text in the readers' sources that has the shape of a rule's code: words joined by hyphens.
+std::set<std::string> codes_in_sources() {
+  std::set<std::string> codes;
+  const std::regex code("\"([a-z0-9]+(-[a-z0-9]+)+)\"");
+  for (const auto& entry : fs::directory_iterator("tagsmith/survey")) {
+    if (entry.path().extension() != ".cpp" || entry.path().filename() == "rules.cpp") continue;
+    const std::string text = *read_file(entry.path());
+    for (std::sregex_iterator match(text.begin(), text.end(), code), end; match != end; ++match) {
+      codes.insert((*match)[1]);
+    }
+  }
+  return codes;
+}
+
+}  // namespace
+
+TEST_CASE("every rule that is reported is in the catalogue") {
+  const std::set<std::string> codes = codes_in_sources();
+  CHECK(codes.size() > 40);
+  for (const std::string& code : codes) {
+    CAPTURE(code);
+    CHECK(find_rule(code) != nullptr);
+  }
+}
+
+TEST_CASE("every rule of the catalogue is reported somewhere") {
+  std::string sources;
+  for (const auto& entry : fs::directory_iterator("tagsmith/survey")) {
+    if (entry.path().filename() != "rules.cpp" && entry.path().extension() == ".cpp") {
+      sources += *read_file(entry.path());
+    }
+  }
+  for (const Rule& rule : rules()) {
+    CAPTURE(rule.code);
+    CHECK(sources.find("\"" + std::string(rule.code) + "\"") != std::string::npos);
+  }
+}
+
+TEST_CASE("docs/rules.md has the table that validate --rules prints") {
+  const ProgramOutput output = run_tagsmith("validate --rules");
+  CHECK(output.exit_code == 0);
+  CHECK(read_file("docs/rules.md")->find(output.out) != std::string::npos);
+}
+
+TEST_CASE("--explain tells what a rule is about, and knows near misses") {
+  const ProgramOutput known = run_tagsmith("validate --explain spacing-outlier");
+  CHECK(known.exit_code == 0);
+  CHECK(known.out.find("147.19") != std::string::npos);
+  const ProgramOutput unknown = run_tagsmith("validate --explain spacing-outlie");
+  CHECK(unknown.exit_code == 2);
+  CHECK(unknown.err.find("did you mean spacing-outlier?") != std::string::npos);
+}
