@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/grade/scan_grade.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr double kModules = kModuleCount;
+
+// A bar, a space, or a quiet zone: samples [begin, end).
+struct Region {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  bool bar = false;
+  double extreme = 0;  // greatest reflectance of a space, least of a bar
+};
+
+// Regions on either side of the global threshold, quiet zones included.
+std::vector<Region> regions_of(std::span<const double> reflectance, double threshold) {
+  std::vector<Region> regions;
+  for (std::size_t i = 0; i < reflectance.size(); ++i) {
+    const bool bar = reflectance[i] < threshold;
+    if (regions.empty() || regions.back().bar != bar) {
+      regions.push_back({i, i, bar, reflectance[i]});
+    }
+    Region& region = regions.back();
+    region.end = i + 1;
+    region.extreme =
+        bar ? std::min(region.extreme, reflectance[i]) : std::max(region.extreme, reflectance[i]);
+  }
+  return regions;
+}
+
+// Where the profile crosses the middle between the extremes of two neighbouring regions, samples.
+double edge_between(std::span<const double> reflectance, const Region& before,
+                    const Region& after) {
+  const double level = (before.extreme + after.extreme) / 2;
+  // From the later region's extreme back to the first crossing, which is the edge.
+  std::size_t i = after.begin;
+  const auto beyond = [&](std::size_t at) {
+    return after.bar ? reflectance[at] < level : reflectance[at] > level;
+  };
+  while (i + 1 < after.end && !beyond(i)) ++i;
+  while (i > before.begin && beyond(i - 1)) --i;
+  if (i == 0) return 0;
+  const double a = reflectance[i - 1];
+  const double b = reflectance[i];
+  const double share = b == a ? 0.5 : std::clamp((level - a) / (b - a), 0.0, 1.0);
+  return static_cast<double>(i - 1) + share;
+}
+
+// ISO/IEC 15416 5.4.7: the greatest peak less the least valley within an element; 0 where it has
+// but one turning point.
+double nonuniformity(std::span<const double> reflectance, const Region& region) {
+  double peak = -1;
+  double valley = 2;
+  const std::span<const double> part = reflectance.subspan(region.begin, region.end - region.begin);
+  for (std::size_t i = 1; i + 1 < part.size(); ++i) {
+    if (part[i] >= part[i - 1] && part[i] > part[i + 1]) peak = std::max(peak, part[i]);
+    if (part[i] <= part[i - 1] && part[i] < part[i + 1]) valley = std::min(valley, part[i]);
+  }
+  // An element's own extreme is a turning point even where it lies at its end.
+  if (!region.bar && valley < 2) peak = std::max(peak, region.extreme);
+  if (region.bar && peak > -1) valley = std::min(valley, region.extreme);
+  return peak > valley ? peak - valley : 0;
+}
+
+// ---- reference decode ----
+
+struct DigitDecode {
+  std::optional<std::uint8_t> digit;
+  double decodability = 0;
+};
+
+double bars_of(std::span<const std::uint8_t> elements, bool left_half) {
+  return left_half ? elements[1] + elements[3] : elements[0] + elements[2];
+}
+
+// The digits whose like edges lie these whole numbers of modules apart.
+std::vector<std::uint8_t> digits_with(int first, int second) {
+  std::vector<std::uint8_t> digits;
+  for (std::uint8_t digit = 0; digit < 10; ++digit) {
+    const auto& elements = kDigitElements[digit];
+    if (elements[0] + elements[1] == first && elements[1] + elements[2] == second) {
+      digits.push_back(digit);
+    }
+  }
+  return digits;
+}
+
+// How far a distance lies from the nearest threshold (1.5, 2.5 ... modules), 1 at the middle.
+double clearance(double modules) { return 2 * (0.5 - std::abs(modules - std::round(modules))); }
+
+// One digit from its four widths in any unit; the left half's begin with a space.
+DigitDecode decode_digit(std::span<const double> widths, bool left_half) {
+  const double module = std::accumulate(widths.begin(), widths.end(), 0.0) / kModulesPerDigit;
+  const double first = (widths[0] + widths[1]) / module;
+  const double second = (widths[1] + widths[2]) / module;
+  const std::vector<std::uint8_t> digits =
+      digits_with(static_cast<int>(std::round(first)), static_cast<int>(std::round(second)));
+  DigitDecode decode;
+  decode.decodability = std::min(clearance(first), clearance(second));
+  if (digits.empty()) return {std::nullopt, 0};
+  decode.digit = digits.front();
+  if (digits.size() == 1) return decode;
+  // 1 and 7, 2 and 8: told by the sum of the two bars, whose threshold lies halfway.
+  const double bars = (left_half ? widths[1] + widths[3] : widths[0] + widths[2]) / module;
+  const double a = bars_of(kDigitElements[digits[0]], left_half);
+  const double b = bars_of(kDigitElements[digits[1]], left_half);
+  decode.digit = std::abs(bars - a) < std::abs(bars - b) ? digits[0] : digits[1];
+  decode.decodability = std::min(decode.decodability, std::min(1.0, std::abs(bars - (a + b) / 2)));
+  return decode;
+}
+
+void decode_symbol(std::span<const double> edges, ScanParameters& parameters) {
+  std::vector<double> widths;
+  for (std::size_t i = 1; i < edges.size(); ++i) widths.push_back(edges[i] - edges[i - 1]);
+  Digits digits{};
+  bool decoded = true;
+  parameters.decodability = 1;
+  for (int i = 0; i < kDigitCount; ++i) {
+    const auto first = static_cast<std::size_t>(first_element_of_digit(i));
+    const DigitDecode decode =
+        decode_digit(std::span(widths).subspan(first, kElementsPerDigit), i < kDigitCount / 2);
+    parameters.decodability = std::min(parameters.decodability, decode.decodability);
+    decoded = decoded && decode.digit.has_value();
+    digits[static_cast<std::size_t>(i)] = decode.digit.value_or(0);
+  }
+  const bool valid =
+      has_check_digit(CheckDigit::gs1, digits) || has_check_digit(CheckDigit::sum10, digits);
+  if (decoded && valid) parameters.digits = digits;
+  if (!parameters.digits) parameters.decodability = 0;
+}
+
+// ---- grades ----
+
+// Continuous between the limits of the grades 4, 3, 2 and 1; below the last one in proportion.
+double grade_of(double value, const std::array<double, 4>& limits) {
+  if (value >= limits[0]) return 4;
+  for (std::size_t i = 1; i < limits.size(); ++i) {
+    if (value < limits[i]) continue;
+    return 4 - static_cast<double>(i) + (value - limits[i]) / (limits[i - 1] - limits[i]);
+  }
+  return std::max(0.0, value / limits[3]);
+}
+
+double defects_grade(double defects) {
+  constexpr std::array kLimits{-0.15, -0.20, -0.25, -0.30};
+  if (defects > 0.30) return std::max(0.0, 1 - (defects - 0.30) / 0.05);
+  return grade_of(-defects, kLimits);
+}
+
+double pass(bool passed) { return passed ? 4 : 0; }
+
+void set_grades(const GradeOptions& options, ScanGrade& scan) {
+  const ScanParameters& p = scan.parameters;
+  const auto set = [&](GradeParameter parameter, double grade) {
+    scan.grades[static_cast<std::size_t>(parameter)] = grade;
+  };
+  set(GradeParameter::decode, pass(p.digits.has_value()));
+  set(GradeParameter::minimum_reflectance,
+      pass(p.least_reflectance <= 0.5 * p.greatest_reflectance));
+  set(GradeParameter::modulation, grade_of(p.modulation, {0.70, 0.60, 0.50, 0.40}));
+  set(GradeParameter::defects, defects_grade(p.defects));
+  set(GradeParameter::decodability, grade_of(p.decodability, {0.62, 0.50, 0.37, 0.25}));
+  constexpr double kMeasuring = 0.5;  // modules by which the ends of a quiet zone are uncertain
+  set(GradeParameter::quiet_zone, pass(p.quiet_zone >= kQuietZoneModules - kMeasuring));
+  if (options.absolute) {
+    set(GradeParameter::symbol_contrast, grade_of(p.symbol_contrast, {0.70, 0.55, 0.40, 0.20}));
+    set(GradeParameter::minimum_edge_contrast, pass(p.minimum_edge_contrast >= 0.15));
+  }
+  scan.grade = 4;
+  for (std::size_t i = 0; i < kGradeParameters; ++i) {
+    if (!scan.grades[i] || *scan.grades[i] >= scan.grade) continue;
+    scan.grade = *scan.grades[i];
+    scan.worst = static_cast<GradeParameter>(i);
+  }
+}
+
+}  // namespace
+
+std::string to_string(GradeParameter parameter) {
+  constexpr std::array kNames{
+      "decode",     "symbol_contrast", "minimum_reflectance", "minimum_edge_contrast",
+      "modulation", "defects",         "decodability",        "quiet_zone"};
+  return kNames[static_cast<std::size_t>(parameter)];
+}
+
+ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& options) {
+  ScanGrade scan;
+  ScanParameters& p = scan.parameters;
+  if (reflectance.empty()) {
+    set_grades(options, scan);
+    return scan;
+  }
+  const auto [least, greatest] = std::ranges::minmax(reflectance);
+  p.least_reflectance = least;
+  p.greatest_reflectance = greatest;
+  p.symbol_contrast = p.greatest_reflectance - p.least_reflectance;
+  const std::vector<Region> regions =
+      regions_of(reflectance, (p.greatest_reflectance + p.least_reflectance) / 2);
+  std::vector<double> edges;
+  p.minimum_edge_contrast = p.symbol_contrast;
+  for (std::size_t i = 1; i < regions.size(); ++i) {
+    edges.push_back(edge_between(reflectance, regions[i - 1], regions[i]));
+    p.minimum_edge_contrast =
+        std::min(p.minimum_edge_contrast, std::abs(regions[i].extreme - regions[i - 1].extreme));
+  }
+  double worst = 0;
+  for (const Region& region : regions) worst = std::max(worst, nonuniformity(reflectance, region));
+  if (p.symbol_contrast > 0) {
+    p.modulation = p.minimum_edge_contrast / p.symbol_contrast;
+    p.defects = worst / p.symbol_contrast;
+  }
+  const bool complete = regions.size() == kElementCount + 2 && !regions.front().bar;
+  if (complete) {
+    decode_symbol(edges, p);
+    const double module = (edges.back() - edges.front()) / kModules;
+    const double after = static_cast<double>(reflectance.size()) - 1 - edges.back();
+    p.quiet_zone = std::min(edges.front(), after) / module + options.quiet_beyond;
+  }
+  set_grades(options, scan);
+  return scan;
+}
+
+}  // namespace tagsmith

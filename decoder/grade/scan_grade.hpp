@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Print quality of one scan of a UPC-A symbol in the manner of ISO/IEC 15416:2016.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+enum class GradeParameter {
+  decode,
+  symbol_contrast,
+  minimum_reflectance,
+  minimum_edge_contrast,
+  modulation,
+  defects,
+  decodability,
+  quiet_zone,
+};
+inline constexpr std::size_t kGradeParameters = 8;
+
+std::string to_string(GradeParameter parameter);
+
+// Reflectances are shares of perfect white, widths are modules.
+struct ScanParameters {
+  std::optional<Digits> digits;  // by the reference decode: distances between like edges
+  double greatest_reflectance = 0;
+  double least_reflectance = 0;
+  double symbol_contrast = 0;
+  double minimum_edge_contrast = 0;
+  double modulation = 0;
+  double defects = 0;
+  double decodability = 0;
+  double quiet_zone = 0;  // of the narrower one
+};
+
+struct GradeOptions {
+  // Whether reflectances are true ones, by white and black references in the picture. If not, the
+  // parameters that need them (symbol contrast, the edge contrast's 15 %) are left out.
+  bool absolute = false;
+  // Modules of quiet zone beyond either end of the profile.
+  double quiet_beyond = 0;
+};
+
+struct ScanGrade {
+  ScanParameters parameters;
+  // 4 (best) to 0, in continuous steps; nothing for a parameter that is not graded.
+  std::array<std::optional<double>, kGradeParameters> grades;
+  double grade = 0;  // the least of them
+  GradeParameter worst = GradeParameter::decode;
+};
+
+// Grades a scan reflectance profile: equally spaced reflectances from the outer end of the left
+// quiet zone to that of the right one.
+ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& options);
+
+}  // namespace tagsmith

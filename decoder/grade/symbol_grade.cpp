@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/grade/symbol_grade.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr int kScans = 10;
+constexpr double kScannedHeight = 0.8;  // of the bars, ISO/IEC 15416 5.1
+constexpr double kAperture = 0.5;       // modules
+constexpr int kSamplesPerModule = 10;
+
+double light_at(const GrayView& image, PixelPoint at) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  const int x = std::clamp(static_cast<int>(std::floor(at.x)), 0, image.width - 2);
+  const int y = std::clamp(static_cast<int>(std::floor(at.y)), 0, image.height - 2);
+  const double right = at.x - x;
+  const double down = at.y - y;
+  const auto light = [&](int dx, int dy) { return tone.light_of(image.at(x + dx, y + dy)); };
+  return (1 - down) * ((1 - right) * light(0, 0) + right * light(1, 0)) +
+         down * ((1 - right) * light(0, 1) + right * light(1, 1));
+}
+
+// The aperture's offsets in modules: about one a pixel.
+std::vector<PixelPoint> aperture_of(double module_px) {
+  const int steps = std::max(1, static_cast<int>(std::lround(kAperture * module_px)));
+  std::vector<PixelPoint> offsets;
+  for (int i = 0; i < steps; ++i) {
+    for (int j = 0; j < steps; ++j) {
+      const PixelPoint offset{kAperture * ((i + 0.5) / steps - 0.5),
+                              kAperture * ((j + 0.5) / steps - 0.5)};
+      if (length(offset) <= kAperture / 2) offsets.push_back(offset);
+    }
+  }
+  return offsets;
+}
+
+// The scan at the height v (0 at the frame's upper inner edge), between its left and right ones.
+std::vector<double> scan_at(const GrayView& image, const Homography& image_from_unit,
+                            const std::vector<PixelPoint>& aperture, double modules_long,
+                            double modules_high, double v) {
+  const auto samples = static_cast<std::size_t>(modules_long * kSamplesPerModule);
+  std::vector<double> light;
+  light.reserve(samples);
+  // The aperture stays inside the frame's edge.
+  const double begin = kAperture;
+  const double step = (modules_long - 2 * kAperture) / static_cast<double>(samples - 1);
+  for (std::size_t i = 0; i < samples; ++i) {
+    double sum = 0;
+    for (const PixelPoint& offset : aperture) {
+      const double u = (begin + step * static_cast<double>(i) + offset.x) / modules_long;
+      sum += light_at(image, image_from_unit(u, v + offset.y / modules_high));
+    }
+    light.push_back(sum / static_cast<double>(aperture.size()));
+  }
+  return light;
+}
+
+void to_reflectance(std::vector<double>& light, const ReflectanceReferences& references) {
+  const double scale = (references.white_reflectance - references.black_reflectance) /
+                       (references.white_light - references.black_light);
+  for (double& value : light) {
+    value = references.black_reflectance + scale * (value - references.black_light);
+  }
+}
+
+// The parameter whose grades, summed over the scans, fall shortest.
+GradeParameter most_costly(const std::vector<ScanGrade>& scans) {
+  std::array<double, kGradeParameters> sums{};
+  for (const ScanGrade& scan : scans) {
+    for (std::size_t i = 0; i < kGradeParameters; ++i) sums[i] += scan.grades[i].value_or(4);
+  }
+  return static_cast<GradeParameter>(std::ranges::min_element(sums) - sums.begin());
+}
+
+SymbolGrade combine(std::vector<ScanGrade> scans, bool absolute) {
+  SymbolGrade symbol{std::move(scans), 0, GradeParameter::decode, absolute};
+  symbol.worst = most_costly(symbol.scans);
+  const ScanGrade* decoded = nullptr;
+  double sum = 0;
+  for (const ScanGrade& scan : symbol.scans) {
+    sum += scan.grade;
+    if (!scan.parameters.digits) continue;
+    if (decoded != nullptr && decoded->parameters.digits != scan.parameters.digits) {
+      symbol.worst = GradeParameter::decode;
+      return symbol;
+    }
+    decoded = &scan;
+  }
+  symbol.grade = std::round(10 * sum / static_cast<double>(symbol.scans.size())) / 10;
+  return symbol;
+}
+
+}  // namespace
+
+Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
+                                 const SymbolLayout& layout,
+                                 const std::optional<ReflectanceReferences>& references) {
+  const double modules_long = kModuleCount + 2 * layout.quiet_zone_modules;
+  const Homography image_from_unit = homography_to(corners);
+  const double module_px = distance(image_from_unit(0.5 - 0.5 / modules_long, 0.5),
+                                    image_from_unit(0.5 + 0.5 / modules_long, 0.5));
+  if (module_px < kLeastGradedModule) {
+    return fail(fmt::format("{:.1f} pixels a module, {} are needed to grade the print", module_px,
+                            kLeastGradedModule));
+  }
+  for (const PixelPoint& corner : corners) {
+    const bool inside = corner.x >= 0 && corner.y >= 0 && corner.x <= image.width - 1 &&
+                        corner.y <= image.height - 1;
+    if (!inside) return fail("the tag leaves the picture");
+  }
+  const double frame_length = distance(corners[0], corners[1]) + distance(corners[3], corners[2]);
+  const double frame_height = distance(corners[0], corners[3]) + distance(corners[1], corners[2]);
+  const double modules_high = modules_long * frame_height / frame_length;
+  const std::vector<PixelPoint> aperture = aperture_of(module_px);
+  const double middle = (layout.bars_top + layout.bars_bottom) / 2;
+  const double half = kScannedHeight * (layout.bars_bottom - layout.bars_top) / 2;
+  std::vector<ScanGrade> scans;
+  for (int i = 0; i < kScans; ++i) {
+    const double v = middle + half * ((2 * i + 1.0) / kScans - 1);
+    std::vector<double> light =
+        scan_at(image, image_from_unit, aperture, modules_long, modules_high, v);
+    if (references) to_reflectance(light, *references);
+    scans.push_back(grade_scan(light, GradeOptions{references.has_value(), kAperture}));
+  }
+  return combine(std::move(scans), references.has_value());
+}
+
+std::string to_string(const SymbolGrade& grade) {
+  if (grade.grade >= 4) return "4.0";
+  return fmt::format("{:.1f} ({})", grade.grade, to_string(grade.worst));
+}
+
+}  // namespace tagsmith
