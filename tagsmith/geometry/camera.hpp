@@ -30,6 +30,16 @@ Camera camera_from_sensor(int width, int height, double focal_length, double sen
 std::optional<Eigen::Vector2d> project(const Camera& camera,
                                        const Eigen::Vector3d& point_in_camera);
 
+// A pixel and how it moves with the point.
+struct Projection {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> by_point;  // d(pixel)/d(point_in_camera), pixels a metre
+};
+
+// As project.
+std::optional<Projection> project_with_derivative(const Camera& camera,
+                                                  const Eigen::Vector3d& point_in_camera);
+
 // The direction (x, y, 1) that projects to the pixel; distortion is inverted to 1e-10 by
 // fixed-point iteration, which converges for the mild distortion that the five-parameter model
 // describes.
