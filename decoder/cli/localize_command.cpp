@@ -105,8 +105,8 @@ Json covariance_json(const Fix& fix) {
 }
 
 std::optional<double> heading_deg(const Fix& fix) {
-  if (!fix.heading) return std::nullopt;
-  return degrees(*fix.heading);
+  if (!fix.attitude) return std::nullopt;
+  return degrees(fix.attitude->heading);
 }
 
 Json fix_json(const Fix& fix, const Measurement& measurement) {

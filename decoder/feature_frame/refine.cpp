@@ -61,6 +61,8 @@ struct NormalEquations {
   Parameters right = Parameters::Zero();
   double cost = 0;
   double weight = 0;
+  double squares = 0;  // weighted squares of the residuals
+  double count = 0;
 };
 
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
@@ -84,6 +86,8 @@ NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& s
     normal.right += weight * residual * predicted.gradient;
     normal.cost += sample.weight * scale * scale * std::log1p(ratio * ratio);
     normal.weight += weight;
+    normal.squares += weight * residual * residual;
+    normal.count += 1;
   }
   return normal;
 }
@@ -172,6 +176,19 @@ Solution solve_side(const std::vector<EdgeSample>& samples, const SideLine& side
   return minimise(samples, side, p, noise_scale(samples, p, tone), 15);
 }
 
+// Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
+// pixel, at least that of the rounding to whole grey levels.
+Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
+  const double rounding = 1.0 / 12;
+  const double variance = std::max(rounding, normal.squares / (normal.count - kParameters));
+  const Eigen::Matrix<double, kParameters, kParameters> matrix =
+      normal.matrix.selfadjointView<Eigen::Lower>();
+  Eigen::Matrix<double, kParameters, 2> ends = Eigen::Matrix<double, kParameters, 2>::Zero();
+  ends.row(kPlace) << 1, 1;
+  ends.row(kTurn) << -1, 1;
+  return variance * (ends.transpose() * matrix.ldlt().solve(ends));
+}
+
 struct SideFit {
   SideLine line;
   FrameSide side;
@@ -181,6 +198,7 @@ SideFit describe(const Solution& solution, const SideLine& side) {
   const Parameters& p = solution.parameters;
   SideFit fit;
   fit.line = moved(side, p[kPlace] - p[kTurn], p[kPlace] + p[kTurn]);
+  fit.side.covariance = covariance_of(solution.normal);
   fit.side.blur_px = std::exp(p[kLogBlur]);
   fit.side.stroke_px = std::exp(p[kLogStroke]);
   fit.side.white_begin = p[kWhite] - p[kWhiteSlope];

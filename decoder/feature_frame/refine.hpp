@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include <Eigen/Core>
+
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
@@ -18,6 +20,8 @@ struct FrameSide {
   double black_begin = 0;  // light of the stroke
   double black_end = 0;
   double stroke_px = 0;  // thickness of the stroke
+  // Of the inner edge's place across the side at its begin and its end, from the fit, pixels^2.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
 struct RefinedFrame {

@@ -2,29 +2,75 @@
 // What localization returns, and how it compares with the truth where that is known.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "decoder/image/pixel.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith {
 
+// How the vehicle stands, radians.
+struct Attitude {
+  double heading = 0;  // of its x axis, from +y towards +x of the grid
+  double pitch = 0;    // positive nose down
+  double roll = 0;     // positive to the right
+};
+
+// Of x, y, z, heading, pitch, roll; metres and radians, squared.
+using PoseCovariance = Eigen::Matrix<double, 6, 6>;
+
+// A tag seen or a range measured that the position does not rest on.
+struct Dropped {
+  std::string name;    // of the tag or the range
+  std::string camera;  // that saw the tag; empty for a range
+  std::string reason;
+};
+
+// Which part of the position's covariance comes from where. Metres^2, grid axes; they add up to the
+// covariance.
+struct ErrorBudget {
+  Eigen::Matrix3d pixels = Eigen::Matrix3d::Zero();       // where edges were found in the images
+  Eigen::Matrix3d survey = Eigen::Matrix3d::Zero();       // the plates' surveyed places
+  Eigen::Matrix3d coding = Eigen::Matrix3d::Zero();       // rounding of coded positions
+  Eigen::Matrix3d ranges = Eigen::Matrix3d::Zero();       // range sensors
+  Eigen::Matrix3d calibration = Eigen::Matrix3d::Zero();  // cameras' intrinsics and mounting
+  Eigen::Matrix3d vehicle = Eigen::Matrix3d::Zero();      // how level and how high it stands
+};
+
+// The corners of one tag in one image, clockwise from P, and where the fix says they should be.
+struct FittedCorners {
+  std::string camera;
+  std::string tag;
+  std::array<PixelPoint, 4> seen{};
+  std::array<PixelPoint, 4> fitted{};
+  bool used = true;
+};
+
 // The vehicle's centre O at one measurement.
 struct Fix {
   std::string id;
-  std::string method;             // "paper"
-  std::string survey;             // name of the survey whose tags were used
-  std::vector<std::string> tags;  // names of the tags used; without a position, of those seen
+  std::string method;               // "joint" or "paper"
+  std::string survey;               // name of the survey whose tags were used
+  std::vector<std::string> tags;    // names of the tags used; without a position, of those seen
+  std::vector<std::string> ranges;  // names of the ranges used
+  std::vector<Dropped> dropped;     // tags and ranges that contradict the position
   // In the survey's grid, metres; there exactly when the measurement was located.
   std::optional<Eigen::Vector3d> position_in_grid;
-  // Radians from +y towards +x of the grid; not every method determines one.
-  std::optional<double> heading;
   std::optional<Eigen::Matrix3d> covariance_in_grid;  // of x, y, z, metres^2
-  std::string reason;                                 // why there is no position; empty with one
-  std::vector<std::string> notes;                     // what a user of the position should know
+  std::optional<Attitude> attitude;                   // not every method determines one
+  // There exactly when the attitude is; its upper left block is covariance_in_grid.
+  std::optional<PoseCovariance> pose_covariance_in_grid;
+  std::optional<ErrorBudget> budget;
+  std::vector<FittedCorners> corners;  // with an attitude, of every tag that was looked at
+  double chi_square = 0;               // of what the fix rests on, weighted residuals squared
+  int degrees_of_freedom = 0;          // expectation of chi_square; 0 = nothing to check it by
+  std::string reason;                  // why there is no position; empty with one
+  std::vector<std::string> notes;      // what a user of the position should know
 };
 
 // "ok" or "no_position".

@@ -120,12 +120,14 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   return std::nullopt;
 }
 
-Reading reading_from(const Attempt& attempt, const FrameCorners& corners) {
+Reading reading_from(const RefinedFrame& frame, const Attempt& attempt,
+                     const FrameCorners& corners) {
   Reading reading;
   reading.digits = attempt.decoding.digits;
   reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
   reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
   reading.corners = corners;
+  reading.corner_covariance = turned(corner_covariance(frame), attempt.first_corner);
   reading.module_px = attempt.profile.module_px;
   reading.confidence = attempt.decoding.confidence;
   reading.method = "frame";
@@ -175,7 +177,7 @@ class PictureReader {
     if (const auto reason = objection(attempt, options_)) {
       result_.rejected.push_back({*reason, corners});
     } else {
-      result_.tags.push_back(reading_from(attempt, corners));
+      result_.tags.push_back(reading_from(frame, attempt, corners));
     }
   }
 

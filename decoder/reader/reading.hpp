@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/feature_frame/corner_covariance.hpp"
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
@@ -21,6 +22,7 @@ struct Reading {
   bool sum10_holds = false;  // the paper's check digit
   bool gs1_holds = false;    // the standard's check digit
   FrameCorners corners{};
+  CornerCovariance corner_covariance = CornerCovariance::Zero();  // zero = not estimated
   double module_px = 0;   // width of a module in the middle of the frame, pixels
   double confidence = 0;  // estimated probability that every digit is right
   std::string method;     // which way it was read

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -24,7 +25,8 @@ namespace {
 struct Cell {
   int tags = 0;
   int read = 0;
-  std::vector<double> errors;  // of each coordinate of each corner, pixels, absolute
+  std::vector<double> errors;       // of each coordinate of each corner, pixels, absolute
+  std::vector<double> chi_squares;  // of each tag's corners against their covariance, over 8
 };
 
 double median(std::vector<double> values) {
@@ -101,17 +103,23 @@ int main(int argc, char** argv) {
           ++cell.read;
           const char* names[] = {"P", "F", "R", "Q"};
           std::string text;
+          Eigen::Matrix<double, 8, 1> error;
           for (std::size_t c = 0; c < 4; ++c) {
             const auto& corner = plate.at("corners_px").at(names[c]);
             const double ex = reading.corners[c].x - corner[0].get<double>();
             const double ey = reading.corners[c].y - corner[1].get<double>();
+            error.segment<2>(static_cast<Eigen::Index>(2 * c)) << ex, ey;
             cell.errors.push_back(std::abs(ex));
             cell.errors.push_back(std::abs(ey));
             text += fmt::format(" {:+.3f},{:+.3f}", ex, ey);
           }
+          const CornerCovariance& covariance = reading.corner_covariance;
+          const double chi_square = error.dot(covariance.ldlt().solve(error));
+          cell.chi_squares.push_back(chi_square / 8);
           if (verbose) {
-            fmt::print("{} {} ppm {:.2f} inc {:.0f} conf {:.9f} err{}\n", file, code, ppm,
-                       plate.at("incidence_deg").get<double>(), reading.confidence, text);
+            fmt::print("{} {} ppm {:.2f} inc {:.0f} conf {:.9f} err{} sigma {:.4f} chi2/8 {:.2f}\n",
+                       file, code, ppm, plate.at("incidence_deg").get<double>(), reading.confidence,
+                       text, std::sqrt(covariance.trace() / 8), chi_square / 8);
           }
           break;
         }
@@ -143,8 +151,9 @@ int main(int argc, char** argv) {
                folder.filename().string(), times.size(), wrong, median(times),
                *std::max_element(times.begin(), times.end()));
     for (const auto& [name, cell] : cells) {
-      fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px\n", name, cell.read,
-                 cell.tags, median(cell.errors));
+      fmt::print(
+          "  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}\n", name,
+          cell.read, cell.tags, median(cell.errors), median(cell.chi_squares));
     }
   }
   return 0;

@@ -170,7 +170,7 @@ TEST_CASE("exact corners and range give back the position, straight and curved, 
       const Fix fix = localize_by_paper(view.observation, {survey}, rig);
       const Eigen::Vector3d truth = grid_from_world(survey.grid, view.o_in_world);
       CHECK((position_of(fix) - truth).norm() < 1e-7);
-      CHECK_FALSE(fix.heading.has_value());
+      CHECK_FALSE(fix.attitude.has_value());
     }
   }
 }

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/geometry/observation_model.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// cross_matrix(a) * b = a x b.
+Matrix3d cross_matrix(const Vector3d& a) {
+  Matrix3d matrix;
+  matrix << 0, -a.z(), a.y(),  //
+      a.z(), 0, -a.x(),        //
+      -a.y(), a.x(), 0;
+  return matrix;
+}
+
+double yaw_of(double heading) { return std::numbers::pi / 2 - heading; }
+
+}  // namespace
+
+Pose world_from_vehicle(const VehiclePose& vehicle) {
+  return {rotation_from_yaw_pitch_roll(yaw_of(vehicle.heading), vehicle.pitch, vehicle.roll),
+          vehicle.position};
+}
+
+VehiclePose vehicle_pose_of(const Pose& world_from_vehicle) {
+  const Matrix3d& r = world_from_vehicle.rotation;
+  VehiclePose vehicle;
+  vehicle.position = world_from_vehicle.translation;
+  vehicle.heading = std::atan2(r(0, 0), r(1, 0));
+  vehicle.pitch = std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2)));
+  vehicle.roll = std::atan2(r(2, 1), r(2, 2));
+  return vehicle;
+}
+
+VehicleFrame vehicle_frame(const VehiclePose& vehicle) {
+  VehicleFrame frame;
+  frame.world_from_vehicle = world_from_vehicle(vehicle);
+  // Rz(yaw) Ry(pitch) Rx(roll): what stands to the right of a factor carries its axis over.
+  const Vector3d up = frame.world_from_vehicle.rotation.row(2);
+  frame.turn_axes << -up, Vector3d(0, std::cos(vehicle.roll), -std::sin(vehicle.roll)),
+      Vector3d::UnitX();
+  return frame;
+}
+
+std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& vehicle_from_camera,
+                                           const VehicleFrame& vehicle,
+                                           const Pose& world_from_plate,
+                                           const Vector3d& point_in_plate) {
+  const Pose& world_from_vehicle = vehicle.world_from_vehicle;
+  const Vector3d from_o = world_from_plate * point_in_plate - world_from_vehicle.translation;
+  const Vector3d in_vehicle = world_from_vehicle.rotation.transpose() * from_o;
+  const Matrix3d camera_from_vehicle = vehicle_from_camera.rotation.transpose();
+  const Vector3d in_camera = camera_from_vehicle * (in_vehicle - vehicle_from_camera.translation);
+  const std::optional<Projection> projection = project_with_derivative(camera, in_camera);
+  if (!projection) return std::nullopt;
+
+  const Eigen::Matrix<double, 2, 3>& by_camera_point = projection->by_point;
+  const Eigen::Matrix<double, 2, 3> by_vehicle_point = by_camera_point * camera_from_vehicle;
+  const Eigen::Matrix<double, 2, 3> by_world_point =
+      by_vehicle_point * world_from_vehicle.rotation.transpose();
+  ObservedPoint observed;
+  observed.pixel = projection->pixel;
+  observed.by_vehicle << -by_world_point,
+      by_vehicle_point * cross_matrix(in_vehicle) * vehicle.turn_axes;
+  observed.by_plate << by_world_point,
+      -by_world_point * world_from_plate.rotation * cross_matrix(point_in_plate);
+  observed.by_mounting << -by_vehicle_point, by_camera_point * cross_matrix(in_camera);
+  observed.by_intrinsics << observed.pixel - Eigen::Vector2d(camera.cx, camera.cy),
+      Eigen::Matrix2d::Identity();
+  return observed;
+}
+
+ObservedWall observe_wall(const Centerline& centerline, double wall_offset,
+                          const Vector3d& position) {
+  const CenterlineAddress address = centerline.locate(position.head<2>());
+  const double towards = wall_offset < 0 ? -1.0 : 1.0;
+  return {towards * (wall_offset - address.offset),
+          -towards * right_of(centerline.at(address.chainage).heading)};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a vehicle's cameras and range sensors measure of plates and walls, and how that moves with
+// everything it depends on. The planner predicts with it, the localizer fits with it.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/geometry/pose.hpp"
+
+namespace tagsmith {
+
+// Where a vehicle's origin O is and how the vehicle stands there; world frame, metres, radians.
+struct VehiclePose {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double heading = 0;  // of its x axis, from +y towards +x
+  double pitch = 0;    // positive nose down
+  double roll = 0;     // positive to the right
+};
+
+Pose world_from_vehicle(const VehiclePose& vehicle);
+
+// The vehicle whose frame this is; pitch within a quarter turn either way.
+VehiclePose vehicle_pose_of(const Pose& world_from_vehicle);
+
+// The order of a vehicle's six parameters in derivatives and covariances.
+namespace vehicle_parameter {
+enum : int { kX, kY, kZ, kHeading, kPitch, kRoll, kCount };
+}
+
+using VehicleCovariance = Eigen::Matrix<double, 6, 6>;  // metres and radians, squared
+
+// A vehicle's pose made ready for many observations.
+struct VehicleFrame {
+  Pose world_from_vehicle;
+  // Columns: the axis in the vehicle frame about which heading, pitch and roll turn it.
+  Eigen::Matrix3d turn_axes = Eigen::Matrix3d::Identity();
+};
+
+VehicleFrame vehicle_frame(const VehiclePose& vehicle);
+
+// A point of a plate in an image. Rotations are small rotation vectors, applied on the right of the
+// rotation they disturb (R exp(w)), so they are in the axes of the frame that turns.
+struct ObservedPoint {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, 6> by_vehicle;     // x, y, z, heading, pitch, roll
+  Eigen::Matrix<double, 2, 6> by_plate;       // shift in world axes; rotation about P, plate axes
+  Eigen::Matrix<double, 2, 6> by_mounting;    // of the camera: shift in vehicle axes; rotation
+  Eigen::Matrix<double, 2, 3> by_intrinsics;  // relative change of the focal lengths; cx, cy
+};
+
+// Where a camera sees a point of a plate, be it in the image or beside it. Nothing for a point that
+// the camera cannot see from there (see `project`).
+std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& vehicle_from_camera,
+                                           const VehicleFrame& vehicle,
+                                           const Pose& world_from_plate,
+                                           const Eigen::Vector3d& point_in_plate);
+
+// A range to a wall.
+struct ObservedWall {
+  double distance = 0;                                    // negative behind the wall
+  Eigen::Vector3d by_position = Eigen::Vector3d::Zero();  // of O, world frame
+};
+
+// The least horizontal distance from O to the surface that runs `wall_offset` metres to the right
+// of the center line (negative: to the left), along the center line's nearest point.
+ObservedWall observe_wall(const Centerline& centerline, double wall_offset,
+                          const Eigen::Vector3d& position);
+
+}  // namespace tagsmith
