@@ -31,7 +31,8 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 11> kThirdParty{{
+constexpr std::array<ThirdParty, 12> kThirdParty{{
+    {"GLib", "glib\\.h", "tagsmith/survey", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
     {"qpdf", "qpdf/.*", "tagsmith/render", true},
