@@ -136,12 +136,16 @@ Sketch axes_sketch(const ViewAxes& axes) {
   SketchLayer& layer = sketch.layer("axes");
   const auto add = [&](const Vector2d& direction, const std::string& name, const Colour& colour) {
     layer.add(Arrow{{origin, origin}, {origin, direction * kAxisLength}, {colour, kWide}});
-    layer.add(Words{.text = name,
-                    .at = {origin, direction * (kAxisLength + 0.0022)},
-                    .height = 0.0025,
-                    .align = TextAlign::centre,
-                    .level = TextLevel::middle,
-                    .colour = colour});
+    const double x = direction.x();
+    layer.add(
+        Words{.text = name,
+              .at = {origin, direction * (kAxisLength + (std::abs(x) > 0.7 ? 0.001 : 0.0022))},
+              .height = 0.0025,
+              .align = x > 0.7    ? TextAlign::left
+                       : x < -0.7 ? TextAlign::right
+                                  : TextAlign::centre,
+              .level = TextLevel::middle,
+              .colour = colour});
   };
   add(axes.x, axes.x_name, colours::kRed);
   add(axes.y, axes.y_name, colours::kGreen);
@@ -195,6 +199,31 @@ void spread(SheetViews& views, std::span<const DrawingView> all, const Vector2d&
   }
 }
 
+Result<void> check_views(std::span<const DrawingView> views) {
+  if (views.empty()) return fail("drawing: nothing to draw, expected at least one view");
+  for (const DrawingView& view : views) {
+    if (!model_extent(view.sketch)) {
+      return fail("drawing: a point of " + view.title + " is not finite");
+    }
+  }
+  return {};
+}
+
+Sheet make_sheet(const TitleBlock& block, const DrawingPart& part, SheetViews& placed, double scale,
+                 const SheetNumber& number, const TextWidths& widths) {
+  const SheetFrame frame = sheet_frame(part.style.paper);
+  spread(placed, part.views, frame.views.sizes(), widths);
+  Sheet sheet{frame.paper.x(), frame.paper.y(), block.title, block.subject, {}};
+  bool scaled = false;
+  for (const PlacedView& view : placed) {
+    add_view(sheet, part.views[view.view], view, frame.views.min(), widths);
+    scaled = scaled || !part.views[view.view].scale;
+  }
+  add_title_block(sheet, block, number, scaled ? std::optional(scale) : std::nullopt, frame,
+                  widths);
+  return sheet;
+}
+
 }  // namespace
 
 double round_scale(double denominator) {
@@ -222,32 +251,34 @@ Vector2d drawing_area(Paper paper) {
 }
 
 Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
-                                          std::span<const DrawingView> views,
-                                          const DrawingStyle& style) {
-  if (views.empty()) return fail("drawing: nothing to draw, expected at least one view");
-  for (const DrawingView& view : views) {
-    if (!model_extent(view.sketch))
-      return fail("drawing: a point of " + view.title + " is not finite");
-  }
+                                          std::span<const DrawingPart> parts) {
   const TextWidths widths;
-  Result<Flow> chosen = choose_scale(views, style, widths);
-  if (!chosen) return tl::unexpected(chosen.error());
-  const SheetFrame frame = sheet_frame(style.paper);
+  std::vector<Flow> flows;
+  std::size_t count = 0;
+  for (const DrawingPart& part : parts) {
+    Result<Flow> chosen = check_views(part.views).and_then([&] {
+      return choose_scale(part.views, part.style, widths);
+    });
+    if (!chosen) return tl::unexpected(chosen.error());
+    count += chosen->sheets.size();
+    flows.push_back(std::move(*chosen));
+  }
+  if (count == 0) return fail("drawing: nothing to draw, expected at least one view");
   std::vector<Sheet> sheets;
-  for (SheetViews& placed : chosen->sheets) {
-    spread(placed, views, frame.views.sizes(), widths);
-    Sheet sheet{frame.paper.x(), frame.paper.y(), block.title, block.subject, {}};
-    for (const PlacedView& view : placed) {
-      add_view(sheet, views[view.view], view, frame.views.min(), widths);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (SheetViews& placed : flows[i].sheets) {
+      const SheetNumber number{sheets.size() + 1, count};
+      sheets.push_back(make_sheet(block, parts[i], placed, flows[i].scale, number, widths));
     }
-    const bool scaled = std::ranges::any_of(
-        placed, [&](const PlacedView& view) { return !views[view.view].scale; });
-    const SheetNumber number{sheets.size() + 1, chosen->sheets.size()};
-    add_title_block(sheet, block, number, scaled ? std::optional(chosen->scale) : std::nullopt,
-                    frame, widths);
-    sheets.push_back(std::move(sheet));
   }
   return sheets;
+}
+
+Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
+                                          std::span<const DrawingView> views,
+                                          const DrawingStyle& style) {
+  const DrawingPart part{{views.begin(), views.end()}, style};
+  return lay_out_sheets(block, std::span(&part, 1));
 }
 
 }  // namespace tagsmith

@@ -64,7 +64,16 @@ double round_scale(double denominator);
 // "1 : 50", "2 : 1".
 std::string scale_text(double denominator);
 
-// Fails when there is nothing to draw, or points that are not finite.
+// Views that share sheets and a scale; another part of the drawing begins a sheet.
+struct DrawingPart {
+  std::vector<DrawingView> views;
+  DrawingStyle style{};
+};
+
+// The sheets of all parts, numbered through. Fails when there is nothing to draw, and on points
+// that are not finite.
+Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
+                                          std::span<const DrawingPart> parts);
 Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
                                           std::span<const DrawingView> views,
                                           const DrawingStyle& style = {});

@@ -177,10 +177,7 @@ void draw_tunnel(Sketch& sketch, const Survey& survey, const PlanStrip& strip) {
 }
 
 void draw_chainages(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
-  const double step = round_step((strip.to - strip.from) / 20);
-  const double first = std::ceil(strip.from / step - 1e-9);
-  for (int i = 0; (first + i) * step <= strip.to + step * 1e-9; ++i) {
-    const double chainage = (first + i) * step;
+  for (const double chainage : plan_ticks(strip)) {
     const CenterlinePoint point = survey.tunnel.centerline.at(chainage);
     const Vector2d at = in_view(strip, point.position);
     const Vector2d across = turned_to_view(strip, right_of(point.heading));
@@ -193,12 +190,6 @@ void draw_chainages(SketchLayer& layer, const Survey& survey, const PlanStrip& s
                     .angle = std::atan2(along.y(), along.x()),
                     .colour = colours::kBlue});
   }
-}
-
-// Ends of the plate along its length, from P, metres.
-std::pair<double, double> plate_ends(const TagTemplate& tag) {
-  const double left = -(tag.plate_length - tag.frame_inner_length) / 2 - tag.frame_offset_right;
-  return {left, left + tag.plate_length};
 }
 
 void draw_plate(SketchLayer& layer, const Survey& survey, const PlanStrip& strip,
@@ -225,8 +216,8 @@ Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag
   const Vector2d middle = in_view(strip, pose * Eigen::Vector3d((left + right) / 2, 0, 0));
   const Vector2d outward = turned_to_view(strip, pose.rotation.col(2)).normalized();
   const double angle = std::atan2(outward.y(), outward.x());
-  constexpr double kQuarter = std::numbers::pi / 2 + 1e-6;
-  const bool upside_down = angle > kQuarter || angle <= -kQuarter + 2e-6;
+  // Read from the right rather than turned over by a bend of the wall.
+  const bool upside_down = angle > radians(105) || angle <= radians(-75);
   Words words;
   words.text = tag.name;
   if (digits) words.text += "  " + grouped_digits(survey.code, tag.digits);
@@ -268,6 +259,25 @@ double coarsest_plan_scale(const Survey& survey) {
   double scale = round_scale(most / 2.6);
   while (round_scale(scale * 1.01) <= most) scale = round_scale(scale * 1.01);
   return scale;
+}
+
+PlateEnds plate_ends(const TagTemplate& tag) {
+  const double left = -(tag.plate_length - tag.frame_inner_length) / 2 - tag.frame_offset_right;
+  return {left, left + tag.plate_length};
+}
+
+std::vector<double> plan_ticks(const PlanStrip& strip) {
+  const double step = round_step((strip.to - strip.from) / 20);
+  const double first = std::ceil(strip.from / step - 1e-9);
+  std::vector<double> chainages;
+  for (int i = 0; (first + i) * step <= strip.to + step * 1e-9; ++i) {
+    chainages.push_back((first + i) * step);
+  }
+  return chainages;
+}
+
+PlanStrip plan_strip(const Survey& survey, double from, double to) {
+  return make_strip(survey.tunnel.centerline, from, to);
 }
 
 std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style) {

@@ -31,6 +31,9 @@ double coarsest_plan_scale(const Survey& survey);
 
 inline constexpr int kMostStrips = 400;
 
+// The strip between two chainages.
+PlanStrip plan_strip(const Survey& survey, double from, double to);
+
 // The tunnel, and its ends beyond where tags hang there, in as few strips as can be read: one when
 // it fits the paper at coarsest_plan_scale or better, else pieces of a sheet's width that end at
 // round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
@@ -40,6 +43,16 @@ std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style 
 // corner P as a dot, an arrow for the way they face) and `names`. Points are in the strip's view:
 // view_from_world * point. Tags with a chainage outside the strip are left out.
 Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style = {});
+
+// The round chainages that the strip marks.
+std::vector<double> plan_ticks(const PlanStrip& strip);
+
+// Ends of a plate along its length, metres to the right of P.
+struct PlateEnds {
+  double left = 0;
+  double right = 0;
+};
+PlateEnds plate_ends(const TagTemplate& tag);
 
 // The grid's axes as the strip's view shows them.
 ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip);

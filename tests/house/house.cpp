@@ -31,7 +31,8 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 12> kThirdParty{{
+constexpr std::array<ThirdParty, 13> kThirdParty{{
+    {"GLib", "glib\\.h", "tagsmith/survey", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},

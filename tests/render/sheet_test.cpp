@@ -166,7 +166,7 @@ TEST_CASE("a dimension without room has its arrows outside and its text beyond")
 }
 
 TEST_CASE("a drawing of nothing, and of points that are nowhere, is refused") {
-  CHECK_FALSE(lay_out_sheets({"t", "s"}, {}));
+  CHECK_FALSE(lay_out_sheets({"t", "s"}, std::vector<DrawingView>{}));
   DrawingView view = square_view();
   view.sketch.layer("outline").add(Dot{Vector2d(0, std::nan("")), 0.001, {}});
   CHECK_FALSE(lay_out_sheets({"t", "s"}, std::vector{view}));

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/draw_command.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/render/survey_drawing.hpp"
+#include "tagsmith/render/text.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
+#include "tagsmith/survey/rig.hpp"
+
+namespace tagsmith {
+namespace {
+
+struct DrawOptions {
+  std::string survey;
+  std::string rig;
+  std::string output;
+  std::string paper = "a3";
+};
+
+Result<void> write_all(const std::vector<SheetFile>& files, const std::string& output) {
+  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+  Result<StagedFiles> staged = StagedFiles::begin(folder.empty() ? "." : folder);
+  if (!staged) return fail(staged.error().message);
+  for (const SheetFile& file : files) {
+    if (auto added = staged->add(file.path.filename(), file.bytes); !added) return added;
+  }
+  return staged->publish();
+}
+
+Result<void> draw(const DrawOptions& options) {
+  if (!sheet_format_of(options.output)) {
+    return fail("--output " + options.output + ": expected a name that ends in .pdf, .svg or .png");
+  }
+  if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
+  const Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
+  std::optional<Rig> rig;
+  if (!options.rig.empty()) {
+    Result<Rig> loaded = load_rig(options.rig);
+    if (!loaded) return fail(loaded.error().message);
+    rig = std::move(*loaded);
+  }
+  const SurveyDrawingStyle style{options.paper == "a4" ? Paper::a4 : Paper::a3,
+                                 survey_revision(*survey)};
+  const auto sheets = draw_survey(*survey, rig, style);
+  if (!sheets) return fail(sheets.error().message);
+  const auto files = render_sheets(*sheets, options.output);
+  if (!files) return fail(files.error().message);
+  if (auto written = write_all(*files, options.output); !written) return written;
+  for (const SheetFile& file : *files) fmt::print("{}\n", file.path.string());
+  if (survey->tags.size() > kMostListedTags) {
+    fmt::print(stderr,
+               "tagsmith draw: {} tags are drawn but not listed; for a list: tagsmith export {} -o "
+               "tags.csv\n",
+               survey->tags.size(), options.survey);
+  }
+  return {};
+}
+
+}  // namespace
+
+Command draw_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand(
+      "draw", "What a survey means: plan, walls, section, theta, plates, table of tags");
+  const auto options = std::make_shared<DrawOptions>();
+  app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
+  app->add_option("--rig", options->rig, "Rig file (YAML): draws the vehicle's cameras too");
+  app->add_option("-o,--output", options->output,
+                  "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...")
+      ->required();
+  app->add_option("--paper", options->paper, "a3 or a4, landscape (default: a3)")
+      ->check(CLI::IsMember({"a3", "a4"}));
+  app->footer(
+      "Compare the drawing with the tunnel before anything is printed. It is to scale: print it "
+      "at\n"
+      "100 %. The plan is never mirrored; a grid whose x grows to the left shows so in its "
+      "axes.\n\n"
+      "Example:\n"
+      "  tagsmith draw surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml \\\n"
+      "    -o out/corridor.pdf");
+  return {app, [options] {
+            const Result<void> drawn = draw(*options);
+            return drawn ? kExitOk : report_failure("draw", drawn.error());
+          }};
+}
+
+}  // namespace tagsmith

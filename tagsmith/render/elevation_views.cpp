@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// The views along the tunnel: annotated plan and wall elevations.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/survey_views.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+
+std::string metres(double length) { return format_number(length, 3); }
+
+std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world) {
+  const Eigen::Vector3d p = grid_from_world(survey.grid, point_in_world);
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
+}
+
+// The start of the drive: a place, a direction and what the survey says of them.
+void draw_start(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
+  const CenterlinePoint start = survey.tunnel.centerline.at(0);
+  const Eigen::Rotation2Dd turn(strip.view_from_world.linear());
+  const Vector2d at = strip.view_from_world * Vector2d(start.position.head<2>());
+  const Vector2d along = turn * Vector2d(direction_of(start.heading).head<2>());
+  const Vector2d right = turn * Vector2d(right_of(start.heading).head<2>());
+  const SketchPoint from(at + right * survey.tunnel.width / 4);
+  layer.add(Dot{at, 0.0007, colours::kBlue});
+  layer.add(Arrow{from, {from.model, along * 0.016}, {colours::kBlue, kWide, {}}});
+  layer.add(
+      Words{.text = "drive, heading " +
+                    format_number(degrees(grid_heading_from_world(survey.grid, start.heading)), 4) +
+                    "\u00b0",
+            .at = {from.model, along * 0.0175},
+            .height = 0.0018,
+            .angle = std::atan2(along.y(), along.x()),
+            .level = TextLevel::middle,
+            .colour = colours::kBlue});
+}
+
+// The grid's origin with its axes, where it lies in or beside the strip.
+void draw_origin(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
+  const Centerline& line = survey.tunnel.centerline;
+  const CenterlineAddress address = line.locate(Vector2d(0, 0));
+  const double beside = survey.tunnel.width;
+  if (address.chainage < strip.from - beside || address.chainage > strip.to + beside) return;
+  if (std::abs(address.offset) > 2 * beside) return;
+  const Vector2d origin = strip.view_from_world * Vector2d(0, 0);
+  const ViewAxes axes = plan_axes(survey, strip);
+  layer.add(Ellipse{
+      .centre = origin, .semi_axes = {0.0012, 0.0012}, .on_paper = true, .line = {.width = kWide}});
+  layer.add(Arrow{origin, {origin, axes.x * 0.012}, {colours::kRed, kWide, {}}});
+  layer.add(Arrow{origin, {origin, axes.y * 0.012}, {colours::kGreen, kWide, {}}});
+  layer.add(Words{.text = "origin of the grid",
+                  .at = {origin, Vector2d(-0.002, -0.0035)},
+                  .height = 0.0018,
+                  .align = TextAlign::right});
+}
+
+// Where a wall's points come to lie when it is unrolled.
+class Unrolled {
+ public:
+  Unrolled(const Survey& survey, const PlanStrip& strip, Side side)
+      : survey_(survey), strip_(strip), side_(side) {}
+
+  double across(double chainage) const {
+    return side_ == Side::left ? chainage - strip_.from : strip_.to - chainage;
+  }
+
+  // A point of a tag's plate, metres right of and below P.
+  Vector2d on_plate(const PlacedTag& tag, double right, double down) const {
+    const Pose& pose = tag.world_from_plate;
+    const auto [left_end, right_end] = plate_ends(survey_.tag_template);
+    const double middle = (left_end + right_end) / 2;
+    const Eigen::Vector3d centre = pose * Eigen::Vector3d(middle, 0, 0);
+    const double chainage = survey_.tunnel.centerline.locate(centre.head<2>()).chainage;
+    return {across(chainage) + right - middle, height_of_p(tag) - down};
+  }
+
+  double height_of_p(const PlacedTag& tag) const {
+    return tag.world_from_plate.translation.z() -
+           survey_.tunnel.centerline.at(tag.chainage).position.z();
+  }
+
+ private:
+  const Survey& survey_;
+  const PlanStrip& strip_;
+  Side side_;
+};
+
+std::vector<SketchPoint> box(const Vector2d& corner, const Vector2d& opposite) {
+  return {corner, Vector2d(opposite.x(), corner.y()), opposite, Vector2d(corner.x(), opposite.y())};
+}
+
+void draw_plate(Sketch& sketch, const Survey& survey, const Unrolled& wall, const PlacedTag& tag) {
+  const TagTemplate& plate = survey.tag_template;
+  const auto [left, right] = plate_ends(plate);
+  const double top = -(plate.plate_height - plate.frame_inner_height) / 2 + plate.frame_offset_up;
+  const LineStyle line{.width = kNarrow};
+  const auto upper =
+      box(wall.on_plate(tag, left, top), wall.on_plate(tag, right, top + plate.plate_height));
+  sketch.layer("tags").add(Area{upper, colours::kWhite});
+  sketch.layer("tags").add(Polyline{upper, line, true});
+  sketch.layer("tags").add(
+      Polyline{box(wall.on_plate(tag, 0, 0),
+                   wall.on_plate(tag, plate.frame_inner_length, plate.frame_inner_height)),
+               line, true});
+  sketch.layer("tags").add(Dot{wall.on_plate(tag, 0, 0), 0.0005, colours::kRed});
+}
+
+void draw_wall(Sketch& sketch, const Survey& survey, const PlanStrip& strip, const Unrolled& wall) {
+  const double from = wall.across(strip.from);
+  const double to = wall.across(strip.to);
+  const double height = survey.tunnel.height;
+  sketch.layer("floor").add(Area{box({from, 0}, {to, height}), {0.95, 0.95, 0.93}});
+  for (const double level : {0.0, height}) {
+    sketch.layer("walls").add(
+        Polyline{{Vector2d(from, level), Vector2d(to, level)}, {.width = kWide}});
+  }
+  for (const double chainage : plan_ticks(strip)) {
+    const Vector2d foot(wall.across(chainage), 0);
+    sketch.layer("centerline")
+        .add(Polyline{{foot, {foot, Vector2d(0, -0.0012)}}, {colours::kBlue, kNarrow, {}}});
+    sketch.layer("centerline")
+        .add(Words{.text = format_number(chainage, 3),
+                   .at = {foot, Vector2d(0, -0.0017)},
+                   .height = 0.0014,
+                   .align = TextAlign::centre,
+                   .level = TextLevel::top,
+                   .colour = colours::kBlue});
+  }
+}
+
+// The tunnel's height; spacing and plate length below the first two plates.
+void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& wall,
+                     const std::vector<const PlacedTag*>& tags, double left_end) {
+  const double height = survey.tunnel.height;
+  layer.add(Dimension{.from = Vector2d(left_end, 0),
+                      .to = Vector2d(left_end, height),
+                      .offset = 0.010,
+                      .text = metres(height)});
+  if (tags.size() < 2) return;
+  const PlacedTag& tag = *tags.front();
+  const auto [left, right] = plate_ends(survey.tag_template);
+  const Vector2d a = wall.on_plate(tag, left, 0);
+  const Vector2d b = wall.on_plate(tag, right, 0);
+  const Vector2d c = wall.on_plate(*tags[1], left, 0);
+  const Vector2d d = wall.on_plate(*tags[1], right, 0);
+  const bool leftwards = c.x() < a.x();
+  const double gap_from = leftwards ? d.x() : b.x();
+  const double gap_to = leftwards ? a.x() : c.x();
+  layer.add(Dimension{.from = Vector2d(gap_from, 0),
+                      .to = Vector2d(gap_to, 0),
+                      .offset = -0.0075,
+                      .text = "W_B " + metres(gap_to - gap_from)});
+  layer.add(Dimension{.from = Vector2d(a.x(), 0),
+                      .to = Vector2d(b.x(), 0),
+                      .offset = -0.0125,
+                      .text = "plate " + metres(b.x() - a.x())});
+}
+
+}  // namespace
+
+DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style,
+                           bool first) {
+  const Centerline& line = survey.tunnel.centerline;
+  DrawingView view = plan_view(survey, strip, style);
+  view.title += "; center line from " + point_text(survey, line.at(strip.from).position) + " to " +
+                point_text(survey, line.at(strip.to).position);
+  draw_origin(view.sketch.layer("grid"), survey, strip);
+  if (first) draw_start(view.sketch.layer("grid"), survey, strip);
+  return view;
+}
+
+DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side side,
+                           bool dimensions) {
+  const Unrolled wall(survey, strip, side);
+  DrawingView view;
+  view.title = side == Side::left ? "Left wall, seen facing it: the drive runs to the right"
+                                  : "Right wall, seen facing it: the drive runs to the left";
+  view.new_row = true;
+  draw_wall(view.sketch, survey, strip, wall);
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : survey.tags) {
+    const bool inside = tag.chainage >= strip.from && tag.chainage < strip.to;
+    if (!inside || tag.side != side) continue;
+    tags.push_back(&tag);
+    draw_plate(view.sketch, survey, wall, tag);
+    const auto [left, right] = plate_ends(survey.tag_template);
+    const Vector2d middle = wall.on_plate(tag, (left + right) / 2, 0);
+    view.sketch.layer("names").add(Words{.text = tag.name,
+                                         .at = {{middle.x(), survey.tunnel.height}, {0, 0.001}},
+                                         .angle = std::numbers::pi / 2,
+                                         .level = TextLevel::middle});
+  }
+  if (dimensions) {
+    const double left_end = std::min(wall.across(strip.from), wall.across(strip.to));
+    draw_dimensions(view.sketch.layer("dimensions"), survey, wall, tags, left_end);
+  }
+  return view;
+}
+
+}  // namespace tagsmith

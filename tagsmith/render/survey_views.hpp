@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The views that the drawing of a survey is made of. Internal to tagsmith/render.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/tunnel_plan.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// The strip's plan; `first` adds the start of the drive with its coordinates and heading, and the
+// grid's origin where it is near.
+DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style,
+                           bool first);
+
+// A wall seen from inside the tunnel, unrolled along the chainage, heights above the floor. Facing
+// the left wall the drive runs to the right, facing the right wall to the left. `dimensions` adds
+// spacing, plate length and tunnel height.
+DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side side,
+                           bool dimensions);
+
+// A left and a right tag of one pair.
+struct TagPair {
+  PlacedTag left;
+  PlacedTag right;
+};
+
+// The first pair that has both; nothing when there is none.
+std::optional<TagPair> first_pair(const Survey& survey);
+
+// The tunnel across, seen along the drive, at a tag.
+DrawingView cross_section(const Survey& survey, const PlacedTag& tag,
+                          const std::optional<Rig>& rig);
+
+// A pair from above: theta, stagger, width.
+DrawingView pair_plan(const Survey& survey, const TagPair& pair);
+
+// A plate seen facing it, with P, F and Q.
+DrawingView plate_view(const Survey& survey, const PlacedTag& tag);
+
+// The vehicle from above between the walls: where its cameras look, what its ranges measure.
+DrawingView rig_view(const Survey& survey, const Rig& rig);
+
+// What the file means, in words.
+DrawingView survey_notes(const Survey& survey, const std::optional<Rig>& rig);
+
+// All tags with side, digits, position, chainage and height above the floor, by columns.
+std::vector<DrawingView> tag_tables(const Survey& survey, Paper paper);
+
+}  // namespace tagsmith

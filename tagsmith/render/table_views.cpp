@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// The words of a survey's drawing: what the file means, and the table of tags.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/survey_views.hpp"
+#include "tagsmith/render/tag_text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kRow = 0.0034;
+
+std::string metres(double length) { return format_number(length, 3); }
+
+std::string element_text(const CenterlineElement& element) {
+  const std::string grade =
+      element.grade == 0 ? "" : ", grade " + format_number(100 * element.grade, 2) + " %";
+  if (element.curvature == 0) return "line " + metres(element.length) + " m" + grade;
+  const double angle = element.length * std::abs(element.curvature);
+  return "arc of radius " + metres(std::abs(1 / element.curvature)) + " m to the " +
+         (element.curvature > 0 ? "right" : "left") + ", " + format_number(degrees(angle), 3) +
+         "\u00b0" + grade;
+}
+
+void add_grid_words(std::vector<std::string>& lines, const Survey& survey) {
+  lines.push_back(survey.grid.x_axis_left
+                      ? "Grid: x to the left of +y, z up (left-handed; the plan shows it so)"
+                      : "Grid: x to the right of +y, z up (right-handed)");
+  lines.push_back("Headings: from +y towards +x, degrees");
+  lines.push_back("Left and right: of somebody who looks along the drive");
+}
+
+void add_tunnel_words(std::vector<std::string>& lines, const Survey& survey) {
+  constexpr std::size_t kMostElements = 10;
+  const Centerline& line = survey.tunnel.centerline;
+  const CenterlinePoint start = line.at(0);
+  const Eigen::Vector3d p = grid_from_world(survey.grid, start.position);
+  lines.push_back(fmt::format(
+      "Center line: from ({:.3f}, {:.3f}, {:.3f}) on the floor, heading {}\u00b0, {} m long",
+      p.x() + 0.0, p.y() + 0.0, p.z() + 0.0,
+      format_number(degrees(grid_heading_from_world(survey.grid, start.heading)), 4),
+      metres(line.length())));
+  const std::vector<CenterlineElement>& elements = line.elements();
+  for (std::size_t i = 0; i < std::min(kMostElements, elements.size()); ++i) {
+    lines.push_back("    " + element_text(elements[i]));
+  }
+  if (elements.size() > kMostElements) {
+    lines.push_back(fmt::format("    and {} more elements", elements.size() - kMostElements));
+  }
+  lines.push_back("W_T: " + metres(survey.tunnel.width) +
+                  " m between the planes of the left and right plates; roof at " +
+                  metres(survey.tunnel.height) + " m");
+}
+
+void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
+  lines.push_back("P: upper left inner corner of the feature frame, seen facing the plate;");
+  lines.push_back("    the tag's position is the position of P");
+  if (survey.series && survey.series->pairs > 0) {
+    const TagSeries& series = *survey.series;
+    const double facing = facing_pair_angle(survey);
+    lines.push_back(fmt::format(
+        "Regular pairs: {}; first P at chainage {} m, W_B {} m clear, H_P {} m", series.pairs,
+        metres(series.first), metres(series.spacing), metres(series.mount_height)));
+    lines.push_back(fmt::format("\u03b8: {}\u00b0{}",
+                                format_number(degrees(series.pair_angle.value_or(facing)), 3),
+                                series.pair_angle ? "; facing plates have atan(L_CI / W_T) = " +
+                                                        format_number(degrees(facing), 3) + "\u00b0"
+                                                  : " = atan(L_CI / W_T): plates face each other"));
+  }
+  const auto surveyed = std::ranges::count_if(survey.tags, &PlacedTag::surveyed);
+  lines.push_back(
+      fmt::format("Tags: {}, of them {} from `placed`; a coordinate is surveyed to {} m",
+                  survey.tags.size(), surveyed, metres(survey.sigma)));
+}
+
+void add_code_words(std::vector<std::string>& lines, const Survey& survey) {
+  const PositionCode& code = survey.code;
+  lines.push_back("Code: check digit " + to_string(code.check));
+  constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = coded_range(code, static_cast<int>(axis));
+    lines.push_back(fmt::format("    {}: {} digits of {} m, from {} to {} m", kAxes[axis],
+                                code.digit_counts[axis], format_number(code.resolution[axis], 6),
+                                metres(low), metres(high)));
+  }
+}
+
+void add_rig_words(std::vector<std::string>& lines, const Rig& rig) {
+  lines.push_back("Rig " + rig.name + ": O " + metres(rig.vehicle_height) + " m above the floor");
+  for (const RigRange& range : rig.ranges) {
+    lines.push_back("    " + range.name + ": least horizontal distance from O to the " +
+                    to_string(range.wall) + " wall, " + metres(range.min) + " to " +
+                    metres(range.max) + " m");
+  }
+}
+
+Sketch text_block(const std::vector<std::string>& lines) {
+  Sketch sketch;
+  double down = 0;
+  for (const std::string& line : lines) {
+    sketch.layer("notes").add(Words{.text = line, .at = {{0, 0}, {0, -down}}});
+    down += kRow;
+  }
+  return sketch;
+}
+
+struct Column {
+  const char* title;
+  double right_end;  // metres on paper from the table's left edge; text ends there
+};
+
+constexpr std::array<Column, 8> kColumns{{{"tag", 0.011},
+                                          {"digits", 0.039},
+                                          {"x", 0.055},
+                                          {"y", 0.071},
+                                          {"z", 0.084},
+                                          {"chainage", 0.099},
+                                          {"height", 0.110},
+                                          {"", 0.113}}};
+
+void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double down,
+             const Colour& colour) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    layer.add(Words{.text = cells[i],
+                    .at = {{0, 0}, {kColumns[i].right_end, -down}},
+                    .height = 0.0016,
+                    .align = TextAlign::right,
+                    .colour = colour});
+  }
+}
+
+std::array<std::string, 8> cells_of(const Survey& survey, const PlacedTag& tag) {
+  const auto fixed = [](double value) {
+    return fmt::format("{:.3f}", std::round(value * 1000) / 1000 + 0.0);
+  };
+  const double floor = survey.tunnel.centerline.at(tag.chainage).position.z();
+  return {tag.name,
+          grouped_digits(survey.code, tag.digits),
+          fixed(tag.p_in_grid.x()),
+          fixed(tag.p_in_grid.y()),
+          fixed(tag.p_in_grid.z()),
+          fixed(tag.chainage),
+          fixed(tag.world_from_plate.translation.z() - floor),
+          tag.surveyed ? "*" : ""};
+}
+
+}  // namespace
+
+DrawingView survey_notes(const Survey& survey, const std::optional<Rig>& rig) {
+  std::vector<std::string> lines;
+  add_grid_words(lines, survey);
+  add_tunnel_words(lines, survey);
+  add_tag_words(lines, survey);
+  add_code_words(lines, survey);
+  if (rig) add_rig_words(lines, *rig);
+  DrawingView view;
+  view.title = "What the file says";
+  view.sketch = text_block(lines);
+  view.scale = 1;
+  return view;
+}
+
+std::vector<DrawingView> tag_tables(const Survey& survey, Paper paper) {
+  const double room = drawing_area(paper).y() - 0.012;
+  const auto rows = static_cast<std::size_t>(room / kRow) - 1;
+  std::vector<DrawingView> views;
+  for (std::size_t i = 0; i < survey.tags.size(); i += rows) {
+    const std::size_t end = std::min(survey.tags.size(), i + rows);
+    DrawingView view;
+    view.title = "Tags " + survey.tags[i].name + " to " + survey.tags[end - 1].name +
+                 (i == 0 ? "; position of P in the grid, * as built" : "");
+    view.scale = 1;
+    SketchLayer& layer = view.sketch.layer("table");
+    std::array<std::string, 8> titles;
+    std::ranges::transform(kColumns, titles.begin(), &Column::title);
+    add_row(layer, titles, 0, colours::kGrey);
+    for (std::size_t row = i; row < end; ++row) {
+      add_row(layer, cells_of(survey, survey.tags[row]), kRow * static_cast<double>(row - i + 1),
+              colours::kBlack);
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+}  // namespace tagsmith

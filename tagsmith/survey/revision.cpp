@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/revision.hpp"
+
+#include <cmath>
+#include <glib.h>
+#include <memory>
+
+#include <fmt/format.h>
+
+namespace tagsmith {
+namespace {
+
+// The survey as one text with everything in a fixed order. Texts are quoted by their length, so
+// that no two surveys share a text. Changing what it says changes all revisions.
+class Content {
+ public:
+  void text(const std::string& value) { bytes_ += fmt::format("{}:{};", value.size(), value); }
+  void length(double metres) { number(metres * 1e6); }
+  void angle(double radians) { number(radians * 1e9); }
+  void number(double value) { bytes_ += fmt::format("{:.0f};", std::round(value) + 0.0); }
+  void point(const Eigen::Vector3d& p) {
+    for (const double coordinate : p) length(coordinate);
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+void add_tunnel(Content& content, const Survey& survey) {
+  content.number(survey.grid.x_axis_left ? 1 : 0);
+  content.length(survey.tunnel.width);
+  content.length(survey.tunnel.height);
+  const Centerline& line = survey.tunnel.centerline;
+  const CenterlinePoint start = line.at(0);
+  content.point(start.position);
+  content.angle(start.heading);
+  content.number(static_cast<double>(line.elements().size()));
+  for (const CenterlineElement& element : line.elements()) {
+    content.length(element.length);
+    content.angle(element.curvature);
+    content.angle(element.grade);
+  }
+}
+
+void add_template(Content& content, const TagTemplate& tag) {
+  content.text(tag.name);
+  for (const double length :
+       {tag.plate_length, tag.plate_height, tag.frame_inner_length, tag.frame_inner_height,
+        tag.frame_stroke, tag.frame_offset_right, tag.frame_offset_up, tag.quiet_zone_modules,
+        tag.margin_modules, tag.label.shown ? tag.label.text_height : -1.0}) {
+    content.length(length);
+  }
+}
+
+void add_code(Content& content, const PositionCode& code) {
+  content.text(to_string(code.check));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    content.number(code.digit_counts[axis]);
+    content.length(code.resolution[axis]);
+    content.length(code.origin[axis]);
+  }
+}
+
+void add_tag(Content& content, const PlacedTag& tag) {
+  content.text(tag.name);
+  content.text(to_string(tag.digits));
+  content.point(tag.p_in_grid);
+}
+
+}  // namespace
+
+std::string survey_revision(const Survey& survey) {
+  constexpr std::size_t kShown = 12;
+  Content content;
+  content.text(survey.name);
+  add_tunnel(content, survey);
+  add_template(content, survey.tag_template);
+  content.length(survey.sigma);
+  add_code(content, survey.code);
+  for (const PlacedTag& tag : survey.tags) add_tag(content, tag);
+  const std::string& bytes = content.bytes();
+  const std::unique_ptr<char, decltype(&g_free)> digest(
+      g_compute_checksum_for_data(G_CHECKSUM_SHA256, reinterpret_cast<const guchar*>(bytes.data()),
+                                  bytes.size()),
+      &g_free);
+  return std::string(digest.get()).substr(0, kShown);
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which state of a survey something was made from.
+#pragma once
+
+#include <string>
+
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Twelve hexadecimal digits: the first of the SHA-256 of what the survey says. Comments, order of
+// keys and the file's name do not change it; a millimetre, a digit, the template's sizes do.
+// Lengths count to the micrometre, angles to 1e-9 rad.
+std::string survey_revision(const Survey& survey);
+
+}  // namespace tagsmith
