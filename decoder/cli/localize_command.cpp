@@ -19,6 +19,7 @@
 
 #include "decoder/cli/parallel.hpp"
 #include "decoder/localize/fix.hpp"
+#include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/paper/pipeline.hpp"
@@ -40,7 +41,7 @@ struct LocalizeOptions {
   std::filesystem::path rig;
   std::filesystem::path run;
   std::filesystem::path output;  // empty = none
-  std::string method = "paper";
+  std::string method = "joint";
   std::string reader = "tagsmith";
   bool json = false;
   int jobs = 0;  // 0 = as many as the process may use
@@ -67,13 +68,15 @@ ReaderChoice reader_named(const std::string& name) {
   return {read_tags, kFittedCornerSigmaPx};
 }
 
-std::vector<Fix> localize_all(const LocalizeInput& input, const ReaderChoice& reader, int jobs) {
+std::vector<Fix> localize_all(const LocalizeInput& input, const ReaderChoice& reader,
+                              const std::string& method, int jobs) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   std::vector<Fix> fixes(measurements.size());
   ProgressBar progress("measurements", measurements.size());
   run_in_order(measurements.size(), jobs, [&](std::size_t i) -> Delivery {
     const Observation seen = observe(measurements[i], input.surveys, input.rig, reader);
-    fixes[i] = localize_by_paper(seen, input.surveys, input.rig);
+    fixes[i] = method == "paper" ? localize_by_paper(seen, input.surveys, input.rig)
+                                 : localize_jointly(seen, input.surveys, input.rig);
     return [&progress] { progress.advance([] {}); };
   });
   return fixes;
@@ -255,7 +258,8 @@ int run_localize(const LocalizeOptions& options) {
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
   const std::vector<Measurement>& measurements = input->run.measurements;
-  const std::vector<Fix> fixes = localize_all(*input, reader_named(options.reader), options.jobs);
+  const std::vector<Fix> fixes =
+      localize_all(*input, reader_named(options.reader), options.method, options.jobs);
   if (!options.output.empty()) {
     const Result<void> written = write_file(options.output, csv_text(fixes, measurements));
     if (!written) return report_failure(kName, written.error());
@@ -282,7 +286,7 @@ Command localize_command(CLI::App& parent) {
       ->type_name("RUN.csv");
   app->add_option("--method", options->method,
                   "paper: closed form from a tag on each wall and the range to the left wall")
-      ->check(CLI::IsMember({"paper"}))
+      ->check(CLI::IsMember({"joint", "paper"}))
       ->capture_default_str();
   app->add_option("--reader", options->reader,
                   "What reads the images: this program's reader, or the paper's published pipeline")
