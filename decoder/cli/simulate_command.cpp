@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/simulate_command.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -211,6 +213,14 @@ Json plate_json(const Survey& survey, const PlacedTag& tag, const PlateTruth& tr
           {"fraction_visible", truth.visible_fraction}};
 }
 
+// As OpenCV counts them: four of a fisheye, else five, or eight when the denominator is not 1.
+Json distortion_json(const Camera& camera) {
+  const std::array<double, 8>& k = camera.distortion;
+  const bool rational = k[5] != 0 || k[6] != 0 || k[7] != 0;
+  const std::size_t count = camera.lens == LensModel::fisheye ? 4 : rational ? 8 : 5;
+  return numbers(std::span(k).first(count));
+}
+
 // x_camera = R x_grid + t.
 Json camera_json(const Grid& grid, const Camera& camera, const Pose& world_from_camera) {
   const Pose camera_from_world = inverse(world_from_camera);
@@ -223,7 +233,8 @@ Json camera_json(const Grid& grid, const Camera& camera, const Pose& world_from_
           {"fy", camera.fy},
           {"cx", camera.cx},
           {"cy", camera.cy},
-          {"distortion", numbers(camera.distortion)},
+          {"model", camera.lens == LensModel::fisheye ? "fisheye" : "perspective"},
+          {"distortion", distortion_json(camera)},
           {"R", rotation},
           {"t", numbers(camera_from_world.translation)},
           {"position_grid", numbers(grid_from_world(grid, world_from_camera.translation))}};

@@ -43,29 +43,40 @@ struct RangedTag {
 };
 
 // The pixel where a square-pixel camera without distortion, with the principal point at (0, 0),
-// would have seen it.
-PixelPoint ideal_pixel(const Camera& camera, const PixelPoint& pixel) {
-  const Eigen::Vector3d ray = ray_through(camera, {pixel.x, pixel.y});
-  return {camera.fy * ray.x(), camera.fy * ray.y()};
+// would have seen it; nothing where the lens model has no ray.
+std::optional<PixelPoint> ideal_pixel(const Camera& camera, const PixelPoint& pixel) {
+  const std::optional<Eigen::Vector3d> ray = ray_through(camera, {pixel.x, pixel.y});
+  if (!ray) return std::nullopt;
+  return PixelPoint{camera.fy * ray->x(), camera.fy * ray->y()};
 }
 
-double distance_to(const Camera& camera, const PixelPoint& p, const PixelPoint& q, double edge) {
-  return paper_distance(ideal_pixel(camera, p), ideal_pixel(camera, q), {0, 0}, camera.fy, edge);
+std::optional<double> distance_to(const Camera& camera, const PixelPoint& p, const PixelPoint& q,
+                                  double edge) {
+  const std::optional<PixelPoint> ideal_p = ideal_pixel(camera, p);
+  const std::optional<PixelPoint> ideal_q = ideal_pixel(camera, q);
+  if (!ideal_p || !ideal_q) return std::nullopt;
+  return paper_distance(*ideal_p, *ideal_q, {0, 0}, camera.fy, edge);
 }
 
-Length distance_by_corners(const Camera& camera, const SeenCorners& seen, double edge) {
+std::optional<Length> distance_by_corners(const Camera& camera, const SeenCorners& seen,
+                                          double edge) {
   const PixelPoint p = seen.corners[0];
   const PixelPoint q = seen.corners[3];
+  const std::optional<double> distance = distance_to(camera, p, q, edge);
+  if (!distance) return std::nullopt;
   const double step = seen.sigma_px;
   double variance = 0;
   for (const PixelPoint shift : {PixelPoint{step, 0}, PixelPoint{0, step}}) {
-    const double by_p =
-        distance_to(camera, p + shift, q, edge) - distance_to(camera, p - shift, q, edge);
-    const double by_q =
-        distance_to(camera, p, q + shift, edge) - distance_to(camera, p, q - shift, edge);
+    const auto p_plus = distance_to(camera, p + shift, q, edge);
+    const auto p_minus = distance_to(camera, p - shift, q, edge);
+    const auto q_plus = distance_to(camera, p, q + shift, edge);
+    const auto q_minus = distance_to(camera, p, q - shift, edge);
+    if (!p_plus || !p_minus || !q_plus || !q_minus) return std::nullopt;
+    const double by_p = *p_plus - *p_minus;
+    const double by_q = *q_plus - *q_minus;
     variance += (by_p * by_p + by_q * by_q) / 4;
   }
-  return {distance_to(camera, p, q, edge), std::sqrt(variance)};
+  return Length{*distance, std::sqrt(variance)};
 }
 
 // D is inversely proportional to |P'Q'|, near the optical axis by f * PQ.
@@ -78,19 +89,21 @@ bool survey_says_above(const Survey& survey, const PlacedTag& tag, const Rig& ri
   return tag.p_in_grid.z() >= floor + rig.vehicle_height;
 }
 
-RangedTag ranged(const SeenTag& seen, const Survey& survey, const Rig& rig,
-                 const RigCamera& rig_camera) {
+// Nothing for a tag at the border of what the camera's lens model covers.
+std::optional<RangedTag> ranged(const SeenTag& seen, const Survey& survey, const Rig& rig,
+                                const RigCamera& rig_camera) {
   const Camera& camera = rig_camera.camera;
   const double edge = survey.tag_template.frame_inner_height;
   if (seen.seen_corners) {
-    const PixelPoint p = ideal_pixel(camera, seen.seen_corners->corners[0]);
-    return {&seen, distance_by_corners(camera, *seen.seen_corners, edge),
-            paper_tag_is_above(p, {0, 0})};
+    const auto p = ideal_pixel(camera, seen.seen_corners->corners[0]);
+    const auto measured = distance_by_corners(camera, *seen.seen_corners, edge);
+    if (!p || !measured) return std::nullopt;
+    return RangedTag{&seen, *measured, paper_tag_is_above(*p, {0, 0})};
   }
   const double distance = seen.distance.value_or(0);
-  return {&seen,
-          {distance, outline_distance_sigma(camera, distance, edge)},
-          survey_says_above(survey, seen.tag, rig)};
+  return RangedTag{&seen,
+                   {distance, outline_distance_sigma(camera, distance, edge)},
+                   survey_says_above(survey, seen.tag, rig)};
 }
 
 std::vector<RangedTag> ranged_tags(const Observation& observation,
@@ -99,7 +112,7 @@ std::vector<RangedTag> ranged_tags(const Observation& observation,
   for (const SeenTag& seen : observation.tags) {
     const RigCamera* camera = find_camera(rig, seen.camera);
     if (camera == nullptr || seen.tag.side != side) continue;
-    tags.push_back(ranged(seen, surveys.at(seen.survey), rig, *camera));
+    if (auto tag = ranged(seen, surveys.at(seen.survey), rig, *camera)) tags.push_back(*tag);
   }
   return tags;
 }

@@ -5,16 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-bool has_distortion(const Camera& camera) {
-  return std::ranges::any_of(camera.distortion, [](double k) { return k != 0; });
-}
 
 // Sutherland and Hodgman 1974, "Reentrant polygon clipping", against normal . x >= limit.
 std::vector<Vector3d> clip(const std::vector<Vector3d>& polygon, const Vector3d& normal,
@@ -46,30 +43,40 @@ std::vector<Vector3d> clip(std::vector<Vector3d> polygon, const ViewingFrustum& 
   return polygon;
 }
 
+// The point's pixel; of a point out of the lens model's reach, that of the nearest one within. What
+// is seen of a polygon stays what it is when its outline is pulled in so.
+Vector2d pixel_within_reach(const Camera& camera, double reach, const Vector3d& point_in_camera) {
+  if (const auto pixel = project(camera, point_in_camera)) return *pixel;
+  const Vector2d ideal = point_in_camera.head<2>() / point_in_camera.z();
+  const Vector2d within = (1 - 1e-9) * reach * ideal.normalized();
+  return project(camera, {within.x(), within.y(), 1}).value();
+}
+
 // Points of the straight side from one corner to the next, the first one included, close enough
 // that the chords between their pictures stay within the accuracy promised: a curve's distance from
 // its chord falls with the square of the number of pieces.
-void add_side(std::vector<Vector2d>& outline, const Camera& camera, const Vector3d& from,
-              const Vector3d& to) {
+void add_side(std::vector<Vector2d>& outline, const Camera& camera, double reach,
+              const Vector3d& from, const Vector3d& to) {
   constexpr double kAccuracy = 1e-3;  // px
-  constexpr int kMostPieces = 256;
-  const Vector2d start = *project(camera, from);
+  constexpr int kMostPieces = 1024;
+  const auto pixel_at = [&](double part) {
+    return pixel_within_reach(camera, reach, from + part * (to - from));
+  };
+  const Vector2d start = pixel_at(0);
   outline.push_back(start);
-  if (!has_distortion(camera)) return;
-  const Vector2d end = *project(camera, to);
+  if (is_rectilinear(camera)) return;
+  const Vector2d end = pixel_at(1);
   // Quarter points too: the midpoint of a symmetric S-shaped side lies on its chord.
   double bulge = 0;
   const Vector2d chord = end - start;
   for (const double part : {0.25, 0.5, 0.75}) {
-    const Vector2d offset = *project(camera, from + part * (to - from)) - start;
+    const Vector2d offset = pixel_at(part) - start;
     const double across = chord.x() * offset.y() - chord.y() * offset.x();
     bulge = std::max(bulge, std::abs(across) / std::max(chord.norm(), 1e-9));
   }
   const int pieces =
       std::clamp(static_cast<int>(std::ceil(std::sqrt(4 * bulge / kAccuracy))), 1, kMostPieces);
-  for (int i = 1; i < pieces; ++i) {
-    outline.push_back(*project(camera, from + (static_cast<double>(i) / pieces) * (to - from)));
-  }
+  for (int i = 1; i < pieces; ++i) outline.push_back(pixel_at(static_cast<double>(i) / pieces));
 }
 
 }  // namespace
@@ -78,26 +85,31 @@ ViewingFrustum viewing_frustum(const Camera& camera, double margin_px) {
   constexpr int kSteps =
       16;  // along each border: under distortion the extremes lie between corners
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  ViewingFrustum frustum{kInfinity, -kInfinity, kInfinity, -kInfinity};
+  ViewingFrustum frustum{kInfinity, -kInfinity, kInfinity, -kInfinity, reach(camera)};
   const auto include = [&](double x, double y) {
-    const Vector3d ray = ray_through(camera, {x, y});
-    frustum.left = std::min(frustum.left, ray.x());
-    frustum.right = std::max(frustum.right, ray.x());
-    frustum.top = std::min(frustum.top, ray.y());
-    frustum.bottom = std::max(frustum.bottom, ray.y());
+    frustum.left = std::min(frustum.left, x);
+    frustum.right = std::max(frustum.right, x);
+    frustum.top = std::min(frustum.top, y);
+    frustum.bottom = std::max(frustum.bottom, y);
   };
+  const auto include_pixel = [&](double x, double y) {
+    const std::optional<Vector3d> ray = ray_through(camera, {x, y});
+    if (ray) return include(ray->x(), ray->y());
+    include(-frustum.reach, -frustum.reach);
+    include(frustum.reach, frustum.reach);
+  };
+  const double low = -0.5 - margin_px;
+  const double right = camera.width - 0.5 + margin_px;
+  const double bottom = camera.height - 0.5 + margin_px;
   for (int i = 0; i <= kSteps; ++i) {
-    const double x = -0.5 + camera.width * static_cast<double>(i) / kSteps;
-    const double y = -0.5 + camera.height * static_cast<double>(i) / kSteps;
-    include(x, -0.5);
-    include(x, camera.height - 0.5);
-    include(-0.5, y);
-    include(camera.width - 0.5, y);
+    const double x = low + (right - low) * i / kSteps;
+    const double y = low + (bottom - low) * i / kSteps;
+    include_pixel(x, low);
+    include_pixel(x, bottom);
+    include_pixel(low, y);
+    include_pixel(right, y);
   }
-  const double margin_x = margin_px / camera.fx;
-  const double margin_y = margin_px / camera.fy;
-  return {frustum.left - margin_x, frustum.right + margin_x, frustum.top - margin_y,
-          frustum.bottom + margin_y, frustum.nearest};
+  return frustum;
 }
 
 std::vector<Vector2d> outline_in_image(const Camera& camera, const ViewingFrustum& frustum,
@@ -111,7 +123,7 @@ std::vector<Vector2d> outline_in_image(const Camera& camera, const ViewingFrustu
   corners = clip(std::move(corners), frustum);
   std::vector<Vector2d> outline;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    add_side(outline, camera, corners[i], corners[(i + 1) % corners.size()]);
+    add_side(outline, camera, frustum.reach, corners[i], corners[(i + 1) % corners.size()]);
   }
   return outline;
 }

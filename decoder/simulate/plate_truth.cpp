@@ -15,17 +15,6 @@ bool contains(const Rectangle& area, const Vector2d& point) {
          point.y() <= area.y + area.height;
 }
 
-// Far outside of its field of view the distortion model folds back into the image; what does not
-// come back by the inverse is such a ghost.
-std::optional<Vector2d> pixel_of(const Camera& camera, const Vector3d& point_in_camera) {
-  const std::optional<Vector2d> pixel = project(camera, point_in_camera);
-  if (!pixel) return std::nullopt;
-  const Vector3d ray = ray_through(camera, *pixel);
-  const Vector2d ideal = point_in_camera.head<2>() / point_in_camera.z();
-  const bool is_same = (ray.head<2>() - ideal).norm() < 1e-6 * (1.0 + ideal.norm());
-  return is_same ? pixel : std::nullopt;
-}
-
 bool hidden_by_plate(const ScenePlate& other, const Vector3d& point_in_camera) {
   if (!faces_camera(other)) return false;
   const Vector3d ray = point_in_camera / point_in_camera.z();
@@ -39,7 +28,7 @@ bool is_visible(const Camera& camera, std::span<const ScenePlate> plates, std::s
   const ScenePlate& plate = plates[index];
   if (plate.finish.cover && contains(plate.finish.cover->area, point)) return false;
   const Vector3d point_in_camera = plate.camera_from_plate * Vector3d(point.x(), point.y(), 0);
-  const std::optional<Vector2d> pixel = pixel_of(camera, point_in_camera);
+  const std::optional<Vector2d> pixel = project(camera, point_in_camera);
   if (!pixel || !in_image(camera, *pixel)) return false;
   if (backdrop != nullptr) {
     const int x = std::clamp(static_cast<int>(std::lround(pixel->x())), 0, camera.width - 1);
@@ -72,8 +61,8 @@ double visible_fraction(const Camera& camera, std::span<const ScenePlate> plates
 double module_width_px(const Camera& camera, const ScenePlate& plate) {
   const Vector3d middle = frame_middle_in_camera(plate);
   const Vector3d half = 0.5 * plate.drawing.module * plate.camera_from_plate.rotation.col(0);
-  const std::optional<Vector2d> left = pixel_of(camera, middle - half);
-  const std::optional<Vector2d> right = pixel_of(camera, middle + half);
+  const std::optional<Vector2d> left = project(camera, middle - half);
+  const std::optional<Vector2d> right = project(camera, middle + half);
   return left && right ? (*right - *left).norm() : 0.0;
 }
 
@@ -114,7 +103,7 @@ std::vector<PlateTruth> plate_truths(const Camera& camera, std::span<const Scene
         Vector3d(inner.x, inner.y + inner.height, 0)};
     PlateTruth truth;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      truth.corners[i] = pixel_of(camera, plate.camera_from_plate * corners[i]);
+      truth.corners[i] = project(camera, plate.camera_from_plate * corners[i]);
     }
     const Vector3d sight = frame_middle_in_camera(plate).normalized();
     const double cosine = plate.camera_from_plate.rotation.col(2).dot(sight);

@@ -198,9 +198,9 @@ double glare_at(const Glare& glare, const Vector2d& point) {
 
 Surface surface_at(const Job& job, const ScenePlate& plate, const Vector2d& pixel) {
   const PlateFinish& finish = plate.finish;
-  const Vector3d ray = ray_through(job.camera, pixel);
-  const std::optional<double> depth = depth_on_plate(plate, ray);
-  const Vector3d place = depth ? Vector3d(*depth * ray) : frame_middle_in_camera(plate);
+  const std::optional<Vector3d> ray = ray_through(job.camera, pixel);
+  const std::optional<double> depth = ray ? depth_on_plate(plate, *ray) : std::nullopt;
+  const Vector3d place = depth ? Vector3d(*depth * *ray) : frame_middle_in_camera(plate);
   const Vector2d point = point_on_plate(plate, place);
   const double distance = place.norm();
   const double cosine = plate.camera_from_plate.rotation.col(2).dot(place) / distance;
@@ -450,7 +450,8 @@ Pose camera_from_turned_plate(const Camera& camera, const TagDrawing& drawing,
                       .toRotationMatrix();
   const Rectangle& inner = drawing.frame_inner;
   const Vector3d middle(inner.x + inner.width / 2, inner.y + inner.height / 2, 0);
-  pose.translation = distance * ray_through(camera, pixel).normalized() - pose.rotation * middle;
+  pose.translation =
+      distance * ray_through(camera, pixel).value().normalized() - pose.rotation * middle;
   return pose;
 }
 

@@ -148,8 +148,10 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
                     LightImage(camera.width, camera.height, static_cast<float>(kFar))};
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const Vector3d ray = world_from_camera.rotation *
-                           ray_through(camera, {static_cast<double>(x), static_cast<double>(y)});
+      const auto ray_in_camera =
+          ray_through(camera, {static_cast<double>(x), static_cast<double>(y)});
+      if (!ray_in_camera) continue;
+      const Vector3d ray = world_from_camera.rotation * *ray_in_camera;
       const Place place = look(walls, height, origin, ray);
       if (place.kind == Place::Kind::nothing) continue;
       const double distance = place.depth * ray.norm();

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/geometry/camera.hpp"
 
+#include <cmath>
 #include <random>
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/geometry/angle.hpp"
+
 using namespace tagsmith;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
 
 namespace {
 
@@ -18,6 +23,37 @@ Camera distorted_camera(std::mt19937& random) {
   camera.distortion = {0.2 * unit(random), 0.1 * unit(random), 0.005 * unit(random),
                        0.005 * unit(random), 0.02 * unit(random)};
   return camera;
+}
+
+Camera rational_camera(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Camera camera = distorted_camera(random);
+  camera.fx = camera.fy = 700;
+  camera.distortion = {0.8 + 0.1 * unit(random),
+                       0.1 + 0.05 * unit(random),
+                       0.002 * unit(random),
+                       0.002 * unit(random),
+                       0.01,
+                       0.9 + 0.1 * unit(random),
+                       0.15 + 0.05 * unit(random),
+                       0.02};
+  return camera;
+}
+
+Camera fisheye_camera(std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Camera camera = distorted_camera(random);
+  camera.lens = LensModel::fisheye;
+  camera.fx = camera.fy = 660 + 40 * unit(random);
+  camera.distortion = {0.02 * unit(random), 0.01 * unit(random), 0.005 * unit(random),
+                       0.001 * unit(random)};
+  return camera;
+}
+
+// One of the kinds in turn.
+Camera any_camera(int i, std::mt19937& random) {
+  if (i % 3 == 0) return distorted_camera(random);
+  return i % 3 == 1 ? rational_camera(random) : fisheye_camera(random);
 }
 
 }  // namespace
@@ -50,6 +86,18 @@ TEST_CASE("distortion follows OpenCV's model") {
   CHECK(pixel->y() == doctest::Approx(-194.523394).epsilon(1e-12));
 }
 
+TEST_CASE("the rational and the fisheye model are OpenCV's") {
+  // From cv2.projectPoints and cv2.fisheye.projectPoints of OpenCV 4.6.
+  Camera camera{1280, 960, 800, 805, 640, 480, {0.8, -0.3, 0.001, -0.0005, 0.05, 1.1, -0.2, 0.02}};
+  CHECK((*project(camera, {0.3, -0.2, 1}) - Vector2d(871.225038087, 324.956303616)).norm() < 1e-8);
+  CHECK((*project(camera, {1.2, 0.5, 1.5}) - Vector2d(1179.615583598, 706.975687452)).norm() <
+        1e-8);
+  camera.lens = LensModel::fisheye;
+  camera.distortion = {-0.03, 0.01, -0.004, 0.0007};
+  CHECK((*project(camera, {0.3, -0.2, 1}) - Vector2d(869.546746181, 326.012391103)).norm() < 1e-8);
+  CHECK((*project(camera, {-2, 1, 0.9}) - Vector2d(-183.900184823, 894.524780489)).norm() < 1e-8);
+}
+
 TEST_CASE("projecting the ray through a pixel gives the pixel back, distortion included") {
   constexpr unsigned kSeed = 21;
   CAPTURE(kSeed);
@@ -57,13 +105,79 @@ TEST_CASE("projecting the ray through a pixel gives the pixel back, distortion i
   std::uniform_real_distribution<double> u(0, 1279);
   std::uniform_real_distribution<double> v(0, 959);
   std::uniform_real_distribution<double> depth(0.2, 20);
-  for (int i = 0; i < 500; ++i) {
-    const Camera camera = distorted_camera(random);
-    const Eigen::Vector2d pixel(u(random), v(random));
-    const auto again = project(camera, depth(random) * ray_through(camera, pixel));
+  for (int i = 0; i < 900; ++i) {
+    const Camera camera = any_camera(i, random);
+    const Vector2d pixel(u(random), v(random));
+    const auto ray = ray_through(camera, pixel);
+    REQUIRE(ray.has_value());
+    const auto again = project(camera, depth(random) * *ray);
     REQUIRE(again.has_value());
-    CHECK((*again - pixel).norm() < 1e-6);
+    CHECK((*again - pixel).norm() < 1e-9);
   }
+}
+
+TEST_CASE("the derivative of the pixel is that of finite differences") {
+  constexpr unsigned kSeed = 22;
+  CAPTURE(kSeed);
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> u(0, 1279);
+  std::uniform_real_distribution<double> v(0, 959);
+  std::uniform_real_distribution<double> depth(0.2, 20);
+  for (int i = 0; i < 900; ++i) {
+    CAPTURE(i);
+    const Camera camera = any_camera(i, random);
+    // Every tenth point near the axis, where the formulas are replaced by their series.
+    const Vector2d pixel = i % 10 == 0 ? Vector2d(camera.cx + 1e-4 * u(random), camera.cy)
+                                       : Vector2d(u(random), v(random));
+    const Vector3d point = depth(random) * ray_through(camera, pixel).value();
+    const auto projection = project_with_derivative(camera, point);
+    REQUIRE(projection.has_value());
+    for (const int axis : {0, 1, 2}) {
+      const Vector3d step = 1e-5 * point.z() * Vector3d::Unit(axis);
+      const Vector2d by_difference =
+          (*project(camera, point + step) - *project(camera, point - step)) / (2 * step.norm());
+      CHECK((projection->by_point.col(axis) - by_difference).norm() <
+            1e-5 * (1 + by_difference.norm()));
+    }
+  }
+}
+
+TEST_CASE("points that a distortion polynomial would fold back have no pixel") {
+  Camera camera = camera_from_sensor(1280, 960, 3.0, 4.8, 3.6);
+  CHECK(std::isinf(reach(camera)));
+  camera.distortion = {-0.5};  // r (1 - r^2 / 2) rises up to r = sqrt(2/3)
+  const double limit = std::sqrt(2.0 / 3);
+  CHECK(reach(camera) == doctest::Approx(limit).epsilon(1e-12));
+  CHECK(project(camera, {limit - 1e-6, 0, 1}).has_value());
+  CHECK_FALSE(project(camera, {limit + 1e-6, 0, 1}).has_value());
+  CHECK_FALSE(project(camera, {0, 1.4, 1}).has_value());  // would fall on the principal point
+  const double highest = limit * (1 - limit * limit / 2);
+  CHECK(ray_through(camera, {camera.cx + camera.fx * (highest - 1e-6), camera.cy}).has_value());
+  CHECK_FALSE(
+      ray_through(camera, {camera.cx + camera.fx * (highest + 1e-6), camera.cy}).has_value());
+  // A dip after which the polynomial rises again: what lies beyond is out of reach all the same.
+  camera.distortion = {-0.9, 0.3};
+  CHECK(reach(camera) < 1);
+  CHECK_FALSE(project(camera, {2, 0, 1}).has_value());
+  // A pole of the rational model.
+  camera.distortion = {0, 0, 0, 0, 0, -1, 0, 0};
+  CHECK(reach(camera) < 1);
+  CHECK_FALSE(project(camera, {1.5, 0, 1}).has_value());
+}
+
+TEST_CASE("a fisheye sees what lies before it up to 89.9 degrees from its axis, and no farther") {
+  Camera camera = camera_from_sensor(1280, 960, 1.0, 4.8, 3.6);
+  camera.lens = LensModel::fisheye;
+  const auto at = [&](double angle_deg) {
+    const double angle = radians(angle_deg);
+    return project(camera, {std::sin(angle), 0, std::cos(angle)});
+  };
+  CHECK(at(60)->x() == doctest::Approx(camera.cx + camera.fx * radians(60)));
+  CHECK(at(89.89).has_value());
+  CHECK_FALSE(at(89.91).has_value());
+  CHECK(ray_through(camera, {camera.cx + camera.fx * radians(89.8), camera.cy}).has_value());
+  CHECK_FALSE(ray_through(camera, {0, 0}).has_value());  // outside of the image circle
+  CHECK(ray_through(camera, {camera.cx, camera.cy}) == Vector3d(0, 0, 1));
 }
 
 TEST_CASE("nothing behind the camera or at its centre is projected") {

@@ -160,7 +160,7 @@ TEST_CASE("The backdrop's depths are those of walls, floor and roof") {
     const Vector2d pixel = *project(camera.camera, {x, y, 1});
     const auto column = static_cast<int>(std::lround(pixel.x()));
     const auto row = static_cast<int>(std::lround(pixel.y()));
-    const Vector3d ray = ray_through(camera.camera, {column, row});
+    const Vector3d ray = *ray_through(camera.camera, {column, row});
     return std::pair{static_cast<double>(backdrop.depth.row(row)[column]), ray};
   };
   const auto [left, left_ray] = depth(-0.6, 0);
@@ -184,7 +184,7 @@ TEST_CASE("On a grade the floor is met where the center line puts it") {
       tunnel_backdrop(survey.tunnel, 0.01, camera.camera, world_from_camera, {}, 1);
   // Level ahead the rising floor is met 10 m beyond the foot of the ramp.
   const int row = camera.camera.height / 2;
-  const Vector3d ray = ray_through(camera.camera, {159, static_cast<double>(row)});
+  const Vector3d ray = *ray_through(camera.camera, {159, static_cast<double>(row)});
   const double expected = (1.0 + 0.1 * 5) / (0.1 + ray.y());
   CHECK(static_cast<double>(backdrop.depth.row(row)[159]) ==
         doctest::Approx(expected).epsilon(1e-3));
