@@ -8,6 +8,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_intrinsics.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
@@ -16,88 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kLargestVehicle = 100.0;     // metres
-constexpr double kMostPixels = 65'535;        // of an image side
 constexpr double kDefaultHeightSigma = 0.05;  // metres: likewise, and what wheels sink in
 constexpr double kDefaultAttitude = 2.0;      // degrees: what an undulating floor does to a crawler
-
-struct ImageSize {
-  int width = 0;
-  int height = 0;
-};
-
-std::optional<ImageSize> read_image_size(const MapReader& map) {
-  const YamlNode* node = map.need("image_size", "image_size: [width, height] in pixels");
-  const std::string name = map.name_of("image_size");
-  const auto values = read_numbers(node, name, 2, between(1, kMostPixels, "pixels"), map.log());
-  if (!values) return std::nullopt;
-  if ((*values)[0] != std::floor((*values)[0]) || (*values)[1] != std::floor((*values)[1])) {
-    map.log().error(node->place, "wrong-type", name + " has fractions, expected whole pixels");
-    return std::nullopt;
-  }
-  return ImageSize{static_cast<int>((*values)[0]), static_cast<int>((*values)[1])};
-}
-
-// The lens and sensor as their data sheets give them.
-std::optional<Camera> read_lens(const MapReader& map, const ImageSize& size) {
-  const auto focal = map.number("focal_length_mm", above_zero(10'000, "mm"),
-                                "focal_length_mm and sensor_mm, or fx, fy, cx, cy");
-  const auto sensor = read_numbers(map.need("sensor_mm", "sensor_mm: [width, height]"),
-                                   map.name_of("sensor_mm"), 2, above_zero(1000, "mm"), map.log());
-  if (!focal || !sensor) return std::nullopt;
-  const Camera camera =
-      camera_from_sensor(size.width, size.height, *focal, (*sensor)[0], (*sensor)[1]);
-  constexpr double kSquare = 0.02;  // data sheets round sensor sizes to a tenth of a millimetre
-  if (std::abs(camera.fx / camera.fy - 1) > kSquare) {
-    map.log().warning(map.find("sensor_mm")->place, "odd-pixels",
-                      map.name_of("sensor_mm") + " and image_size give pixels of " +
-                          format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
-                          format_number(1000 * (*sensor)[1] / size.height, 3) +
-                          " micrometres, expected square ones",
-                      "check the order of width and height");
-  }
-  return camera;
-}
-
-std::optional<Camera> read_calibrated(const MapReader& map, const ImageSize& size) {
-  const NumberRange focal = above_zero(1e7, "pixels");
-  const NumberRange centre = between(-kMostPixels, 2 * kMostPixels, "pixels");
-  const auto fx = map.number("fx", focal);
-  const auto fy = map.number("fy", focal);
-  const auto cx = map.number("cx", centre);
-  const auto cy = map.number("cy", centre);
-  const YamlNode* node = map.find("distortion");
-  const auto distortion =
-      read_numbers(node, map.name_of("distortion"), 5, between(-100, 100, ""), map.log());
-  if (!fx || !fy || !cx || !cy || (node != nullptr && !distortion)) return std::nullopt;
-  Camera camera{size.width, size.height, *fx, *fy, *cx, *cy, {}};
-  if (distortion) std::ranges::copy(*distortion, camera.distortion.begin());
-  if (!in_image(camera, {*cx, *cy})) {
-    map.log().warning(map.find("cx")->place, "odd-principal-point",
-                      map.name_of("cx") + ", cy lie outside the image",
-                      "was the camera calibrated at another image size?");
-  }
-  return camera;
-}
-
-void refuse_calibration_file(const MapReader& map) {
-  const YamlNode* node = map.find("calibration");
-  if (node == nullptr) return;
-  map.log().error(node->place, "calibration-file",
-                  map.name_of("calibration") + " names a file, which this version does not read",
-                  "copy its numbers: fx, fy, cx, cy, distortion: [k1, k2, p1, p2, k3]");
-}
-
-std::optional<Camera> read_intrinsics(const MapReader& map) {
-  const std::optional<ImageSize> size = read_image_size(map);
-  refuse_calibration_file(map);
-  map.exclude_each_other({"focal_length_mm", "fx"});
-  map.exclude_each_other({"focal_length_mm", "distortion"});
-  if (!map.is_map() || map.has("calibration")) return std::nullopt;
-  const ImageSize used = size.value_or(ImageSize{1, 1});
-  const bool calibrated = map.has("fx") || map.has("fy") || map.has("cx") || map.has("cy");
-  const auto camera = calibrated ? read_calibrated(map, used) : read_lens(map, used);
-  return size ? camera : std::nullopt;
-}
 
 std::optional<Side> read_side(const YamlNode* node, const std::string& name, FindingLog& log) {
   const auto side = read_choice(node, name, {"left", "right"}, log);
@@ -144,15 +65,15 @@ CalibrationSigma read_calibration_sigma(const YamlNode* node, const std::string&
   return sigma;
 }
 
-RigCamera read_camera(const YamlNode& node, const std::string& name, FindingLog& log) {
-  const MapReader map(&node, "cameras." + name,
-                      {"image_size", "focal_length_mm", "sensor_mm", "fx", "fy", "cx", "cy",
-                       "distortion", "calibration", "alpha", "side", "yaw", "pitch", "roll",
-                       "position", "exposure", "blur_px", "sigma"},
-                      log);
+RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::path& folder,
+                      FindingLog& log) {
+  std::vector<std::string> keys = intrinsics_keys();
+  keys.insert(keys.end(),
+              {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure", "blur_px", "sigma"});
+  const MapReader map(&node, "cameras." + name, keys, log);
   RigCamera camera;
   camera.name = name;
-  camera.camera = read_intrinsics(map).value_or(Camera{});
+  camera.camera = read_intrinsics(map, folder).value_or(Camera{});
   camera.side = read_side(map.find("side"), map.name_of("side"), log);
   camera.vehicle_from_camera = read_mounting(map, camera.side);
   camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));
@@ -269,7 +190,7 @@ Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
   read_named(
       cameras, "camera",
       [&](const YamlNode& node, const std::string& name) {
-        rig.cameras.push_back(read_camera(node, name, log));
+        rig.cameras.push_back(read_camera(node, name, path.parent_path(), log));
       },
       log);
   if (cameras != nullptr && cameras->kind == YamlNode::Kind::map && cameras->keys.empty()) {

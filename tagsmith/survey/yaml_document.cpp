@@ -35,14 +35,14 @@ void log_too_deep(Place place, FindingLog& log) {
 
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(FindingLog& log) : log_(log) {}
+  TreeBuilder(FindingLog& log, std::string_view known_tag) : log_(log), known_tag_(known_tag) {}
 
   std::optional<YamlNode> take() { return std::exchange(root_, std::nullopt); }
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ < 2) return;
     log_.error(place_of(mark), "several-documents", "a second document begins, expected one",
-               "put each survey into a file of its own");
+               "put each into a file of its own");
     throw Abandoned();
   }
 
@@ -93,7 +93,9 @@ class TreeBuilder final : public YAML::EventHandler {
     bool at_key_of_parent = false;  // place it at the key it is the value of
   };
 
-  static bool plain_tag(const std::string& tag) { return tag.empty() || tag == "?" || tag == "!"; }
+  bool plain_tag(const std::string& tag) const {
+    return tag.empty() || tag == "?" || tag == "!" || tag == known_tag_;
+  }
 
   YamlNode broken(const YAML::Mark& mark, std::string code, std::string message, std::string hint) {
     YamlNode node;
@@ -132,7 +134,7 @@ class TreeBuilder final : public YAML::EventHandler {
     if (++count_ > kMostNodes) {
       log_.error(node.place, "too-many-values",
                  "more than " + std::to_string(kMostNodes) + " values in one file",
-                 "split the survey into several files");
+                 "split it into several files");
       throw Abandoned();
     }
     if (open_.empty()) {
@@ -159,6 +161,7 @@ class TreeBuilder final : public YAML::EventHandler {
   }
 
   FindingLog& log_;
+  std::string_view known_tag_;
   std::vector<Open> open_;
   std::optional<YamlNode> root_;
   std::size_t count_ = 0;
@@ -184,25 +187,6 @@ std::size_t utf8_length(std::string_view text) {
     return 0;
   }
   return length;
-}
-
-// Logs the first byte that is no UTF-8 text; true when there is none.
-bool check_utf8(std::string_view text, FindingLog& log) {
-  Place place{1, 1};
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    const char first = text.front();
-    const bool control =
-        static_cast<unsigned char>(first) < 0x20 && first != '\t' && first != '\n' && first != '\r';
-    if (length == 0 || control) {
-      log.error(place, "not-utf-8", "a byte that is no text, expected UTF-8",
-                "save the file as UTF-8");
-      return false;
-    }
-    place = first == '\n' ? Place{place.line + 1, 1} : Place{place.line, place.column + 1};
-    text.remove_prefix(length);
-  }
-  return true;
 }
 
 // Where the quoted text that begins at `quote` ends: at its closing quote, or at the end.
@@ -254,9 +238,28 @@ bool check_flow(std::string_view text, FindingLog& log) {
 
 }  // namespace
 
-std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log) {
+bool check_utf8(std::string_view text, FindingLog& log) {
+  Place place{1, 1};
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const char first = text.front();
+    const bool control =
+        static_cast<unsigned char>(first) < 0x20 && first != '\t' && first != '\n' && first != '\r';
+    if (length == 0 || control) {
+      log.error(place, "not-utf-8", "a byte that is no text, expected UTF-8",
+                "save the file as UTF-8");
+      return false;
+    }
+    place = first == '\n' ? Place{place.line + 1, 1} : Place{place.line, place.column + 1};
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
+                                   std::string_view known_tag) {
   if (!check_utf8(text, log) || !check_flow(text, log)) return std::nullopt;
-  TreeBuilder builder(log);
+  TreeBuilder builder(log, known_tag);
   try {
     std::istringstream stream{std::string(text)};
     YAML::Parser parser(stream);

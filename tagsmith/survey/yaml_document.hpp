@@ -31,7 +31,11 @@ struct YamlNode {
 
 // The text's one document. Nothing when it has no usable tree; why is in the log: syntax, not
 // UTF-8, empty, several documents, nested deeper than 32, more than four million values. Aliases,
-// merge keys and explicit tags are logged as errors and leave a broken node.
-std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log);
+// merge keys and explicit tags other than `known_tag` are logged as errors and leave a broken node.
+std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
+                                   std::string_view known_tag = {});
+
+// Logs the first byte that is no UTF-8 text; true when there is none.
+bool check_utf8(std::string_view text, FindingLog& log);
 
 }  // namespace tagsmith

@@ -63,6 +63,7 @@ class MapReader {
   MapReader(const YamlNode* node, std::string name, std::vector<std::string> known_keys,
             FindingLog& log);
 
+  const std::string& name() const { return name_; }
   bool is_map() const { return node_ != nullptr; }
   Place place() const { return node_ != nullptr ? node_->place : Place{}; }
 

@@ -31,8 +31,9 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 11> kThirdParty{{
+constexpr std::array<ThirdParty, 12> kThirdParty{{
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
+    {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
     {"qpdf", "qpdf/.*", "tagsmith/render", true},
     {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},

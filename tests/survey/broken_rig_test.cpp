@@ -31,7 +31,6 @@ const Breakage kErrors[] = {
      3},
     {"two kinds of intrinsics", "focal_length_mm: 6.0", "focal_length_mm: 6.0\n    fx: 1600",
      "conflicting-keys", 6},
-    {"calibration file", "alpha: 35", "calibration: left.yaml", "calibration-file", 7},
     {"image of one number", "image_size: [1280, 960]", "image_size: 1280", "wrong-type", 4},
     {"image without pixels", "image_size: [1280, 960]", "image_size: [1280, 0]", "out-of-range", 4},
     {"half a pixel", "image_size: [1280, 960]", "image_size: [1280, 960.5]", "wrong-type", 4},

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/read_intrinsics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/camera_limits.hpp"
+#include "tagsmith/survey/read_calibration.hpp"
+
+namespace tagsmith {
+namespace fs = std::filesystem;
+namespace {
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+std::string words_of(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+std::optional<ImageSize> read_image_size(const MapReader& map) {
+  const YamlNode* node = map.find("image_size");
+  const std::string name = map.name_of("image_size");
+  const auto values = read_numbers(node, name, 2, between(1, kMostPixels, "pixels"), map.log());
+  if (!values) return std::nullopt;
+  if ((*values)[0] != std::floor((*values)[0]) || (*values)[1] != std::floor((*values)[1])) {
+    map.log().error(node->place, "wrong-type", name + " has fractions, expected whole pixels");
+    return std::nullopt;
+  }
+  return ImageSize{static_cast<int>((*values)[0]), static_cast<int>((*values)[1])};
+}
+
+void need_image_size(const MapReader& map) {
+  map.need("image_size", "image_size: [width, height] in pixels");
+}
+
+std::optional<LensModel> read_model(const MapReader& map) {
+  const auto model =
+      read_choice(map.find("model"), map.name_of("model"), {"perspective", "fisheye"}, map.log());
+  if (!model) return std::nullopt;
+  return *model == "fisheye" ? LensModel::fisheye : LensModel::perspective;
+}
+
+// The lens and sensor as their data sheets give them.
+std::optional<Camera> read_lens(const MapReader& map, const ImageSize& size) {
+  const auto focal =
+      map.number("focal_length_mm", above_zero(10'000, "mm"),
+                 "focal_length_mm and sensor_mm, or fx, fy, cx, cy, or calibration: FILE");
+  const auto sensor = read_numbers(map.need("sensor_mm", "sensor_mm: [width, height]"),
+                                   map.name_of("sensor_mm"), 2, above_zero(1000, "mm"), map.log());
+  if (!focal || !sensor) return std::nullopt;
+  const Camera camera =
+      camera_from_sensor(size.width, size.height, *focal, (*sensor)[0], (*sensor)[1]);
+  constexpr double kSquare = 0.02;  // data sheets round sensor sizes to a tenth of a millimetre
+  if (std::abs(camera.fx / camera.fy - 1) > kSquare) {
+    map.log().warning(map.find("sensor_mm")->place, "odd-pixels",
+                      map.name_of("sensor_mm") + " and image_size give pixels of " +
+                          format_number(1000 * (*sensor)[0] / size.width, 3) + " x " +
+                          format_number(1000 * (*sensor)[1] / size.height, 3) +
+                          " micrometres, expected square ones",
+                      "check the order of width and height");
+  }
+  return camera;
+}
+
+// Five coefficients of a perspective lens, or eight of the rational model; four of a fisheye.
+std::optional<std::vector<double>> read_distortion(const MapReader& map, LensModel model) {
+  const YamlNode* node = map.find("distortion");
+  if (node == nullptr) return std::vector<double>{};
+  constexpr std::size_t kRational = 8;
+  const bool is_rational =
+      node->kind == YamlNode::Kind::sequence && node->items.size() == kRational;
+  const std::size_t count = model == LensModel::fisheye ? 4 : is_rational ? kRational : 5;
+  return read_numbers(node, map.name_of("distortion"), count, between(-100, 100, ""), map.log());
+}
+
+std::optional<Camera> read_numbers_of_lens(const MapReader& map, const ImageSize& size,
+                                           LensModel model) {
+  const NumberRange focal = above_zero(kLongestFocalPx, "pixels");
+  const NumberRange centre = between(-kMostPixels, 2 * kMostPixels, "pixels");
+  const auto fx = map.number("fx", focal);
+  const auto fy = map.number("fy", focal);
+  const auto cx = map.number("cx", centre);
+  const auto cy = map.number("cy", centre);
+  const auto distortion = read_distortion(map, model);
+  if (!fx || !fy || !cx || !cy || !distortion) return std::nullopt;
+  Camera camera{size.width, size.height, *fx, *fy, *cx, *cy, {}};
+  std::ranges::copy(*distortion, camera.distortion.begin());
+  return camera;
+}
+
+// --- calibration file ---
+
+// calibration: FILE, or calibration: { file: FILE, camera: KEY }.
+std::optional<CalibrationRequest> read_request(const MapReader& map, const fs::path& folder) {
+  const YamlNode* node = map.find("calibration");
+  const std::string name = map.name_of("calibration");
+  CalibrationRequest request;
+  std::optional<std::string> file;
+  if (node->kind == YamlNode::Kind::map) {
+    const MapReader choice(node, name, {"file", "camera"}, map.log());
+    file = read_text(choice.need("file", "file: FILE"), name + ".file", map.log());
+    if (choice.has("camera")) {
+      const auto camera = read_text(choice.find("camera"), name + ".camera", map.log());
+      if (!camera) return std::nullopt;
+      request.camera = *camera;
+    }
+  } else {
+    file = read_text(node, name, map.log());
+  }
+  if (!file) return std::nullopt;
+  request.file = folder / *file;
+  request.model = read_model(map);
+  return request;
+}
+
+// The image size that both agree on.
+bool settle_size(const MapReader& map, const std::optional<ImageSize>& size, const fs::path& file,
+                 Camera& camera) {
+  if (camera.width == 0) {
+    if (!size) need_image_size(map);
+    if (size) camera.width = size->width;
+    if (size) camera.height = size->height;
+    return size.has_value();
+  }
+  if (!size || (size->width == camera.width && size->height == camera.height)) return true;
+  map.log().error(map.find("image_size")->place, "calibration-size",
+                  map.name_of("image_size") + " is " + words_of(size->width, size->height) +
+                      ", but " + file.string() + " was calibrated with images of " +
+                      words_of(camera.width, camera.height),
+                  "calibrate with images of the size that the vehicle takes");
+  return false;
+}
+
+std::optional<Camera> read_calibration_file(const MapReader& map,
+                                            const std::optional<ImageSize>& size,
+                                            const fs::path& folder) {
+  const auto request = read_request(map, folder);
+  if (!request) return std::nullopt;
+  Result<CalibrationReading> reading = read_calibration(*request);
+  if (!reading) {
+    map.log().error(map.find("calibration")->place, "calibration-file",
+                    map.name_of("calibration") + ": " + reading.error().message,
+                    "its path is relative to the rig's folder");
+    return std::nullopt;
+  }
+  map.log().append(reading->diagnostics);
+  if (!reading->camera || (map.has("image_size") && !size)) return std::nullopt;
+  if (!settle_size(map, size, request->file, *reading->camera)) return std::nullopt;
+  return reading->camera;
+}
+
+// --- plausibility ---
+
+// Numbers that hardly belong to this camera and image size. `place`: of what says them.
+void warn_of_odd_lens(const MapReader& map, Place place, const Camera& camera) {
+  FindingLog& log = map.log();
+  if (!in_image(camera, {camera.cx, camera.cy})) {
+    log.warning(place, "odd-principal-point", map.name() + ": cx, cy lie outside the image",
+                "was the camera calibrated at another image size?");
+  }
+  if (camera.lens == LensModel::fisheye) return;
+  constexpr double kWidest = 0.2;  // 136 degrees across
+  if (camera.fx < kWidest * camera.width) {
+    log.warning(place, "odd-focal-length",
+                map.name() + ": a focal length of " + format_number(camera.fx, 1) + " pixels for " +
+                    std::to_string(camera.width) + " pixels of width",
+                "focal lengths are in pixels here; so wide a lens needs model: fisheye");
+  }
+  const double right = camera.width - 1.0;
+  const double bottom = camera.height - 1.0;
+  const std::array<Eigen::Vector2d, 4> corners{{{0, 0}, {right, 0}, {0, bottom}, {right, bottom}}};
+  const bool reaches = std::ranges::all_of(
+      corners, [&](const auto& corner) { return ray_through(camera, corner).has_value(); });
+  if (reaches) return;
+  log.warning(place, "lens-reach",
+              map.name() +
+                  ": the distortion folds back before it reaches the image's corners; what is "
+                  "seen there cannot be used",
+              "calibrate with the target in the corners of the image too");
+}
+
+}  // namespace
+
+std::vector<std::string> intrinsics_keys() {
+  return {"image_size", "focal_length_mm", "sensor_mm", "fx",         "fy", "cx",
+          "cy",         "distortion",      "model",     "calibration"};
+}
+
+std::optional<Camera> read_intrinsics(const MapReader& map, const fs::path& folder) {
+  if (!map.is_map()) return std::nullopt;
+  const bool by_file = map.has("calibration");
+  if (!by_file) need_image_size(map);
+  const std::optional<ImageSize> size = read_image_size(map);
+  for (const char* key : {"fx", "distortion", "calibration"}) {
+    map.exclude_each_other({"focal_length_mm", key});
+  }
+  for (const char* key : {"fx", "distortion"}) map.exclude_each_other({"calibration", key});
+  std::optional<Camera> camera;
+  const char* source = "calibration";
+  if (by_file) {
+    camera = read_calibration_file(map, size, folder);
+  } else {
+    const ImageSize used = size.value_or(ImageSize{1, 1});
+    const LensModel model = read_model(map).value_or(LensModel::perspective);
+    const bool by_numbers = map.has("fx") || map.has("fy") || map.has("cx") || map.has("cy");
+    source = by_numbers ? "fx" : "focal_length_mm";
+    camera = by_numbers ? read_numbers_of_lens(map, used, model) : read_lens(map, used);
+    if (camera) camera->lens = model;
+    if (!size) camera.reset();
+  }
+  if (camera) warn_of_odd_lens(map, map.find(source)->place, *camera);
+  return camera;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lens and sensor of one of a rig's cameras. Internal to tagsmith/survey.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/survey/yaml_reader.hpp"
+
+namespace tagsmith {
+
+// The keys of a camera that these functions read.
+std::vector<std::string> intrinsics_keys();
+
+// By a data sheet, by numbers, or by a calibration file, which is looked for beside the rig in
+// `folder`. Nothing when errors were logged; those about the calibration file name that file.
+std::optional<Camera> read_intrinsics(const MapReader& map, const std::filesystem::path& folder);
+
+}  // namespace tagsmith

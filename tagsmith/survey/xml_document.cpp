@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/xml_document.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <pugixml.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr int kDeepest = 32;
+
+// Lines and columns of byte offsets.
+class Places {
+ public:
+  explicit Places(std::string_view text) : size_(text.size()) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] == '\n') line_starts_.push_back(i + 1);
+    }
+  }
+
+  Place at(std::ptrdiff_t offset) const {
+    const std::size_t byte =
+        std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)), size_);
+    const auto next = std::ranges::upper_bound(line_starts_, byte);
+    return {static_cast<int>(next - line_starts_.begin()),
+            static_cast<int>(byte - *std::prev(next)) + 1};
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<std::size_t> line_starts_{0};
+};
+
+// pugixml places an element at its name, one character after its bracket.
+Place place_of(const pugi::xml_node& element, const Places& places) {
+  return places.at(element.offset_debug() - 1);
+}
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> words;
+  while (!(text = trim(text)).empty()) {
+    const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
+    words.emplace_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return words;
+}
+
+YamlNode scalar(std::string text, Place place) {
+  YamlNode node;
+  node.kind = YamlNode::Kind::scalar;
+  node.place = place;
+  node.text = std::move(text);
+  return node;
+}
+
+YamlNode text_value(std::string_view text, Place place) {
+  text = trim(text);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
+    YamlNode node = scalar(std::string(text.substr(1, text.size() - 2)), place);
+    node.quoted = true;
+    return node;
+  }
+  std::vector<std::string> words = words_of(text);
+  if (words.size() == 1) return scalar(std::move(words.front()), place);
+  YamlNode node;
+  node.place = place;
+  if (words.empty()) return node;
+  node.kind = YamlNode::Kind::sequence;
+  for (std::string& word : words) node.items.push_back(scalar(std::move(word), place));
+  return node;
+}
+
+YamlNode value_of(const pugi::xml_node& element, const Places& places, int depth, FindingLog& log) {
+  const Place place = place_of(element, places);
+  YamlNode node;
+  node.place = place;
+  if (depth > kDeepest) {
+    log.error(place, "too-deep", "nested more than " + std::to_string(kDeepest) + " deep",
+              "expected a calibration that OpenCV wrote");
+    node.kind = YamlNode::Kind::broken;
+    return node;
+  }
+  bool is_list = true;
+  for (const pugi::xml_node& child : element.children()) {
+    if (child.type() != pugi::node_element) continue;
+    is_list = is_list && std::string_view(child.name()) == "_";
+    node.keys.push_back({child.name(), place_of(child, places)});
+    node.items.push_back(value_of(child, places, depth + 1, log));
+  }
+  if (node.items.empty()) return text_value(element.text().get(), place);
+  node.kind = is_list ? YamlNode::Kind::sequence : YamlNode::Kind::map;
+  if (is_list) node.keys.clear();
+  return node;
+}
+
+}  // namespace
+
+std::optional<YamlNode> parse_xml(std::string_view text, FindingLog& log) {
+  if (!check_utf8(text, log)) return std::nullopt;
+  const Places places(text);
+  pugi::xml_document document;
+  const pugi::xml_parse_result result =
+      document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+  if (!result) {
+    log.error(places.at(result.offset), "syntax",
+              std::string("no valid XML: ") + result.description(),
+              "write the file again with the program that made it");
+    return std::nullopt;
+  }
+  YamlNode root = value_of(document.document_element(), places, 0, log);
+  if (log.has_errors()) return std::nullopt;
+  if (root.kind != YamlNode::Kind::map) {
+    log.error({1, 1}, "empty-file", "no elements within the root, expected a calibration",
+              "write the file again with the program that made it");
+    return std::nullopt;
+  }
+  return root;
+}
+
+}  // namespace tagsmith

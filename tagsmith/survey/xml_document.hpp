@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// XML as OpenCV's FileStorage writes it, as the tree that YAML gives. Internal to tagsmith/survey:
+// pugixml shows nowhere else.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/yaml_document.hpp"
+
+namespace tagsmith {
+
+// The children of the root element as a map from their names; attributes are left out. An element
+// with children is a map, or a list when all of them are called `_`; text of several words is a
+// list of words, other text a scalar, in quotes as written. Nothing when there is no usable tree;
+// why is in the log: syntax, not UTF-8, nested deeper than 32.
+std::optional<YamlNode> parse_xml(std::string_view text, FindingLog& log);
+
+}  // namespace tagsmith
