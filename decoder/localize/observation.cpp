@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "decoder/image/load.hpp"
+#include "decoder/localize/lens_bend.hpp"
 #include "decoder/reader/survey_options.hpp"
 
 namespace tagsmith {
@@ -54,7 +55,8 @@ void add_image(Observation& observation, const RigCamera& camera, const CameraMe
   }
   const ReadResult result = reader.read(image->view(), read_options_for(surveys));
   if (result.tags.empty()) observation.faults.push_back(no_tag_read(seen.image, result));
-  for (const Reading& reading : result.tags) {
+  for (Reading reading : result.tags) {
+    reading.corners = corners_of_bent_sides(camera.camera, reading.corners);
     for (const auto& [survey, tag] : find_tags(surveys, reading.digits)) {
       observation.tags.push_back(
           {camera.name, survey, *tag, seen_corners(reading, reader), std::nullopt});

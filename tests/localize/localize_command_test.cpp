@@ -236,3 +236,52 @@ TEST_CASE("the help has an example") {
   CHECK(output.out.find("tagsmith localize surveys/corridor/survey.yaml --rig") !=
         std::string::npos);
 }
+
+TEST_CASE("calibrated cameras, one a fisheye: what is simulated is read and located") {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string();
+  file_with(folder.path() / "left.yml",
+            "%YAML:1.0\n---\nimage_width: 1280\nimage_height: 960\nfisheye_model: 1\n"
+            "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+            "   data: [ 620., 0., 645., 0., 622., 470., 0., 0., 1. ]\n"
+            "distortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n"
+            "   data: [ -0.03, 0.01, -0.004, 0.0007 ]\n");
+  file_with(folder.path() / "chain.yaml",
+            "cam0:\n  camera_model: pinhole\n  intrinsics: [1205.3, 1204.1, 650.2, 471.9]\n"
+            "  distortion_model: radtan\n  distortion_coeffs: [-0.28, 0.09, 0.001, -0.0015]\n"
+            "  resolution: [1280, 960]\n");
+  file_with(folder.path() / "rig.yaml",
+            "rig: wide\ncameras:\n  left:  { calibration: left.yml, alpha: 20, side: left }\n"
+            "  right: { calibration: chain.yaml, alpha: 35, side: right }\n"
+            "ranges:\n  d: { wall: left, min: 0.25, max: 5.0, sigma: 0.0001 }\n"
+            "vehicle: { height: 0.24 }\n");
+  file_with(folder.path() / "places.csv", "id,left,truth_x,truth_y,truth_z\n1,,1.0,0.3,0.24\n");
+  const std::string survey =
+      "surveys/corridor/survey.yaml --rig '" + at + "/rig.yaml' --run '" + at;
+  const ProgramOutput simulated =
+      run_tagsmith("simulate " + survey + "/places.csv' -o '" + at + "/out'");
+  CAPTURE(simulated.err);
+  REQUIRE(simulated.exit_code == 0);
+  const json truth = json::parse(contents(folder.path() / "out/truth.json"));
+  CHECK(truth.at("images").at(0).at("camera").at("model") == "fisheye");
+  CHECK(truth.at("images").at(0).at("camera").at("distortion").size() == 4);
+  CHECK(truth.at("images").at(1).at("camera").at("distortion").size() == 5);
+
+  const ProgramOutput located =
+      run_tagsmith("localize " + survey + "/out/run.csv' --method paper --json");
+  CAPTURE(located.out);
+  const std::vector<json> lines = json_lines(located.out);
+  REQUIRE(lines.size() == 2);
+  REQUIRE(lines[0].at("status") == "ok");
+  CHECK(lines[0].at("error_plane").get<double>() < 0.02);
+
+  // The same photos with a calibration of another size.
+  fs::copy_file("surveys/corridor/photos/corridor_01_left.jpg", folder.path() / "other.jpg");
+  file_with(folder.path() / "chain.yaml",
+            "cam0:\n  camera_model: pinhole\n  intrinsics: [600, 600, 320, 240]\n"
+            "  distortion_model: none\n  resolution: [640, 480]\n");
+  file_with(folder.path() / "other.csv", "id,right\n1,other.jpg\n");
+  const ProgramOutput refused = run_tagsmith("localize " + survey + "/other.csv' --json");
+  CHECK(refused.exit_code == 1);
+  CHECK(refused.out.find("1280 x 960 pixels, expected 640 x 480") != std::string::npos);
+}
