@@ -208,6 +208,7 @@ SingleFits fit_single(JointProblem& problem, std::size_t index) {
     }
   }
   if (fits.empty()) result.reason = "no pose explains its corners";
+  if (!result.fits.empty()) result.reason.clear();
   return result;
 }
 
@@ -413,6 +414,17 @@ std::string tags_text(const JointProblem& problem, const JointFit& fit) {
   return fmt::format("{}", fmt::join(names, " "));
 }
 
+// Plates that by themselves allow a pose, and contradict this one.
+std::size_t count_dissenters(const JointProblem& problem, const Search& search,
+                             const JointFit& fit) {
+  std::set<std::size_t> plates;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    if (search.reasons[i].empty()) plates.insert(problem.sightings[i].plate);
+  }
+  for (const auto& group : fit.rows.plates) plates.erase(group.plate);
+  return plates.size();
+}
+
 // Why the best candidate is not to be believed; empty when it is.
 std::string doubt(const JointProblem& problem, const Search& search, const Grid& grid) {
   const Candidate& best = search.candidates.front();
@@ -428,13 +440,15 @@ std::string doubt(const JointProblem& problem, const Search& search, const Grid&
           "ambiguous: {} seen nearly from the front or from afar allows two positions, {} and {}",
           tags_text(problem, best.fit), place(best), place(rival));
     }
-    const bool ranges_decide =
-        !best.fit.selection.ranges.empty() && rival.fit.selection.ranges.empty();
-    const bool against = best.fit.selection.ranges.empty() && !rival.fit.selection.ranges.empty();
-    if (ranges_decide && !against) continue;
     return fmt::format("the tags contradict each other: {} put the vehicle at {}, {} at {}",
                        tags_text(problem, best.fit), place(best), tags_text(problem, rival.fit),
                        place(rival));
+  }
+  const std::size_t against = count_dissenters(problem, search, best.fit);
+  if (against >= plate_count(best.fit)) {
+    return fmt::format(
+        "the tags contradict each other: {} put the vehicle at {}, as many others elsewhere",
+        tags_text(problem, best.fit), place(best));
   }
   if (search.contradictory && plate_count(best.fit) < 2) {
     return "the tags contradict each other, each by itself allows a position: " + place(best) +

@@ -21,11 +21,10 @@ namespace tagsmith {
 // contradict it are dropped, and ranges that contradict the tags are dropped. What was dropped
 // stands in the fix with the reason.
 //
-// No position, with the reason: no tag; two sets of as many tags contradict each other and the
-// ranges do not decide; one nearly frontal or far tag (or several on one plane) allows two poses
-// that the measurements do not tell apart; the solution lies in the rock, or the vehicle would have
-// to lean or float (six standard deviations of the rig's); every one of several ranges contradicts
-// a single tag.
+// No position, with the reason: no tag; as many tags contradict the largest set as it has; one
+// nearly frontal or far tag (or several on one plane) allows two poses that the measurements do not
+// tell apart; the solution lies in the rock, or the vehicle would have to lean or float (six
+// standard deviations of the rig's); every one of several ranges contradicts a single tag.
 //
 // Covariance: that of the fit, in which corners (their own covariance), plates (surveyed places,
 // angles against the wall, rounding of coded positions), calibration, ranges and the vehicle's

@@ -3,8 +3,9 @@
 // tag or range ever make a wrong position? Usage: bench_fixes [N] [SEED]
 //
 // Each draw stands the vehicle anywhere in a shipped survey, as far from level and from the center
-// line as the rig says it may be; moves plates by the survey's sigma and cameras by a calibration's;
-// finds the tags' corners with noise of a covariance like the reader's; and breaks tags and ranges.
+// line as the rig says it may be; moves plates by the survey's sigma and cameras by a
+// calibration's; finds the tags' corners with noise of a covariance like the reader's; and breaks
+// tags and ranges.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -165,8 +166,7 @@ Draw draw_from(const Site& site, Draws& draws) {
     hung.translation += draws.normals(site.survey.sigma);
     hung.rotation *= small_turn(draws, site.survey.angle_sigma);
     for (const RigCamera& camera : rig.cameras) {
-      const auto corners =
-          corners_in_image(camera, draw.truth, hung, site.survey.tag_template);
+      const auto corners = corners_in_image(camera, draw.truth, hung, site.survey.tag_template);
       if (!corners) continue;
       draw.observation.tags.push_back({camera.name, 0, tag, noisy(*corners, draws), {}});
       draw.wrong_tags += wrong ? 1 : 0;
@@ -194,7 +194,8 @@ Result<Site> load_site(const std::string& name) {
   auto rig = load_rig(folder + "/rig.yaml");
   if (!rig) return fail(rig.error().message);
   survey->angle_sigma = radians(0.1);
-  for (RigCamera& camera : rig->cameras) camera.calibration_sigma = {0.001, radians(0.05), 5e-4, 0.5};
+  for (RigCamera& camera : rig->cameras)
+    camera.calibration_sigma = {0.001, radians(0.05), 5e-4, 0.5};
   return Site{std::move(*survey), std::move(*rig)};
 }
 
@@ -304,8 +305,9 @@ int main(int argc, char** argv) {
       gross_used += fix.ranges.empty() ? 0 : 1;
     }
   }
-  fmt::print("| what was seen | draws | located | NEES/3 | NEES/6 of the pose | in the 95 % ellipse "
-             "| beyond 5 sigma | greatest, sigma |\n|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| what was seen | draws | located | NEES/3 | NEES/6 of the pose | in the 95 % ellipse "
+      "| beyond 5 sigma | greatest, sigma |\n|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, tally] : tallies) print(name, tally);
   print("all with a right tag", all);
   fmt::print("\nno position:\n");
