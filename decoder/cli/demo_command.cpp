@@ -16,6 +16,7 @@
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
+#include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
@@ -46,7 +47,7 @@ constexpr std::array<FixError, 10> kPaperErrors{{{0.083, 0.089},
                                                  {0.060, 0.108},
                                                  {0.146, 0.030},
                                                  {0.124, 0.144}}};
-constexpr FixError kPaperMean{0.142, 0.083};  // (27) and (25)
+constexpr FixError kPaperMean{kPublishedStraight.mean_plane, kPublishedStraight.mean_height};
 
 constexpr const char* kAboutRange =
     "  The closed form magnifies an error of d by 1/tan(theta) = 5.6 along the drive, and with d "

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,15 +16,21 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "decoder/cli/fix_files.hpp"
 #include "decoder/cli/parallel.hpp"
+#include "decoder/cli/run_drawing.hpp"
 #include "decoder/localize/fix.hpp"
+#include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/paper/pipeline.hpp"
+#include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -39,8 +44,10 @@ struct LocalizeOptions {
   std::vector<std::filesystem::path> surveys;
   std::filesystem::path rig;
   std::filesystem::path run;
-  std::filesystem::path output;  // empty = none
-  std::string method = "paper";
+  std::filesystem::path csv;  // these three: empty = none
+  std::filesystem::path tum;
+  std::filesystem::path drawing;
+  std::string method = "joint";
   std::string reader = "tagsmith";
   bool json = false;
   int jobs = 0;  // 0 = as many as the process may use
@@ -67,13 +74,15 @@ ReaderChoice reader_named(const std::string& name) {
   return {read_tags, kFittedCornerSigmaPx};
 }
 
-std::vector<Fix> localize_all(const LocalizeInput& input, const ReaderChoice& reader, int jobs) {
+std::vector<Fix> localize_all(const LocalizeInput& input, const ReaderChoice& reader,
+                              const std::string& method, int jobs) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   std::vector<Fix> fixes(measurements.size());
   ProgressBar progress("measurements", measurements.size());
   run_in_order(measurements.size(), jobs, [&](std::size_t i) -> Delivery {
     const Observation seen = observe(measurements[i], input.surveys, input.rig, reader);
-    fixes[i] = localize_by_paper(seen, input.surveys, input.rig);
+    fixes[i] = method == "paper" ? localize_by_paper(seen, input.surveys, input.rig)
+                                 : localize_jointly(seen, input.surveys, input.rig);
     return [&progress] { progress.advance([] {}); };
   });
   return fixes;
@@ -129,9 +138,11 @@ Json fix_json(const Fix& fix, const Measurement& measurement) {
 
 Json summary_json(const FixSummary& summary) {
   Json values{{"count", summary.count}, {"located", summary.located}};
-  if (summary.mean_error && summary.max_error) {
+  if (summary.mean_error && summary.error95 && summary.max_error) {
     values["mean_error_plane"] = summary.mean_error->plane;
     values["mean_error_z"] = summary.mean_error->height;
+    values["error95_plane"] = summary.error95->plane;
+    values["error95_z"] = summary.error95->height;
     values["max_error_plane"] = summary.max_error->plane;
     values["max_error_z"] = summary.max_error->height;
   }
@@ -179,17 +190,22 @@ void print_notes(const std::vector<Fix>& fixes) {
     fmt::print("note {}: {}\n", fmt::join(ids, ", "), note);
 }
 
-void print_summary(const FixSummary& summary) {
+void print_summary(const FixSummary& summary, const PublishedErrors& published) {
   fmt::print("{} measurements, {} located", summary.count, summary.located);
-  if (summary.mean_error && summary.max_error) {
-    fmt::print("; mean error {:.3f} m in the plane, {:.3f} m in z; greatest {:.3f} m, {:.3f} m",
-               summary.mean_error->plane, summary.mean_error->height, summary.max_error->plane,
-               summary.max_error->height);
+  if (summary.mean_error && summary.error95 && summary.max_error) {
+    fmt::print(
+        "; mean error {:.4f} m in the plane, {:.4f} m in z; 95 % {:.4f} m, {:.4f} m; greatest "
+        "{:.4f} m, {:.4f} m\n",
+        summary.mean_error->plane, summary.mean_error->height, summary.error95->plane,
+        summary.error95->height, summary.max_error->plane, summary.max_error->height);
+    fmt::print("Xu et al. 2017, {}: mean error {:.3f} m in the plane, {:.3f} m in z",
+               published.experiment, published.mean_plane, published.mean_height);
   }
   fmt::print("\n");
 }
 
-void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements) {
+void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements,
+                 const PublishedErrors& published) {
   std::size_t id_width = 2;
   std::size_t tags_width = 4;
   for (const Fix& fix : fixes) {
@@ -204,63 +220,65 @@ void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& 
                row_text(fixes[i], measurements[i]));
   }
   print_notes(fixes);
-  print_summary(summary);
+  print_summary(summary, published);
 }
 
-// --- CSV ---
+// --- files ---
 
-// RFC 4180, 2.5 to 2.7.
-std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
-
-std::string csv_number(const std::optional<double>& value) {
-  return value ? fmt::format("{}", *value) : std::string();
-}
-
-std::string csv_row(const Fix& fix, const Measurement& measurement) {
-  std::vector<std::string> fields{csv_field(fix.id), status_of(fix), fix.method,
-                                  csv_field(fix.survey)};
-  for (const int axis : {0, 1, 2}) {
-    fields.push_back(fix.position_in_grid ? csv_number((*fix.position_in_grid)[axis]) : "");
+// Writes each file whole or not at all; none when one cannot be made.
+Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& input,
+                         const std::vector<Fix>& fixes) {
+  std::vector<SheetFile> files;
+  if (!options.csv.empty()) {
+    files.push_back({options.csv, fixes_csv(fixes, input.run.measurements)});
   }
-  fields.push_back(csv_number(heading_deg(fix)));
-  for (const int row : {0, 1, 2}) {
-    for (int column = row; column < 3; ++column) {
-      fields.push_back(fix.covariance_in_grid ? csv_number((*fix.covariance_in_grid)(row, column))
-                                              : "");
-    }
+  if (!options.tum.empty()) {
+    auto text = fixes_tum(fixes, input.run, input.surveys);
+    if (!text) return tl::unexpected(text.error());
+    files.push_back({options.tum, std::move(*text)});
   }
-  const std::optional<FixError> error = error_of(fix, measurement);
-  fields.push_back(csv_field(tags_text(fix)));
-  fields.push_back(error ? csv_number(error->plane) : "");
-  fields.push_back(error ? csv_number(error->height) : "");
-  fields.push_back(csv_field(fix.reason));
-  fields.push_back(csv_field(fmt::format("{}", fmt::join(fix.notes, "; "))));
-  return fmt::format("{}\n", fmt::join(fields, ","));
+  if (!options.drawing.empty()) {
+    const auto sheets = draw_run(input.surveys.front(), input.rig, input.run, fixes);
+    if (!sheets) return tl::unexpected(sheets.error());
+    auto pages = render_sheets(*sheets, options.drawing);
+    if (!pages) return tl::unexpected(pages.error());
+    files.insert(files.end(), pages->begin(), pages->end());
+  }
+  for (const SheetFile& file : files) {
+    if (auto written = write_file(file.path, file.bytes); !written) return written;
+  }
+  return {};
 }
 
-std::string csv_text(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements) {
-  std::string text =
-      "id,status,method,survey,x,y,z,heading_deg,covariance_xx,covariance_xy,covariance_xz,"
-      "covariance_yy,covariance_yz,covariance_zz,tags,error_plane,error_z,reason,notes\n";
-  for (std::size_t i = 0; i < fixes.size(); ++i) text += csv_row(fixes[i], measurements[i]);
-  return text;
+// What can be known to be wrong before the work.
+Result<void> check_options(const LocalizeOptions& options) {
+  if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
+    return fail("--drawing " + options.drawing.string() +
+                ": expected a name that ends in .pdf, .svg or .png");
+  }
+  if (!options.drawing.empty() && options.surveys.size() > 1) {
+    return fail("--drawing shows one tunnel, expected one survey");
+  }
+  if (!options.drawing.empty() && !has_glyphs("0")) {
+    return fail("--drawing: no font on this machine: install fonts-dejavu-core");
+  }
+  return {};
 }
 
 int run_localize(const LocalizeOptions& options) {
+  if (const auto usable = check_options(options); !usable) {
+    return report_failure(kName, usable.error());
+  }
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
   const std::vector<Measurement>& measurements = input->run.measurements;
-  const std::vector<Fix> fixes = localize_all(*input, reader_named(options.reader), options.jobs);
-  if (!options.output.empty()) {
-    const Result<void> written = write_file(options.output, csv_text(fixes, measurements));
-    if (!written) return report_failure(kName, written.error());
+  const std::vector<Fix> fixes =
+      localize_all(*input, reader_named(options.reader), options.method, options.jobs);
+  if (const auto written = write_files(options, *input, fixes); !written) {
+    return report_failure(kName, written.error());
   }
-  options.json ? print_json(fixes, measurements) : print_table(fixes, measurements);
+  const PublishedErrors& published = published_errors_for(input->surveys.front().tunnel.centerline);
+  options.json ? print_json(fixes, measurements) : print_table(fixes, measurements, published);
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
   return std::ranges::all_of(fixes, is_located) ? kExitOk : kExitFindings;
 }
@@ -282,15 +300,21 @@ Command localize_command(CLI::App& parent) {
       ->type_name("RUN.csv");
   app->add_option("--method", options->method,
                   "paper: closed form from a tag on each wall and the range to the left wall")
-      ->check(CLI::IsMember({"paper"}))
+      ->check(CLI::IsMember({"joint", "paper"}))
       ->capture_default_str();
   app->add_option("--reader", options->reader,
                   "What reads the images: this program's reader, or the paper's published pipeline")
       ->check(CLI::IsMember({"tagsmith", "paper"}))
       ->capture_default_str();
   app->add_flag("--json", options->json, "One JSON object a line, the summary last");
-  app->add_option("-o,--output", options->output, "Write the positions to this file too")
+  app->add_option("-o,--output,--csv", options->csv, "Write the positions to this table too")
       ->type_name("FIXES.csv");
+  app->add_option("--tum", options->tum,
+                  "Write the trajectory (TUM format); needs the run's column time")
+      ->type_name("FILE");
+  app->add_option("--drawing", options->drawing,
+                  "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg or .png")
+      ->type_name("FILE");
   app->add_option("--jobs", options->jobs, "Images read at the same time (0 = all processors)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

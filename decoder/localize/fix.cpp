@@ -4,8 +4,16 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 namespace tagsmith {
+namespace {
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+}  // namespace
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }
 
@@ -18,24 +26,24 @@ std::optional<FixError> error_of(const Fix& fix, const Measurement& measurement)
 FixSummary summarize(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements) {
   assert(fixes.size() == measurements.size());
   FixSummary summary;
-  FixError sum;
-  FixError greatest;
-  int errors = 0;
+  std::vector<double> planes;
+  std::vector<double> heights;
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     ++summary.count;
     if (fixes[i].position_in_grid) ++summary.located;
     const std::optional<FixError> error = error_of(fixes[i], measurements[i]);
     if (!error) continue;
-    ++errors;
-    sum.plane += error->plane;
-    sum.height += error->height;
-    greatest.plane = std::max(greatest.plane, error->plane);
-    greatest.height = std::max(greatest.height, error->height);
+    planes.push_back(error->plane);
+    heights.push_back(error->height);
   }
-  if (errors > 0) {
-    summary.mean_error = FixError{sum.plane / errors, sum.height / errors};
-    summary.max_error = greatest;
-  }
+  if (planes.empty()) return summary;
+  std::ranges::sort(planes);
+  std::ranges::sort(heights);
+  summary.mean_error = FixError{mean_of(planes), mean_of(heights)};
+  // Nearest rank: the least value that 95 % do not exceed.
+  const std::size_t rank = (95 * planes.size() + 99) / 100;
+  summary.error95 = FixError{planes[rank - 1], heights[rank - 1]};
+  summary.max_error = FixError{planes.back(), heights.back()};
   return summary;
 }
 

@@ -89,6 +89,7 @@ struct FixSummary {
   int count = 0;
   int located = 0;
   std::optional<FixError> mean_error;  // (27) and (25), over the measurements that have an error
+  std::optional<FixError> error95;     // that 95 % of them do not exceed, of each by itself
   std::optional<FixError> max_error;   // of each by itself
 };
 

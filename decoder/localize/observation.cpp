@@ -32,6 +32,14 @@ std::string no_tag_read(const std::filesystem::path& image, const ReadResult& re
   return text;
 }
 
+SeenCorners seen_corners(const Reading& reading, const ReaderChoice& reader) {
+  SeenCorners seen{reading.corners, reader.corner_sigma_px, reading.corner_covariance};
+  if (seen.covariance.isZero()) {
+    seen.covariance = seen.sigma_px * seen.sigma_px * CornerCovariance::Identity();
+  }
+  return seen;
+}
+
 void add_image(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
                const std::vector<Survey>& surveys, const ReaderChoice& reader) {
   const Result<GrayImage> image = load_gray_image(seen.image);
@@ -50,9 +58,8 @@ void add_image(Observation& observation, const RigCamera& camera, const CameraMe
   for (Reading reading : result.tags) {
     reading.corners = corners_of_bent_sides(camera.camera, reading.corners);
     for (const auto& [survey, tag] : find_tags(surveys, reading.digits)) {
-      observation.tags.push_back({camera.name, survey, *tag,
-                                  SeenCorners{reading.corners, reader.corner_sigma_px},
-                                  std::nullopt});
+      observation.tags.push_back(
+          {camera.name, survey, *tag, seen_corners(reading, reader), std::nullopt});
     }
   }
 }

@@ -21,6 +21,7 @@ namespace tagsmith {
 struct SeenCorners {
   FrameCorners corners{};  // in the image as taken, distortion included
   double sigma_px = 0;     // standard deviation of a corner's coordinate
+  CornerCovariance covariance = CornerCovariance::Identity();  // of all of them, pixels^2
 };
 
 // A tag of the survey as one camera saw it: by its corners, or by a distance measured elsewhere.
@@ -42,11 +43,12 @@ struct Observation {
 // How images are read.
 struct ReaderChoice {
   std::function<ReadResult(const GrayView&, const ReadOptions&)> read;
-  double corner_sigma_px = 0;  // standard deviation of the corners it returns
+  double corner_sigma_px = 0;  // of corners that the reader gives no covariance of
 };
 
-// Standard deviations of P' and Q'. Fitted edges: on the safe side of what noise and lens blur
-// leave. The paper's pipeline: an outermost whole pixel, beside a border that the opening moves.
+// Standard deviations of corners. Fitted edges: on the safe side of what noise and lens blur leave;
+// the closed form weighs its corners by it. The paper's pipeline: an outermost whole pixel, beside
+// a border that the opening moves.
 inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
 

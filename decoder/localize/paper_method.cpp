@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "decoder/localize/outside_tunnel.hpp"
 #include "decoder/paper/closed_form.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"
@@ -346,26 +347,6 @@ Fix with_position(Fix fix, const Eigen::Vector3d& position_in_world, const Close
   return fix;
 }
 
-// Why a solution cannot be where the vehicle is: it lies in the rock. Empty when it does not.
-std::string outside_tunnel(const Survey& survey, const Eigen::Vector3d& position_in_world) {
-  const Tunnel& tunnel = survey.tunnel;
-  const CenterlineAddress address = tunnel.centerline.locate(position_in_world.head<2>());
-  const double above_floor =
-      position_in_world.z() - tunnel.centerline.at(address.chainage).position.z();
-  if (above_floor < 0) {
-    return fmt::format("the solution lies {:.3f} m below the floor", -above_floor);
-  }
-  if (above_floor > tunnel.height) {
-    return fmt::format("the solution lies {:.3f} m above the roof", above_floor - tunnel.height);
-  }
-  const double beyond_wall = std::abs(address.offset) - tunnel.width / 2;
-  if (beyond_wall > 0) {
-    return fmt::format("the solution lies {:.3f} m behind the {} wall's plates", beyond_wall,
-                       to_string(address.offset < 0 ? Side::left : Side::right));
-  }
-  return {};
-}
-
 Fix with_reason(Fix fix, const Observation& observation, const std::string& reason) {
   std::vector<std::string> reasons = observation.faults;
   reasons.push_back(reason);
@@ -420,7 +401,7 @@ Fix localize_by_paper(const Observation& observation, const std::vector<Survey>&
   if (!broken.empty()) return with_reason(fix, observation, broken);
   const auto position = paper_position(input);
   if (!position) return with_reason(fix, observation, position.error().message);
-  const std::string outside = outside_tunnel(survey, *position);
+  const std::string outside = outside_tunnel(survey.tunnel, *position);
   if (!outside.empty()) return with_reason(fix, observation, outside);
 
   fix.notes = observation.faults;

@@ -22,10 +22,11 @@ struct Reading {
   bool sum10_holds = false;  // the paper's check digit
   bool gs1_holds = false;    // the standard's check digit
   FrameCorners corners{};
-  CornerCovariance corner_covariance = CornerCovariance::Zero();  // zero = not estimated
   double module_px = 0;   // width of a module in the middle of the frame, pixels
   double confidence = 0;  // estimated probability that every digit is right
   std::string method;     // which way it was read
+  // Of the corners, pixels^2; zero = not estimated.
+  CornerCovariance corner_covariance = CornerCovariance::Zero();
 };
 
 // Something that looks like a tag and was not read, and why.

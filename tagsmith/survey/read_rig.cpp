@@ -17,8 +17,9 @@ namespace tagsmith {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kLargestVehicle = 100.0;  // metres
-constexpr double kDefaultAttitude = 2.0;   // degrees: what an undulating floor does to a crawler
+constexpr double kLargestVehicle = 100.0;     // metres
+constexpr double kDefaultHeightSigma = 0.05;  // metres: likewise, and what wheels sink in
+constexpr double kDefaultAttitude = 2.0;      // degrees: what an undulating floor does to a crawler
 
 std::optional<Side> read_side(const YamlNode* node, const std::string& name, FindingLog& log) {
   const auto side = read_choice(node, name, {"left", "right"}, log);
@@ -54,11 +55,22 @@ std::optional<double> read_optional(const MapReader& map, const char* key,
   return read_number(map.find(key), map.name_of(key), range, map.log());
 }
 
+CalibrationSigma read_calibration_sigma(const YamlNode* node, const std::string& name,
+                                        FindingLog& log) {
+  const MapReader map(node, name, {"position", "angle", "focal", "center"}, log);
+  CalibrationSigma sigma;
+  sigma.position = map.number_or("position", 0, between(0, 1, "m"));
+  sigma.angle = radians(map.number_or("angle", 0, between(0, 10, "degrees")));
+  sigma.focal = map.number_or("focal", 0, between(0, 0.1, ""));
+  sigma.center = map.number_or("center", 0, between(0, 100, "pixels"));
+  return sigma;
+}
+
 RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::path& folder,
                       FindingLog& log) {
   std::vector<std::string> keys = intrinsics_keys();
   keys.insert(keys.end(),
-              {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure", "blur_px"});
+              {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure", "blur_px", "sigma"});
   const MapReader map(&node, "cameras." + name, keys, log);
   RigCamera camera;
   camera.name = name;
@@ -67,6 +79,9 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   camera.vehicle_from_camera = read_mounting(map, camera.side);
   camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));
   camera.blur_px = read_optional(map, "blur_px", between(0, 100, "pixels"));
+  if (map.has("sigma")) {
+    camera.calibration_sigma = read_calibration_sigma(map.find("sigma"), map.name_of("sigma"), log);
+  }
   return camera;
 }
 
@@ -163,6 +178,7 @@ void read_vehicle(const MapReader& map, Rig& rig) {
                            .value_or(0);
   rig.roll_sigma = radians(map.number_or("roll_sigma", kDefaultAttitude, sigma));
   rig.pitch_sigma = radians(map.number_or("pitch_sigma", kDefaultAttitude, sigma));
+  rig.height_sigma = map.number_or("height_sigma", kDefaultHeightSigma, above_zero(10, "m"));
   if (map.has("envelope")) rig.envelope = read_envelope(map.find("envelope"), map.log());
 }
 
@@ -188,7 +204,7 @@ Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
       },
       log);
   read_vehicle(MapReader(file.need("vehicle", "vehicle: { height: 0.24 }"), "vehicle",
-                         {"height", "roll_sigma", "pitch_sigma", "envelope"}, log),
+                         {"height", "roll_sigma", "pitch_sigma", "height_sigma", "envelope"}, log),
                rig);
   if (!log.has_errors()) check_columns(rig, file);
   return rig;

@@ -244,12 +244,14 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
       read_tunnel(file.need("tunnel", "tunnel: { width: 1.9, height: 3.0, centerline: ... }"),
                   survey.grid, log);
 
-  const MapReader tags(file.need("tags", "tags: { template: tag-400x300, ... }"), "tags",
-                       {"template", "height", "spacing", "first", "pairs", "to", "theta", "sigma"},
-                       log);
+  const MapReader tags(
+      file.need("tags", "tags: { template: tag-400x300, ... }"), "tags",
+      {"template", "height", "spacing", "first", "pairs", "to", "theta", "sigma", "angle_sigma"},
+      log);
   const auto tag_template = read_named_template(tags, path.parent_path());
   survey.series = read_series(tags, file.has("placed"), tag_template);
   survey.sigma = tags.number_or("sigma", 0, between(0, 10, "m"));
+  survey.angle_sigma = radians(tags.number_or("angle_sigma", 0, between(0, 45, "degrees")));
 
   const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",
                        {"check_digit", "resolution", "digits", "origin"}, log);

@@ -16,6 +16,14 @@
 
 namespace tagsmith {
 
+// Standard deviations of a camera's calibration; 0 = exact.
+struct CalibrationSigma {
+  double position = 0;  // of each coordinate of the camera's place, metres
+  double angle = 0;     // of its mounting about each axis, radians
+  double focal = 0;     // relative, of both focal lengths together
+  double center = 0;    // of each coordinate of the principal point, pixels
+};
+
 // Vehicle frame: origin O, x forward, y left, z up (REP-103).
 struct RigCamera {
   std::string name;
@@ -24,6 +32,7 @@ struct RigCamera {
   std::optional<Side> side;        // the wall it looks at, where the rig says so
   std::optional<double> exposure;  // seconds
   std::optional<double> blur_px;   // standard deviation of its point spread, pixels
+  CalibrationSigma calibration_sigma{};
 };
 
 struct RigRange {
@@ -47,6 +56,7 @@ struct Rig {
   std::vector<RigCamera> cameras;
   std::vector<RigRange> ranges;
   double vehicle_height = 0;  // of O above the floor
+  double height_sigma = 0;    // prior of the height, metres
   double roll_sigma = 0;      // attitude priors, radians
   double pitch_sigma = 0;
   std::optional<VehicleEnvelope> envelope;

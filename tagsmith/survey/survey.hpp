@@ -69,7 +69,8 @@ struct Survey {
   Tunnel tunnel;
   TagTemplate tag_template;
   std::optional<TagSeries> series;
-  double sigma = 0;  // standard deviation of a surveyed coordinate, metres
+  double sigma = 0;        // standard deviation of a surveyed coordinate, metres
+  double angle_sigma = 0;  // of a plate's attitude against its wall, about each axis, radians
   PositionCode code;
   std::vector<PlacedTag> tags;  // by pair, left before right
 };

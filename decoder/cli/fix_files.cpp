@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/fix_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <optional>
+#include <string_view>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
+
+namespace tagsmith {
+namespace {
+
+// RFC 4180, 2.5 to 2.7.
+std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string csv_number(const std::optional<double>& value) {
+  return value ? fmt::format("{}", *value) : std::string();
+}
+
+// Heading, pitch, roll and their standard deviations, degrees.
+void add_attitude(std::vector<std::string>& fields, const Fix& fix) {
+  const auto add = [&](const std::optional<double>& radian) {
+    fields.push_back(radian ? csv_number(degrees(*radian)) : "");
+  };
+  const std::optional<Attitude>& attitude = fix.attitude;
+  add(attitude ? std::optional(attitude->heading) : std::nullopt);
+  add(attitude ? std::optional(attitude->pitch) : std::nullopt);
+  add(attitude ? std::optional(attitude->roll) : std::nullopt);
+  for (const int parameter :
+       {vehicle_parameter::kHeading, vehicle_parameter::kPitch, vehicle_parameter::kRoll}) {
+    add(fix.pose_covariance_in_grid
+            ? std::optional(std::sqrt((*fix.pose_covariance_in_grid)(parameter, parameter)))
+            : std::nullopt);
+  }
+}
+
+std::string csv_row(const Fix& fix, const Measurement& measurement) {
+  std::vector<std::string> fields{csv_field(fix.id), csv_number(measurement.time), status_of(fix),
+                                  fix.method, csv_field(fix.survey)};
+  for (const int axis : {0, 1, 2}) {
+    fields.push_back(fix.position_in_grid ? csv_number((*fix.position_in_grid)[axis]) : "");
+  }
+  add_attitude(fields, fix);
+  for (const int row : {0, 1, 2}) {
+    for (int column = row; column < 3; ++column) {
+      fields.push_back(fix.covariance_in_grid ? csv_number((*fix.covariance_in_grid)(row, column))
+                                              : "");
+    }
+  }
+  const std::optional<FixError> error = error_of(fix, measurement);
+  fields.push_back(csv_field(fmt::format("{}", fmt::join(fix.tags, " "))));
+  fields.push_back(error ? csv_number(error->plane) : "");
+  fields.push_back(error ? csv_number(error->height) : "");
+  fields.push_back(csv_field(fix.reason));
+  fields.push_back(csv_field(fmt::format("{}", fmt::join(fix.notes, "; "))));
+  return fmt::format("{}\n", fmt::join(fields, ","));
+}
+
+const Survey& survey_of(const Fix& fix, const std::vector<Survey>& surveys) {
+  const auto found = std::ranges::find(surveys, fix.survey, &Survey::name);
+  return found == surveys.end() ? surveys.front() : *found;
+}
+
+std::string tum_row(const Fix& fix, double time, const Grid& grid) {
+  const Attitude& attitude = *fix.attitude;
+  const Pose pose = world_from_vehicle({world_from_grid(grid, *fix.position_in_grid),
+                                        world_heading_from_grid(grid, attitude.heading),
+                                        attitude.pitch, attitude.roll});
+  const Eigen::Quaterniond q(pose.rotation);
+  const Eigen::Vector3d& t = pose.translation;
+  return fmt::format("{:.6f} {:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}\n", time, t.x(),
+                     t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+}  // namespace
+
+std::string fixes_csv(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements) {
+  std::string text =
+      "id,time,status,method,survey,x,y,z,heading_deg,pitch_deg,roll_deg,sigma_heading_deg,"
+      "sigma_pitch_deg,sigma_roll_deg,covariance_xx,covariance_xy,covariance_xz,covariance_yy,"
+      "covariance_yz,covariance_zz,tags,error_plane,error_z,reason,notes\n";
+  for (std::size_t i = 0; i < fixes.size(); ++i) text += csv_row(fixes[i], measurements[i]);
+  return text;
+}
+
+Result<std::string> fixes_tum(const std::vector<Fix>& fixes, const Run& run,
+                              const std::vector<Survey>& surveys) {
+  std::string text;
+  bool mirrored = false;
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const Measurement& measurement = run.measurements[i];
+    if (!fixes[i].position_in_grid || !fixes[i].attitude) continue;
+    if (!measurement.time) {
+      return fail(
+          fmt::format("{}:{}: no time, which a TUM trajectory needs: add a column `time` "
+                      "in seconds",
+                      run.file.string(), measurement.line));
+    }
+    const Grid& grid = survey_of(fixes[i], surveys).grid;
+    mirrored = mirrored || grid.x_axis_left;
+    text += tum_row(fixes[i], *measurement.time, grid);
+  }
+  if (text.empty()) {
+    return fail(run.file.string() +
+                ": no measurement has a position with a heading, so there is no trajectory to "
+                "write (the paper's method gives no heading)");
+  }
+  return std::string("# time x y z qx qy qz qw; seconds, metres") +
+         (mirrored ? "; x is minus the grid's x, which grows to the left" : "") + "\n" + text;
+}
+
+}  // namespace tagsmith

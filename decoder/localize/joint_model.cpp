@@ -1,0 +1,480 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/joint_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <ceres/tiny_solver.h>
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr Index kVehicleCount = vehicle_parameter::kCount;
+constexpr Index kCalibrationCount = 9;
+constexpr Index kPlateRows = 8;
+constexpr Index kPriorRows = 3;
+using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
+
+CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
+  CalibrationVector sigmas;
+  sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
+      sigma.focal, sigma.center, sigma.center;
+  return sigmas;
+}
+
+// The uncertain calibration parameters of all cameras that see something: which, and their sigmas.
+struct CalibrationLayout {
+  std::vector<std::array<int, kCalibrationCount>> places;  // a camera each; -1 = exact
+  std::vector<double> sigmas;
+};
+
+CalibrationLayout calibration_layout(const Rig& rig) {
+  CalibrationLayout layout;
+  for (const RigCamera& camera : rig.cameras) {
+    const CalibrationVector sigmas = sigmas_of(camera.calibration_sigma);
+    std::array<int, kCalibrationCount> places{};
+    for (Index i = 0; i < kCalibrationCount; ++i) {
+      places[static_cast<std::size_t>(i)] = -1;
+      if (sigmas[i] == 0) continue;
+      places[static_cast<std::size_t>(i)] = static_cast<int>(layout.sigmas.size());
+      layout.sigmas.push_back(sigmas[i]);
+    }
+    layout.places.push_back(places);
+  }
+  return layout;
+}
+
+// The camera as these calibration errors leave it.
+struct CalibratedCamera {
+  Camera camera;
+  Pose vehicle_from_camera;
+};
+
+CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
+                            std::size_t index, const VectorXd& calibration) {
+  CalibratedCamera result{camera.camera, camera.vehicle_from_camera};
+  if (calibration.size() == 0) return result;
+  CalibrationVector errors = CalibrationVector::Zero();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const int place = layout.places[index][i];
+    if (place >= 0) errors[static_cast<Index>(i)] = calibration[place];
+  }
+  const Vector3d turn = errors.segment<3>(3);
+  result.vehicle_from_camera.translation += errors.head<3>();
+  if (turn.norm() > 0) {
+    result.vehicle_from_camera.rotation *=
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  }
+  result.camera.fx *= 1 + errors[6];
+  result.camera.fy *= 1 + errors[6];
+  result.camera.cx += errors[7];
+  result.camera.cy += errors[8];
+  return result;
+}
+
+std::array<Vector3d, 4> corners_in_plate(const SightedPlate& plate) {
+  return {Vector3d(0, 0, 0), Vector3d(plate.length, 0, 0), Vector3d(plate.length, plate.height, 0),
+          Vector3d(0, plate.height, 0)};
+}
+
+// A sighting's residual and its derivatives.
+struct SightingRows {
+  Eigen::Matrix<double, kPlateRows, 1> predicted;
+  Eigen::Matrix<double, kPlateRows, 6> by_vehicle;
+  Eigen::Matrix<double, kPlateRows, 6> by_plate;
+  Eigen::Matrix<double, kPlateRows, kCalibrationCount> by_calibration;
+};
+
+std::optional<SightingRows> sighting_rows(const JointProblem& problem,
+                                          const CalibrationLayout& layout, const JointState& state,
+                                          const VehicleFrame& frame, const Sighting& sighting) {
+  const CalibratedCamera camera =
+      calibrated(problem.rig->cameras[sighting.camera], layout, sighting.camera, state.calibration);
+  const SightedPlate& plate = problem.plates[sighting.plate];
+  SightingRows rows;
+  Index row = 0;
+  for (const Vector3d& corner : corners_in_plate(plate)) {
+    const auto observed = observe_point(camera.camera, camera.vehicle_from_camera, frame,
+                                        plate.world_from_plate, corner);
+    if (!observed) return std::nullopt;
+    rows.predicted.segment<2>(row) = observed->pixel;
+    rows.by_vehicle.middleRows<2>(row) = observed->by_vehicle;
+    rows.by_plate.middleRows<2>(row) = observed->by_plate;
+    rows.by_calibration.middleRows<2>(row) << observed->by_mounting, observed->by_intrinsics;
+    row += 2;
+  }
+  return rows;
+}
+
+// Derivatives by all parameters of the fit.
+void place_columns(const CalibrationLayout& layout, const SightingRows& rows, std::size_t camera,
+                   Eigen::Ref<MatrixXd> jacobian) {
+  jacobian.setZero();
+  jacobian.leftCols<kVehicleCount>() = rows.by_vehicle;
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const int place = layout.places[camera][i];
+    if (place >= 0) {
+      jacobian.col(kVehicleCount + place) = rows.by_calibration.col(static_cast<Index>(i));
+    }
+  }
+}
+
+// How the vehicle stands against how it should by the floor below it: height, pitch and roll, each
+// over its standard deviation.
+struct PriorRows {
+  Eigen::Matrix<double, kPriorRows, 1> residual;
+  Eigen::Matrix<double, kPriorRows, kVehicleCount> jacobian;
+};
+
+PriorRows prior_rows(const JointProblem& problem, const VehiclePose& vehicle) {
+  using namespace vehicle_parameter;
+  const Centerline& line = problem.tunnel->centerline;
+  const CenterlinePoint floor = line.at(line.locate(vehicle.position.head<2>()).chainage);
+  const double turned = vehicle.heading - floor.heading;
+  const double ahead = floor.grade * std::cos(turned);
+  const double to_left = floor.grade * std::sin(turned);
+  const Eigen::Array3d sigmas(problem.rig->height_sigma, problem.rig->pitch_sigma,
+                              problem.rig->roll_sigma);
+  PriorRows rows;
+  rows.residual << vehicle.position.z() - floor.position.z() - problem.rig->vehicle_height,
+      vehicle.pitch + std::atan(ahead), vehicle.roll - std::atan(to_left);
+  rows.jacobian.setZero();
+  rows.jacobian.block<1, 3>(0, 0) =
+      -floor.grade * direction_of(floor.heading).transpose() + Vector3d::UnitZ().transpose();
+  rows.jacobian(1, kPitch) = 1;
+  rows.jacobian(1, kHeading) = -to_left / (1 + ahead * ahead);
+  rows.jacobian(2, kRoll) = 1;
+  rows.jacobian(2, kHeading) = -ahead / (1 + to_left * to_left);
+  rows.residual.array() /= sigmas;
+  rows.jacobian.array().colwise() /= sigmas;
+  return rows;
+}
+
+// The state after a step of the parameters.
+JointState moved(const JointState& start, const double* step) {
+  JointState state = start;
+  state.vehicle.position += Vector3d(step[0], step[1], step[2]);
+  state.vehicle.heading += step[vehicle_parameter::kHeading];
+  state.vehicle.pitch += step[vehicle_parameter::kPitch];
+  state.vehicle.roll += step[vehicle_parameter::kRoll];
+  for (Index i = 0; i < state.calibration.size(); ++i) {
+    state.calibration[i] += step[kVehicleCount + i];
+  }
+  return state;
+}
+
+std::vector<WhitenedRows::Plate> group_by_plate(const JointProblem& problem,
+                                                const Selection& selection) {
+  std::vector<WhitenedRows::Plate> plates;
+  for (const std::size_t sighting : selection.sightings) {
+    const std::size_t plate = problem.sightings[sighting].plate;
+    auto found = std::ranges::find(plates, plate, &WhitenedRows::Plate::plate);
+    if (found == plates.end()) {
+      plates.push_back({plate, {}, 0, {}});
+      found = plates.end() - 1;
+    }
+    found->sightings.push_back(sighting);
+  }
+  return plates;
+}
+
+// Everything that one linearisation needs, for Ceres and for what comes after.
+class Linearisation {
+ public:
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
+
+  Linearisation(const JointProblem& problem, const Selection& selection, JointState start)
+      : problem_(problem), layout_(calibration_layout(*problem.rig)), selection_(selection) {
+    if (start.calibration.size() == 0) {
+      start.calibration = VectorXd::Zero(static_cast<Index>(layout_.sigmas.size()));
+    }
+    start_ = std::move(start);
+    rows_.plates = group_by_plate(problem, selection);
+    Index row = 0;
+    for (WhitenedRows::Plate& plate : rows_.plates) {
+      plate.begin = row;
+      row += kPlateRows * static_cast<Index>(plate.sightings.size());
+    }
+    rows_.ranges_begin = row;
+    rows_.vehicle_begin = row + static_cast<Index>(selection.ranges.size());
+    rows_.calibration_begin = rows_.vehicle_begin + kPriorRows;
+    count_ = rows_.calibration_begin + start_.calibration.size();
+  }
+
+  int NumResiduals() const { return static_cast<int>(count_); }
+  int NumParameters() const { return static_cast<int>(kVehicleCount + start_.calibration.size()); }
+  const JointState& start() const { return start_; }
+
+  // Ceres' cost function: `step` from the start. A pose from which a corner cannot be seen costs
+  // more than any other.
+  bool operator()(const double* step, double* residual, double* jacobian) const {
+    constexpr double kBeyond = 1e9;
+    Eigen::Map<VectorXd> f(residual, NumResiduals());
+    MatrixXd own;
+    if (jacobian == nullptr) own.resize(NumResiduals(), NumParameters());
+    Eigen::Map<MatrixXd> j(jacobian == nullptr ? own.data() : jacobian, NumResiduals(),
+                           NumParameters());
+    if (evaluate(moved(start_, step), f, j)) return true;
+    f.setConstant(kBeyond);
+    j.setZero();
+    return false;
+  }
+
+  // Weighs the plates' rows by their covariance as seen from `state`.
+  bool weigh(const JointState& state) {
+    const VehicleFrame frame = vehicle_frame(state.vehicle);
+    for (WhitenedRows::Plate& group : rows_.plates) {
+      const auto size = kPlateRows * static_cast<Index>(group.sightings.size());
+      MatrixXd covariance = MatrixXd::Zero(size, size);
+      MatrixXd by_plate(size, 6);
+      Index row = 0;
+      for (const std::size_t index : group.sightings) {
+        const Sighting& sighting = problem_.sightings[index];
+        const auto rows = sighting_rows(problem_, layout_, state, frame, sighting);
+        if (!rows) return false;
+        by_plate.middleRows<kPlateRows>(row) = rows->by_plate;
+        covariance.block<kPlateRows, kPlateRows>(row, row) = sighting.covariance;
+        row += kPlateRows;
+      }
+      const SightedPlate& plate = problem_.plates[group.plate];
+      const Eigen::Matrix<double, 6, 1> variance = plate.survey_variance + plate.coding_variance;
+      covariance.noalias() += by_plate * variance.asDiagonal() * by_plate.transpose();
+      const Eigen::LLT<MatrixXd> root(covariance);
+      if (root.info() != Eigen::Success) return false;
+      group.root = root.matrixL();
+    }
+    return true;
+  }
+
+  std::optional<JointFit> fit_at(const JointState& state) {
+    JointFit fit;
+    rows_.residual.resize(count_);
+    rows_.jacobian.resize(count_, NumParameters());
+    if (!evaluate(state, rows_.residual, rows_.jacobian)) return std::nullopt;
+    const MatrixXd information = rows_.jacobian.transpose() * rows_.jacobian;
+    const Eigen::LLT<MatrixXd> root(information);
+    if (root.info() != Eigen::Success) return std::nullopt;
+    fit.covariance = root.solve(MatrixXd::Identity(NumParameters(), NumParameters()));
+    fit.chi_square = rows_.residual.squaredNorm();
+    fit.degrees_of_freedom = static_cast<int>(count_) - NumParameters();
+    fit.state = state;
+    fit.selection = selection_;
+    fit.rows = rows_;
+    return fit;
+  }
+
+ private:
+  template <typename F, typename J>
+  bool evaluate(const JointState& state, F& f, J& j) const {
+    const VehicleFrame frame = vehicle_frame(state.vehicle);
+    j.setZero();
+    for (const WhitenedRows::Plate& group : rows_.plates) {
+      Index row = group.begin;
+      for (const std::size_t index : group.sightings) {
+        const Sighting& sighting = problem_.sightings[index];
+        const auto rows = sighting_rows(problem_, layout_, state, frame, sighting);
+        if (!rows) return false;
+        f.template segment<kPlateRows>(row) = rows->predicted - sighting.pixels;
+        place_columns(layout_, *rows, sighting.camera, j.template middleRows<kPlateRows>(row));
+        row += kPlateRows;
+      }
+      const auto root = group.root.template triangularView<Eigen::Lower>();
+      root.solveInPlace(f.segment(group.begin, row - group.begin));
+      root.solveInPlace(j.middleRows(group.begin, row - group.begin));
+    }
+    evaluate_ranges(state, f, j);
+    const PriorRows prior = prior_rows(problem_, state.vehicle);
+    f.template segment<kPriorRows>(rows_.vehicle_begin) = prior.residual;
+    j.template block<kPriorRows, kVehicleCount>(rows_.vehicle_begin, 0) = prior.jacobian;
+    for (Index i = 0; i < state.calibration.size(); ++i) {
+      const double sigma = layout_.sigmas[static_cast<std::size_t>(i)];
+      f[rows_.calibration_begin + i] = state.calibration[i] / sigma;
+      j(rows_.calibration_begin + i, kVehicleCount + i) = 1 / sigma;
+    }
+    return true;
+  }
+
+  template <typename F, typename J>
+  void evaluate_ranges(const JointState& state, F& f, J& j) const {
+    Index row = rows_.ranges_begin;
+    for (const std::size_t index : selection_.ranges) {
+      const WallRange& range = problem_.ranges[index];
+      const ObservedWall wall =
+          observe_wall(problem_.tunnel->centerline, range.wall_offset, state.vehicle.position);
+      f[row] = (wall.distance - range.distance) / range.sigma;
+      j.template block<1, 3>(row, 0) = wall.by_position.transpose() / range.sigma;
+      ++row;
+    }
+  }
+
+  const JointProblem& problem_;
+  CalibrationLayout layout_;
+  Selection selection_;
+  JointState start_;
+  WhitenedRows rows_;
+  Index count_ = 0;
+};
+
+Eigen::Matrix<double, 6, 1> variance_of(const SightedPlate& plate) {
+  return plate.survey_variance + plate.coding_variance;
+}
+
+}  // namespace
+
+std::optional<JointFit> fit_jointly(const JointProblem& problem, const Selection& selection,
+                                    const VehiclePose& start) {
+  JointState state{start, {}};
+  // The weights hold during a solution; the second starts where they hardly change any more.
+  for (const int iterations : {30, 10}) {
+    Linearisation linearisation(problem, selection, state);
+    if (!linearisation.weigh(state)) return std::nullopt;
+    ceres::TinySolver<Linearisation> solver;
+    solver.options.max_num_iterations = iterations;
+    solver.options.gradient_tolerance = 1e-9;
+    solver.options.function_tolerance = 1e-7;
+    VectorXd step = VectorXd::Zero(linearisation.NumParameters());
+    solver.Solve(linearisation, &step);
+    if (!step.allFinite()) return std::nullopt;
+    state = moved(linearisation.start(), step.data());
+  }
+  Linearisation linearisation(problem, selection, state);
+  if (!linearisation.weigh(state)) return std::nullopt;
+  return linearisation.fit_at(state);
+}
+
+std::optional<Disagreement> disagreement(const JointProblem& problem, const JointFit& fit,
+                                         std::size_t index) {
+  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const Sighting& sighting = problem.sightings[index];
+  const SightedPlate& plate = problem.plates[sighting.plate];
+  const auto rows =
+      sighting_rows(problem, layout, fit.state, vehicle_frame(fit.state.vehicle), sighting);
+  if (!rows) return std::nullopt;
+  MatrixXd jacobian(kPlateRows, fit.covariance.cols());
+  place_columns(layout, *rows, sighting.camera, jacobian);
+  const Eigen::Matrix<double, 6, 1> variance = variance_of(plate);
+  const Eigen::Matrix<double, kPlateRows, 3> by_shift = rows->by_plate.leftCols<3>();
+  const Eigen::Matrix<double, kPlateRows, 3> by_turn = rows->by_plate.rightCols<3>();
+  const Eigen::Matrix<double, kPlateRows, 1> residual = rows->predicted - sighting.pixels;
+  CornerCovariance spread = sighting.covariance;
+  spread.noalias() += jacobian * fit.covariance * jacobian.transpose();
+  spread.noalias() += by_turn * variance.tail<3>().asDiagonal() * by_turn.transpose();
+  const Eigen::LDLT<CornerCovariance> solver(spread);
+  const Eigen::Matrix3d information = by_shift.transpose() * solver.solve(by_shift);
+  Disagreement result;
+  const Eigen::Matrix3d of_shift = information.inverse();
+  result.shift = -of_shift * by_shift.transpose() * solver.solve(residual);
+  const Eigen::Matrix3d expected = of_shift + Eigen::Matrix3d(variance.head<3>().asDiagonal());
+  result.shift_chi_square = result.shift.dot(expected.ldlt().solve(result.shift));
+  const CornerCovariance all =
+      spread + by_shift * variance.head<3>().asDiagonal() * by_shift.transpose();
+  result.chi_square = residual.dot(all.ldlt().solve(residual));
+  result.degrees_of_freedom = kPlateRows;
+  return result;
+}
+
+Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
+                                 std::size_t index) {
+  const WhitenedRows::Plate& group = fit.rows.plates[index];
+  const auto size = kPlateRows * static_cast<Index>(group.sightings.size());
+  const VectorXd residual = fit.rows.residual.segment(group.begin, size);
+  const MatrixXd jacobian = fit.rows.jacobian.middleRows(group.begin, size);
+  // Of the residual at the solution: I - J P J^T. Its inverse turns it into that against a fit
+  // without the plate (Cook and Weisberg 1982, "Residuals and Influence in Regression", 2.2).
+  const MatrixXd left =
+      MatrixXd::Identity(size, size) - jacobian * fit.covariance * jacobian.transpose();
+  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
+  MatrixXd by_shift = MatrixXd::Zero(size, 3);
+  Index row = 0;
+  for (const std::size_t sighting : group.sightings) {
+    const auto rows = sighting_rows(problem, layout, fit.state, frame, problem.sightings[sighting]);
+    if (rows) by_shift.middleRows<kPlateRows>(row) = rows->by_plate.leftCols<3>();
+    row += kPlateRows;
+  }
+  group.root.triangularView<Eigen::Lower>().solveInPlace(by_shift);
+  const Eigen::Matrix3d information = by_shift.transpose() * left * by_shift;
+  const Vector3d score = by_shift.transpose() * residual;
+  Disagreement result;
+  result.shift = -information.ldlt().solve(score);
+  result.shift_chi_square = -score.dot(result.shift);
+  result.chi_square = residual.dot(left.ldlt().solve(residual));
+  result.degrees_of_freedom = static_cast<int>(size);
+  return result;
+}
+
+double range_disagreement(const JointProblem& problem, const JointFit& fit, std::size_t index) {
+  const WallRange& range = problem.ranges[index];
+  const ObservedWall wall =
+      observe_wall(problem.tunnel->centerline, range.wall_offset, fit.state.vehicle.position);
+  const double variance =
+      range.sigma * range.sigma +
+      wall.by_position.dot(fit.covariance.topLeftCorner<3, 3>() * wall.by_position);
+  return std::abs(wall.distance - range.distance) / std::sqrt(variance);
+}
+
+std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,
+                                                            const JointState& state,
+                                                            std::size_t sighting) {
+  const auto rows = sighting_rows(problem, calibration_layout(*problem.rig), state,
+                                  vehicle_frame(state.vehicle), problem.sightings[sighting]);
+  if (!rows) return std::nullopt;
+  return rows->predicted;
+}
+
+VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
+  const WhitenedRows& rows = fit.rows;
+  const Eigen::Matrix<double, kVehicleCount, Eigen::Dynamic> gain =
+      fit.covariance.topRows<kVehicleCount>() * rows.jacobian.transpose();
+  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
+  VehicleBudget budget;
+  for (const WhitenedRows::Plate& group : rows.plates) {
+    const SightedPlate& plate = problem.plates[group.plate];
+    // Into pixels: gain / L.
+    const auto size = kPlateRows * static_cast<Index>(group.sightings.size());
+    const MatrixXd by_pixels = group.root.transpose()
+                                   .triangularView<Eigen::Upper>()
+                                   .solve(gain.middleCols(group.begin, size).transpose())
+                                   .transpose();
+    Eigen::Matrix<double, kVehicleCount, 6> by_plate;
+    by_plate.setZero();
+    Index column = 0;
+    for (const std::size_t index : group.sightings) {
+      const Sighting& sighting = problem.sightings[index];
+      const auto own = by_pixels.middleCols<kPlateRows>(column);
+      budget.pixels += own * sighting.covariance * own.transpose();
+      const auto seen = sighting_rows(problem, layout, fit.state, frame, sighting);
+      if (seen) by_plate += own * seen->by_plate;
+      column += kPlateRows;
+    }
+    budget.survey += by_plate * plate.survey_variance.asDiagonal() * by_plate.transpose();
+    budget.coding += by_plate * plate.coding_variance.asDiagonal() * by_plate.transpose();
+  }
+  const auto part = [&](Index begin, Index end) -> VehicleCovariance {
+    const auto own = gain.middleCols(begin, end - begin);
+    return own * own.transpose();
+  };
+  budget.ranges = part(rows.ranges_begin, rows.vehicle_begin);
+  budget.vehicle = part(rows.vehicle_begin, rows.calibration_begin);
+  budget.calibration = part(rows.calibration_begin, rows.residual.size());
+  return budget;
+}
+
+double chi_square_limit(int degrees_of_freedom, double z) {
+  const double n = degrees_of_freedom;
+  return n * std::pow(1 - 2 / (9 * n) + z * std::sqrt(2 / (9 * n)), 3);
+}
+
+}  // namespace tagsmith

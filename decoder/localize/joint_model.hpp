@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// The joint fit: the vehicle's pose that best explains the corners of chosen tags in all cameras,
+// chosen ranges, and what is known beforehand, each weighted by its covariance.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/feature_frame/corner_covariance.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// A plate of which something was seen.
+struct SightedPlate {
+  std::string name;
+  Pose world_from_plate;
+  double length = 0;  // of the feature frame's inner edge, metres
+  double height = 0;
+  // Variances of its shift in world axes and of its turn about P in its own axes.
+  Eigen::Matrix<double, 6, 1> survey_variance = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> coding_variance = Eigen::Matrix<double, 6, 1>::Zero();
+};
+
+// A plate's corners in one camera's image, P, F, lower right, Q, as u, v, u, v, ...
+struct Sighting {
+  std::size_t camera = 0;  // of the rig
+  std::size_t plate = 0;   // of the problem
+  Eigen::Matrix<double, 8, 1> pixels = Eigen::Matrix<double, 8, 1>::Zero();
+  CornerCovariance covariance = CornerCovariance::Identity();
+};
+
+struct WallRange {
+  std::string name;
+  double wall_offset = 0;  // of the plates' surface, to the right of the center line
+  double distance = 0;
+  double sigma = 0;
+};
+
+// Rig and tunnel must outlive the problem.
+struct JointProblem {
+  const Rig* rig = nullptr;
+  const Tunnel* tunnel = nullptr;
+  std::vector<SightedPlate> plates;
+  std::vector<Sighting> sightings;
+  std::vector<WallRange> ranges;
+};
+
+// What a fit rests on, by index.
+struct Selection {
+  std::vector<std::size_t> sightings;
+  std::vector<std::size_t> ranges;
+};
+
+// Parameters: the vehicle's six, then nine for each camera whose calibration is uncertain: its
+// mounting (6), relative focal length, principal point (2).
+struct JointState {
+  VehiclePose vehicle;
+  Eigen::VectorXd calibration;
+};
+
+// What the fit rests on, each group scaled by its covariance: the plates in the order of
+// `plates`, the ranges, the vehicle's three (height, pitch, roll), the calibration's.
+struct WhitenedRows {
+  struct Plate {
+    std::size_t plate = 0;
+    std::vector<std::size_t> sightings;
+    Eigen::Index begin = 0;
+    Eigen::MatrixXd root;  // lower triangle L of its covariance L L^T
+  };
+  std::vector<Plate> plates;
+  Eigen::Index ranges_begin = 0;
+  Eigen::Index vehicle_begin = 0;
+  Eigen::Index calibration_begin = 0;
+  Eigen::VectorXd residual;  // predicted minus measured
+  Eigen::MatrixXd jacobian;
+};
+
+struct JointFit {
+  JointState state;
+  Selection selection;
+  WhitenedRows rows;
+  Eigen::MatrixXd covariance;  // of all parameters
+  double chi_square = 0;
+  int degrees_of_freedom = 0;
+
+  VehicleCovariance vehicle_covariance() const { return covariance.topLeftCorner<6, 6>(); }
+};
+
+// Least squares from `start` (Levenberg-Marquardt, Ceres' TinySolver). Nothing when it does not
+// converge to a pose from which every chosen corner can be seen.
+std::optional<JointFit> fit_jointly(const JointProblem& problem, const Selection& selection,
+                                    const VehiclePose& start);
+
+// How far apart what was measured and what a fit without it predicts are.
+struct Disagreement {
+  double chi_square = 0;        // of all corners' coordinates
+  int degrees_of_freedom = 0;   // of chi_square
+  double shift_chi_square = 0;  // of the shift of the plate that explains them best, 3 degrees
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of the plate, world frame, metres
+};
+
+// Of a sighting that the fit does not rest on. Nothing when the plate cannot be seen from there.
+std::optional<Disagreement> disagreement(const JointProblem& problem, const JointFit& fit,
+                                         std::size_t sighting);
+
+// Of a plate (index in fit.rows.plates) that the fit rests on, against the rest.
+Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
+                                 std::size_t index);
+
+// Difference of a range from the fit (which does not rest on it), in standard deviations of it.
+double range_disagreement(const JointProblem& problem, const JointFit& fit, std::size_t range);
+
+// The pixels where the fit sees a sighting's corners; nothing when it cannot.
+std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,
+                                                            const JointState& state,
+                                                            std::size_t sighting);
+
+// What of the vehicle's covariance comes from where; the parts add up to it.
+struct VehicleBudget {
+  VehicleCovariance pixels = VehicleCovariance::Zero();
+  VehicleCovariance survey = VehicleCovariance::Zero();
+  VehicleCovariance coding = VehicleCovariance::Zero();
+  VehicleCovariance ranges = VehicleCovariance::Zero();
+  VehicleCovariance calibration = VehicleCovariance::Zero();
+  VehicleCovariance vehicle = VehicleCovariance::Zero();
+};
+
+VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit);
+
+// The chi-square value that is exceeded with the probability that a normal value exceeds `z`
+// (Wilson and Hilferty 1931).
+double chi_square_limit(int degrees_of_freedom, double z);
+
+}  // namespace tagsmith

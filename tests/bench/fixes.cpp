@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+// Simulated fixes of the joint method, from corners on: are its covariances true, and does a wrong
+// tag or range ever make a wrong position? Usage: bench_fixes [N] [SEED]
+//
+// Each draw stands the vehicle anywhere in a shipped survey, as far from level and from the center
+// line as the rig says it may be; moves plates by the survey's sigma and cameras by a
+// calibration's; finds the tags' corners with noise of a covariance like the reader's; and breaks
+// tags and ranges.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/localize/joint_method.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/survey/place_tags.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+using namespace tagsmith;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kWrongTag = 0.03;    // probability of each tag
+constexpr double kGrossRange = 0.05;  // of each range
+constexpr double kNoRange = 0.2;
+
+struct Site {
+  Survey survey;
+  Rig rig;
+};
+
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : random_(seed) {}
+  double normal(double sigma) { return sigma * normal_(random_); }
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+  bool chance(double probability) { return uniform(0, 1) < probability; }
+  Vector3d normals(double sigma) { return {normal(sigma), normal(sigma), normal(sigma)}; }
+  std::size_t index(std::size_t size) {
+    return std::uniform_int_distribution<std::size_t>(0, size - 1)(random_);
+  }
+
+ private:
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+// A turn about each axis with this standard deviation.
+Eigen::Matrix3d small_turn(Draws& draws, double sigma) {
+  const Vector3d turn = draws.normals(sigma);
+  return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+}
+
+Rig disturbed(Rig rig, Draws& draws) {
+  for (RigCamera& camera : rig.cameras) {
+    const CalibrationSigma& sigma = camera.calibration_sigma;
+    const double focal = 1 + draws.normal(sigma.focal);
+    camera.camera.fx *= focal;
+    camera.camera.fy *= focal;
+    camera.camera.cx += draws.normal(sigma.center);
+    camera.camera.cy += draws.normal(sigma.center);
+    camera.vehicle_from_camera.translation += draws.normals(sigma.position);
+    camera.vehicle_from_camera.rotation *= small_turn(draws, sigma.angle);
+  }
+  return rig;
+}
+
+VehiclePose random_pose(const Site& site, Draws& draws) {
+  const Centerline& line = site.survey.tunnel.centerline;
+  const double from = site.survey.tags.front().chainage - 1.5;
+  const double to = site.survey.tags.back().chainage;
+  const CenterlinePoint at = line.at(draws.uniform(from, to));
+  VehiclePose pose;
+  const double side = draws.uniform(-0.25, 0.25) * site.survey.tunnel.width;
+  pose.position = at.position + side * right_of(at.heading);
+  pose.position.z() += site.rig.vehicle_height + draws.normal(site.rig.height_sigma);
+  pose.heading = at.heading + draws.normal(radians(5));
+  pose.pitch = draws.normal(site.rig.pitch_sigma);
+  pose.roll = draws.normal(site.rig.roll_sigma);
+  return pose;
+}
+
+// Where a plate with this code really hangs when something went wrong.
+Pose wrong_place(const Survey& survey, const PlacedTag& tag, Draws& draws) {
+  if (draws.chance(0.5)) {
+    for (;;) {  // swapped with another
+      const PlacedTag& other = survey.tags[draws.index(survey.tags.size())];
+      if (other.name != tag.name) return other.world_from_plate;
+    }
+  }
+  Pose pose = tag.world_from_plate;  // rehung, or its place written down wrongly
+  const double away = std::exp(draws.uniform(std::log(0.05), std::log(1.0)));
+  const double angle = draws.uniform(-3.14, 3.14);
+  pose.translation +=
+      away * (std::cos(angle) * pose.rotation.col(0) + std::sin(angle) * pose.rotation.col(1));
+  return pose;
+}
+
+// The plate's corners where the camera sees them; nothing when it does not see all of them well
+// enough to read.
+std::optional<FrameCorners> corners_in_image(const RigCamera& camera, const VehiclePose& vehicle,
+                                             const Pose& world_from_plate, const TagTemplate& tag) {
+  const double length = tag.frame_inner_length;
+  const double height = tag.frame_inner_height;
+  const Vector3d in_plate[] = {{0, 0, 0}, {length, 0, 0}, {length, height, 0}, {0, height, 0}};
+  const VehicleFrame frame = vehicle_frame(vehicle);
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto seen = observe_point(camera.camera, camera.vehicle_from_camera, frame,
+                                    world_from_plate, in_plate[i]);
+    if (!seen || !in_image(camera.camera, seen->pixel)) return std::nullopt;
+    corners[i] = {seen->pixel.x(), seen->pixel.y()};
+  }
+  const double module_px = distance(corners[0], corners[1]) / (95 + 18);
+  if (module_px < 0.6 || !is_convex(corners)) return std::nullopt;
+  return corners;
+}
+
+SeenCorners noisy(const FrameCorners& corners, Draws& draws) {
+  RefinedFrame frame;
+  frame.corners = corners;
+  const double sigma = std::exp(draws.uniform(std::log(0.003), std::log(0.15)));
+  for (FrameSide& side : frame.sides) {
+    side.blur_px = draws.uniform(0.3, 1.0);
+    side.stroke_px = 10;
+    side.covariance = sigma * sigma * Eigen::Matrix2d{{1, -0.3}, {-0.3, 1}};
+  }
+  SeenCorners seen{corners, sigma, corner_covariance(frame)};
+  Eigen::Matrix<double, 8, 1> noise;
+  for (double& value : noise) value = draws.normal(1);
+  noise = seen.covariance.llt().matrixL() * noise;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    seen.corners[i] = corners[i] + PixelPoint{noise[row], noise[row + 1]};
+  }
+  return seen;
+}
+
+struct Draw {
+  VehiclePose truth;
+  Observation observation;
+  int wrong_tags = 0;
+  bool gross_range = false;
+};
+
+Draw draw_from(const Site& site, Draws& draws) {
+  Draw draw;
+  draw.truth = random_pose(site, draws);
+  const Rig rig = disturbed(site.rig, draws);
+  for (const PlacedTag& tag : site.survey.tags) {
+    const bool wrong = draws.chance(kWrongTag);
+    Pose hung = wrong ? wrong_place(site.survey, tag, draws) : tag.world_from_plate;
+    hung.translation += draws.normals(site.survey.sigma);
+    hung.rotation *= small_turn(draws, site.survey.angle_sigma);
+    for (const RigCamera& camera : rig.cameras) {
+      const auto corners = corners_in_image(camera, draw.truth, hung, site.survey.tag_template);
+      if (!corners) continue;
+      draw.observation.tags.push_back({camera.name, 0, tag, noisy(*corners, draws), {}});
+      draw.wrong_tags += wrong ? 1 : 0;
+    }
+  }
+  for (const RigRange& range : site.rig.ranges) {
+    if (draws.chance(kNoRange)) continue;
+    const double side = range.wall == Side::left ? -0.5 : 0.5;
+    const ObservedWall wall = observe_wall(site.survey.tunnel.centerline,
+                                           side * site.survey.tunnel.width, draw.truth.position);
+    double distance = wall.distance + draws.normal(range.sigma);
+    if (draws.chance(kGrossRange)) {
+      distance = draws.uniform(range.min, range.max);
+      draw.gross_range = true;
+    }
+    draw.observation.ranges[range.name] = distance;
+  }
+  return draw;
+}
+
+Result<Site> load_site(const std::string& name) {
+  const std::string folder = "surveys/" + name;
+  auto survey = load_survey(folder + "/survey.yaml");
+  if (!survey) return fail(survey.error().message);
+  auto rig = load_rig(folder + "/rig.yaml");
+  if (!rig) return fail(rig.error().message);
+  survey->angle_sigma = radians(0.1);
+  for (RigCamera& camera : rig->cameras)
+    camera.calibration_sigma = {0.001, radians(0.05), 5e-4, 0.5};
+  return Site{std::move(*survey), std::move(*rig)};
+}
+
+// What a kind of draws came to.
+struct Tally {
+  int draws = 0;
+  int located = 0;
+  int beyond_five = 0;
+  int in_ellipse = 0;
+  double nees_position = 0;
+  double nees_pose = 0;
+  double greatest = 0;  // error in standard deviations, any coordinate
+};
+
+struct PoseError {
+  Eigen::Matrix<double, 6, 1> error;
+  PoseCovariance covariance;
+};
+
+PoseError error_of(const Fix& fix, const VehiclePose& truth, const Grid& grid) {
+  PoseError result{{}, *fix.pose_covariance_in_grid};
+  const Vector3d position = *fix.position_in_grid - grid_from_world(grid, truth.position);
+  const double heading = fix.attitude->heading - grid_heading_from_world(grid, truth.heading);
+  result.error << position, std::remainder(heading, 2 * 3.14159265358979323846),
+      fix.attitude->pitch - truth.pitch, fix.attitude->roll - truth.roll;
+  return result;
+}
+
+void count(Tally& tally, const Fix& fix, const VehiclePose& truth, const Grid& grid) {
+  ++tally.draws;
+  if (!fix.position_in_grid) return;
+  ++tally.located;
+  const PoseError e = error_of(fix, truth, grid);
+  const Vector3d position = e.error.head<3>();
+  const Eigen::Matrix3d covariance = e.covariance.topLeftCorner<3, 3>();
+  const Eigen::Vector2d plane = position.head<2>();
+  const double d2 = plane.dot(covariance.topLeftCorner<2, 2>().ldlt().solve(plane));
+  if (d2 < 5.991) ++tally.in_ellipse;  // chi-square, 2 degrees, 95 %
+  tally.nees_position += position.dot(covariance.ldlt().solve(position)) / 3;
+  tally.nees_pose += e.error.dot(e.covariance.ldlt().solve(e.error)) / 6;
+  const Vector3d sigmas = covariance.diagonal().cwiseSqrt();
+  const double most = position.cwiseAbs().cwiseQuotient(sigmas).maxCoeff();
+  tally.greatest = std::max(tally.greatest, most);
+  if (most > 5) ++tally.beyond_five;
+}
+
+void print(const std::string& name, const Tally& tally) {
+  const double n = std::max(1, tally.located);
+  fmt::print("| {} | {} | {} | {:.2f} | {:.2f} | {:.1f} % | {} | {:.1f} |\n", name, tally.draws,
+             tally.located, tally.nees_position / n, tally.nees_pose / n,
+             100 * tally.in_ellipse / n, tally.beyond_five, tally.greatest);
+}
+
+std::string kind_of(const Draw& draw) {
+  const std::size_t tags = draw.observation.tags.size();
+  std::string kind = tags == 1 ? "1 tag" : tags == 2 ? "2 tags" : "3 tags and more";
+  const auto wrong = static_cast<std::size_t>(draw.wrong_tags);
+  if (wrong == 0) return kind + ", all right";
+  if (wrong == tags) return kind + ", all of them wrong";
+  return kind + ", " + (wrong == 1 ? "one" : "several") + " wrong";
+}
+
+// The first words of a reason, up to what differs from case to case.
+std::string kind_of_reason(const std::string& reason) {
+  return reason.substr(0, reason.find_first_of(":(0123456789"));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int count_wanted = argc > 1 ? std::atoi(argv[1]) : 10'000;
+  const auto seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  std::vector<Site> sites;
+  for (const char* name : {"corridor", "curved"}) {
+    Result<Site> site = load_site(name);
+    if (!site) {
+      fmt::print(stderr, "{}\n", site.error().message);
+      return 2;
+    }
+    sites.push_back(std::move(*site));
+  }
+  Draws draws(seed);
+  std::map<std::string, Tally> tallies;
+  std::map<std::string, int> reasons;
+  std::vector<double> times;
+  Tally all;
+  int gross = 0;
+  int gross_used = 0;
+  while (all.draws < count_wanted) {
+    const Site& site = sites[draws.index(sites.size())];
+    const Draw draw = draw_from(site, draws);
+    if (draw.observation.tags.empty()) continue;
+    const std::vector<Survey> surveys{site.survey};
+    const auto start = std::chrono::steady_clock::now();
+    const Fix fix = localize_jointly(draw.observation, surveys, site.rig);
+    const auto end = std::chrono::steady_clock::now();
+    times.push_back(std::chrono::duration<double, std::micro>(end - start).count());
+    const std::string kind = kind_of(draw);
+    count(tallies[kind], fix, draw.truth, site.survey.grid);
+    // Nothing in the measurements tells when no right tag is seen.
+    if (kind.find("all of them") == std::string::npos) {
+      count(all, fix, draw.truth, site.survey.grid);
+    }
+    if (!fix.position_in_grid) ++reasons[kind_of_reason(fix.reason)];
+    if (draw.gross_range && fix.position_in_grid) {
+      ++gross;
+      gross_used += fix.ranges.empty() ? 0 : 1;
+    }
+  }
+  fmt::print(
+      "| what was seen | draws | located | NEES/3 | NEES/6 of the pose | in the 95 % ellipse "
+      "| beyond 5 sigma | greatest, sigma |\n|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [name, tally] : tallies) print(name, tally);
+  print("all with a right tag", all);
+  fmt::print("\nno position:\n");
+  for (const auto& [reason, times_said] : reasons) fmt::print("  {:5} {}\n", times_said, reason);
+  fmt::print("gross ranges: {}, used: {}\n", gross, gross_used);
+  std::ranges::sort(times);
+  fmt::print("time of a fix: median {:.0f} us, 99 % {:.0f} us\n", times[times.size() / 2],
+             times[times.size() * 99 / 100]);
+  return 0;
+}
