@@ -28,18 +28,26 @@ TagText tag_text(const Survey& survey, const PlacedTag& tag) {
   const Eigen::Vector3d p = tag.p_in_grid.unaryExpr(&whole_millimetres);
   return {{tag.name + " " + to_string(tag.side) + "  \u00b7  " +
                grouped_digits(survey.code, tag.digits),
-           fmt::format("x {:.3f}   y {:.3f}   z {:.3f} m", p.x(), p.y(), p.z()), survey.name}};
+           fmt::format("chainage {:.3f} m  \u00b7  x {:.3f}  y {:.3f}  z {:.3f} m",
+                       whole_millimetres(tag.chainage), p.x(), p.y(), p.z()),
+           survey.name}};
 }
 
 PageNotes page_notes(const Survey& survey, const PlacedTag& tag) {
-  return {survey.name + " " + tag.name, "template " + survey.tag_template.name + ", digits " +
-                                            grouped_digits(survey.code, tag.digits) + " (" +
-                                            to_string(survey.code.check) + ")"};
+  PageNotes notes{survey.name + " " + tag.name,
+                  "template " + survey.tag_template.name + ", digits " +
+                      grouped_digits(survey.code, tag.digits) + " (" +
+                      to_string(survey.code.check) + ")",
+                  survey_keywords(survey)};
+  if (!survey.tag_template.material.empty()) notes.more.push_back(survey.tag_template.material);
+  return notes;
 }
+
+std::string survey_keywords(const Survey& survey) { return "survey " + survey.name; }
 
 Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style) {
   const TagDrawing drawing = draw_tag(survey.tag_template, tag.digits, tag_text(survey, tag));
-  return lay_out_page(drawing, page_notes(survey, tag), style);
+  return lay_out_page(tag.name, drawing, page_notes(survey, tag), style);
 }
 
 }  // namespace tagsmith
