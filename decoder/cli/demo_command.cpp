@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "decoder/cli/json.hpp"
-#include "decoder/cli/parallel.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
@@ -21,6 +20,7 @@
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/print_manifest.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/pdf.hpp"

@@ -17,7 +17,6 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/cli/fix_files.hpp"
-#include "decoder/cli/parallel.hpp"
 #include "decoder/cli/run_drawing.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
@@ -28,6 +27,7 @@
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"

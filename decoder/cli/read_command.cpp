@@ -11,11 +11,11 @@
 
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/json.hpp"
-#include "decoder/cli/parallel.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith {

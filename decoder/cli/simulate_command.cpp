@@ -19,11 +19,11 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "decoder/cli/parallel.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"

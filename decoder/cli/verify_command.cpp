@@ -10,9 +10,9 @@
 
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/json.hpp"
-#include "decoder/cli/parallel.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith {

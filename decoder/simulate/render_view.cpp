@@ -107,6 +107,9 @@ DrawnPlate draw(const Camera& camera, const ViewingFrustum& frustum, const Scene
     for (const Rectangle& bar : drawing.bars) {
       add_shape(drawn.ink, camera, frustum, plate, grown(bar, spread), 1);
     }
+    if (drawing.patches) {
+      add_shape(drawn.ink, camera, frustum, plate, grown(drawing.patches->black, spread), 1);
+    }
   }
   if (plate.finish.cover) {
     add_shape(drawn.cover, camera, frustum, plate, plate.finish.cover->area, 1);

@@ -11,6 +11,7 @@
 
 #include "decoder/verify/child_process.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith {
 namespace {
@@ -18,7 +19,6 @@ namespace {
 constexpr int kMaxPages = 1000;
 constexpr double kDpi = 150;
 constexpr double kMaxPixels = 40e6;
-constexpr double kMetresPerInch = 0.0254;
 constexpr double kMetresPerPoint = kMetresPerInch / 72;
 
 // A name that poppler's programs cannot take for an option.

@@ -127,7 +127,7 @@ Result<void> write_manifests(const Survey& survey, const Page& page,
 
 // What the files lack through no fault of the survey, said on standard error.
 void warn(const Survey& survey, const Page& page) {
-  if (survey.tag_template.label.shown && page.tag.label.empty()) {
+  if (survey.tag_template.label.shown && page.tags[0].drawing.label.empty()) {
     fmt::print(stderr,
                "tagsmith print: warning: template {}: no room for a label below the feature frame, "
                "the plates carry none\n",

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string>
 #include <system_error>
+#include <unistd.h>
+
+#include <sys/file.h>
 
 #include "tagsmith/base/file.hpp"
 
@@ -63,6 +67,31 @@ Result<Move> move_to(const fs::path& target, const fs::path& file) {
   return fail(target.string() + ": cannot be written: " + error.message());
 }
 
+constexpr std::string_view kStagingPrefix = ".tagsmith-";
+
+// The folder's descriptor with a lock on it; -1 when another process holds the lock. The kernel
+// drops the lock when the process ends, however it ends.
+int lock_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0) return -1;
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
+// Removes the hidden folders of processes that were killed.
+void remove_abandoned(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::path& path : files_in(folder, error)) {
+    const std::string name = path.filename().string();
+    if (name.size() != kStagingPrefix.size() + 6 || !name.starts_with(kStagingPrefix)) continue;
+    const int lock = lock_folder(path);
+    if (lock < 0) continue;
+    fs::remove_all(path, error);
+    ::close(lock);
+  }
+}
+
 }  // namespace
 
 Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
@@ -73,18 +102,25 @@ Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
   fs::create_directories(files.folder_, error);
   if (error) return fail(folder.string() + ": cannot be made: " + error.message());
   if (!fs::is_directory(files.folder_)) return fail(folder.string() + ": is not a folder");
-  std::string pattern = (files.folder_ / ".tagsmith-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) {
-    return fail(folder.string() +
-                ": no file can be written there: " + std::generic_category().message(errno));
+  remove_abandoned(files.folder_);
+  constexpr int kAttempts =
+      10;  // another process may take the folder for abandoned before its lock
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    std::string pattern = (files.folder_ / kStagingPrefix).string() + "XXXXXX";
+    if (mkdtemp(pattern.data()) == nullptr) break;
+    files.staging_ = pattern;
+    files.lock_ = lock_folder(files.staging_);
+    if (files.lock_ >= 0 && fs::exists(files.staging_, error)) return files;
+    if (files.lock_ >= 0) ::close(std::exchange(files.lock_, -1));
   }
-  files.staging_ = pattern;
-  return files;
+  return fail(folder.string() +
+              ": no file can be written there: " + std::generic_category().message(errno));
 }
 
 StagedFiles::~StagedFiles() {
   std::error_code ignored;
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  if (lock_ >= 0) ::close(lock_);
   for (const fs::path& made : made_folders_) fs::remove(made, ignored);  // only when empty
 }
 

@@ -13,7 +13,8 @@ namespace tagsmith {
 
 // Files gather in a hidden folder inside the target folder; publish() moves them to their names.
 // Without publish(), or when it fails, the destructor leaves the disk as it was before, folders
-// included.
+// included. A process that was killed leaves its hidden folder behind: the next begin() in the same
+// folder removes it.
 class StagedFiles {
  public:
   // Makes the folder where it is missing. Fails when files cannot be made in it.
@@ -23,6 +24,7 @@ class StagedFiles {
   StagedFiles(StagedFiles&& other) noexcept
       : folder_(std::move(other.folder_)),
         staging_(std::exchange(other.staging_, {})),
+        lock_(std::exchange(other.lock_, -1)),
         made_folders_(std::exchange(other.made_folders_, {})) {}
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -30,6 +32,9 @@ class StagedFiles {
 
   // `name` is a file name without folders. Several threads may add files of different names.
   Result<void> add(const std::filesystem::path& name, std::string_view bytes) const;
+
+  // Where a file stands until it is published.
+  std::filesystem::path staged(const std::filesystem::path& name) const { return staging_ / name; }
 
   // Replaces files of the same names.
   Result<void> publish();
@@ -39,6 +44,7 @@ class StagedFiles {
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  int lock_ = -1;  // descriptor of staging_, locked for as long as its process lives
   std::vector<std::filesystem::path> made_folders_;  // innermost first
 };
 

@@ -2,58 +2,26 @@
 #include "tagsmith/render/page.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith {
 namespace {
 
-constexpr double kCropGap = 0.003;  // between the plate's corner and its crop marks
+constexpr double kLeastCropGap = 0.003;  // between the plate's corner and its crop marks
 constexpr double kCropLength = 0.008;
 constexpr double kScaleBarInset = 0.008;  // from the page's edge: printers leave about 5 mm blank
 constexpr double kTickLength = 0.004;
-constexpr double kNoteHeight = 0.0025;  // of a capital letter
+constexpr double kNoteStep = 1.8 * kNoteHeight;
 
-Rectangle moved(Rectangle rectangle, double right, double down) {
-  rectangle.x += right;
-  rectangle.y += down;
-  return rectangle;
-}
-
-TagDrawing moved(TagDrawing tag, double right, double down) {
-  tag.plate = moved(tag.plate, right, down);
-  tag.frame_outer = moved(tag.frame_outer, right, down);
-  tag.frame_inner = moved(tag.frame_inner, right, down);
-  for (Rectangle& bar : tag.bars) bar = moved(bar, right, down);
-  for (UpArrow& arrow : tag.arrows) arrow.box = moved(arrow.box, right, down);
-  for (TextItem& item : tag.label) {
-    item.x += right;
-    item.y += down;
-  }
-  return tag;
-}
-
-// Two marks a corner, each in line with one of the plate's edges.
-void add_crop_marks(Page& page) {
-  const Rectangle& plate = page.tag.plate;
-  for (const bool right : {false, true}) {
-    for (const bool lower : {false, true}) {
-      const double x = plate.x + (right ? plate.width : 0);
-      const double y = plate.y + (lower ? plate.height : 0);
-      const double across = right ? 1 : -1;
-      const double down = lower ? 1 : -1;
-      const double end = kCropGap + kCropLength;
-      page.lines.push_back({{x + across * kCropGap, y}, {x + across * end, y}});
-      page.lines.push_back({{x, y + down * kCropGap}, {x, y + down * end}});
-    }
-  }
-}
+double crop_gap(double bleed) { return std::max(kLeastCropGap, bleed); }
 
 std::string scale_bar_text() { return format_number(kScaleBarLength * 1000) + " mm"; }
 
 // The nominal length lies between the middles of the end ticks.
-void add_horizontal_scale_bar(Page& page) {
-  const double y = page.height - kScaleBarInset;
+void add_horizontal_scale_bar(Page& page, double y) {
   const double left = (page.width - kScaleBarLength) / 2;
   const double right = left + kScaleBarLength;
   page.lines.push_back({{left, y}, {right, y}});
@@ -68,8 +36,7 @@ void add_horizontal_scale_bar(Page& page) {
                         .centred = true});
 }
 
-void add_vertical_scale_bar(Page& page) {
-  const double x = kScaleBarInset;
+void add_vertical_scale_bar(Page& page, double x) {
   const double top = (page.height - kScaleBarLength) / 2;
   const double bottom = top + kScaleBarLength;
   page.lines.push_back({{x, top}, {x, bottom}});
@@ -85,44 +52,95 @@ void add_vertical_scale_bar(Page& page) {
                         .upwards = true});
 }
 
-std::string dimensions_text(const TagDrawing& tag) {
-  const auto mm = [](double length) { return format_number(length * 1000, 3); };
-  return "feature frame inside " + mm(tag.frame_inner.width) + " \u00d7 " +
-         mm(tag.frame_inner.height) + " mm  \u00b7  plate " + mm(tag.plate.width) + " \u00d7 " +
-         mm(tag.plate.height) + " mm  \u00b7  print at 100 %, then measure both " +
-         scale_bar_text() + " bars";
+void add_note(Page& page, const std::string& text, double baseline, double width) {
+  page.texts.push_back({.text = text,
+                        .x = page.width / 2,
+                        .y = baseline,
+                        .height = kNoteHeight,
+                        .max_width = width,
+                        .centred = true});
 }
 
-void add_notes(Page& page) {
+// Two lines over the whole page, the others between the crop marks.
+void add_notes(Page& page, const TagDrawing& tag) {
+  double baseline = kScaleBarInset;
   const double width = page.width - 0.03;
-  const std::string heading = page.notes.title + "  \u00b7  " + page.notes.subject;
-  double baseline = 0.008;
-  for (const std::string& line : {heading, dimensions_text(page.tag)}) {
-    page.texts.push_back({.text = line,
-                          .x = page.width / 2,
-                          .y = baseline,
-                          .height = kNoteHeight,
-                          .max_width = width,
-                          .centred = true});
-    baseline += 1.8 * kNoteHeight;
+  add_note(page, page.notes.title + "  \u00b7  " + page.notes.subject, baseline, width);
+  add_note(page,
+           dimensions_text(tag) + "  \u00b7  print at 100 %, then measure both " +
+               scale_bar_text() + " bars",
+           baseline += kNoteStep, width);
+  const double between_marks = std::min(width, tag.plate.width - 2 * kLeastCropGap);
+  for (const std::string& line : page.notes.more) {
+    add_note(page, line, baseline += kNoteStep, between_marks);
   }
+}
+
+Rectangle grown(const Rectangle& box, double by) {
+  return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by};
 }
 
 }  // namespace
 
-Page lay_out_page(const TagDrawing& tag, const PageNotes& notes, const PageStyle& style) {
-  const double margin = std::max(style.margin, kLeastPageMargin);
+double least_margin(double bleed) {
+  constexpr double kUnprinted = 0.005;
+  constexpr double kNotes = 0.022;  // two lines, marks and the scale bars
+  return std::max(kNotes, crop_gap(bleed) + kCropLength + kUnprinted);
+}
+
+double at_dot(double value, int dots_per_inch) {
+  if (dots_per_inch == 0) return value;
+  const double dot = kMetresPerInch / dots_per_inch;
+  constexpr double kRounding = 1e-6;  // dots
+  return std::floor(value / dot + kRounding) * dot;
+}
+
+std::string dimensions_text(const TagDrawing& tag) {
+  const auto mm = [](double length) { return format_number(length * 1000, 3); };
+  return "feature frame inside " + mm(tag.frame_inner.width) + " \u00d7 " +
+         mm(tag.frame_inner.height) + " mm  \u00b7  plate " + mm(tag.plate.width) + " \u00d7 " +
+         mm(tag.plate.height) + " mm";
+}
+
+void add_crop_marks(Page& page, const Rectangle& plate, double gap, double length) {
+  for (const bool right : {false, true}) {
+    for (const bool lower : {false, true}) {
+      const double x = plate.x + (right ? plate.width : 0);
+      const double y = plate.y + (lower ? plate.height : 0);
+      const double across = right ? 1 : -1;
+      const double down = lower ? 1 : -1;
+      const double end = gap + length;
+      page.lines.push_back({{x + across * gap, y}, {x + across * end, y}});
+      page.lines.push_back({{x, y + down * gap}, {x, y + down * end}});
+    }
+  }
+}
+
+void add_scale_bars(Page& page, double x, double y) {
+  add_horizontal_scale_bar(page, y);
+  add_vertical_scale_bar(page, x);
+}
+
+Page lay_out_page(const std::string& name, const TagDrawing& tag, const PageNotes& notes,
+                  const PageStyle& style) {
+  const double extra_lines = notes.more.empty() ? 0 : static_cast<double>(notes.more.size() - 1);
+  const double margin = std::max(style.margin, least_margin(style.bleed)) + extra_lines * kNoteStep;
   const double least_size = kScaleBarLength + 2 * margin;
   Page page;
   page.notes = notes;
   page.width = std::max(tag.plate.width + 2 * margin, least_size);
   page.height = std::max(tag.plate.height + 2 * margin, least_size);
-  page.tag = moved(tag, (page.width - tag.plate.width) / 2 - tag.plate.x,
-                   (page.height - tag.plate.height) / 2 - tag.plate.y);
-  add_crop_marks(page);
-  add_horizontal_scale_bar(page);
-  add_vertical_scale_bar(page);
-  add_notes(page);
+  const double p_right =
+      at_dot((page.width - tag.plate.width) / 2 - tag.plate.x, style.dots_per_inch);
+  const double p_down =
+      at_dot((page.height - tag.plate.height) / 2 - tag.plate.y, style.dots_per_inch);
+  page.tags.push_back({name, moved(tag, p_right, p_down)});
+  const TagDrawing& placed = page.tags.front().drawing;
+  page.trim = placed.plate;
+  page.bleed = grown(placed.plate, style.bleed);
+  add_crop_marks(page, placed.plate, crop_gap(style.bleed), kCropLength);
+  add_scale_bars(page, kScaleBarInset, page.height - kScaleBarInset);
+  add_notes(page, placed);
   return page;
 }
 

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cairo-pdf.h>
 #include <cairo.h>
-#include <memory>
+#include <fstream>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "tagsmith/render/page_on_cairo.hpp"
 #include "tagsmith/render/print_settings.hpp"
 #include "tagsmith/render/text.hpp"
 
@@ -22,66 +25,89 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int lengt
   return CAIRO_STATUS_SUCCESS;
 }
 
-void add_rectangle(cairo_t* context, const Rectangle& rectangle) {
-  cairo_rectangle(context, rectangle.x, rectangle.y, rectangle.width, rectangle.height);
-}
-
-// One path, filled by the even-odd rule: four rectangles would leave hairline seams on some
-// printers.
-void fill_feature_frame(cairo_t* context, const TagDrawing& tag) {
-  add_rectangle(context, tag.frame_outer);
-  add_rectangle(context, tag.frame_inner);
-  cairo_set_fill_rule(context, CAIRO_FILL_RULE_EVEN_ODD);
-  cairo_fill(context);
-}
-
-void fill_arrow(cairo_t* context, const UpArrow& arrow) {
-  for (const PlatePoint& corner : outline_of(arrow)) cairo_line_to(context, corner.x, corner.y);
-  cairo_close_path(context);
-  cairo_fill(context);
-}
-
-void draw_tag_shapes(cairo_t* context, const TagDrawing& tag) {
-  fill_feature_frame(context, tag);
-  for (const Rectangle& bar : tag.bars) add_rectangle(context, bar);
-  cairo_fill(context);
-  for (const UpArrow& arrow : tag.arrows) fill_arrow(context, arrow);
-  for (const TextItem& item : tag.label) show_text(context, item);
-}
-
-void draw_page(cairo_t* context, const Page& page) {
-  cairo_save(context);
-  cairo_scale(context, kPointsPerMetre, kPointsPerMetre);
-  cairo_set_source_rgb(context, 0, 0, 0);
-  draw_tag_shapes(context, page.tag);
-  cairo_set_line_width(context, page.line_width);
-  for (const PageLine& line : page.lines) {
-    cairo_move_to(context, line.from.x, line.from.y);
-    cairo_line_to(context, line.to.x, line.to.y);
-  }
-  cairo_stroke(context);
-  for (const TextItem& item : page.texts) show_text(context, item);
-  cairo_restore(context);
-  cairo_show_page(context);
-}
-
-Result<void> check_pages(std::span<const Page> pages) {
-  if (pages.empty()) return fail("PDF: no page to print, expected at least one");
-  for (const Page& page : pages) {
-    if (std::max(page.width, page.height) * kPointsPerMetre <= kMostPoints) continue;
-    return fail(fmt::format("PDF: the page of {} is {:.2f} x {:.2f} m, expected at most 5.08 m",
-                            page.notes.title, page.width, page.height));
-  }
-  return {};
+cairo_status_t write(void* stream, const unsigned char* data, unsigned int length) {
+  auto& out = *static_cast<std::ofstream*>(stream);
+  out.write(reinterpret_cast<const char*>(data), length);
+  return out ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
 void set_metadata(cairo_surface_t* surface, const PageNotes& notes) {
-  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE,
-                                 printable_text(notes.title).c_str());
-  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT,
-                                 printable_text(notes.subject).c_str());
-  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATOR, "tagsmith");
+  const auto set = [&](cairo_pdf_metadata_t key, const std::string& text) {
+    if (!text.empty()) cairo_pdf_surface_set_metadata(surface, key, printable_text(text).c_str());
+  };
+  set(CAIRO_PDF_METADATA_TITLE, notes.title);
+  set(CAIRO_PDF_METADATA_SUBJECT, notes.subject);
+  set(CAIRO_PDF_METADATA_KEYWORDS, notes.keywords);
+  set(CAIRO_PDF_METADATA_CREATOR, "tagsmith");
 }
+
+// In points from the page's lower left corner, as PDF has it.
+PdfRectangle in_points(const Rectangle& box, const Page& page) {
+  return {box.x * kPointsPerMetre, (page.height - box.y - box.height) * kPointsPerMetre,
+          (box.x + box.width) * kPointsPerMetre, (page.height - box.y) * kPointsPerMetre};
+}
+
+PdfPageSettings settings_of(const Page& page) {
+  PdfPageSettings settings;
+  if (page.trim) settings.trim = in_points(*page.trim, page);
+  if (page.bleed) settings.bleed = in_points(*page.bleed, page);
+  settings.has_contour =
+      std::ranges::any_of(page.tags, [](const PageTag& tag) { return tag.drawing.cut_contour; });
+  return settings;
+}
+
+// Cairo's half of the work: a PDF that says nothing yet about how to print it.
+class CairoPdf {
+ public:
+  CairoPdf(cairo_write_func_t sink, void* target, const PageNotes& notes)
+      : surface_(cairo_pdf_surface_create_for_stream(sink, target, 0, 0)),
+        context_(cairo_create(surface_)) {
+    set_metadata(surface_, notes);
+  }
+  ~CairoPdf() {
+    cairo_destroy(context_);
+    cairo_surface_destroy(surface_);
+  }
+  CairoPdf(const CairoPdf&) = delete;
+  CairoPdf& operator=(const CairoPdf&) = delete;
+
+  void add(const Page& page) {
+    if (std::max(page.width, page.height) * kPointsPerMetre > kMostPoints) {
+      if (problem_.empty()) problem_ = too_large(page);
+      return;
+    }
+    cairo_pdf_surface_set_size(surface_, page.width * kPointsPerMetre,
+                               page.height * kPointsPerMetre);
+    cairo_save(context_);
+    cairo_scale(context_, kPointsPerMetre, kPointsPerMetre);
+    draw_page(context_, page, true);
+    cairo_restore(context_);
+    cairo_show_page(context_);
+    settings_.push_back(settings_of(page));
+  }
+
+  // The settings of each page for with_print_settings.
+  Result<std::vector<PdfPageSettings>> finish() {
+    const cairo_status_t drawn = cairo_status(context_);
+    cairo_surface_finish(surface_);
+    const cairo_status_t finished = drawn ? drawn : cairo_surface_status(surface_);
+    if (!problem_.empty()) return fail(problem_);
+    if (settings_.empty()) return fail("PDF: no page to print, expected at least one");
+    if (finished) return fail(std::string("PDF: ") + cairo_status_to_string(finished));
+    return std::move(settings_);
+  }
+
+ private:
+  static std::string too_large(const Page& page) {
+    return fmt::format("PDF: the page of {} is {:.2f} x {:.2f} m, expected at most 5.08 m",
+                       page.notes.title, page.width, page.height);
+  }
+
+  cairo_surface_t* surface_;
+  cairo_t* context_;
+  std::vector<PdfPageSettings> settings_;
+  std::string problem_;
+};
 
 }  // namespace
 
@@ -90,24 +116,28 @@ Result<std::string> render_pdf(std::span<const Page> pages) {
 }
 
 Result<std::string> render_pdf(std::span<const Page> pages, const PageNotes& notes) {
-  if (const Result<void> checked = check_pages(pages); !checked)
-    return fail(checked.error().message);
   std::string bytes;
-  cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(append, &bytes, 0, 0);
-  set_metadata(surface, notes);
-  cairo_t* context = cairo_create(surface);
-  for (const Page& page : pages) {
-    cairo_pdf_surface_set_size(surface, page.width * kPointsPerMetre,
-                               page.height * kPointsPerMetre);
-    draw_page(context, page);
-  }
-  const cairo_status_t drawn = cairo_status(context);
-  cairo_destroy(context);
-  cairo_surface_finish(surface);
-  const cairo_status_t finished = drawn ? drawn : cairo_surface_status(surface);
-  cairo_surface_destroy(surface);
-  if (finished) return fail(std::string("PDF: ") + cairo_status_to_string(finished));
-  return with_print_settings(bytes);
+  CairoPdf pdf(append, &bytes, notes);
+  for (const Page& page : pages) pdf.add(page);
+  const Result<std::vector<PdfPageSettings>> settings = pdf.finish();
+  if (!settings) return fail(settings.error().message);
+  return with_print_settings(bytes, *settings);
+}
+
+Result<void> write_pdf(const std::filesystem::path& path, const PageSource& pages,
+                       const PageNotes& notes) {
+  std::filesystem::path part = path;
+  part += ".part";
+  std::ofstream stream(part, std::ios::binary);
+  CairoPdf pdf(write, &stream, notes);
+  pages([&](const Page& page) { pdf.add(page); });
+  const Result<std::vector<PdfPageSettings>> settings = pdf.finish();
+  stream.close();
+  Result<void> written = settings ? add_print_settings(part, path, *settings)
+                                  : Result<void>(fail(settings.error().message));
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  return written;
 }
 
 }  // namespace tagsmith

@@ -11,6 +11,10 @@ namespace {
 // To the millimetre, never "-0.000".
 double whole_millimetres(double metres) { return std::round(metres * 1000) / 1000 + 0.0; }
 
+std::string with_revision(const std::string& name, const std::string& revision) {
+  return revision.empty() ? name : name + " revision " + revision;
+}
+
 }  // namespace
 
 std::string grouped_digits(const PositionCode& code, const Digits& digits) {
@@ -24,22 +28,32 @@ std::string grouped_digits(const PositionCode& code, const Digits& digits) {
   return text;
 }
 
-TagText tag_text(const Survey& survey, const PlacedTag& tag) {
+TagText tag_text(const Survey& survey, const PlacedTag& tag, const std::string& revision) {
   const Eigen::Vector3d p = tag.p_in_grid.unaryExpr(&whole_millimetres);
   return {{tag.name + " " + to_string(tag.side) + "  \u00b7  " +
                grouped_digits(survey.code, tag.digits),
-           fmt::format("x {:.3f}   y {:.3f}   z {:.3f} m", p.x(), p.y(), p.z()), survey.name}};
+           fmt::format("chainage {:.3f} m  \u00b7  x {:.3f}  y {:.3f}  z {:.3f} m",
+                       whole_millimetres(tag.chainage), p.x(), p.y(), p.z()),
+           with_revision(survey.name, revision)}};
 }
 
-PageNotes page_notes(const Survey& survey, const PlacedTag& tag) {
-  return {survey.name + " " + tag.name, "template " + survey.tag_template.name + ", digits " +
-                                            grouped_digits(survey.code, tag.digits) + " (" +
-                                            to_string(survey.code.check) + ")"};
+PageNotes page_notes(const Survey& survey, const PlacedTag& tag, const std::string& revision) {
+  PageNotes notes{survey.name + " " + tag.name,
+                  "template " + survey.tag_template.name + ", digits " +
+                      grouped_digits(survey.code, tag.digits) + " (" +
+                      to_string(survey.code.check) + ")",
+                  survey_keywords(survey, revision)};
+  if (!survey.tag_template.material.empty()) notes.more.push_back(survey.tag_template.material);
+  return notes;
+}
+
+std::string survey_keywords(const Survey& survey, const std::string& revision) {
+  return "survey " + with_revision(survey.name, revision);
 }
 
 Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style) {
   const TagDrawing drawing = draw_tag(survey.tag_template, tag.digits, tag_text(survey, tag));
-  return lay_out_page(drawing, page_notes(survey, tag), style);
+  return lay_out_page(tag.name, drawing, page_notes(survey, tag), style);
 }
 
 }  // namespace tagsmith

@@ -13,11 +13,15 @@ namespace tagsmith {
 // The digits in groups: one an axis, then the check digit: "0190 0000 040 4".
 std::string grouped_digits(const PositionCode& code, const Digits& digits);
 
-// The label on the plate: name, side and digits; grid coordinates of P in metres; survey.
-TagText tag_text(const Survey& survey, const PlacedTag& tag);
+// The label on the plate: name, side and digits; chainage and grid coordinates of P in metres;
+// survey and its revision (survey/revision.hpp), which is left out when empty.
+TagText tag_text(const Survey& survey, const PlacedTag& tag, const std::string& revision = {});
 
-// The notes in the page's margin.
-PageNotes page_notes(const Survey& survey, const PlacedTag& tag);
+// The notes in the page's margin: the survey, the tag, what the plate is made of.
+PageNotes page_notes(const Survey& survey, const PlacedTag& tag, const std::string& revision = {});
+
+// Survey and revision, for the metadata of files.
+std::string survey_keywords(const Survey& survey, const std::string& revision);
 
 // The page of one tag of the survey.
 Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style = {});

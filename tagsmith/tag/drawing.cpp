@@ -40,7 +40,6 @@ std::vector<Rectangle> bars_of(const TagTemplate& tag, const Digits& digits) {
   return bars;
 }
 
-constexpr double kEdgeClearance = 0.003;  // between ink and the plate's edge: a cut is never exact
 constexpr double kRowHeight = kTextAscent + kTextDescent;  // of a line, in capital letters
 constexpr double kCharacterWidth = 0.9;  // of a capital letter's height: a sans serif's mean
 constexpr double kArrowAspect = 0.6;     // width over height
@@ -87,11 +86,13 @@ double length_of(const std::string& text) {
       std::ranges::count_if(text, [](char byte) { return (byte & '\xc0') != '\x80'; }));
 }
 
-LabelStrip strip_below(const TagDrawing& drawing, double gap) {
-  const Rectangle& frame = drawing.frame_outer;
-  const double top = frame.y + frame.height + gap;
-  const double bottom = drawing.plate.y + drawing.plate.height - kEdgeClearance;
-  return {{frame.x, top, frame.width, bottom - top}};
+// A few printer's dots, so that no smear enters the clearance.
+constexpr double kSmear = 0.0003;
+
+LabelStrip strip_below(const TagDrawing& drawing, const TagTemplate& tag) {
+  Rectangle box = strip_below_frame(tag);
+  if (drawing.patches) box.width = drawing.patches->white.x - tag.patch_size / 2 - box.x;
+  return {box};
 }
 
 LabelStrip strip_left(const TagDrawing& drawing, double gap) {
@@ -144,9 +145,8 @@ LabelRows best_arrangement(const TagText& text, const LabelStrip& strip, double 
 // Below the frame, or beside it where that is the only readable place.
 LabelRows place_label(const TagDrawing& drawing, const TagTemplate& tag, const TagText& text) {
   const double wanted = tag.label.text_height;
-  constexpr double kDots = 0.0003;  // a few printer's dots, so that no smear enters the clearance
-  const double gap = label_clearance(tag) + kDots;
-  LabelRows below = best_arrangement(text, strip_below(drawing, gap), wanted);
+  const double gap = label_clearance(tag) + kSmear;
+  LabelRows below = best_arrangement(text, strip_below(drawing, tag), wanted);
   if (below.least_height >= std::min(wanted, kReadableHeight)) return below;
   LabelRows beside = best_arrangement(text, strip_left(drawing, gap), wanted);
   return beside.least_height > below.least_height ? beside : below;
@@ -160,6 +160,26 @@ TextItem label_row(const LabelRows& label, std::size_t index) {
   item.x = item.upwards ? box.x + down : box.x + label.row_start();
   item.y = item.upwards ? box.y + box.height - label.row_start() : box.y + down;
   return item;
+}
+
+std::optional<ReferencePatches> patches_of(const TagTemplate& tag) {
+  constexpr double kRounding = 1e-9;
+  const Rectangle strip = strip_below_frame(tag);
+  const double size = tag.patch_size;
+  if (size <= 0 || size > strip.height + kRounding || 4 * size > strip.width) return std::nullopt;
+  const double right = strip.x + strip.width;
+  const double top = strip.y + (strip.height - size) / 2;
+  return ReferencePatches{{right - 2 * size, top, size, size}, {right - size, top, size, size}};
+}
+
+std::vector<HoleOutline> holes_of(const TagTemplate& tag, const Rectangle& plate) {
+  std::vector<HoleOutline> holes;
+  for (const DrillHole& hole : tag.holes) {
+    const PlatePoint centre{plate.x + plate.width / 2 + hole.right,
+                            plate.y + plate.height / 2 - hole.up};
+    holes.push_back({centre, hole.diameter / 2});
+  }
+  return holes;
 }
 
 // The lines of the label, an up arrow at their start.
@@ -196,6 +216,38 @@ double label_clearance(const TagTemplate& tag) {
   return std::min(tag.frame_stroke, kAmple);
 }
 
+Rectangle strip_below_frame(const TagTemplate& tag) {
+  const Rectangle plate = plate_around(tag);
+  const Rectangle frame = outer_frame(tag);
+  const double top = frame.y + frame.height + label_clearance(tag) + kSmear;
+  return {frame.x, top, frame.width, plate.y + plate.height - kEdgeClearance - top};
+}
+
+TagDrawing moved(TagDrawing drawing, double right, double down, double scale) {
+  const auto move = [&](Rectangle& box) {
+    box = {scale * box.x + right, scale * box.y + down, scale * box.width, scale * box.height};
+  };
+  for (Rectangle* box : {&drawing.plate, &drawing.frame_outer, &drawing.frame_inner}) move(*box);
+  for (Rectangle& bar : drawing.bars) move(bar);
+  for (UpArrow& arrow : drawing.arrows) move(arrow.box);
+  for (TextItem& item : drawing.label) {
+    item.x = scale * item.x + right;
+    item.y = scale * item.y + down;
+    item.height *= scale;
+    item.max_width *= scale;
+  }
+  for (HoleOutline& hole : drawing.holes) {
+    hole = {{scale * hole.centre.x + right, scale * hole.centre.y + down}, scale * hole.radius};
+  }
+  if (drawing.patches) {
+    move(drawing.patches->white);
+    move(drawing.patches->black);
+  }
+  drawing.corner_radius *= scale;
+  drawing.module *= scale;
+  return drawing;
+}
+
 TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText& text) {
   TagDrawing drawing;
   drawing.plate = plate_around(tag);
@@ -203,6 +255,10 @@ TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText&
   drawing.frame_inner = inner_frame(tag);
   drawing.bars = bars_of(tag, digits);
   drawing.module = module_width(tag);
+  drawing.patches = patches_of(tag);
+  drawing.holes = holes_of(tag, drawing.plate);
+  drawing.corner_radius = tag.cut.corner_radius;
+  drawing.cut_contour = tag.cut.contour;
   add_label(drawing, tag, text);
   return drawing;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,18 @@ struct UpArrow {
 // The arrow's corners, clockwise from its tip.
 std::array<PlatePoint, 7> outline_of(const UpArrow& arrow);
 
+// The circle that is drilled out.
+struct HoleOutline {
+  PlatePoint centre;
+  double radius = 0;
+};
+
+// White and black of this print, for judging photos of it: two squares side by side.
+struct ReferencePatches {
+  Rectangle white;  // as the plate; outlined with a thin line
+  Rectangle black;
+};
+
 struct TagDrawing {
   Rectangle plate;              // white
   Rectangle frame_outer;        // black between the outer and the inner rectangle
@@ -59,7 +72,14 @@ struct TagDrawing {
   std::vector<TextItem> label;  // black
   std::vector<UpArrow> arrows;  // black
   double module = 0;            // module width
+  std::optional<ReferencePatches> patches{};
+  std::vector<HoleOutline> holes{};
+  double corner_radius = 0;  // of the plate
+  bool cut_contour = false;  // plate and holes are outlined for a cutting plotter
 };
+
+// The drawing with everything moved, and its lengths multiplied first: x' = scale x + right.
+TagDrawing moved(TagDrawing drawing, double right, double down, double scale = 1);
 
 // What the label says, the most important line first. Lines that don't fit below each other are
 // joined on one.
@@ -70,9 +90,17 @@ struct TagText {
 // White that the label leaves around the feature frame: a stroke, at most 12 mm; metres.
 double label_clearance(const TagTemplate& tag);
 
+// White that ink keeps from the plate's edge, metres: a cut is never exact.
+inline constexpr double kEdgeClearance = 0.003;
+
+// The strip below the feature frame that label and reference patches share; its height is negative
+// where there is none.
+Rectangle strip_below_frame(const TagTemplate& tag);
+
 // The label stands below the feature frame, label_clearance from it and 3 mm clear of the plate's
 // edge; where that strip is too thin to be read, left of the frame, reading upwards; where neither
-// has room for kLeastLabelHeight, it is left out.
+// has room for kLeastLabelHeight, it is left out. Reference patches stand at the right end of the
+// strip below the frame and are left out where it is too thin for them.
 TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText& text = {});
 
 // Capital letters smaller than this cannot be read on a wall at arm's length.

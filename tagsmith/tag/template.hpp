@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tagsmith/symbology/upca.hpp"
 
@@ -12,6 +13,19 @@ namespace tagsmith {
 struct LabelStyle {
   bool shown = true;
   double text_height = 0.008;  // of a capital letter, metres
+};
+
+// A hole for a screw or an anchor; its centre from the plate's centre, to the right and up.
+struct DrillHole {
+  double right = 0;
+  double up = 0;
+  double diameter = 0;
+};
+
+// How the plate is cut out of its sheet.
+struct CutStyle {
+  bool contour = false;      // the outline and the holes as a path for a cutting plotter
+  double corner_radius = 0;  // of the plate's corners
 };
 
 // Lengths in metres as seen facing the plate.
@@ -27,6 +41,11 @@ struct TagTemplate {
   double quiet_zone_modules = 9;  // between the frame's inner edge and the symbol, left and right
   double margin_modules = 9;      // between the frame's inner edge and the bars, above and below
   LabelStyle label{};
+  int dots_per_inch = 0;  // of the printer whose whole dots a module fills; 0 = any printer
+  double patch_size = 0;  // side of the white and of the black reference patch; 0 = none
+  std::vector<DrillHole> holes{};
+  CutStyle cut{};
+  std::string material{};  // what the plate is made of, for who makes it
 };
 
 // Width of one module: inner length / (95 + 2 quiet zones).

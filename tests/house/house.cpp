@@ -31,12 +31,13 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 13> kThirdParty{{
-    {"GLib", "glib\\.h", "tagsmith/survey", true},
+constexpr std::array<ThirdParty, 14> kThirdParty{{
+    {"GLib", "glib\\.h", "tagsmith/(base|survey)", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
     {"qpdf", "qpdf/.*", "tagsmith/render", true},
+    {"libpng", "png\\.h", "tagsmith/render", true},
     {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},
     {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",
      "decoder/(image|simulate|feature_frame|reader|paper|localize|grade)", true},

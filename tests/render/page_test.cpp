@@ -30,8 +30,8 @@ TEST_CASE("the page is the plate with 25 mm around it") {
   const Page page = sample_page(small_template());
   CHECK(page.width == Approx(0.45));
   CHECK(page.height == Approx(0.35));
-  CHECK(page.tag.plate.x == Approx(0.025));
-  CHECK(page.tag.plate.y == Approx(0.025));
+  CHECK(page.tags[0].drawing.plate.x == Approx(0.025));
+  CHECK(page.tags[0].drawing.plate.y == Approx(0.025));
 }
 
 TEST_CASE("a wider margin widens the page, a plate shorter than a scale bar too") {
@@ -59,14 +59,14 @@ TEST_CASE("crop marks and scale bars stay on the page and off the plate") {
       CHECK(box.x + box.width <= page.width - 0.005);
       CHECK(box.y + box.height <= page.height - 0.005);
       CHECK_FALSE(overlap({box.x - 1e-4, box.y - 1e-4, box.width + 2e-4, box.height + 2e-4},
-                          page.tag.plate));
+                          page.tags[0].drawing.plate));
     }
   }
 }
 
 TEST_CASE("two crop marks a corner are in line with the plate's edges") {
   const Page page = sample_page(small_template());
-  const Rectangle& plate = page.tag.plate;
+  const Rectangle& plate = page.tags[0].drawing.plate;
   for (const double x : {plate.x, plate.x + plate.width}) {
     const auto marks = std::ranges::count_if(page.lines, [&](const PageLine& line) {
       return std::abs(line.from.x - x) < 1e-12 && std::abs(line.to.x - x) < 1e-12;
@@ -81,7 +81,7 @@ TEST_CASE("the label says name, side, digits by axis, coordinates and survey") {
   const TagText text = tag_text(survey, tag);
   REQUIRE(text.lines.size() == 3);
   CHECK(text.lines[0] == "000L left  \u00b7  0190 0034 040 1");
-  CHECK(text.lines[1] == "x 1.900   y 0.343   z 0.400 m");
+  CHECK(text.lines[1] == "chainage 0.000 m  \u00b7  x 1.900  y 0.343  z 0.400 m");
   CHECK(text.lines[2] == "corridor");
 }
 

@@ -49,13 +49,13 @@ const std::vector<Rendering>& renderings() {
 
 // A strip across all bars at their middle height, from the plate's left edge to its right one.
 Rectangle strip_across_bars(const Page& page) {
-  const Rectangle& plate = page.tag.plate;
-  const Rectangle& bar = page.tag.bars.front();
+  const Rectangle& plate = page.tags[0].drawing.plate;
+  const Rectangle& bar = page.tags[0].drawing.bars.front();
   return {plate.x, bar.y + bar.height / 2, plate.width, 0.002};
 }
 
 std::vector<double> horizontal_edges_expected(const Page& page) {
-  const TagDrawing& tag = page.tag;
+  const TagDrawing& tag = page.tags[0].drawing;
   const auto& [left, top, width, height] = tag.frame_outer;
   std::vector<double> edges{left, tag.frame_inner.x};
   for (const Rectangle& bar : tag.bars) edges.insert(edges.end(), {bar.x, bar.x + bar.width});
@@ -113,7 +113,7 @@ TEST_CASE("every element edge and the frame's sides are within 0.05 mm of the dr
 
 TEST_CASE("the ends of every bar are within 0.05 mm of the drawing") {
   for (const Rendering& rendering : renderings()) {
-    const TagDrawing& tag = rendering.page.tag;
+    const TagDrawing& tag = rendering.page.tags[0].drawing;
     CAPTURE(rendering.name);
     for (const Rectangle& bar : tag.bars) {
       const Rectangle strip{bar.x + 0.0005, tag.frame_inner.y + 0.002, bar.width - 0.001,
@@ -127,8 +127,8 @@ TEST_CASE("the ends of every bar are within 0.05 mm of the drawing") {
 
 TEST_CASE("the feature frame's inner corners are within 0.05 mm of the drawing") {
   for (const Rendering& rendering : renderings()) {
-    const auto& [left, top, width, height] = rendering.page.tag.frame_inner;
-    const Rectangle& outer = rendering.page.tag.frame_outer;
+    const auto& [left, top, width, height] = rendering.page.tags[0].drawing.frame_inner;
+    const Rectangle& outer = rendering.page.tags[0].drawing.frame_outer;
     CAPTURE(rendering.name);
     // Sides beside each corner, inside the white between frame and bars.
     for (const double y : {top + 0.001, top + height - 0.003}) {
@@ -150,7 +150,7 @@ TEST_CASE("the feature frame's inner corners are within 0.05 mm of the drawing")
 
 TEST_CASE("the feature frame is one black without seams") {
   for (const Rendering& rendering : renderings()) {
-    const TagDrawing& tag = rendering.page.tag;
+    const TagDrawing& tag = rendering.page.tags[0].drawing;
     CAPTURE(rendering.name);
     const Rectangle upper{tag.frame_outer.x + 0.001, tag.frame_outer.y + 0.001,
                           tag.frame_outer.width - 0.002,
@@ -221,11 +221,11 @@ TEST_CASE("ink of the label keeps its distance from the frame and 3 mm from the 
       const Page page = sample_page(tag, name);
       const Raster raster = rasterize_pdf(pdf_of(page), 75);
       const double pixel = 0.0254 / 75;
-      const Rectangle& frame = page.tag.frame_outer;
+      const Rectangle& frame = page.tags[0].drawing.frame_outer;
       CHECK(darkest_between(raster, grown(frame, pixel),
                             grown(frame, label_clearance(tag) - pixel)) == 0);
-      const Rectangle inside = grown(page.tag.plate, -0.003);
-      CHECK(darkest_between(raster, grown(inside, pixel), page.tag.plate) == 0);
+      const Rectangle inside = grown(page.tags[0].drawing.plate, -0.003);
+      CHECK(darkest_between(raster, grown(inside, pixel), page.tags[0].drawing.plate) == 0);
       CHECK(darkest_between(raster, grown(frame, label_clearance(tag)), inside) > 0.9);
     }
   }

@@ -70,6 +70,20 @@ TEST_CASE("when one file cannot take its place, the others give theirs back") {
   CHECK(entries(folder) == 2);
 }
 
+TEST_CASE("what a killed process left is removed, what a living one gathers is not") {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  REQUIRE(write_file(folder / ".tagsmith-kilLed/page.pdf", "half"));
+  REQUIRE(write_file(folder / ".tagsmithless", "kept"));
+  const Result<StagedFiles> living = StagedFiles::begin(folder);
+  REQUIRE(living);
+  CHECK_FALSE(fs::exists(folder / ".tagsmith-kilLed"));
+  REQUIRE(living->add("one", "1"));
+  CHECK(StagedFiles::begin(folder));
+  CHECK(fs::exists(living->staged("one")));
+  CHECK(fs::exists(folder / ".tagsmithless"));
+}
+
 TEST_CASE("a folder that cannot be made is an error that names it") {
   const TemporaryFolder temporary;
   REQUIRE(write_file(temporary.path() / "file", ""));

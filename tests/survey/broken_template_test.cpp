@@ -34,6 +34,19 @@ const Breakage kErrors[] = {
     {"frame pushed off the plate", "offset: [0, 0.02]", "offset: [0, 0.06]", "frame-outside-plate",
      3},
     {"a word for a truth value", "shown: true", "shown: yes", "wrong-type", 5},
+    {"dots of no printer", "margin: 9", "margin: 9, dots_per_inch: 5", "out-of-range", 4},
+    {"a hole on the frame", "tag: trial", "holes: { diameter_mm: 8, at: [[0, 0.1]] }\ntag: trial",
+     "hole-misplaced", 1},
+    {"a hole over the edge", "tag: trial", "holes: { diameter_mm: 8, inset_mm: 3 }\ntag: trial",
+     "hole-misplaced", 1},
+    {"a hole in the label", "tag: trial", "holes: { diameter_mm: 8, at: [[0, -0.14]] }\ntag: trial",
+     "hole-misplaced", 1},
+    {"holes nowhere", "tag: trial", "holes: { diameter_mm: 8 }\ntag: trial", "missing-key", 1},
+    {"patches without room", "tag: trial", "patches: { size_mm: 90 }\ntag: trial",
+     "no-room-for-patches", 1},
+    {"corners rounder than the plate", "tag: trial", "cut: { corner_radius_mm: 200 }\ntag: trial",
+     "corner-radius", 1},
+    {"material as a list", "tag: trial", "material: [steel]\ntag: trial", "wrong-type", 1},
     {"text of no height", "text_height_mm: 8", "text_height_mm: 0", "out-of-range", 5},
 };
 
@@ -56,6 +69,25 @@ TEST_CASE("every way to break a template is reported by its rule and line") {
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
   }
+}
+
+TEST_CASE("holes, patches, cut and material are read; dots shrink the module to whole ones") {
+  const std::string extras =
+      "holes: { diameter_mm: 6, inset_mm: 8 }\npatches: { size_mm: 20 }\n"
+      "cut: { contour: true, corner_radius_mm: 5 }\nmaterial: matt white\n";
+  const TemplateReading reading = read_text_as_template(
+      extras + replaced(right_template(), "margin: 9", "margin: 9, dots_per_inch: 300"));
+  CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
+  REQUIRE(reading.tag.has_value());
+  const TagTemplate& tag = *reading.tag;
+  REQUIRE(tag.holes.size() == 4);
+  CHECK(tag.holes[0].right == doctest::Approx(-0.192));
+  CHECK(tag.holes[0].up == doctest::Approx(0.142));
+  CHECK(tag.patch_size == doctest::Approx(0.02));
+  CHECK(tag.cut.contour);
+  CHECK(tag.material == "matt white");
+  CHECK(module_width(tag) == doctest::Approx(35 * 0.0254 / 300));
+  CHECK(tag.frame_inner_length == 0.343);
 }
 
 TEST_CASE("a template is looked for as a path, beside the survey, then among the tool's own") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/parallel.hpp"
+#include "tagsmith/cli/parallel.hpp"
 
 #include <chrono>
 #include <cstdio>

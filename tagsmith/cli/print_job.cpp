@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/print_job.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/render/pdf.hpp"
+#include "tagsmith/render/png.hpp"
+#include "tagsmith/render/svg.hpp"
+#include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/render/text.hpp"
+#include "tagsmith/tag/printer_dots.hpp"
+
+namespace tagsmith {
+namespace {
+
+// Tag names become file names.
+Result<void> check_file_names(const std::vector<const PlacedTag*>& tags) {
+  for (const PlacedTag* tag : tags) {
+    const bool usable = !tag->name.empty() && tag->name.front() != '.' &&
+                        tag->name.find('/') == std::string::npos && tag->name.size() < 200 &&
+                        printable_text(tag->name) == tag->name;
+    if (!usable) return fail("tag \"" + tag->name + "\": its name cannot be a file's name");
+  }
+  return {};
+}
+
+std::string mm(double metres) { return format_number(metres * 1000, 1); }
+
+Error paper_too_small(const TagTemplate& tag, const Rectangle& plate, const PrintStyle& style) {
+  std::string text =
+      fmt::format("--paper {} cannot carry a plate of {} x {} mm ({}) in one piece; ",
+                  style.paper->name, mm(plate.width), mm(plate.height), tag.name);
+  text += papers_for(plate, style.bleed) + " can";
+  const Result<TilePlan> tiles = plan_tiles(plate, *style.paper, style.overlap, 0);
+  if (tiles) text += fmt::format(", or --tile: {} sheets a plate", tiles->tiles());
+  return {text};
+}
+
+// Chooses among one page a plate, several plates a page and several pages a plate.
+Result<void> plan_pages(PrintJob& job) {
+  const PrintStyle& style = job.style;
+  if (!style.paper) return {};
+  const Rectangle plate = draw_tag(job.printed, Digits{}).plate;
+  if (style.tiled) {
+    const Result<TilePlan> tiles =
+        plan_tiles(plate, *style.paper, style.overlap, job.dots_per_inch());
+    if (!tiles) return fail(tiles.error().message);
+    job.tiles = *tiles;
+    return {};
+  }
+  job.nest = plan_nest(plate, *style.paper, style.bleed, job.dots_per_inch());
+  if (!job.nest) return tl::unexpected(paper_too_small(job.printed, plate, style));
+  return {};
+}
+
+std::vector<PrintUnit> units_of(const PrintJob& job, const std::vector<const PlacedTag*>& tags) {
+  std::vector<PrintUnit> units;
+  if (!job.nest) {
+    for (const PlacedTag* tag : tags) units.push_back({tag->name, {tag}});
+    return units;
+  }
+  const auto plates = static_cast<std::size_t>(job.nest->plates());
+  for (std::size_t first = 0; first < tags.size(); first += plates) {
+    const std::size_t last = std::min(first + plates, tags.size());
+    units.push_back({fmt::format("sheet-{:03}", units.size() + 1),
+                     {tags.begin() + static_cast<std::ptrdiff_t>(first),
+                      tags.begin() + static_cast<std::ptrdiff_t>(last)}});
+  }
+  return units;
+}
+
+PageNotes notes_of(const PrintJob& job, const PlacedTag& tag) {
+  PageNotes notes = page_notes(*job.survey, tag, job.style.revision);
+  if (!job.rounding.empty()) notes.more.push_back(job.rounding);
+  if (job.style.bar_adjustment != 0) {
+    notes.more.push_back("bars and frame adjusted by " +
+                         format_number(job.style.bar_adjustment * 1000, 3) +
+                         " mm for the growth of the ink");
+  }
+  return notes;
+}
+
+// Title and subject of a document of several tags.
+PageNotes notes_of_several(const PrintJob& job, const std::string& subject) {
+  return {job.survey->name, subject + ", template " + job.printed.name,
+          survey_keywords(*job.survey, job.style.revision)};
+}
+
+Page nested_page(const PrintJob& job, const PrintUnit& unit) {
+  std::vector<NamedDrawing> drawings;
+  for (const PlacedTag* tag : unit.tags)
+    drawings.push_back({tag->name, printed_drawing(job, *tag)});
+  const std::string names = unit.tags.size() == 1
+                                ? unit.tags.front()->name
+                                : unit.tags.front()->name + " to " + unit.tags.back()->name;
+  return lay_out_nested(drawings, notes_of_several(job, names), *job.nest);
+}
+
+std::string page_file(const PrintUnit& unit, const Page& page, const char* extension) {
+  return unit.name + (page.name.empty() ? "" : "-" + page.name) + extension;
+}
+
+Result<void> write_unit(const PrintJob& job, const PrintUnit& unit, const StagedFiles& files) {
+  const std::vector<Page> pages = pages_of(job, unit);
+  if (job.style.pdf && !job.style.single) {
+    const Result<std::string> pdf = render_pdf(pages);
+    if (!pdf) return fail(pdf.error().message);
+    if (auto added = files.add(unit.name + ".pdf", *pdf); !added) return added;
+  }
+  for (const Page& page : pages) {
+    if (job.style.svg) {
+      auto added = files.add(page_file(unit, page, ".svg"), render_svg(page));
+      if (!added) return added;
+    }
+    if (job.style.png) {
+      auto written =
+          write_png(files.staged(page_file(unit, page, ".png")), page, job.png_dots_per_inch());
+      if (!written) return written;
+    }
+  }
+  return {};
+}
+
+Result<void> write_single(const PrintJob& job, const StagedFiles& files,
+                          const std::function<void()>& done) {
+  std::size_t count = 0;
+  for (const PrintUnit& unit : job.units) count += unit.tags.size();
+  const PageNotes notes =
+      notes_of_several(job, fmt::format("{} position tag{}", count, count == 1 ? "" : "s"));
+  const PageSource source = [&](const std::function<void(const Page&)>& add) {
+    for (const PrintUnit& unit : job.units) {
+      for (const Page& page : pages_of(job, unit)) add(page);
+      done();
+    }
+  };
+  return write_pdf(files.staged(kSinglePdf), source, notes);
+}
+
+}  // namespace
+
+int PrintJob::png_dots_per_inch() const {
+  return dots_per_inch() > 0 ? dots_per_inch() : kUsualDotsPerInch;
+}
+
+Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
+                            const PrintStyle& style) {
+  if (tags.empty()) return fail(survey.file.string() + ": has no tags to print");
+  if (auto usable = check_file_names(tags); !usable) return fail(usable.error().message);
+  PrintJob job;
+  job.survey = &survey;
+  job.style = style;
+  job.printed = survey.tag_template;
+  if (style.dots_per_inch > 0) {
+    job.printed.dots_per_inch = style.dots_per_inch;
+    job.printed = fitted_to_dots(job.printed, style.dots_per_inch);
+    job.rounding = describe_rounding(survey.tag_template, job.printed, style.dots_per_inch);
+  }
+  if (auto planned = plan_pages(job); !planned) return fail(planned.error().message);
+  job.units = units_of(job, tags);
+  return job;
+}
+
+TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag) {
+  TagDrawing drawing =
+      draw_tag(job.printed, tag.digits, tag_text(*job.survey, tag, job.style.revision));
+  if (job.dots_per_inch() > 0) drawing = on_whole_dots(std::move(drawing), job.dots_per_inch());
+  if (job.style.bar_adjustment == 0) return drawing;
+  return with_bar_adjustment(std::move(drawing), job.style.bar_adjustment, job.dots_per_inch());
+}
+
+std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit) {
+  if (job.nest) return {nested_page(job, unit)};
+  const PlacedTag& tag = *unit.tags.front();
+  const TagDrawing drawing = printed_drawing(job, tag);
+  if (job.tiles) return lay_out_tiles(tag.name, drawing, notes_of(job, tag), *job.tiles);
+  const PageStyle style{.bleed = job.style.bleed, .dots_per_inch = job.dots_per_inch()};
+  return {lay_out_page(tag.name, drawing, notes_of(job, tag), style)};
+}
+
+int pages_a_unit(const PrintJob& job) { return job.tiles ? 1 + job.tiles->tiles() : 1; }
+
+std::vector<PageInFile> pages_in_files(const PrintJob& job, const PrintUnit& unit, int first_page) {
+  std::vector<PageInFile> list;
+  const std::vector<Page> pages = pages_of(job, unit);
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    const int number = static_cast<int>(i) + (job.style.single ? first_page : 1);
+    if (job.style.pdf) {
+      list.push_back({job.style.single ? kSinglePdf : unit.name + ".pdf", number, i});
+    }
+    if (job.style.svg) list.push_back({page_file(unit, pages[i], ".svg"), 0, i});
+    if (job.style.png) list.push_back({page_file(unit, pages[i], ".png"), 0, i});
+  }
+  return list;
+}
+
+std::vector<std::string> files_of(const PrintJob& job, const PrintUnit& unit) {
+  std::vector<std::string> files;
+  // Without pictures the pages' names are not needed, nor the work of laying them out.
+  if (!job.style.svg && !job.style.png) {
+    return {job.style.single ? kSinglePdf : unit.name + ".pdf"};
+  }
+  for (const PageInFile& page : pages_in_files(job, unit, 1)) {
+    if (std::ranges::count(files, page.file) == 0) files.push_back(page.file);
+  }
+  return files;
+}
+
+Result<void> write_print(const PrintJob& job, const StagedFiles& files,
+                         const std::function<void()>& done) {
+  const bool files_a_unit = job.style.svg || job.style.png || (job.style.pdf && !job.style.single);
+  if (files_a_unit) {
+    Result<void> all;
+    std::atomic<bool> failed = false;
+    const auto count_here = job.style.pdf && job.style.single ? std::function<void()>([] {}) : done;
+    run_in_order(job.units.size(), job.style.jobs, [&](std::size_t i) -> Delivery {
+      auto written = std::make_shared<Result<void>>(failed ? Result<void>{}
+                                                           : write_unit(job, job.units[i], files));
+      if (!*written) failed = true;
+      return [&, written] {
+        if (all && !*written) all = *written;
+        count_here();
+      };
+    });
+    if (!all) return all;
+  }
+  return job.style.pdf && job.style.single ? write_single(job, files, done) : Result<void>{};
+}
+
+}  // namespace tagsmith

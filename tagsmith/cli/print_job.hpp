@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one run of `print` makes: which pages, in which files.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/render/nested_pages.hpp"
+#include "tagsmith/render/page.hpp"
+#include "tagsmith/render/print_paper.hpp"
+#include "tagsmith/render/tiled_pages.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+struct PrintStyle {
+  bool pdf = true;
+  bool svg = true;
+  bool png = false;
+  bool single = false;        // all pages in one PDF, tags.pdf
+  int dots_per_inch = 0;      // modules fill whole dots of this printer; 0 = of the template's
+  double bar_adjustment = 0;  // metres added to the width of every bar; negative = less
+  double bleed = 0.003;       // metres
+  std::optional<PrintPaper> paper{};  // none = the page is the plate with its margin
+  bool tiled = false;                 // plates in pieces on several sheets of the paper
+  double overlap = 0.010;             // of neighbouring tiles, metres
+  std::string revision{};             // of the survey, for labels and files; empty = none is shown
+  int jobs = 0;                       // cores to use; 0 = all
+};
+
+// PNG files have the printer's resolution, or this one where none is stated.
+inline constexpr int kUsualDotsPerInch = 300;
+
+inline constexpr const char* kSinglePdf = "tags.pdf";
+
+// Pages that belong together: those of one plate, or one page of several plates. Its files are
+// named after it.
+struct PrintUnit {
+  std::string name;
+  std::vector<const PlacedTag*> tags;
+};
+
+struct PrintJob {
+  const Survey* survey = nullptr;
+  PrintStyle style;
+  TagTemplate printed;   // the survey's template, fitted to the printer's dots
+  std::string rounding;  // what that changed, for people; empty = nothing
+  std::optional<NestPlan> nest;
+  std::optional<TilePlan> tiles;
+  std::vector<PrintUnit> units;
+
+  int dots_per_inch() const { return printed.dots_per_inch; }
+  int png_dots_per_inch() const;
+};
+
+// Fails without tags, on names that cannot be files' names, and on a paper that cannot carry a
+// plate; the message then says what could. The job keeps pointers into the survey.
+Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
+                            const PrintStyle& style);
+
+std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit);
+
+// Names of the files that hold the unit's pages; tags.pdf among them with `single`.
+std::vector<std::string> files_of(const PrintJob& job, const PrintUnit& unit);
+
+// One page of a unit in a file.
+struct PageInFile {
+  std::string file;
+  int number = 0;         // of the page in a PDF, from 1; 0 in a picture
+  std::size_t index = 0;  // among the unit's pages
+};
+
+// `first_page`: number of the unit's first page in tags.pdf.
+std::vector<PageInFile> pages_in_files(const PrintJob& job, const PrintUnit& unit, int first_page);
+
+// Pages of one unit; the same for every unit of the job.
+int pages_a_unit(const PrintJob& job);
+
+// The drawing of a tag as this job prints it, in the plate frame.
+TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag);
+
+// Makes all files. `done` is called after each unit, one at a time.
+Result<void> write_print(
+    const PrintJob& job, const StagedFiles& files, const std::function<void()>& done = [] {});
+
+}  // namespace tagsmith

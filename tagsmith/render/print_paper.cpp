@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/print_paper.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <vector>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/render/page.hpp"
+
+namespace tagsmith {
+namespace {
+
+const std::array<PrintPaper, 7> kPapers{{{"Letter", 0.2159, 0.2794},
+                                         {"A4", 0.210, 0.297},
+                                         {"Tabloid", 0.2794, 0.4318},
+                                         {"A3", 0.297, 0.420},
+                                         {"A2", 0.420, 0.594},
+                                         {"A1", 0.594, 0.841},
+                                         {"A0", 0.841, 1.189}}};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::optional<double> millimetres(std::string_view text) {
+  const std::optional<double> number = parse_number(text);
+  return number ? std::optional(*number / 1000) : std::nullopt;
+}
+
+std::optional<PrintPaper> parse_size(const std::string& text) {
+  if (text.starts_with("roll:")) {
+    const std::optional<double> width = millimetres(std::string_view(text).substr(5));
+    return width ? std::optional(PrintPaper{text, *width, 0}) : std::nullopt;
+  }
+  const std::vector<std::string> sides = split(text, 'x');
+  if (sides.size() != 2) return std::nullopt;
+  const std::optional<double> a = millimetres(sides[0]);
+  const std::optional<double> b = millimetres(sides[1]);
+  if (!a || !b) return std::nullopt;
+  return PrintPaper{text, std::min(*a, *b), std::max(*a, *b)};
+}
+
+// The least side of a page that has room for a scale bar between the borders.
+constexpr double kLeastSide = kScaleBarLength + PaperBorder::kTop + PaperBorder::kBottom;
+
+}  // namespace
+
+std::span<const PrintPaper> print_papers() { return kPapers; }
+
+Result<PrintPaper> parse_print_paper(const std::string& text) {
+  for (const PrintPaper& paper : kPapers) {
+    if (lower(paper.name) == lower(text)) return paper;
+  }
+  const std::optional<PrintPaper> paper = parse_size(lower(text));
+  if (!paper) {
+    return fail("--paper " + text +
+                ": expected A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in "
+                "millimetres");
+  }
+  const double longest = std::max(paper->width, paper->height);
+  if (paper->width < kLeastSide || longest > kLongestPage) {
+    return fail("--paper " + text + ": expected sides from " + format_number(kLeastSide * 1000) +
+                " mm, which a scale bar needs, to " + format_number(kLongestPage * 1000) + " mm");
+  }
+  return *paper;
+}
+
+Rectangle content_area(double page_width, double page_height) {
+  return {PaperBorder::kLeft, PaperBorder::kTop,
+          page_width - PaperBorder::kLeft - PaperBorder::kRight,
+          page_height - PaperBorder::kTop - PaperBorder::kBottom};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/setting_out_sheets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/render/tag_text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kPageWidth = 0.210;  // A4, upright
+constexpr double kPageHeight = 0.297;
+constexpr double kLeft = 0.015;
+constexpr double kRight = 0.200;
+constexpr double kHeadTop = 0.044;
+constexpr double kRowHeight = 0.0065;
+constexpr double kLastRowEnd = 0.280;
+constexpr double kTextHeight = 0.0022;  // of a capital letter
+constexpr double kPadding = 0.0012;
+
+struct Column {
+  const char* head;
+  const char* unit;
+  double width;
+};
+
+constexpr std::array<Column, 11> kColumns{{{"tag", "", 0.016},
+                                           {"side", "", 0.012},
+                                           {"chainage", "m", 0.018},
+                                           {"offset", "m", 0.016},
+                                           {"height", "m", 0.015},
+                                           {"x", "m", 0.021},
+                                           {"y", "m", 0.021},
+                                           {"z", "m", 0.018},
+                                           {"tol.", "mm", 0.010},
+                                           {"digits", "", 0.030},
+                                           {"hung", "", 0.008}}};
+
+constexpr auto kRowsAPage = static_cast<std::size_t>((kLastRowEnd - kHeadTop) / kRowHeight) - 1;
+
+class TablePage {
+ public:
+  explicit TablePage(const std::string& title) {
+    sheet_.width = kPageWidth;
+    sheet_.height = kPageHeight;
+    sheet_.title = title;
+    sheet_.layers = {{"table", {}}};
+  }
+
+  void text(double x, double baseline, const std::string& words, double height, double width) {
+    add(SheetText{.text = words, .at = {x, baseline}, .height = height, .max_width = width});
+  }
+
+  void line(const Vector2d& from, const Vector2d& to, double width) {
+    add(SheetLine{.points = {from, to}, .line = {.width = width}});
+  }
+
+  // Texts of one row below `top`.
+  void row(double top, const std::array<std::string, kColumns.size()>& texts) {
+    double x = kLeft;
+    for (std::size_t i = 0; i < kColumns.size(); ++i) {
+      text(x + kPadding, top + kRowHeight - 0.002, texts[i], kTextHeight,
+           kColumns[i].width - 2 * kPadding);
+      x += kColumns[i].width;
+    }
+    line({kLeft, top + kRowHeight}, {kRight, top + kRowHeight}, kExtraNarrow);
+  }
+
+  void column_lines(double bottom) {
+    double x = kLeft;
+    line({x, kHeadTop}, {x, bottom}, kExtraNarrow);
+    for (const Column& column : kColumns) {
+      x += column.width;
+      line({x, kHeadTop}, {x, bottom}, kExtraNarrow);
+    }
+  }
+
+  Sheet finished() { return std::move(sheet_); }
+
+ private:
+  template <class Item>
+  void add(Item item) {
+    sheet_.layers.front().items.push_back(std::move(item));
+  }
+
+  Sheet sheet_;
+};
+
+std::string metres(double value) {
+  return fmt::format("{:.3f}", std::round(value * 1000) / 1000 + 0.0);
+}
+
+std::array<std::string, kColumns.size()> texts_of(const Survey& survey, const SettingOut& place) {
+  const PlacedTag& tag = *place.tag;
+  const Eigen::Vector3d& p = tag.p_in_grid;
+  return {tag.name,
+          to_string(tag.side),
+          metres(place.chainage),
+          metres(place.offset),
+          metres(place.height),
+          metres(p.x()),
+          metres(p.y()),
+          metres(p.z()),
+          format_number(place.tolerance * 1000, 1),
+          grouped_digits(survey.code, tag.digits),
+          ""};
+}
+
+void add_heading(TablePage& page, const Survey& survey, const std::string& revision,
+                 std::size_t number, std::size_t count) {
+  const double width = kRight - kLeft;
+  page.text(kLeft, 0.019, "Setting-out of position tags: " + survey.name, 0.0042, width);
+  page.text(kLeft, 0.026,
+            fmt::format("{}plate {}  \u00b7  page {} of {}",
+                        revision.empty() ? "" : "revision " + revision + "  \u00b7  ",
+                        survey.tag_template.name, number, count),
+            kTextHeight, width);
+  page.text(kLeft, 0.032,
+            "Every place is that of corner P: the upper left inner corner of the black frame, seen "
+            "facing the plate.",
+            kTextHeight, width);
+  page.text(kLeft, 0.037,
+            "offset: from the center line, negative = left of the drive; height: above the floor; "
+            "tol.: P may hang so far from its place.",
+            kTextHeight, width);
+}
+
+void add_head(TablePage& page) {
+  std::array<std::string, kColumns.size()> heads;
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    heads[i] = kColumns[i].head;
+    if (*kColumns[i].unit != '\0') heads[i] += std::string(" (") + kColumns[i].unit + ")";
+  }
+  page.line({kLeft, kHeadTop}, {kRight, kHeadTop}, kWide);
+  page.row(kHeadTop, heads);
+  page.line({kLeft, kHeadTop + kRowHeight}, {kRight, kHeadTop + kRowHeight}, kWide);
+}
+
+}  // namespace
+
+std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
+                                     const std::string& revision) {
+  const std::size_t count = std::max<std::size_t>(1, (list.size() + kRowsAPage - 1) / kRowsAPage);
+  std::vector<Sheet> sheets;
+  for (std::size_t number = 0; number < count; ++number) {
+    TablePage page(survey.name + " setting-out");
+    add_heading(page, survey, revision, number + 1, count);
+    add_head(page);
+    double top = kHeadTop + kRowHeight;
+    const std::size_t last = std::min(list.size(), (number + 1) * kRowsAPage);
+    for (std::size_t i = number * kRowsAPage; i < last; ++i) {
+      page.row(top, texts_of(survey, list[i]));
+      top += kRowHeight;
+    }
+    page.column_lines(top);
+    sheets.push_back(page.finished());
+  }
+  return sheets;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The installer's papers: the table of places, the plan, the elevation of each wall.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/render/sheet.hpp"
+#include "tagsmith/survey/setting_out.hpp"
+
+namespace tagsmith {
+
+// A4 sheets with a row a tag: name, side, chainage, offset, height, x, y, z, tolerance, digits, and
+// a box to tick. The head says what each column means.
+std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
+                                     const std::string& revision);
+
+}  // namespace tagsmith

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/tag/printer_dots.hpp"
+
+#include <cmath>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+double dot_of(int dots_per_inch) { return kMetresPerInch / dots_per_inch; }
+
+// Both edges rounded; the size is what lies between them.
+Rectangle rounded(const Rectangle& box, double dot) {
+  const auto edge = [&](double value) { return std::round(value / dot) * dot; };
+  return {edge(box.x), edge(box.y), edge(box.x + box.width) - edge(box.x),
+          edge(box.y + box.height) - edge(box.y)};
+}
+
+// Left and upper edges moved by `before` to the left and up, right and lower ones by `after`.
+Rectangle grown(const Rectangle& box, double before, double after) {
+  return {box.x - before, box.y - before, box.width + before + after, box.height + before + after};
+}
+
+}  // namespace
+
+TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch) {
+  constexpr double kWhole = 0.01;  // dots
+  const double dot = dot_of(dots_per_inch);
+  const double before = module_width(tag);
+  const double dots = std::floor(before / dot + kWhole);
+  if (dots < 1 || std::abs(before / dot - dots) < kWhole) return tag;
+  const double bars = bar_height(tag);
+  const double module = dots * dot;
+  tag.quiet_zone_modules = (tag.frame_inner_length / module - kModuleCount) / 2;
+  tag.margin_modules = (tag.frame_inner_height - bars) / (2 * module);
+  return tag;
+}
+
+TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch) {
+  const double dot = dot_of(dots_per_inch);
+  for (Rectangle* box : {&drawing.frame_outer, &drawing.frame_inner}) *box = rounded(*box, dot);
+  for (Rectangle& bar : drawing.bars) bar = rounded(bar, dot);
+  return drawing;
+}
+
+TagDrawing with_bar_adjustment(TagDrawing drawing, double adjustment, int dots_per_inch) {
+  double before = adjustment / 2;
+  double after = before;
+  if (dots_per_inch > 0) {
+    const double dot = dot_of(dots_per_inch);
+    const double dots = std::round(adjustment / dot);
+    before = std::floor(dots / 2) * dot;
+    after = dots * dot - before;
+  }
+  drawing.frame_outer = grown(drawing.frame_outer, before, after);
+  drawing.frame_inner =
+      grown(drawing.frame_inner, -after, -before);  // white: its left edge ends ink
+  for (Rectangle& bar : drawing.bars) bar = grown(bar, before, after);
+  return drawing;
+}
+
+std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& fitted,
+                              int dots_per_inch) {
+  const double dot = dot_of(dots_per_inch);
+  const double before = module_width(wanted);
+  const double after = module_width(fitted);
+  if (std::abs(before - after) < 1e-12) return {};
+  return "module " + format_number(before * 1e3, 4) + " mm = " + format_number(before / dot, 2) +
+         " dots of " + std::to_string(dots_per_inch) + " dpi, printed as " +
+         format_number(after / dot, 0) + " dots = " + format_number(after * 1e3, 4) +
+         " mm; quiet zone " + format_number(wanted.quiet_zone_modules, 3) + " -> " +
+         format_number(fitted.quiet_zone_modules, 3) + " modules";
+}
+
+}  // namespace tagsmith

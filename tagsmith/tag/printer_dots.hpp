@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tags whose edges fall between a printer's dots, and bars that grow when they are printed.
+#pragma once
+
+#include <string>
+
+#include "tagsmith/tag/drawing.hpp"
+#include "tagsmith/tag/template.hpp"
+
+namespace tagsmith {
+
+inline constexpr double kMetresPerInch = 0.0254;
+
+// The template with a module of whole dots: the most dots that leave quiet zones of `quiet_zone`
+// modules. The symbol keeps to the middle of the frame, which keeps its size; what the symbol gives
+// up goes to its quiet zones and margins. A module that is whole to 1/100 dot stays as it is. The
+// template as it is when a module is narrower than one dot.
+TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch);
+
+// The drawing, in the plate frame, with every edge of feature frame and bars at the nearest dot as
+// counted from P.
+TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch);
+
+// The drawing with `adjustment` metres (negative = less) added to the width of every bar and to the
+// stroke of the feature frame, half on either side: it takes away what the ink adds. On whole dots
+// (dots_per_inch not 0) it is the nearest whole number of them, an odd one to the right and below.
+TagDrawing with_bar_adjustment(TagDrawing drawing, double adjustment, int dots_per_inch = 0);
+
+// What the two templates differ in, for people: module, dots and quiet zone before and after; empty
+// when nothing was rounded.
+std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& fitted,
+                              int dots_per_inch);
+
+}  // namespace tagsmith
