@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every character at every place of a symbol costs, given how bars appear in the profile.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "decoder/scan/profile.hpp"
+#include "decoder/scan/symbol_fit.hpp"
+#include "tagsmith/symbology/digits.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+
+// Seven modules that start and end like a digit's hold two bars and two spaces; there are twenty
+// ways, and UPC-A uses ten. Characters 0-9 are the digits; 10-19 are the same widths backwards: the
+// digits of a symbol that stands on its head, EAN-13's other left digits, and whatever a misprint
+// makes of a digit by moving one edge by a module.
+inline constexpr std::size_t kCharacterCount = 20;
+
+using Characters = std::array<std::uint8_t, kDigitCount>;
+
+// Sum of squared residuals over variances of the symbol made of any characters:
+// constant + sum of alone[i][c_i] + sum of pair[i][c_i][c_(i+1)]. Light adds up, so this is exact as
+// long as blur reaches no farther than the next character.
+struct CharacterCosts {
+  using Row = std::array<double, kCharacterCount>;
+  double constant = 0;
+  std::array<Row, kDigitCount> alone{};
+  std::array<std::array<Row, kCharacterCount>, kDigitCount - 1> pair{};
+
+  double of(const Characters& characters) const;
+};
+
+// The profile as a quadratic function of the light that each module and each edge adds: everything
+// the decoder needs to know of it for one picture of the symbol.
+class ModuleSystem {
+ public:
+  ModuleSystem(const ScanProfile& profile, const SymbolImage& image);
+
+  CharacterCosts character_costs() const;
+
+  // How far the profile wants a module of the symbol to be of the other colour, at most over all
+  // modules of the digits: 0 = as the symbol says, 1 = the other colour. Every digit's seven modules
+  // may take any darkness near the symbol's own (within `kModuleSigma`, beforehand), against
+  // residuals flattened by `temperature`.
+  float farthest_module(const Characters& characters, float temperature) const;
+
+ private:
+  // Features, in order along the symbol: 2k = the growth of the edge at the begin of module k,
+  // 2k + 1 = module k.
+  static constexpr std::size_t kFeatures = 2 * kModuleCount + 1;
+  static constexpr std::size_t kBand = 32;
+  static constexpr std::size_t kOwn = 13;  // features of one character, its outer edges left out
+
+  float gram(std::size_t a, std::size_t b) const;
+  void add(const ScanBin& bin, const SymbolImage& image, float reach,
+           const std::array<float, kModuleCount + 1>& edges, std::size_t& first);
+  void take_out(const std::array<std::uint8_t, kFeatures>& present);
+
+  float constant_ = 0;
+  std::array<float, kFeatures> right_{};
+  std::array<std::array<float, kBand>, kFeatures> gram_{};  // [a][b - a]
+};
+
+}  // namespace tagsmith
