@@ -97,12 +97,15 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   constexpr double kLeastExplained = 0.9;
   // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.
   constexpr double kLeastDigit = 0.75;
+  // Right digits among 500 simulated ones: 0.66 and less.
+  constexpr double kFarthestModule = 0.75;
   constexpr double kLeastGuards = 0.8;
   constexpr double kLeastKept = 0.7;
   constexpr double kMostGrowth = 0.7;  // modules; beyond, narrow elements vanish
   const Decoding& decoding = attempt.decoding;
   if (decoding.guards < kLeastGuards) return "guard pattern";
-  if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
+  if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit ||
+      decoding.farthest_module > kFarthestModule) {
     return "element widths";
   }
   if (decoding.fit.kept < kLeastKept) return "bars covered";

@@ -53,30 +53,35 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 }
 
 // Posterior of the best code: against the other codes that may exist, and, with a small prior,
-// every other string of characters, so that neither a symbol whose check digit fails nor one with a
-// misshapen digit is bent into a valid one.
+// every other string of characters, so that neither a symbol whose check digit fails, nor one with a
+// misshapen digit, nor a stranger to the code book is bent into a code.
 double posterior(const CharacterCosts& costs, const DecodeOptions& options, const BestSymbol& best,
                  double temperature) {
-  constexpr double kPriorOfOthers = 0.01;  // of all symbols that are no code of those that exist
-  constexpr double kForeign = 0.3;         // weight of a character that is no digit
-  constexpr double kAllSymbols = 1e12;
-  const double all = sum_of_symbols(costs, best, temperature, kForeign);
+  constexpr double kPriorOfOthers = 0.1;  // of all symbols together that are no code
+  constexpr double kForeign = 0.3;        // of a character that is no digit, against one that is
+  constexpr double kCodesPerSymbol = 0.1;
+  // A book's codes are near each other, and so are its strangers to them, misprints above all: the
+  // fewer characters differ, the likelier.
+  constexpr double kDiffers = 1e-3;
+  constexpr double kLeastDoubt = 1e-12;
+  const bool with_book = !options.code_book.empty();
+  const CharacterWeights weights = with_book
+                                       ? CharacterWeights{kDiffers, kForeign * kDiffers}
+                                       : CharacterWeights{1, kForeign};
+  const double others = std::max(0.0, sum_of_symbols(costs, best, temperature, weights) - 1);
   double rivals = 0;
-  double code_count = 1e11;
-  if (!options.code_book.empty()) {
-    rivals = sum_of_codes(costs, best, temperature, options.code_book) - 1;
-    code_count = static_cast<double>(options.code_book.size());
-  } else if (all - 1 < 1e-12) {
-    rivals = all - 1;  // the codes are among them
+  if (with_book) {
+    rivals = sum_of_codes(costs, best, temperature, options.code_book) - 1 + others;
+  } else if (others < kLeastDoubt) {
+    rivals = others;  // the codes are among them
   } else {
     for (const CheckDigit scheme : schemes_of(options)) {
       const bool holds = has_check_digit(scheme, digits_of(best.characters));
       rivals += sum_of_codes(costs, best, temperature, scheme) - (holds ? 1 : 0);
     }
+    rivals += kPriorOfOthers * kCodesPerSymbol * others;
   }
-  rivals = std::max(0.0, rivals);
-  rivals += kPriorOfOthers * code_count / kAllSymbols * std::max(0.0, all - 1);
-  return 1 / (1 + rivals);
+  return 1 / (1 + std::max(0.0, rivals));
 }
 
 // Alternates between the most likely digits and the adjustment of the picture to them.

@@ -146,12 +146,15 @@ BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book) 
 }
 
 double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
-                      double foreign_weight) {
+                      const CharacterWeights& weights) {
   const LeastCosts least = least_costs(costs, range_of(SymbolClass::any));
   const double scale = 1 / (2 * temperature);
-  const auto weight = [&](std::size_t c) { return c < 10 ? 1.0 : foreign_weight; };
+  const auto weight = [&](std::size_t position, std::size_t c) {
+    if (c == reference.characters[position]) return 1.0;
+    return c < 10 ? weights.digit : weights.foreign;
+  };
   std::array<double, kCharacterCount> mass{};  // relative to the best string's that ends there
-  for (std::size_t c = 0; c < kCharacterCount; ++c) mass[c] = weight(c);
+  for (std::size_t c = 0; c < kCharacterCount; ++c) mass[c] = weight(0, c);
   for (std::size_t i = 1; i < kPositions; ++i) {
     std::array<double, kCharacterCount> next{};
     for (std::size_t c = 0; c < kCharacterCount; ++c) {
@@ -161,7 +164,7 @@ double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, 
         const double excess = scale * (least[i - 1][a] + costs.pair[i - 1][a][c] - offset);
         if (excess < kNegligible) sum += mass[a] * std::exp(-excess);
       }
-      next[c] = sum * weight(c);
+      next[c] = sum * weight(i, c);
     }
     mass = next;
   }

@@ -32,10 +32,16 @@ BestSymbol best_code(const CharacterCosts& costs, CheckDigit scheme);
 // The best code of a book, which must not be empty.
 BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book);
 
+// How often a character other than the reference's is met, as far as is known beforehand.
+struct CharacterWeights {
+  double digit = 1;
+  double foreign = 1;  // one that is no digit
+};
+
 // Sums of exp(-(cost - reference.cost) / (2 temperature)), exact too: over all symbols, each
-// character that is no digit counting by `foreign_weight`; over the codes of a scheme; over a book.
+// character that differs from the reference's weighted; over the codes of a scheme; over a book.
 double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
-                      double foreign_weight);
+                      const CharacterWeights& weights);
 double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
                     CheckDigit scheme);
 double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
