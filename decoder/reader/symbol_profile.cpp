@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,26 +25,25 @@ std::array<double, 2> scanned_height(const SymbolLayout& layout) {
   return {layout.bars_top + clear, layout.bars_bottom - clear};
 }
 
-// Light of plate and ink over the frame, from its upper and lower sides.
-struct Levels {
-  FrameSide top;
-  FrameSide bottom;
+// A quantity over the frame, bilinear between its corners.
+struct Field {
+  float base, by_u, by_v, by_uv;
 
-  double white(double u, double v) const {
-    return (1 - v) * ((1 - u) * top.white_begin + u * top.white_end) +
-           v * ((1 - u) * bottom.white_end + u * bottom.white_begin);
-  }
-  double black(double u, double v) const {
-    return (1 - v) * ((1 - u) * top.black_begin + u * top.black_end) +
-           v * ((1 - u) * bottom.black_end + u * bottom.black_begin);
-  }
+  // From the values at (0,0) (1,0) (1,1) (0,1).
+  Field(double p, double f, double r, double q)
+      : base(static_cast<float>(p)),
+        by_u(static_cast<float>(f - p)),
+        by_v(static_cast<float>(q - p)),
+        by_uv(static_cast<float>(r - f - q + p)) {}
+
+  float at(float u, float v) const { return base + u * by_u + v * (by_v + u * by_uv); }
 };
 
 struct Cell {
-  double sum = 0;
-  double sum_of_squares = 0;
-  double place = 0;
-  int count = 0;
+  float sum = 0;
+  float sum_of_squares = 0;
+  float place = 0;
+  float count = 0;
 };
 
 // Cells by band (across the bars' height) and bin (along the symbol).
@@ -55,52 +56,99 @@ struct CellGrid {
   const Cell& at(std::size_t band, std::size_t bin) const { return cells[band * bins + bin]; }
 };
 
-CellGrid collect(const GrayView& image, const Homography& image_from_unit, const Levels& levels,
-                 const SymbolLayout& layout, int bins_per_module, double thinning) {
-  const ToneCurve& tone = ToneCurve::srgb();
-  const auto [scan_top, scan_bottom] = scanned_height(layout);
-  const Homography unit_from_image = inverse(image_from_unit);
-  const Quad region{image_from_unit(0, scan_top), image_from_unit(1, scan_top),
-                    image_from_unit(1, scan_bottom), image_from_unit(0, scan_bottom)};
+// The x at which a row of pixels crosses a convex quadrilateral, widened to whole pixels; empty
+// (begin > end) when it does not.
+struct RowSpan {
+  int begin = 0;
+  int end = -1;
+};
+
+RowSpan span_of_row(const Quad& quad, int y, int width) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const PixelPoint a = quad[i];
+    const PixelPoint b = quad[(i + 1) % 4];
+    if ((a.y < y - 1 && b.y < y - 1) || (a.y > y + 1 && b.y > y + 1)) continue;
+    const double slope = (b.x - a.x) / (std::abs(b.y - a.y) < 1e-9 ? 1e-9 : b.y - a.y);
+    for (const double row : {y - 1.0, y + 1.0}) {
+      const double inside = std::clamp(row, std::min(a.y, b.y), std::max(a.y, b.y));
+      const double x = a.x + (inside - a.y) * slope;
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+  }
+  if (!(low <= high)) return {};
+  return {std::max(0, static_cast<int>(std::floor(std::max(low, -1.0)))),
+          std::min(width - 1, static_cast<int>(std::ceil(std::min(high, 1.0 * width))))};
+}
+
+// The symbol with a little of its quiet zones, in the image.
+Quad scanned_region(const Homography& image_from_unit, const SymbolLayout& layout) {
+  const auto [top, bottom] = scanned_height(layout);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  const double left = (layout.quiet_zone_modules - kBeyond) / modules;
+  return {image_from_unit(left, top), image_from_unit(1 - left, top),
+          image_from_unit(1 - left, bottom), image_from_unit(left, bottom)};
+}
+
+CellGrid collect(const GrayView& image, const Homography& image_from_unit, const Field& white,
+                 const Field& black, const SymbolLayout& layout, int bins_per_module, int skip) {
+  const auto [scan_top, scan_bottom] = scanned_height(layout);
+  const Quad region = scanned_region(image_from_unit, layout);
+  const auto modules = static_cast<float>(kModuleCount + 2 * layout.quiet_zone_modules);
   CellGrid grid;
   grid.bins = static_cast<std::size_t>(bins_per_module * (kModuleCount + 2 * kBeyond));
   grid.bin_width = 1.0 / bins_per_module;
   grid.cells.resize(kBands * grid.bins);
-  double left = region[0].x, right = region[0].x, top = region[0].y, bottom = region[0].y;
-  for (const PixelPoint& corner : region) {
-    left = std::min(left, corner.x);
-    right = std::max(right, corner.x);
-    top = std::min(top, corner.y);
-    bottom = std::max(bottom, corner.y);
+  std::array<float, 256> light{};
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
   }
-  const int x_begin = std::max(0, static_cast<int>(std::floor(left)));
-  const int x_end = std::min(image.width - 1, static_cast<int>(std::ceil(right)));
-  const int y_begin = std::max(0, static_cast<int>(std::floor(top)));
-  const int y_end = std::min(image.height - 1, static_cast<int>(std::ceil(bottom)));
+  std::array<float, 9> h{};
+  const Homography unit_from_image = inverse(image_from_unit);
+  for (std::size_t i = 0; i < h.size(); ++i) h[i] = static_cast<float>(unit_from_image.h[i]);
+  const auto top = static_cast<float>(scan_top);
+  const float bands_per_height =
+      static_cast<float>(kBands) / static_cast<float>(scan_bottom - scan_top);
+  const auto first_place = static_cast<float>(layout.quiet_zone_modules - kBeyond);
+  const auto per_bin = static_cast<float>(bins_per_module);
+  const int last_bin = static_cast<int>(grid.bins) - 1;
+  const auto [lowest, highest] =
+      std::ranges::minmax(region, {}, [](const PixelPoint& corner) { return corner.y; });
+  const int y_begin = std::max(0, static_cast<int>(std::floor(std::max(lowest.y, 0.0))));
+  const int y_end = static_cast<int>(std::min(image.height - 1.0, std::ceil(highest.y)));
   // Pixels are skipped along the bars, never across them.
   const PixelPoint along = region[1] - region[0];
-  const int skip = std::max(1, static_cast<int>(thinning));
   const int x_step = std::abs(along.x) < std::abs(along.y) ? skip : 1;
   const int y_step = std::abs(along.x) < std::abs(along.y) ? 1 : skip;
   for (int y = y_begin; y <= y_end; y += y_step) {
     const std::uint8_t* row = image.row(y);
-    for (int x = x_begin; x <= x_end; x += x_step) {
-      const PixelPoint unit = unit_from_image(x, y);
-      if (!(unit.y >= scan_top && unit.y < scan_bottom)) continue;
-      const double place = unit.x * modules - layout.quiet_zone_modules;
-      const double position = (place + kBeyond) / grid.bin_width;
-      if (!(position >= 0 && position < static_cast<double>(grid.bins))) continue;
-      const double white = levels.white(unit.x, unit.y);
-      const double black = levels.black(unit.x, unit.y);
-      const double darkness = (white - tone.light_of(row[x])) / std::max(white - black, 1e-3);
-      const auto band =
-          static_cast<std::size_t>((unit.y - scan_top) / (scan_bottom - scan_top) * kBands);
-      Cell& cell = grid.at(std::min(band, kBands - 1), static_cast<std::size_t>(position));
+    const RowSpan span = span_of_row(region, y, image.width);
+    const int begin = (span.begin + x_step - 1) / x_step * x_step;
+    const auto fy = static_cast<float>(y);
+    const float u0 = h[1] * fy + h[2];
+    const float v0 = h[4] * fy + h[5];
+    const float w0 = h[7] * fy + h[8];
+    for (int x = begin; x <= span.end; x += x_step) {
+      const auto fx = static_cast<float>(x);
+      const float scale = 1 / (h[6] * fx + w0);
+      const float u = (h[0] * fx + u0) * scale;
+      const float v = (h[3] * fx + v0) * scale;
+      const float height = (v - top) * bands_per_height;
+      const float place = u * modules - first_place;
+      const float position = place * per_bin;
+      if (!(height >= 0 && position >= 0)) continue;
+      const int band = static_cast<int>(height);
+      const int bin = static_cast<int>(position);
+      if (band >= static_cast<int>(kBands) || bin > last_bin) continue;
+      const float paper = white.at(u, v);
+      const float darkness = (paper - light[row[x]]) / std::max(paper - black.at(u, v), 1e-3F);
+      Cell& cell = grid.at(static_cast<std::size_t>(band), static_cast<std::size_t>(bin));
       cell.sum += darkness;
       cell.sum_of_squares += darkness * darkness;
       cell.place += place;
-      ++cell.count;
+      cell.count += 1;
     }
   }
   return grid;
@@ -112,8 +160,8 @@ double pixel_variance(const CellGrid& grid) {
   double freedom = 0;
   for (const Cell& cell : grid.cells) {
     if (cell.count < 2) continue;
-    squares += cell.sum_of_squares - cell.sum * cell.sum / cell.count;
-    freedom += cell.count - 1;
+    squares += static_cast<double>(cell.sum_of_squares - cell.sum * cell.sum / cell.count);
+    freedom += static_cast<double>(cell.count - 1);
   }
   constexpr double kLeast = 1e-4;  // 1 % of the contrast: quantisation alone
   return freedom > 0 ? std::max(kLeast, squares / freedom) : 4e-4;
@@ -125,7 +173,7 @@ std::optional<double> median_of_bands(const CellGrid& grid, std::size_t bin) {
   std::size_t count = 0;
   for (std::size_t band = 0; band < kBands; ++band) {
     const Cell& cell = grid.at(band, bin);
-    if (cell.count > 0) means[count++] = cell.sum / cell.count;
+    if (cell.count > 0) means[count++] = static_cast<double>(cell.sum / cell.count);
   }
   if (count == 0) return std::nullopt;
   const auto middle = means.begin() + static_cast<std::ptrdiff_t>(count / 2);
@@ -140,24 +188,26 @@ std::optional<ScanBin> combine(const CellGrid& grid, std::size_t bin, double med
   constexpr double kShading = 0.1;      // of the contrast: differences along a clean bar
   constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
   double sum = 0, place = 0;
-  int pixels = 0;
-  int seen = 0;
+  double pixels = 0;
+  double seen = 0;
   for (std::size_t band = 0; band < kBands; ++band) {
     const Cell& cell = grid.at(band, bin);
     if (cell.count == 0) continue;
-    seen += cell.count;
-    const double tolerance = kShading + slope + 4 * std::sqrt(variance / cell.count);
-    if (std::abs(cell.sum / cell.count - median) > tolerance) continue;
-    sum += cell.sum;
-    place += cell.place;
-    pixels += cell.count;
+    const auto count = static_cast<double>(cell.count);
+    const auto cell_sum = static_cast<double>(cell.sum);
+    seen += count;
+    const double tolerance = kShading + slope + 4 * std::sqrt(variance / count);
+    if (std::abs(cell_sum / count - median) > tolerance) continue;
+    sum += cell_sum;
+    place += static_cast<double>(cell.place);
+    pixels += count;
   }
   if (pixels == 0) return std::nullopt;
   // Where the height disagrees with itself the median may have taken the wrong side: the doubt
   // grows from nothing at full agreement to the whole contrast where half disagrees.
-  const double agreement = static_cast<double>(pixels) / seen;
+  const double agreement = pixels / seen;
   const double doubt = std::min(1.0, 2 * (1 - agreement));
-  return ScanBin{place / pixels, sum / pixels,
+  return ScanBin{place / pixels - kBeyond, sum / pixels,
                  variance / pixels + kModelError * kModelError + doubt * doubt * doubt * doubt,
                  agreement};
 }
@@ -204,13 +254,17 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
   profile.module_px = module_at_middle(image_from_unit, layout);
   const double frame_height =
       (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
-  // Two bins a pixel lose nothing; more than 60 rows of pixels add little.
+  // Two bins a pixel and six a module lose nothing; more than 40 to 80 rows of pixels add little.
   const int bins_per_module =
-      std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 10);
+      std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 6);
   const auto [scan_top, scan_bottom] = scanned_height(layout);
-  const double thinning = frame_height * (scan_bottom - scan_top) / 60;
-  const Levels levels{sides[0], sides[2]};
-  const CellGrid grid = collect(image, image_from_unit, levels, layout, bins_per_module, thinning);
+  const int skip = std::max(1, static_cast<int>(frame_height * (scan_bottom - scan_top) / 40));
+  const Field white(sides[0].white_begin, sides[0].white_end, sides[2].white_begin,
+                    sides[2].white_end);
+  const Field black(sides[0].black_begin, sides[0].black_end, sides[2].black_begin,
+                    sides[2].black_end);
+  const CellGrid grid =
+      collect(image, image_from_unit, white, black, layout, bins_per_module, skip);
   const double variance = pixel_variance(grid);
   profile.bins = combine_all(grid, variance);
   const double smear = grid.bin_width * grid.bin_width / 12;

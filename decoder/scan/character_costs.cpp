@@ -103,9 +103,9 @@ void ModuleSystem::add(const ScanBin& bin, const SymbolImage& image, float reach
   while (first < edges.size() && edges[first] < place - reach) ++first;
   const float contrast = static_cast<float>(image.black - image.white);
   const float t = (place - kHalfLength) / kHalfLength;
-  const float value = (static_cast<float>(bin.darkness - image.white) -
-                       static_cast<float>(image.shading) * t) /
-                      contrast;
+  const float value =
+      (static_cast<float>(bin.darkness - image.white) - static_cast<float>(image.shading) * t) /
+      contrast;
   const float weight = contrast * contrast / static_cast<float>(bin.variance);
   constant_ += weight * value * value;
   const float half_growth = static_cast<float>(image.growth) / 2;
@@ -144,17 +144,18 @@ void ModuleSystem::take_out(const std::array<std::uint8_t, kFeatures>& present) 
   for (std::size_t a = 0; a < kFeatures; ++a) {
     if (present[a] == 0) continue;
     constant_ += gram(a, a) - 2 * right_[a];
-    const std::size_t begin = a + 1 < kBand ? 0 : a + 1 - kBand;
-    const std::size_t end = std::min(kFeatures, a + kBand);
-    for (std::size_t b = begin; b < end; ++b) {
-      if (b != a) right_[b] -= gram(a, b);
-    }
+    const std::size_t begin = a + 1 < band_ ? 0 : a + 1 - band_;
+    const std::size_t end = std::min(kFeatures, a + band_);
+    for (std::size_t b = begin; b < a; ++b) right_[b] -= gram_[b][a - b];
+    for (std::size_t b = a + 1; b < end; ++b) right_[b] -= gram_[a][b - a];
   }
 }
 
 ModuleSystem::ModuleSystem(const ScanProfile& profile, const SymbolImage& image) {
   const float reach = std::min(
       7.0F, 4 * static_cast<float>(image.blur) + static_cast<float>(std::abs(image.growth)) / 2);
+  // Edges within reach of one place lie within twice the reach of each other.
+  band_ = std::min(kBand, 2 * static_cast<std::size_t>(std::ceil(2.1F * reach)) + 3);
   const auto edges = displaced_edges(image);
   std::size_t first = 0;
   for (const ScanBin& bin : profile) add(bin, image, reach, edges, first);
@@ -170,11 +171,42 @@ ModuleSystem::ModuleSystem(const ScanProfile& profile, const SymbolImage& image)
   take_out(present);
 }
 
+// What neighbouring characters exchange: first each feature of the left one with every character at
+// `position`, then summed over the features of every left character.
+void ModuleSystem::add_pair_costs(std::size_t position,
+                                  std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
+  const std::size_t base = first_feature(position - 1);
+  const std::size_t gap = first_feature(position) - base;
+  if (gap >= band_ + kOwn) return;
+  const std::size_t first = gap < band_ ? 0 : gap - band_ + 1;  // features before share nothing
+  const auto& left = alphabet()[position - 1 < 6 ? 0 : 1];
+  const auto& right = alphabet()[position < 6 ? 0 : 1];
+  std::array<std::array<double, kCharacterCount>, kOwn> pull{};
+  for (std::size_t j = first; j < kOwn; ++j) {
+    const auto& gram = gram_[base + j];
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      float sum = 0;
+      for (std::size_t i = 0; i < right[c].count; ++i) {
+        const std::size_t distance = gap + right[c].feature[i] - j;
+        if (distance >= band_) break;
+        sum += gram[distance];
+      }
+      pull[j][c] = 2 * static_cast<double>(sum);
+    }
+  }
+  for (std::size_t c = 0; c < kCharacterCount; ++c) {
+    for (std::size_t i = 0; i < left[c].count; ++i) {
+      if (left[c].feature[i] < first) continue;
+      const auto& from = pull[left[c].feature[i]];
+      for (std::size_t d = 0; d < kCharacterCount; ++d) pair[c][d] += from[d];
+    }
+  }
+}
+
 CharacterCosts ModuleSystem::character_costs() const {
   CharacterCosts costs;
   costs.constant = static_cast<double>(constant_);
   const Alphabet& characters = alphabet();
-  std::array<std::array<float, kOwn>, kCharacterCount> pull{};
   for (std::size_t position = 0; position < kPositions; ++position) {
     const std::size_t base = first_feature(position);
     const auto& here = characters[position < 6 ? 0 : 1];
@@ -191,29 +223,7 @@ CharacterCosts ModuleSystem::character_costs() const {
       costs.alone[position][c] = static_cast<double>(cost);
     }
     if (position == 0) continue;
-    // What each feature of the character before exchanges with each character here.
-    const std::size_t base_before = first_feature(position - 1);
-    const std::size_t gap = base - base_before;
-    const auto& before = characters[position - 1 < 6 ? 0 : 1];
-    for (std::size_t c = 0; c < kCharacterCount; ++c) {
-      for (std::size_t j = 0; j < kOwn; ++j) {
-        float sum = 0;
-        for (std::size_t i = 0; i < here[c].count; ++i) {
-          const std::size_t distance = gap + here[c].feature[i] - j;
-          if (distance >= kBand) break;
-          sum += gram_[base_before + j][distance];
-        }
-        pull[c][j] = 2 * sum;
-      }
-    }
-    for (std::size_t c = 0; c < kCharacterCount; ++c) {
-      CharacterCosts::Row& row = costs.pair[position - 1][c];
-      for (std::size_t d = 0; d < kCharacterCount; ++d) {
-        float sum = 0;
-        for (std::size_t i = 0; i < before[c].count; ++i) sum += pull[d][before[c].feature[i]];
-        row[d] = static_cast<double>(sum);
-      }
-    }
+    add_pair_costs(position, costs.pair[position - 1]);
   }
   return costs;
 }
@@ -238,8 +248,8 @@ float ModuleSystem::farthest_module(const Characters& characters, float temperat
     for (std::size_t i = 0; i < kSize; ++i) {
       const std::size_t a = base + 2 * i;
       float rest = right_[a];
-      const std::size_t begin = a + 1 < kBand ? 0 : a + 1 - kBand;
-      const std::size_t end = std::min(kFeatures, a + kBand);
+      const std::size_t begin = a + 1 < band_ ? 0 : a + 1 - band_;
+      const std::size_t end = std::min(kFeatures, a + band_);
       for (std::size_t b = begin; b < end; ++b) {
         if (on[b] != 0) rest -= gram(a, b);
       }

@@ -21,8 +21,8 @@ inline constexpr std::size_t kCharacterCount = 20;
 using Characters = std::array<std::uint8_t, kDigitCount>;
 
 // Sum of squared residuals over variances of the symbol made of any characters:
-// constant + sum of alone[i][c_i] + sum of pair[i][c_i][c_(i+1)]. Light adds up, so this is exact as
-// long as blur reaches no farther than the next character.
+// constant + sum of alone[i][c_i] + sum of pair[i][c_i][c_(i+1)]. Light adds up, so this is exact
+// as long as blur reaches no farther than the next character.
 struct CharacterCosts {
   using Row = std::array<double, kCharacterCount>;
   double constant = 0;
@@ -41,9 +41,9 @@ class ModuleSystem {
   CharacterCosts character_costs() const;
 
   // How far the profile wants a module of the symbol to be of the other colour, at most over all
-  // modules of the digits: 0 = as the symbol says, 1 = the other colour. Every digit's seven modules
-  // may take any darkness near the symbol's own (within `kModuleSigma`, beforehand), against
-  // residuals flattened by `temperature`.
+  // modules of the digits: 0 = as the symbol says, 1 = the other colour. Every digit's seven
+  // modules may take any darkness near the symbol's own (within `kModuleSigma`, beforehand),
+  // against residuals flattened by `temperature`.
   float farthest_module(const Characters& characters, float temperature) const;
 
  private:
@@ -56,8 +56,11 @@ class ModuleSystem {
   float gram(std::size_t a, std::size_t b) const;
   void add(const ScanBin& bin, const SymbolImage& image, float reach,
            const std::array<float, kModuleCount + 1>& edges, std::size_t& first);
+  void add_pair_costs(std::size_t position,
+                      std::array<CharacterCosts::Row, kCharacterCount>& pair) const;
   void take_out(const std::array<std::uint8_t, kFeatures>& present);
 
+  std::size_t band_ = kBand;  // features this far apart share no light
   float constant_ = 0;
   std::array<float, kFeatures> right_{};
   std::array<std::array<float, kBand>, kFeatures> gram_{};  // [a][b - a]

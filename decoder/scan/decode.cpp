@@ -53,8 +53,8 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 }
 
 // Posterior of the best code: against the other codes that may exist, and, with a small prior,
-// every other string of characters, so that neither a symbol whose check digit fails, nor one with a
-// misshapen digit, nor a stranger to the code book is bent into a code.
+// every other string of characters, so that neither a symbol whose check digit fails, nor one with
+// a misshapen digit, nor a stranger to the code book is bent into a code.
 double posterior(const CharacterCosts& costs, const DecodeOptions& options, const BestSymbol& best,
                  double temperature) {
   constexpr double kPriorOfOthers = 0.1;  // of all symbols together that are no code
@@ -65,9 +65,8 @@ double posterior(const CharacterCosts& costs, const DecodeOptions& options, cons
   constexpr double kDiffers = 1e-3;
   constexpr double kLeastDoubt = 1e-12;
   const bool with_book = !options.code_book.empty();
-  const CharacterWeights weights = with_book
-                                       ? CharacterWeights{kDiffers, kForeign * kDiffers}
-                                       : CharacterWeights{1, kForeign};
+  const CharacterWeights weights =
+      with_book ? CharacterWeights{kDiffers, kForeign * kDiffers} : CharacterWeights{1, kForeign};
   const double others = std::max(0.0, sum_of_symbols(costs, best, temperature, weights) - 1);
   double rivals = 0;
   if (with_book) {
@@ -132,7 +131,6 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
   cleaned.kept = 1 - static_cast<double>(covered) / static_cast<double>(profile.size());
   return cleaned;
 }
-
 
 // Decodes a profile seen the right way round.
 std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolImage& start,

@@ -23,10 +23,10 @@ struct DecodeOptions {
 struct Decoding {
   Digits digits{};
   bool upside_down = false;  // the profile runs from the symbol's end to its begin
-  double confidence = 0;  // posterior probability of these digits, given that a symbol is there
+  double confidence = 0;     // posterior probability of these digits, given that a symbol is there
   SymbolFit fit;
-  double guards = 0;       // explained_by_guards, without what was set aside
-  double worst_digit = 0;  // least_explained_digit, likewise
+  double guards = 0;           // explained_by_guards, without what was set aside
+  double worst_digit = 0;      // least_explained_digit, likewise
   double farthest_module = 0;  // ModuleSystem::farthest_module
 };
 

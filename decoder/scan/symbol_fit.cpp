@@ -201,6 +201,14 @@ class FitProblem {
   Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows_;
 };
 
+// As SymbolEdges::share_at, with levels and shading.
+double darkness_at(const SymbolImage& image, const SymbolEdges& edges, double place,
+                   std::size_t& first) {
+  const auto share = static_cast<double>(edges.share_at(static_cast<float>(place), first));
+  return image.white + (image.black - image.white) * share +
+         image.shading * (2 * place / kModuleCount - 1);
+}
+
 double total_variation(const ScanProfile& profile) {
   double weight = 0, sum = 0;
   for (const ScanBin& bin : profile) {
@@ -224,9 +232,7 @@ std::vector<double> expected_darkness(const SymbolImage& image, const Digits& di
   expected.reserve(profile.size());
   std::size_t first = 0;
   for (const ScanBin& bin : profile) {
-    const auto share = static_cast<double>(edges.share_at(static_cast<float>(bin.at), first));
-    expected.push_back(image.white + (image.black - image.white) * share +
-                       image.shading * (2 * bin.at / kModuleCount - 1));
+    expected.push_back(darkness_at(image, edges, bin.at, first));
   }
   return expected;
 }
@@ -284,14 +290,14 @@ double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
                            const Digits& digits) {
   // Each left digit starts with a space and ends with a bar, each right digit the reverse.
   constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
-  const std::vector<double> expected = expected_darkness(image, digits, profile);
+  const SymbolEdges edges(image, digits);
   const double middle = (image.white + image.black) / 2;
   Share share;
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    const double place = profile[i].at;
-    const auto holds = [&](const auto& range) { return place >= range[0] && place <= range[1]; };
+  std::size_t first = 0;
+  for (const ScanBin& bin : profile) {
+    const auto holds = [&](const auto& range) { return bin.at >= range[0] && bin.at <= range[1]; };
     if (!std::any_of(kKnown.begin(), kKnown.end(), holds)) continue;
-    share.add(profile[i], expected[i], middle);
+    share.add(bin, darkness_at(image, edges, bin.at, first), middle);
   }
   return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
 }

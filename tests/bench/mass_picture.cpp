@@ -83,8 +83,8 @@ void misshape_digit(Widths& widths, int position, Random& random) {
   widths[first] = cuts[0];
   widths[first + 1] = std::max(0.3, cuts[1] - cuts[0]);
   widths[first + 2] = std::max(0.3, cuts[2] - cuts[1]);
-  widths[first + 3] = std::max(0.3, kModulesPerDigit - widths[first] - widths[first + 1] -
-                                        widths[first + 2]);
+  widths[first + 3] =
+      std::max(0.3, kModulesPerDigit - widths[first] - widths[first + 1] - widths[first + 2]);
 }
 
 Widths code128_widths(Random& random) {
@@ -190,8 +190,7 @@ struct Scene {
 };
 
 double step(double distance, double sigma) {
-  return static_cast<double>(
-      NormalTable::get()(static_cast<float>(distance / sigma)).integral);
+  return static_cast<double>(NormalTable::get()(static_cast<float>(distance / sigma)).integral);
 }
 
 double between(double at, double low, double high, double sigma) {
@@ -214,13 +213,13 @@ double light_at(const Scene& scene, double u, double v, double su, double sv) {
   const double inner = between(u, g, kFrameWidth - g, su) * between(v, g, kFrameHeight - g, sv);
   const double outer = between(u, -kStroke - g, kFrameWidth + kStroke + g, su) *
                        between(v, -kStroke - g, kFrameHeight + kStroke + g, sv);
-  const double bars = bars_at(scene, u, su) *
-                      between(v, kBarsMargin - g, kFrameHeight - kBarsMargin + g, sv);
+  const double bars =
+      bars_at(scene, u, su) * between(v, kBarsMargin - g, kFrameHeight - kBarsMargin + g, sv);
   const double ink = outer - inner + bars;
   const double plate = between(u, -kPlateMargin, kFrameWidth + kPlateMargin, su) *
                        between(v, -kPlateMarginAcross, kFrameHeight + kPlateMarginAcross, sv);
-  const double lamp = 1 + scene.shade_u * (u / kFrameWidth - 0.5) +
-                      scene.shade_v * (v / kFrameHeight - 0.5);
+  const double lamp =
+      1 + scene.shade_u * (u / kFrameWidth - 0.5) + scene.shade_v * (v / kFrameHeight - 0.5);
   double light = (scene.white + ink * (scene.ink - scene.white)) * lamp;
   const double sigma = 0.5 * (su + sv);
   for (const Blotch& blotch : scene.dirt) {
@@ -254,10 +253,9 @@ void dirty(Scene& scene, Random& random) {
       const double angle =
           chance(random, 0.3) ? uniform(random, -0.2, 0.2) : uniform(random, 0, std::numbers::pi);
       const double a = std::cos(angle), b = std::sin(angle);
-      scene.strips.push_back({a, b,
-                              -a * uniform(random, 0, kFrameWidth) -
-                                  b * uniform(random, 0, kFrameHeight),
-                              log_uniform(random, 0.5, 8), uniform(random, 0, 0.9)});
+      scene.strips.push_back(
+          {a, b, -a * uniform(random, 0, kFrameWidth) - b * uniform(random, 0, kFrameHeight),
+           log_uniform(random, 0.5, 8), uniform(random, 0, 0.9)});
     }
   }
   if (chance(random, 0.15)) {
@@ -403,8 +401,7 @@ GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& senso
       const double share = sensor.exposure * light / steps;
       double value = sensor.linear ? 255 * share : tone.sample_of(share);
       value += sensor.noise * static_cast<double>(deviates[random() & 0xffffU]);
-      image.samples.push_back(
-          static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)));
+      image.samples.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)));
     }
   }
   return image;
@@ -467,8 +464,7 @@ Picture draw(std::uint64_t seed) {
   if (chance(random, 0.2)) sensor.motion = {uniform(random, -4, 4), uniform(random, -4, 4)};
   picture.noise = sensor.noise;
   const Scene scene = make_scene(picture, random);
-  picture.image =
-      expose(scene, place(picture.module_px, random), sensor, picture.blur_px, random);
+  picture.image = expose(scene, place(picture.module_px, random), sensor, picture.blur_px, random);
   picture.jpeg = chance(random, 0.15);
   if (picture.jpeg) compress(picture.image, integer(random, 60, 95));
   return picture;

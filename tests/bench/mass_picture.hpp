@@ -43,8 +43,8 @@ struct Picture {
 };
 
 // A picture that depends on the seed alone: blur (camera and motion), noise, tone curve, exposure,
-// JPEG, contrast, shading, ink spread, dirt, cables and boards in front, glare, quiet zones that are
-// not as they should be, mirrored pictures. The point spread is Gaussian in the plate's own
+// JPEG, contrast, shading, ink spread, dirt, cables and boards in front, glare, quiet zones that
+// are not as they should be, mirrored pictures. The point spread is Gaussian in the plate's own
 // coordinates and corners are products of edges: cruder than decoder/simulate, a hundred times as
 // quick.
 Picture draw(std::uint64_t seed);

@@ -52,8 +52,8 @@ struct Outcome {
   std::string story;
 };
 
-// What may be read in the picture: the tag's code, and that of a spoilt symbol which still looks most
-// like what it was. A character that is no digit must not be read at all.
+// What may be read in the picture: the tag's code, and that of a spoilt symbol which still looks
+// most like what it was. A character that is no digit must not be read at all.
 bool may_be_read(const mass::Picture& picture) {
   return picture.kind == mass::Kind::tag || picture.kind == mass::Kind::misshapen ||
          picture.kind == mass::Kind::moved_edge;
@@ -146,8 +146,8 @@ void print(const Tables& tables) {
         book == 1 ? "with a" : "no");
     for (const auto& [doubt, tally] : tables.doubts[book]) {
       const int readings = tally.right + tally.wrong;
-      fmt::print("| 1e-{} to 1e-{} | {} | {} | {:.2g} |\n", doubt, doubt + 1, readings,
-                 tally.wrong, static_cast<double>(tally.wrong) / readings);
+      fmt::print("| 1e-{} to 1e-{} | {} | {} | {:.2g} |\n", doubt, doubt + 1, readings, tally.wrong,
+                 static_cast<double>(tally.wrong) / readings);
     }
   }
 }
