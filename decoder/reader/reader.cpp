@@ -91,8 +91,10 @@ FrameCorners corners_of(const RefinedFrame& frame, const Attempt& attempt) {
 }
 
 // What speaks against believing the attempt, or nothing.
-std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& options) {
-  // A symbol of ours explains 95 % and more of its profile when it can be read at all; the product
+std::optional<std::string> objection(
+    const Attempt& attempt,
+    const ReadOptions& options) {  // A symbol of ours explains 95 % and more of its profile when it
+                                   // can be read at all; the product
   // codes and random stripes of the test pictures reach 88 %.
   constexpr double kLeastExplained = 0.9;
   // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.

@@ -15,7 +15,7 @@
 namespace tagsmith {
 namespace {
 
-constexpr std::size_t kBands = 8;
+constexpr std::size_t kMaxBands = 16;
 constexpr double kBeyond = 4;  // modules of quiet zone taken on both sides
 
 // The part of the bars' height that is used, as shares of the frame's: clear of the bars' ends.
@@ -48,6 +48,7 @@ struct Cell {
 
 // Cells by band (across the bars' height) and bin (along the symbol).
 struct CellGrid {
+  std::size_t bands = 0;
   std::size_t bins = 0;
   double bin_width = 0;  // modules
   std::vector<Cell> cells;
@@ -93,14 +94,16 @@ Quad scanned_region(const Homography& image_from_unit, const SymbolLayout& layou
 }
 
 CellGrid collect(const GrayView& image, const Homography& image_from_unit, const Field& white,
-                 const Field& black, const SymbolLayout& layout, int bins_per_module, int skip) {
+                 const Field& black, const SymbolLayout& layout, int bins_per_module, int skip,
+                 std::size_t bands) {
   const auto [scan_top, scan_bottom] = scanned_height(layout);
   const Quad region = scanned_region(image_from_unit, layout);
   const auto modules = static_cast<float>(kModuleCount + 2 * layout.quiet_zone_modules);
   CellGrid grid;
+  grid.bands = bands;
   grid.bins = static_cast<std::size_t>(bins_per_module * (kModuleCount + 2 * kBeyond));
   grid.bin_width = 1.0 / bins_per_module;
-  grid.cells.resize(kBands * grid.bins);
+  grid.cells.resize(bands * grid.bins);
   std::array<float, 256> light{};
   for (std::size_t i = 0; i < light.size(); ++i) {
     light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
@@ -110,7 +113,7 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
   for (std::size_t i = 0; i < h.size(); ++i) h[i] = static_cast<float>(unit_from_image.h[i]);
   const auto top = static_cast<float>(scan_top);
   const float bands_per_height =
-      static_cast<float>(kBands) / static_cast<float>(scan_bottom - scan_top);
+      static_cast<float>(bands) / static_cast<float>(scan_bottom - scan_top);
   const auto first_place = static_cast<float>(layout.quiet_zone_modules - kBeyond);
   const auto per_bin = static_cast<float>(bins_per_module);
   const int last_bin = static_cast<int>(grid.bins) - 1;
@@ -141,7 +144,7 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
       if (!(height >= 0 && position >= 0)) continue;
       const int band = static_cast<int>(height);
       const int bin = static_cast<int>(position);
-      if (band >= static_cast<int>(kBands) || bin > last_bin) continue;
+      if (band >= static_cast<int>(bands) || bin > last_bin) continue;
       const float paper = white.at(u, v);
       const float darkness = (paper - light[row[x]]) / std::max(paper - black.at(u, v), 1e-3F);
       Cell& cell = grid.at(static_cast<std::size_t>(band), static_cast<std::size_t>(bin));
@@ -167,11 +170,28 @@ double pixel_variance(const CellGrid& grid) {
   return freedom > 0 ? std::max(kLeast, squares / freedom) : 4e-4;
 }
 
+// Variance of one pixel's darkness in a cell that nothing hides in part: the middle one of the
+// cells' own.
+double clear_variance(const CellGrid& grid) {
+  constexpr double kLeast = 1e-4;
+  std::vector<float> variances;
+  variances.reserve(grid.cells.size());
+  for (const Cell& cell : grid.cells) {
+    if (cell.count < 3) continue;
+    const float mean = cell.sum / cell.count;
+    variances.push_back((cell.sum_of_squares - mean * cell.sum) / (cell.count - 1));
+  }
+  if (variances.empty()) return pixel_variance(grid);
+  const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
+  std::nth_element(variances.begin(), middle, variances.end());
+  return std::max(kLeast, static_cast<double>(*middle));
+}
+
 // The middle one of a bin's bands; nothing when no band has a pixel there.
 std::optional<double> median_of_bands(const CellGrid& grid, std::size_t bin) {
-  std::array<double, kBands> means{};
+  std::array<double, kMaxBands> means{};
   std::size_t count = 0;
-  for (std::size_t band = 0; band < kBands; ++band) {
+  for (std::size_t band = 0; band < grid.bands; ++band) {
     const Cell& cell = grid.at(band, bin);
     if (cell.count > 0) means[count++] = static_cast<double>(cell.sum / cell.count);
   }
@@ -181,54 +201,131 @@ std::optional<double> median_of_bands(const CellGrid& grid, std::size_t bin) {
   return *middle;
 }
 
-// One bin from its bands: those that agree with their median. `slope` is the change of darkness to
-// the neighbouring bins, which pixels at other places within the bin show too.
-std::optional<ScanBin> combine(const CellGrid& grid, std::size_t bin, double median, double slope,
-                               double variance) {
-  constexpr double kShading = 0.1;      // of the contrast: differences along a clean bar
+// What a bin's bands agree on, before covers are known.
+struct Consensus {
+  std::size_t bin = 0;
+  double median = 0;
+  double steepest = 0;  // change of darkness to either neighbouring bin
+  double slope = 0;     // mean change of darkness from bin to bin there
+};
+
+std::vector<Consensus> consensus_of(const CellGrid& grid) {
+  std::vector<Consensus> all;
+  all.reserve(grid.bins);
+  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
+    if (const auto median = median_of_bands(grid, bin)) all.push_back({bin, *median, 0, 0});
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double before = all[i == 0 ? 0 : i - 1].median;
+    const double after = all[std::min(i + 1, all.size() - 1)].median;
+    all[i].steepest = std::max(std::abs(all[i].median - before), std::abs(after - all[i].median));
+    all[i].slope = (after - before) / 2;
+  }
+  return all;
+}
+
+// Whether a cell shows what the other bands agree on at its pixels' mean place.
+bool agrees(const CellGrid& grid, const Cell& cell, const Consensus& with, double variance) {
+  constexpr double kShading = 0.1;   // of the contrast: differences along a clean bar
+  constexpr double kSlanted = 0.35;  // of the steepest change: what a slope does not tell of a bend
+  const auto count = static_cast<double>(cell.count);
+  const double offset = static_cast<double>(cell.place) / count / grid.bin_width -
+                        static_cast<double>(with.bin) - 0.5;
+  const double tolerance = kShading + kSlanted * with.steepest + 4 * std::sqrt(variance / count);
+  const double expected = with.median + with.slope * offset;
+  return std::abs(static_cast<double>(cell.sum) / count - expected) <= tolerance;
+}
+
+enum class CellState : std::uint8_t {
+  clear,
+  odd,      // disagrees with the other bands
+  covered,  // lies on a stretch of its band that shows something in front of the bars
+};
+
+// Where something in front of the bars hides them. It disagrees with the other bands in spaces, if
+// it is dark, and on bars, if it is light, so its stretch of a band is what lies between odd cells.
+// Where it hides most of the height, the bands that are still clear look odd instead; they lie
+// between its own odd cells, so all bands are taken for covered there.
+std::vector<CellState> states_of(const CellGrid& grid, const std::vector<Consensus>& consensus,
+                                 double variance) {
+  constexpr double kBridge = 4.5;     // modules: more than the widest element
+  constexpr double kLeastRun = 2;     // modules
+  constexpr double kLeastOdd = 0.12;  // of a stretch's cells
+  std::vector<CellState> states(grid.cells.size(), CellState::clear);
+  const auto bridge = static_cast<std::size_t>(kBridge / grid.bin_width);
+  for (std::size_t band = 0; band < grid.bands; ++band) {
+    std::size_t begin = 0, last = 0, odd = 0;
+    const auto close = [&] {
+      const std::size_t run = last + 1 - begin;
+      const bool long_enough = static_cast<double>(run) * grid.bin_width >= kLeastRun;
+      if (odd == 0 || !long_enough ||
+          static_cast<double>(odd) < kLeastOdd * static_cast<double>(run)) {
+        return;
+      }
+      // A pixel's width of the cover's outline belongs to it too.
+      const std::size_t from = begin == 0 ? 0 : begin - 1;
+      const std::size_t to = std::min(grid.bins - 1, last + 1);
+      for (std::size_t bin = from; bin <= to; ++bin) {
+        states[band * grid.bins + bin] = CellState::covered;
+      }
+    };
+    for (const Consensus& with : consensus) {
+      const Cell& cell = grid.at(band, with.bin);
+      if (cell.count == 0 || agrees(grid, cell, with, variance)) continue;
+      states[band * grid.bins + with.bin] = CellState::odd;
+      if (odd > 0 && with.bin - last > bridge) {
+        close();
+        odd = 0;
+      }
+      if (odd == 0) begin = with.bin;
+      last = with.bin;
+      ++odd;
+    }
+    close();
+  }
+  return states;
+}
+
+// One bin from the bands that agree.
+std::optional<ScanBin> combine(const CellGrid& grid, const Consensus& consensus,
+                               const std::vector<CellState>& states, double variance) {
   constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
-  double sum = 0, place = 0;
-  double pixels = 0;
-  double seen = 0;
-  for (std::size_t band = 0; band < kBands; ++band) {
-    const Cell& cell = grid.at(band, bin);
+  constexpr double kHidden = 4;         // variance that says nothing
+  constexpr double kLeastClear = 0.2;   // of the bars' height
+  double sum = 0, place = 0, clear = 0, odd = 0, seen = 0;
+  for (std::size_t band = 0; band < grid.bands; ++band) {
+    const Cell& cell = grid.at(band, consensus.bin);
     if (cell.count == 0) continue;
     const auto count = static_cast<double>(cell.count);
-    const auto cell_sum = static_cast<double>(cell.sum);
+    const CellState state = states[band * grid.bins + consensus.bin];
     seen += count;
-    const double tolerance = kShading + slope + 4 * std::sqrt(variance / count);
-    if (std::abs(cell_sum / count - median) > tolerance) continue;
-    sum += cell_sum;
+    if (state == CellState::odd) odd += count;
+    if (state != CellState::clear) continue;
+    sum += static_cast<double>(cell.sum);
     place += static_cast<double>(cell.place);
-    pixels += count;
+    clear += count;
   }
-  if (pixels == 0) return std::nullopt;
-  // Where the height disagrees with itself the median may have taken the wrong side: the doubt
-  // grows from nothing at full agreement to the whole contrast where half disagrees.
-  const double agreement = pixels / seen;
-  const double doubt = std::min(1.0, 2 * (1 - agreement));
-  return ScanBin{place / pixels - kBeyond, sum / pixels,
-                 variance / pixels + kModelError * kModelError + doubt * doubt * doubt * doubt,
+  const double agreement = clear / seen;
+  if (agreement < kLeastClear) {
+    const double middle = (static_cast<double>(consensus.bin) + 0.5) * grid.bin_width - kBeyond;
+    return ScanBin{middle, consensus.median, kHidden, 0};
+  }
+  // Where the height disagrees with itself, and no cover is the reason, the median may have taken
+  // the wrong side: the doubt grows from nothing at full agreement to the whole contrast where half
+  // disagrees.
+  const double doubt = std::min(1.0, 2 * odd / (odd + clear));
+  return ScanBin{place / clear - kBeyond, sum / clear,
+                 variance / clear + kModelError * kModelError + doubt * doubt * doubt * doubt,
                  agreement};
 }
 
 ScanProfile combine_all(const CellGrid& grid, double variance) {
-  std::vector<std::size_t> used;
-  std::vector<double> medians;
-  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
-    const std::optional<double> median = median_of_bands(grid, bin);
-    if (!median) continue;
-    used.push_back(bin);
-    medians.push_back(*median);
-  }
+  const std::vector<Consensus> consensus = consensus_of(grid);
+  const std::vector<CellState> states = states_of(grid, consensus, clear_variance(grid));
   ScanProfile profile;
-  profile.reserve(used.size());
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const double before = medians[i == 0 ? 0 : i - 1];
-    const double after = medians[std::min(i + 1, used.size() - 1)];
-    const double slope = std::max(std::abs(medians[i] - before), std::abs(after - medians[i]));
-    const auto bin = combine(grid, used[i], medians[i], slope, variance);
-    if (bin) profile.push_back(*bin);
+  profile.reserve(consensus.size());
+  for (const Consensus& with : consensus) {
+    if (const auto bin = combine(grid, with, states, variance)) profile.push_back(*bin);
   }
   return profile;
 }
@@ -263,8 +360,10 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
                     sides[2].white_end);
   const Field black(sides[0].black_begin, sides[0].black_end, sides[2].black_begin,
                     sides[2].black_end);
+  const double rows = frame_height * (scan_bottom - scan_top) / skip;
+  const std::size_t bands = rows < 40 ? kMaxBands / 2 : kMaxBands;
   const CellGrid grid =
-      collect(image, image_from_unit, white, black, layout, bins_per_module, skip);
+      collect(image, image_from_unit, white, black, layout, bins_per_module, skip, bands);
   const double variance = pixel_variance(grid);
   profile.bins = combine_all(grid, variance);
   const double smear = grid.bin_width * grid.bin_width / 12;
