@@ -236,10 +236,9 @@ bool agrees(const CellGrid& grid, const Cell& cell, const Consensus& with, doubl
   return std::abs(static_cast<double>(cell.sum) / count - expected) <= tolerance;
 }
 
-enum class CellState : std::uint8_t {
-  clear,
-  odd,      // disagrees with the other bands
-  covered,  // lies on a stretch of its band that shows something in front of the bars
+struct CellState {
+  bool odd = false;      // disagrees with the other bands
+  bool covered = false;  // lies on a stretch of its band that shows something in front of the bars
 };
 
 // Where something in front of the bars hides them. It disagrees with the other bands in spaces, if
@@ -251,7 +250,7 @@ std::vector<CellState> states_of(const CellGrid& grid, const std::vector<Consens
   constexpr double kBridge = 4.5;     // modules: more than the widest element
   constexpr double kLeastRun = 2;     // modules
   constexpr double kLeastOdd = 0.12;  // of a stretch's cells
-  std::vector<CellState> states(grid.cells.size(), CellState::clear);
+  std::vector<CellState> states(grid.cells.size());
   const auto bridge = static_cast<std::size_t>(kBridge / grid.bin_width);
   for (std::size_t band = 0; band < grid.bands; ++band) {
     std::size_t begin = 0, last = 0, odd = 0;
@@ -266,13 +265,13 @@ std::vector<CellState> states_of(const CellGrid& grid, const std::vector<Consens
       const std::size_t from = begin == 0 ? 0 : begin - 1;
       const std::size_t to = std::min(grid.bins - 1, last + 1);
       for (std::size_t bin = from; bin <= to; ++bin) {
-        states[band * grid.bins + bin] = CellState::covered;
+        states[band * grid.bins + bin].covered = true;
       }
     };
     for (const Consensus& with : consensus) {
       const Cell& cell = grid.at(band, with.bin);
       if (cell.count == 0 || agrees(grid, cell, with, variance)) continue;
-      states[band * grid.bins + with.bin] = CellState::odd;
+      states[band * grid.bins + with.bin].odd = true;
       if (odd > 0 && with.bin - last > bridge) {
         close();
         odd = 0;
@@ -286,46 +285,114 @@ std::vector<CellState> states_of(const CellGrid& grid, const std::vector<Consens
   return states;
 }
 
-// One bin from the bands that agree.
-std::optional<ScanBin> combine(const CellGrid& grid, const Consensus& consensus,
-                               const std::vector<CellState>& states, double variance) {
-  constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
-  constexpr double kHidden = 4;         // variance that says nothing
-  constexpr double kLeastClear = 0.2;   // of the bars' height
-  double sum = 0, place = 0, clear = 0, odd = 0, seen = 0;
-  for (std::size_t band = 0; band < grid.bands; ++band) {
-    const Cell& cell = grid.at(band, consensus.bin);
-    if (cell.count == 0) continue;
-    const auto count = static_cast<double>(cell.count);
-    const CellState state = states[band * grid.bins + consensus.bin];
-    seen += count;
-    if (state == CellState::odd) odd += count;
-    if (state != CellState::clear) continue;
-    sum += static_cast<double>(cell.sum);
+struct Sums {
+  double darkness = 0;
+  double place = 0;
+  double count = 0;
+
+  void add(const Cell& cell) {
+    darkness += static_cast<double>(cell.sum);
     place += static_cast<double>(cell.place);
-    clear += count;
+    count += static_cast<double>(cell.count);
   }
-  const double agreement = clear / seen;
-  if (agreement < kLeastClear) {
-    const double middle = (static_cast<double>(consensus.bin) + 0.5) * grid.bin_width - kBeyond;
-    return ScanBin{middle, consensus.median, kHidden, 0};
+};
+
+// One bin's cells by state.
+struct BinSums {
+  Sums clear;              // neither odd nor covered
+  Sums even;               // not odd
+  Sums covered;            // odd or not
+  double odd = 0;          // pixels
+  double odd_outside = 0;  // of them, outside of covers
+  double seen = 0;
+};
+
+std::vector<BinSums> sums_of(const CellGrid& grid, const std::vector<Consensus>& consensus,
+                             const std::vector<CellState>& states) {
+  std::vector<BinSums> all(consensus.size());
+  for (std::size_t i = 0; i < consensus.size(); ++i) {
+    BinSums& sums = all[i];
+    for (std::size_t band = 0; band < grid.bands; ++band) {
+      const Cell& cell = grid.at(band, consensus[i].bin);
+      const CellState state = states[band * grid.bins + consensus[i].bin];
+      const auto count = static_cast<double>(cell.count);
+      sums.seen += count;
+      if (state.covered) sums.covered.add(cell);
+      if (!state.odd) sums.even.add(cell);
+      if (!state.odd && !state.covered) sums.clear.add(cell);
+      if (state.odd) sums.odd += count;
+      if (state.odd && !state.covered) sums.odd_outside += count;
+    }
   }
-  // Where the height disagrees with itself, and no cover is the reason, the median may have taken
-  // the wrong side: the doubt grows from nothing at full agreement to the whole contrast where half
-  // disagrees.
-  const double doubt = std::min(1.0, 2 * odd / (odd + clear));
-  return ScanBin{place / clear - kBeyond, sum / clear,
-                 variance / clear + kModelError * kModelError + doubt * doubt * doubt * doubt,
-                 agreement};
+  return all;
 }
 
+// Variance along the symbol, over a window.
+class Modulation {
+ public:
+  void add(double value, double sign) {
+    count_ += sign;
+    sum_ += sign * value;
+    squares_ += sign * value * value;
+  }
+
+  double variance() const {
+    return count_ < 2 ? 0 : std::max(0.0, squares_ / count_ - sum_ * sum_ / (count_ * count_));
+  }
+
+ private:
+  double count_ = 0, sum_ = 0, squares_ = 0;
+};
+
+// Whether a bin's covered cells are to be left out: where they are plain along the symbol and the
+// clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
+// other way round, the clear cells are the cover.
+std::vector<bool> certain_covers(const std::vector<BinSums>& sums, double bin_width) {
+  constexpr double kWindow = 4;     // modules to either side
+  constexpr double kPlainer = 0.4;  // variance of covered cells against that of clear ones
+  const auto reach = static_cast<std::size_t>(kWindow / bin_width);
+  std::vector<bool> certain(sums.size());
+  Modulation clear, covered;
+  const auto count_in = [&](const BinSums& bin, double sign) {
+    if (bin.clear.count > 0) clear.add(bin.clear.darkness / bin.clear.count, sign);
+    if (bin.covered.count > 0) covered.add(bin.covered.darkness / bin.covered.count, sign);
+  };
+  for (std::size_t i = 0; i < std::min(reach, sums.size()); ++i) count_in(sums[i], 1);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (i + reach < sums.size()) count_in(sums[i + reach], 1);
+    if (i > reach) count_in(sums[i - reach - 1], -1);
+    certain[i] = covered.variance() < kPlainer * clear.variance();
+  }
+  return certain;
+}
+
+// The bins from the bands that agree.
 ScanProfile combine_all(const CellGrid& grid, double variance) {
+  constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
+  constexpr double kHidden = 4;         // variance that says nothing
+  constexpr double kLeastUsed = 0.2;    // of the bars' height
   const std::vector<Consensus> consensus = consensus_of(grid);
   const std::vector<CellState> states = states_of(grid, consensus, clear_variance(grid));
+  const std::vector<BinSums> sums = sums_of(grid, consensus, states);
+  const std::vector<bool> certain = certain_covers(sums, grid.bin_width);
   ScanProfile profile;
   profile.reserve(consensus.size());
-  for (const Consensus& with : consensus) {
-    if (const auto bin = combine(grid, with, states, variance)) profile.push_back(*bin);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const BinSums& bin = sums[i];
+    const Sums& used = certain[i] ? bin.clear : bin.even;
+    const double odd = certain[i] ? bin.odd_outside : bin.odd;
+    if (used.count < kLeastUsed * bin.seen) {
+      const double middle = (static_cast<double>(consensus[i].bin) + 0.5) * grid.bin_width;
+      profile.push_back({middle - kBeyond, consensus[i].median, kHidden, 0});
+      continue;
+    }
+    // Where the height disagrees with itself the median may have taken the wrong side: the doubt
+    // grows from nothing at full agreement to the whole contrast where half disagrees.
+    const double doubt = std::min(1.0, 2 * odd / (odd + used.count));
+    profile.push_back(
+        {used.place / used.count - kBeyond, used.darkness / used.count,
+         variance / used.count + kModelError * kModelError + doubt * doubt * doubt * doubt,
+         used.count / bin.seen});
   }
   return profile;
 }

@@ -75,16 +75,35 @@ void mirror_digit(Widths& widths, int position) {
   std::reverse(first, first + kElementsPerDigit);
 }
 
+// How far the farthest inner edge of these widths is from that of the nearest digit, modules.
+double distance_to_digits(std::span<const double, kElementsPerDigit> widths) {
+  double nearest = kModulesPerDigit;
+  for (const auto& digit : kDigitElements) {
+    double farthest = 0, here = 0, there = 0;
+    for (std::size_t i = 0; i + 1 < kElementsPerDigit; ++i) {
+      here += widths[i];
+      there += digit[i];
+      farthest = std::max(farthest, std::abs(here - there));
+    }
+    nearest = std::min(nearest, farthest);
+  }
+  return nearest;
+}
+
+// Four arbitrary widths that are clearly those of no digit.
 void misshape_digit(Widths& widths, int position, Random& random) {
-  std::array<double, 3> cuts{};
-  for (double& cut : cuts) cut = uniform(random, 0.6, 6.4);
-  std::ranges::sort(cuts);
-  const auto first = static_cast<std::size_t>(first_element_of_digit(position));
-  widths[first] = cuts[0];
-  widths[first + 1] = std::max(0.3, cuts[1] - cuts[0]);
-  widths[first + 2] = std::max(0.3, cuts[2] - cuts[1]);
-  widths[first + 3] =
-      std::max(0.3, kModulesPerDigit - widths[first] - widths[first + 1] - widths[first + 2]);
+  constexpr double kLeastDistance = 0.7;
+  const std::span<double, kElementsPerDigit> elements(
+      widths.data() + first_element_of_digit(position), kElementsPerDigit);
+  do {
+    std::array<double, 3> cuts{};
+    for (double& cut : cuts) cut = uniform(random, 0.6, 6.4);
+    std::ranges::sort(cuts);
+    elements[0] = cuts[0];
+    elements[1] = std::max(0.3, cuts[1] - cuts[0]);
+    elements[2] = std::max(0.3, cuts[2] - cuts[1]);
+    elements[3] = std::max(0.3, kModulesPerDigit - elements[0] - elements[1] - elements[2]);
+  } while (distance_to_digits(elements) < kLeastDistance);
 }
 
 Widths code128_widths(Random& random) {
