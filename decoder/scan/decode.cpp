@@ -57,12 +57,12 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 // a misshapen digit, nor a stranger to the code book is bent into a code.
 double posterior(const CharacterCosts& costs, const DecodeOptions& options, const BestSymbol& best,
                  double temperature) {
-  constexpr double kPriorOfOthers = 0.1;  // of all symbols together that are no code
+  constexpr double kPriorOfOthers = 0.03;  // of all symbols together that are no code
   constexpr double kForeign = 0.3;        // of a character that is no digit, against one that is
   constexpr double kCodesPerSymbol = 0.1;
   // A book's codes are near each other, and so are its strangers to them, misprints above all: the
   // fewer characters differ, the likelier.
-  constexpr double kDiffers = 1e-3;
+  constexpr double kDiffers = 1e-6;
   constexpr double kLeastDoubt = 1e-12;
   const bool with_book = !options.code_book.empty();
   const CharacterWeights weights =
