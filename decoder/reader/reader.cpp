@@ -99,15 +99,16 @@ std::optional<std::string> objection(
   constexpr double kLeastExplained = 0.9;
   // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.
   constexpr double kLeastDigit = 0.75;
-  // Right digits among 500 simulated ones: 0.66 and less.
-  constexpr double kFarthestModule = 0.75;
+  // Bayes factor 50. Right digits on simulated tags of 0.35 px a module: 15 and less; widths of no
+  // digit that passed all else: 50 000.
+  constexpr double kAgainstDigits = 3.9;
   constexpr double kLeastGuards = 0.8;
   constexpr double kLeastKept = 0.7;
   constexpr double kMostGrowth = 0.7;  // modules; beyond, narrow elements vanish
   const Decoding& decoding = attempt.decoding;
   if (decoding.guards < kLeastGuards) return "guard pattern";
   if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit ||
-      decoding.farthest_module > kFarthestModule) {
+      decoding.against_digits > kAgainstDigits) {
     return "element widths";
   }
   if (decoding.fit.kept < kLeastKept) return "bars covered";

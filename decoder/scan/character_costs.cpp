@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -228,7 +229,7 @@ CharacterCosts ModuleSystem::character_costs() const {
   return costs;
 }
 
-float ModuleSystem::farthest_module(const Characters& characters, float temperature) const {
+float ModuleSystem::evidence_against_digits(const Characters& characters, float temperature) const {
   constexpr float kModuleSigma = 0.5F;
   constexpr int kSize = kModulesPerDigit;
   using Block = Eigen::Matrix<float, kSize, kSize>;
@@ -240,7 +241,7 @@ float ModuleSystem::farthest_module(const Characters& characters, float temperat
       on[first_feature(position) + active.feature[i]] = 1;
     }
   }
-  float farthest = 0;
+  float greatest = -std::numeric_limits<float>::infinity();
   for (std::size_t position = 0; position < kPositions; ++position) {
     const std::size_t base = first_feature(position);
     Block block;
@@ -261,13 +262,14 @@ float ModuleSystem::farthest_module(const Characters& characters, float temperat
       block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) +=
           1 / (kModuleSigma * kModuleSigma);
     }
-    const Vector change = block.llt().solve(residual);
-    for (std::size_t i = 0; i < kSize; ++i) {
-      const float towards = change[static_cast<Eigen::Index>(i)];
-      farthest = std::max(farthest, on[base + 2 * i] != 0 ? -towards : towards);
+    const Eigen::LLT<Block> root(block);
+    float evidence = residual.dot(root.solve(residual)) / 2;
+    for (Eigen::Index i = 0; i < kSize; ++i) {
+      evidence -= std::log(kModuleSigma * root.matrixLLT()(i, i));
     }
+    greatest = std::max(greatest, evidence);
   }
-  return farthest;
+  return greatest;
 }
 
 }  // namespace tagsmith

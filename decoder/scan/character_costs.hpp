@@ -40,11 +40,11 @@ class ModuleSystem {
 
   CharacterCosts character_costs() const;
 
-  // How far the profile wants a module of the symbol to be of the other colour, at most over all
-  // modules of the digits: 0 = as the symbol says, 1 = the other colour. Every digit's seven
-  // modules may take any darkness near the symbol's own (within `kModuleSigma`, beforehand),
-  // against residuals flattened by `temperature`.
-  float farthest_module(const Characters& characters, float temperature) const;
+  // The evidence that one of the symbol's digits is none at all: natural logarithm of the Bayes
+  // factor of seven modules of any darkness (normally distributed about the digit's own, standard
+  // deviation 0.5 of the contrast) against the digit, with residuals flattened by `temperature`; of
+  // the digit for which it is greatest. Below 0 where the digit explains its place well.
+  float evidence_against_digits(const Characters& characters, float temperature) const;
 
  private:
   // Features, in order along the symbol: 2k = the growth of the edge at the begin of module k,

@@ -58,7 +58,7 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 double posterior(const CharacterCosts& costs, const DecodeOptions& options, const BestSymbol& best,
                  double temperature) {
   constexpr double kPriorOfOthers = 0.03;  // of all symbols together that are no code
-  constexpr double kForeign = 0.3;        // of a character that is no digit, against one that is
+  constexpr double kForeign = 0.3;         // of a character that is no digit, against one that is
   constexpr double kCodesPerSymbol = 0.1;
   // A book's codes are near each other, and so are its strangers to them, misprints above all: the
   // fewer characters differ, the likelier.
@@ -156,8 +156,8 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolI
   const ModuleSystem system(cleaned.profile, decoding->fit.image);
   const CharacterCosts costs = system.character_costs();
   const BestSymbol best = best_of(costs, options);
-  decoding->farthest_module =
-      system.farthest_module(best.characters, static_cast<float>(temperature));
+  decoding->against_digits = static_cast<double>(
+      system.evidence_against_digits(best.characters, static_cast<float>(temperature)));
   decoding->confidence = digits_of(best.characters) == decoding->digits
                              ? posterior(costs, options, best, temperature)
                              : 0;

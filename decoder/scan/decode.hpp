@@ -25,9 +25,9 @@ struct Decoding {
   bool upside_down = false;  // the profile runs from the symbol's end to its begin
   double confidence = 0;     // posterior probability of these digits, given that a symbol is there
   SymbolFit fit;
-  double guards = 0;           // explained_by_guards, without what was set aside
-  double worst_digit = 0;      // least_explained_digit, likewise
-  double farthest_module = 0;  // ModuleSystem::farthest_module
+  double guards = 0;          // explained_by_guards, without what was set aside
+  double worst_digit = 0;     // least_explained_digit, likewise
+  double against_digits = 0;  // ModuleSystem::evidence_against_digits
 };
 
 // Starts from the given picture of the symbol (its blur is the one that matters) and alternates

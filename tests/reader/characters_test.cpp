@@ -165,11 +165,11 @@ TEST_CASE("a module of the wrong colour is noticed") {
   const Digits digits = random_code(random);
   ScanProfile profile = profile_of(image, digits, 4, random);
   const Characters characters = characters_of(digits);
-  CHECK(ModuleSystem(profile, image).farthest_module(characters, 4) < 0.2F);
+  CHECK(ModuleSystem(profile, image).evidence_against_digits(characters, 4) < -3);
   const auto modules = modules_of(digits);
   constexpr std::size_t kModule = 20;
   for (ScanBin& bin : profile) {
     if (bin.at >= kModule && bin.at < kModule + 1) bin.darkness = 1 - modules[kModule];
   }
-  CHECK(ModuleSystem(profile, image).farthest_module(characters, 4) > 0.7F);
+  CHECK(ModuleSystem(profile, image).evidence_against_digits(characters, 4) > 10);
 }
