@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 
 namespace tagsmith {
 namespace {
@@ -12,57 +14,57 @@ namespace {
 // edge, where the light changes within a pixel, coarse elsewhere.
 class EdgeBins {
  public:
-  EdgeBins(double inward, double outward) : inward_(inward), outward_(outward) {
-    const double span = std::max(0.0, inward - kFine) + std::max(0.0, outward - kFine);
-    coarse_ = std::max(0.5, span / 12);
+  EdgeBins(float inward, float outward) : inward_(inward), outward_(outward) {
+    const float span = std::max(0.0F, inward - kFine) + std::max(0.0F, outward - kFine);
+    per_coarse_ = 1 / std::max(0.5F, span / 8);
+    fine_begin_ = std::ceil(std::max(0.0F, inward_ - kFine) * per_coarse_);
     rows_ = index_of(outward) + 1;
     bins_.resize(kZones * rows_);
   }
 
-  bool holds(double across) const { return across >= -inward_ && across <= outward_; }
+  bool holds(float across) const { return across >= -inward_ && across <= outward_; }
 
-  void add(double along, double across, double value) {
-    const auto zone = static_cast<std::size_t>(
-        std::clamp((along + 1) / 2 * kZones, 0.0, static_cast<double>(kZones) - 1));
-    EdgeSample& bin = bins_[zone * rows_ + index_of(across)];
+  void add(float along, float across, float value) {
+    const int zone = std::clamp(static_cast<int>((along + 1) * (0.5F * kZones)), 0, kZones - 1);
+    EdgeSample& bin = bins_[static_cast<std::size_t>(zone) * rows_ + index_of(across)];
     bin.along += along;
     bin.across += across;
     bin.value += value;
     bin.weight += 1;
   }
 
-  std::vector<EdgeSample> samples() const {
-    std::vector<EdgeSample> samples;
-    samples.reserve(bins_.size());
-    for (const EdgeSample& bin : bins_) {
-      if (bin.weight == 0) continue;
-      samples.push_back(
-          {bin.along / bin.weight, bin.across / bin.weight, bin.value / bin.weight, bin.weight});
+  std::vector<EdgeSample> samples() {
+    std::erase_if(bins_, [](const EdgeSample& bin) { return bin.weight == 0; });
+    for (EdgeSample& bin : bins_) {
+      const float share = 1 / bin.weight;
+      bin.along *= share;
+      bin.across *= share;
+      bin.value *= share;
     }
-    return samples;
+    return std::move(bins_);
   }
 
  private:
-  static constexpr std::size_t kZones = 6;
-  static constexpr double kFine = 1.6;  // pixels on both sides of the edge
-  static constexpr double kStep = 0.2;  // pixels
+  static constexpr int kZones = 4;
+  static constexpr float kFine = 1.6F;     // pixels on both sides of the edge
+  static constexpr float kPerStep = 4.0F;  // bins a pixel
 
-  std::size_t index_of(double across) const {
-    const double fine_begin = std::max(0.0, inward_ - kFine) / coarse_;
-    double position = 0;
+  std::size_t index_of(float across) const {
+    float position = 0;
     if (across < -kFine) {
-      position = (across + inward_) / coarse_;
+      position = (across + inward_) * per_coarse_;
     } else if (across <= kFine) {
-      position = std::ceil(fine_begin) + (across + kFine) / kStep;
+      position = fine_begin_ + (across + kFine) * kPerStep;
     } else {
-      position = std::ceil(fine_begin) + 2 * kFine / kStep + 1 + (across - kFine) / coarse_;
+      position = fine_begin_ + 2 * kFine * kPerStep + 1 + (across - kFine) * per_coarse_;
     }
-    return static_cast<std::size_t>(std::max(0.0, position));
+    return static_cast<std::size_t>(static_cast<int>(std::max(0.0F, position)));
   }
 
-  double inward_;
-  double outward_;
-  double coarse_ = 1;
+  float inward_;
+  float outward_;
+  float per_coarse_ = 1;
+  float fine_begin_ = 0;
   std::size_t rows_ = 0;
   std::vector<EdgeSample> bins_;
 };
@@ -70,8 +72,8 @@ class EdgeBins {
 // The pixels near the side, `margin` pixels at its ends left out.
 std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
                                      double outward, double margin) {
-  constexpr double kMaxCount = 1500;  // pixels; more add nothing that the model could use
-  EdgeBins bins(inward, outward);
+  constexpr double kMaxCount = 1000;  // pixels; more add nothing that the model could use
+  EdgeBins bins(static_cast<float>(inward), static_cast<float>(outward));
   const PixelPoint d = side.end - side.begin;
   const bool steep = std::abs(d.y) > std::abs(d.x);
   const double side_length = length(d);
@@ -85,19 +87,27 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
       std::min((steep ? image.height : image.width) - 1, static_cast<int>(std::floor(high - cut)));
   const double band = std::max(inward, outward) * stretch;
   const int stride = std::max(1, static_cast<int>((last - first) * (2 * band) / kMaxCount));
+  const int limit = (steep ? image.width : image.height) - 1;
+  const std::ptrdiff_t step = steep ? 1 : image.stride;
+  // What one pixel along the minor axis changes.
+  const double along_unit = 2 / side_length;
+  const auto by_across = static_cast<float>(steep ? side.outward.x : side.outward.y);
+  const auto by_along = static_cast<float>((steep ? side.along.x : side.along.y) * along_unit);
   for (int major = first; major <= last; major += stride) {
     const double t = steep ? (major - side.begin.y) / d.y : (major - side.begin.x) / d.x;
     const double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;
-    const int limit = (steep ? image.width : image.height) - 1;
     const int from = std::max(0, static_cast<int>(std::ceil(centre - band)));
     const int to = std::min(limit, static_cast<int>(std::floor(centre + band)));
+    const PixelPoint point{static_cast<double>(steep ? from : major),
+                           static_cast<double>(steep ? major : from)};
+    auto across = static_cast<float>(dot(point - side.begin, side.outward));
+    auto along = static_cast<float>(along_unit * dot(point - side.begin, side.along) - 1);
+    const std::uint8_t* pixel = image.row(steep ? major : from) + (steep ? from : major);
     for (int minor = from; minor <= to; ++minor) {
-      const PixelPoint point{static_cast<double>(steep ? minor : major),
-                             static_cast<double>(steep ? major : minor)};
-      const double across = dot(point - side.begin, side.outward);
-      if (!bins.holds(across)) continue;
-      const double along = 2 * dot(point - side.begin, side.along) / side_length - 1;
-      bins.add(along, across, steep ? image.at(minor, major) : image.at(major, minor));
+      if (bins.holds(across)) bins.add(along, across, static_cast<float>(*pixel));
+      across += by_across;
+      along += by_along;
+      pixel += step;
     }
   }
   return bins.samples();

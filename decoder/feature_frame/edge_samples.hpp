@@ -11,10 +11,10 @@ namespace tagsmith {
 
 // The mean of the pixels in one place relative to a side.
 struct EdgeSample {
-  double along = 0;   // -1 to 1 between the side's ends
-  double across = 0;  // pixels outward from the current side
-  double value = 0;   // grey level
-  double weight = 0;  // number of pixels
+  float along = 0;   // -1 to 1 between the side's ends
+  float across = 0;  // pixels outward from the current side
+  float value = 0;   // grey level
+  float weight = 0;  // number of pixels
 };
 
 // Means of the pixels on both sides of the line, its ends left out. A thin stroke is seen from edge

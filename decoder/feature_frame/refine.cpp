@@ -2,8 +2,11 @@
 #include "decoder/feature_frame/refine.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -24,35 +27,59 @@ constexpr int kParameters = 8;
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, kLogStroke };
 
-struct Predicted {
-  double sample = 0;
-  Parameters gradient = Parameters::Zero();
+// The parameters as they enter every sample.
+struct StepModel {
+  explicit StepModel(const Parameters& p)
+      : place(static_cast<float>(p[kPlace])),
+        turn(static_cast<float>(p[kTurn])),
+        per_blur(static_cast<float>(std::exp(-p[kLogBlur]))),
+        stroke(static_cast<float>(std::exp(p[kLogStroke]))),
+        white(static_cast<float>(p[kWhite])),
+        white_slope(static_cast<float>(p[kWhiteSlope])),
+        black(static_cast<float>(p[kBlack])),
+        black_slope(static_cast<float>(p[kBlackSlope])) {}
+
+  float place, turn, per_blur, stroke, white, white_slope, black, black_slope;
 };
 
-Predicted predict(const Parameters& p, const EdgeSample& at, const ToneCurve& tone) {
-  const double blur = std::exp(p[kLogBlur]);
-  const double stroke = std::exp(p[kLogStroke]);
-  const double z_inner = (at.across - p[kPlace] - p[kTurn] * at.along) / blur;
-  const double z_outer = z_inner - stroke / blur;
-  const double dark = normal_integral(z_inner) - normal_integral(z_outer);
-  const double white = p[kWhite] + p[kWhiteSlope] * at.along;
-  const double black = p[kBlack] + p[kBlackSlope] * at.along;
-  const double light = white + (black - white) * dark;
-  const double slope = tone.slope_of(light);
-  const double d_inner = normal_density(z_inner);
-  const double d_outer = normal_density(z_outer);
+// One sample's prediction and what it depends on.
+struct Predicted {
+  float sample = 0;
+  float slope = 0;     // of the tone curve there
+  float contrast = 0;  // black less white
+  float dark = 0;      // share of the stroke's light
+  float z_inner = 0, z_outer = 0;
+  float d_inner = 0, d_outer = 0;  // densities at the two edges
+};
+
+Predicted predict(const StepModel& model, const EdgeSample& at, const ToneCurve& tone,
+                  const NormalTable& normal) {
   Predicted predicted;
-  predicted.sample = tone.sample_of(light);
-  const double by_place = slope * (black - white) * (d_outer - d_inner) / blur;
-  predicted.gradient[kPlace] = by_place;
-  predicted.gradient[kTurn] = by_place * at.along;
-  predicted.gradient[kLogBlur] = slope * (black - white) * (z_outer * d_outer - z_inner * d_inner);
-  predicted.gradient[kWhite] = slope * (1 - dark);
-  predicted.gradient[kWhiteSlope] = slope * (1 - dark) * at.along;
-  predicted.gradient[kBlack] = slope * dark;
-  predicted.gradient[kBlackSlope] = slope * dark * at.along;
-  predicted.gradient[kLogStroke] = slope * (black - white) * d_outer * stroke / blur;
+  predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
+  predicted.z_outer = predicted.z_inner - model.stroke * model.per_blur;
+  const NormalValue inner = normal(predicted.z_inner);
+  const NormalValue outer = normal(predicted.z_outer);
+  predicted.dark = inner.integral - outer.integral;
+  predicted.d_inner = inner.density;
+  predicted.d_outer = outer.density;
+  const float white = model.white + model.white_slope * at.along;
+  predicted.contrast = model.black + model.black_slope * at.along - white;
+  const ToneCurve::Point point = tone.point_of(white + predicted.contrast * predicted.dark);
+  predicted.sample = point.sample;
+  predicted.slope = point.slope;
   return predicted;
+}
+
+// log(1 + x) for x >= 0 to 1e-4 of itself or better, and continuous: for costs that are compared.
+float fast_log1p(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(1 + x);
+  const auto exponent = static_cast<float>(static_cast<int>(bits >> 23U) - 127);
+  const float m = std::bit_cast<float>((bits & 0x7fffffU) | 0x3f800000U) - 1;
+  // Of log(1 + m) on 0 to 1 (Abramowitz and Stegun 4.1.43), made exact at 1.
+  const float log_mantissa =
+      m *
+      (0.99949556F + m * (-0.49190896F + m * (0.28947478F + m * (-0.13606275F + m * 0.03214854F))));
+  return exponent * 0.69314718F + log_mantissa;
 }
 
 struct NormalEquations {
@@ -65,30 +92,65 @@ struct NormalEquations {
   double count = 0;
 };
 
+// The samples of one side and the memory to fit them in.
+struct SideSamples {
+  std::vector<EdgeSample> samples;
+  Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows;
+
+  explicit SideSamples(std::vector<EdgeSample> of_side)
+      : samples(std::move(of_side)),
+        rows(static_cast<Eigen::Index>(samples.size()), kParameters + 1) {}
+};
+
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
-NormalEquations accumulate(const Parameters& p, const std::vector<EdgeSample>& samples,
-                           const SideLine& side, double scale, const ToneCurve& tone) {
+NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const SideLine& side,
+                           double scale, const ToneCurve& tone) {
+  const StepModel model(p);
+  const NormalTable& normal_table = NormalTable::get();
+  const float per_scale = 1 / static_cast<float>(scale);
+  auto& rows = side_samples.rows;
+  float cost = 0, total = 0;
+  Eigen::Index i = 0;
+  for (const EdgeSample& sample : side_samples.samples) {
+    const Predicted predicted = predict(model, sample, tone, normal_table);
+    const float residual = sample.value - predicted.sample;
+    const float ratio = residual * per_scale;
+    const float weight = sample.weight / (1 + ratio * ratio);
+    const float root = std::sqrt(weight);
+    const float by_dark = root * predicted.slope * predicted.contrast;
+    const float by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
+    const float by_white = root * predicted.slope * (1 - predicted.dark);
+    const float by_black = root * predicted.slope * predicted.dark;
+    rows(i, kPlace) = by_place;
+    rows(i, kTurn) = by_place * sample.along;
+    rows(i, kLogBlur) =
+        by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner);
+    rows(i, kWhite) = by_white;
+    rows(i, kWhiteSlope) = by_white * sample.along;
+    rows(i, kBlack) = by_black;
+    rows(i, kBlackSlope) = by_black * sample.along;
+    rows(i, kLogStroke) = by_dark * predicted.d_outer * model.stroke * model.per_blur;
+    rows(i, kParameters) = root * residual;
+    cost += sample.weight * fast_log1p(ratio * ratio);
+    total += weight;
+    ++i;
+  }
+  const Eigen::Matrix<float, kParameters + 1, kParameters + 1> product = rows.transpose() * rows;
   NormalEquations normal;
+  normal.matrix = product.topLeftCorner<kParameters, kParameters>().cast<double>();
+  normal.right = product.topRightCorner<kParameters, 1>().cast<double>();
+  normal.weight = static_cast<double>(total);
   // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
   // is.
   constexpr double kStrokeSigma = 0.6;  // of the logarithm
   const double stroke_weight = scale * scale / (kStrokeSigma * kStrokeSigma);
   const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
-  normal.matrix(kLogStroke, kLogStroke) = stroke_weight;
-  normal.right[kLogStroke] = stroke_weight * stroke_residual;
-  normal.cost = stroke_weight * stroke_residual * stroke_residual;
-  for (const EdgeSample& sample : samples) {
-    const Predicted predicted = predict(p, sample, tone);
-    const double residual = sample.value - predicted.sample;
-    const double ratio = residual / scale;
-    const double weight = sample.weight / (1 + ratio * ratio);
-    normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(predicted.gradient, weight);
-    normal.right += weight * residual * predicted.gradient;
-    normal.cost += sample.weight * scale * scale * std::log1p(ratio * ratio);
-    normal.weight += weight;
-    normal.squares += weight * residual * residual;
-    normal.count += 1;
-  }
+  normal.matrix(kLogStroke, kLogStroke) += stroke_weight;
+  normal.right[kLogStroke] += stroke_weight * stroke_residual;
+  normal.cost =
+      scale * scale * static_cast<double>(cost) + stroke_weight * stroke_residual * stroke_residual;
+  normal.squares = static_cast<double>(product(kParameters, kParameters));
+  normal.count = static_cast<double>(i);
   return normal;
 }
 
@@ -97,12 +159,14 @@ Parameters first_guess(const std::vector<EdgeSample>& samples, const SideLine& s
   double white = 0, black = 0, whites = 0, blacks = 0;
   for (const EdgeSample& sample : samples) {
     const double light = tone.light_of(static_cast<int>(std::lround(sample.value)));
-    if (sample.across < -0.4 * side.reach) {
-      white += sample.weight * light;
-      whites += sample.weight;
-    } else if (sample.across > 0.3 * side.stroke && sample.across < 0.7 * side.stroke) {
-      black += sample.weight * light;
-      blacks += sample.weight;
+    const auto weight = static_cast<double>(sample.weight);
+    const auto across = static_cast<double>(sample.across);
+    if (across < -0.4 * side.reach) {
+      white += weight * light;
+      whites += weight;
+    } else if (across > 0.3 * side.stroke && across < 0.7 * side.stroke) {
+      black += weight * light;
+      blacks += weight;
     }
   }
   Parameters p = Parameters::Zero();
@@ -124,14 +188,16 @@ void constrain(Parameters& p, double stroke) {
 double noise_scale(const std::vector<EdgeSample>& samples, const Parameters& p,
                    const ToneCurve& tone) {
   constexpr double kLeast = 3;  // grey levels
-  std::vector<double> residuals;
+  const StepModel model(p);
+  const NormalTable& normal = NormalTable::get();
+  std::vector<float> residuals;
   residuals.reserve(samples.size());
   for (const EdgeSample& sample : samples) {
-    residuals.push_back(std::abs(sample.value - predict(p, sample, tone).sample));
+    residuals.push_back(std::abs(sample.value - predict(model, sample, tone, normal).sample));
   }
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
   std::nth_element(residuals.begin(), middle, residuals.end());
-  return std::max(kLeast, 2 * *middle / 0.6745);
+  return std::max(kLeast, 2 * static_cast<double>(*middle) / 0.6745);
 }
 
 struct Solution {
@@ -140,14 +206,14 @@ struct Solution {
 };
 
 // Levenberg-Marquardt with the weights' scale held; at most `max_steps` steps.
-Solution minimise(const std::vector<EdgeSample>& samples, const SideLine& side, Parameters p,
-                  double scale, int max_steps) {
+Solution minimise(SideSamples& samples, const SideLine& side, Parameters p, double scale,
+                  int max_steps) {
+  constexpr double kSettled = 3e-5;  // of the cost: the corners move by less than their noise
   const ToneCurve& tone = ToneCurve::srgb();
   double damping = 1e-3;
   NormalEquations normal = accumulate(p, samples, side, scale, tone);
   for (int step = 0; step < max_steps && damping < 1e3; ++step) {
-    Eigen::Matrix<double, kParameters, kParameters> matrix =
-        normal.matrix.selfadjointView<Eigen::Lower>();
+    Eigen::Matrix<double, kParameters, kParameters> matrix = normal.matrix;
     matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
     constrain(next, side.stroke);
@@ -156,7 +222,7 @@ Solution minimise(const std::vector<EdgeSample>& samples, const SideLine& side, 
       damping *= 10;
       continue;
     }
-    const bool settled = normal.cost - tried.cost < 1e-5 * tried.cost;
+    const bool settled = normal.cost - tried.cost < kSettled * tried.cost;
     p = next;
     normal = tried;
     damping = std::max(1e-6, damping * 0.2);
@@ -166,14 +232,13 @@ Solution minimise(const std::vector<EdgeSample>& samples, const SideLine& side, 
 }
 
 // First with the scale of the guess, then with that of what was found.
-Solution solve_side(const std::vector<EdgeSample>& samples, const SideLine& side,
-                    double start_blur) {
+Solution solve_side(SideSamples& samples, const SideLine& side, double start_blur) {
   const ToneCurve& tone = ToneCurve::srgb();
-  Parameters p = first_guess(samples, side, tone);
+  Parameters p = first_guess(samples.samples, side, tone);
   p[kLogBlur] = std::log(start_blur);
   constrain(p, side.stroke);
-  p = minimise(samples, side, p, noise_scale(samples, p, tone), 6).parameters;
-  return minimise(samples, side, p, noise_scale(samples, p, tone), 15);
+  p = minimise(samples, side, p, noise_scale(samples.samples, p, tone), 4).parameters;
+  return minimise(samples, side, p, noise_scale(samples.samples, p, tone), 15);
 }
 
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
@@ -217,7 +282,7 @@ bool stays_near(const Solution& solution, const SideLine& side) {
 // for its place: where a side's blur differs from its neighbours', theirs is tried as the start.
 constexpr double kStartBlur = 0.6;  // pixels
 
-SideFit fit_again(const std::vector<EdgeSample>& samples, const SideLine& side, double start_blur,
+SideFit fit_again(SideSamples& samples, const SideLine& side, double start_blur,
                   const Solution& first) {
   const Solution second = solve_side(samples, side, start_blur);
   const bool better =
@@ -230,13 +295,15 @@ SideFit fit_again(const std::vector<EdgeSample>& samples, const SideLine& side, 
 
 Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   std::array<SideLine, 4> lines{};
-  std::array<std::vector<EdgeSample>, 4> samples;
+  std::vector<SideSamples> samples;
+  samples.reserve(4);
   std::array<Solution, 4> solutions{};
   std::array<double, 4> blurs{};
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
-    samples[i] = edge_samples(image, lines[i]);
-    if (samples[i].size() < 2 * kParameters) return fail("feature frame: a side is too short");
+    samples.emplace_back(edge_samples(image, lines[i]));
+    if (samples[i].samples.size() < 2 * kParameters)
+      return fail("feature frame: a side is too short");
     solutions[i] = solve_side(samples[i], lines[i], kStartBlur);
     if (!stays_near(solutions[i], lines[i])) {
       return fail("feature frame: a side's edge cannot be fitted");

@@ -36,9 +36,4 @@ double ToneCurve::sample_of(double light) const {
   return sample_[index] + fraction * (sample_[index + 1] - sample_[index]);
 }
 
-double ToneCurve::slope_of(double light) const {
-  const auto index = static_cast<std::size_t>(std::clamp(light, 0.0, 1.0) * kSteps);
-  return (sample_[index + 1] - sample_[index]) * kSteps;
-}
-
 }  // namespace tagsmith

@@ -2,7 +2,9 @@
 // The curve between light and the sample a camera stores.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 
 namespace tagsmith {
 
@@ -14,11 +16,21 @@ class ToneCurve {
 
   double light_of(int sample) const { return light_[static_cast<std::size_t>(sample)]; }
 
+  // The sample for an amount of light, not rounded, clamped to 0-255, and d sample / d light there.
+  struct Point {
+    float sample = 0;
+    float slope = 0;
+  };
+  Point point_of(float light) const {
+    const float position = std::clamp(light, 0.0F, 1.0F) * kSteps;
+    const int index = static_cast<int>(position);
+    const auto low = static_cast<float>(sample_[static_cast<std::size_t>(index)]);
+    const auto high = static_cast<float>(sample_[static_cast<std::size_t>(index) + 1]);
+    return {low + (position - static_cast<float>(index)) * (high - low), (high - low) * kSteps};
+  }
+
   // The sample for an amount of light, not rounded; clamped to 0-255.
   double sample_of(double light) const;
-
-  // d sample / d light there.
-  double slope_of(double light) const;
 
  private:
   ToneCurve();

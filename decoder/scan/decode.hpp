@@ -22,10 +22,12 @@ struct DecodeOptions {
 // The most likely symbol and how much more likely than every other.
 struct Decoding {
   Digits digits{};
-  double confidence = 0;  // posterior probability of these digits, given that a symbol is there
+  bool upside_down = false;  // the profile runs from the symbol's end to its begin
+  double confidence = 0;     // posterior probability of these digits, given that a symbol is there
   SymbolFit fit;
-  double guards = 0;       // explained_by_guards, without what was set aside
-  double worst_digit = 0;  // least_explained_digit, likewise
+  double guards = 0;          // explained_by_guards, without what was set aside
+  double worst_digit = 0;     // least_explained_digit, likewise
+  double against_digits = 0;  // ModuleSystem::evidence_against_digits
 };
 
 // Starts from the given picture of the symbol (its blur is the one that matters) and alternates

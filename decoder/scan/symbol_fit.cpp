@@ -14,25 +14,20 @@
 namespace tagsmith {
 namespace {
 
-constexpr double kHalfLength = kModuleCount / 2.0;
+constexpr float kHalfLength = kModuleCount / 2.0F;
 constexpr int kEdgeCount = kElementCount + 1;
 
 // Nominal places of the 60 edges; even ones begin a bar, odd ones end it.
-std::array<double, kEdgeCount> edges_of(const Digits& digits) {
-  std::array<double, kEdgeCount> edges{};
-  double at = 0;
+std::array<float, kEdgeCount> edges_of(const Digits& digits) {
+  std::array<float, kEdgeCount> edges{};
+  int at = 0;
   std::size_t i = 0;
   for (const std::uint8_t width : elements_of(digits)) {
-    edges[i++] = at;
+    edges[i++] = static_cast<float>(at);
     at += width;
   }
-  edges[i] = at;
+  edges[i] = static_cast<float>(at);
   return edges;
-}
-
-double displaced(const SymbolImage& image, double at) {
-  const double t = (at - kHalfLength) / kHalfLength;
-  return at + image.shift + image.stretch * (at - kHalfLength) + image.bend * t * t;
 }
 
 constexpr int kParameters = 8;
@@ -64,50 +59,73 @@ SymbolImage unpack(const Parameters& p) {
 // The bars' share of the light at a place (0 in a wide space, 1 in a wide bar) and its derivatives
 // by the edges' common movements.
 struct BarShare {
-  double share = 0;
-  double by_log_blur = 0;
-  double by_shift = 0;
-  double by_stretch = 0;
-  double by_bend = 0;
-  double by_growth = 0;
+  float share = 0;
+  float by_log_blur = 0;
+  float by_shift = 0;
+  float by_stretch = 0;
+  float by_bend = 0;
+  float by_growth = 0;
 };
 
 class SymbolEdges {
  public:
   SymbolEdges(const SymbolImage& image, const Digits& digits)
-      : nominal_(edges_of(digits)), blur_(image.blur) {
-    for (std::size_t i = 0; i < nominal_.size(); ++i) {
-      const double widening = (i % 2 == 0 ? -0.5 : 0.5) * image.growth;
-      actual_[i] = displaced(image, nominal_[i]) + widening;
+      : per_blur_(1 / static_cast<float>(image.blur)),
+        reach_(kReach * static_cast<float>(image.blur)) {
+    const std::array<float, kEdgeCount> nominal = edges_of(digits);
+    for (std::size_t i = 0; i < nominal.size(); ++i) {
+      const float from_middle = nominal[i] - kHalfLength;
+      const float t = from_middle / kHalfLength;
+      const float widening = (i % 2 == 0 ? -0.5F : 0.5F) * static_cast<float>(image.growth);
+      from_middle_[i] = from_middle;
+      bend_[i] = t * t;
+      actual_[i] = nominal[i] + static_cast<float>(image.shift) +
+                   static_cast<float>(image.stretch) * from_middle +
+                   static_cast<float>(image.bend) * bend_[i] + widening;
     }
   }
 
   // `first` is the least edge that can still matter; it only grows while places grow.
-  BarShare at(double place, std::size_t& first) const {
-    constexpr double kReach = 4.5;  // blurs; beyond, the step is flat to 1e-5
-    while (first < actual_.size() && actual_[first] < place - kReach * blur_) ++first;
+  float share_at(float place, std::size_t& first) const {
+    while (first < actual_.size() && actual_[first] < place - reach_) ++first;
+    float share = first % 2 == 0 ? 0 : 1;
+    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach_; ++i) {
+      const float integral = normal_((place - actual_[i]) * per_blur_).integral;
+      share += i % 2 == 0 ? integral : -integral;
+    }
+    return share;
+  }
+
+  // With derivatives.
+  BarShare at(float place, std::size_t& first) const {
+    while (first < actual_.size() && actual_[first] < place - reach_) ++first;
     BarShare bars;
     bars.share = first % 2 == 0 ? 0 : 1;
-    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + kReach * blur_; ++i) {
-      const double z = (place - actual_[i]) / blur_;
-      const double sign = i % 2 == 0 ? 1.0 : -1.0;
-      const double density = normal_density(z);
-      const double by_edge = -sign * density / blur_;
-      const double t = (nominal_[i] - kHalfLength) / kHalfLength;
-      bars.share += sign * normal_integral(z);
-      bars.by_log_blur -= sign * density * z;
+    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach_; ++i) {
+      const float z = (place - actual_[i]) * per_blur_;
+      const NormalValue value = normal_(z);
+      const float sign = i % 2 == 0 ? 1.0F : -1.0F;
+      const float density = sign * value.density;
+      const float by_edge = -density * per_blur_;
+      bars.share += sign * value.integral;
+      bars.by_log_blur -= density * z;
       bars.by_shift += by_edge;
-      bars.by_stretch += by_edge * (nominal_[i] - kHalfLength);
-      bars.by_bend += by_edge * t * t;
-      bars.by_growth += by_edge * (i % 2 == 0 ? -0.5 : 0.5);
+      bars.by_stretch += by_edge * from_middle_[i];
+      bars.by_bend += by_edge * bend_[i];
+      bars.by_growth -= 0.5F * sign * by_edge;
     }
     return bars;
   }
 
  private:
-  std::array<double, kEdgeCount> nominal_;
-  std::array<double, kEdgeCount> actual_{};
-  double blur_;
+  static constexpr float kReach = 4.5F;  // blurs; beyond, the step is flat to 1e-5
+
+  const NormalTable& normal_ = NormalTable::get();
+  std::array<float, kEdgeCount> from_middle_{};
+  std::array<float, kEdgeCount> bend_{};
+  std::array<float, kEdgeCount> actual_{};
+  float per_blur_;
+  float reach_;
 };
 
 struct NormalEquations {
@@ -118,32 +136,77 @@ struct NormalEquations {
   double prior_cost = 0;  // of the parameters
 };
 
-NormalEquations accumulate(const ScanProfile& profile, const Digits& digits, const Parameters& p,
-                           const Parameters& nominal) {
-  const SymbolImage image = unpack(p);
-  const SymbolEdges edges(image, digits);
-  NormalEquations normal;
-  std::size_t first = 0;
-  for (const ScanBin& bin : profile) {
-    const BarShare bars = edges.at(bin.at, first);
-    const double contrast = image.black - image.white;
-    const double t = (bin.at - kHalfLength) / kHalfLength;
-    Parameters gradient;
-    gradient << contrast * bars.by_log_blur, contrast * bars.by_shift, contrast * bars.by_stretch,
-        contrast * bars.by_bend, contrast * bars.by_growth, 1 - bars.share, bars.share, t;
-    const double expected = image.white + contrast * bars.share + image.shading * t;
-    const double residual = bin.darkness - expected;
-    normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(gradient, 1 / bin.variance);
-    normal.right += residual / bin.variance * gradient;
-    normal.cost += residual * residual / bin.variance;
+// The normal equations of a profile for given digits; keeps its memory from step to step.
+class FitProblem {
+ public:
+  FitProblem(const ScanProfile& profile, const Digits& digits, const Parameters& nominal)
+      : profile_(profile), digits_(digits), nominal_(nominal) {
+    rows_.resize(static_cast<Eigen::Index>(profile.size()), kParameters + 1);
+    root_weights_.reserve(profile.size());
+    for (const ScanBin& bin : profile) {
+      root_weights_.push_back(1 / std::sqrt(static_cast<float>(bin.variance)));
+    }
   }
-  for (int i = 0; i < kParameters; ++i) {
-    const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
-    normal.matrix(i, i) += 1 / (sigma * sigma);
-    normal.right[i] += (nominal[i] - p[i]) / (sigma * sigma);
-    normal.prior_cost += (nominal[i] - p[i]) * (nominal[i] - p[i]) / (sigma * sigma);
+
+  NormalEquations at(const Parameters& p) {
+    fill_rows(unpack(p));
+    const Eigen::Matrix<float, kParameters + 1, kParameters + 1> product =
+        rows_.transpose() * rows_;
+    NormalEquations normal;
+    normal.matrix = product.topLeftCorner<kParameters, kParameters>().cast<double>();
+    normal.right = product.topRightCorner<kParameters, 1>().cast<double>();
+    normal.cost = static_cast<double>(product(kParameters, kParameters));
+    for (int i = 0; i < kParameters; ++i) {
+      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+      const double off = nominal_[i] - p[i];
+      normal.matrix(i, i) += 1 / (sigma * sigma);
+      normal.right[i] += off / (sigma * sigma);
+      normal.prior_cost += off * off / (sigma * sigma);
+    }
+    return normal;
   }
-  return normal;
+
+ private:
+  // One row a place: the gradient and the residual, in standard deviations.
+  void fill_rows(const SymbolImage& image) {
+    const SymbolEdges edges(image, digits_);
+    const float white = static_cast<float>(image.white);
+    const float contrast = static_cast<float>(image.black - image.white);
+    const float shading = static_cast<float>(image.shading);
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < profile_.size(); ++i) {
+      const float place = static_cast<float>(profile_[i].at);
+      const BarShare bars = edges.at(place, first);
+      const float t = (place - kHalfLength) / kHalfLength;
+      const float weight = root_weights_[i];
+      const float scale = contrast * weight;
+      const auto row = static_cast<Eigen::Index>(i);
+      rows_(row, kLogBlur) = scale * bars.by_log_blur;
+      rows_(row, kShift) = scale * bars.by_shift;
+      rows_(row, kStretch) = scale * bars.by_stretch;
+      rows_(row, kBend) = scale * bars.by_bend;
+      rows_(row, kGrowth) = scale * bars.by_growth;
+      rows_(row, kWhite) = weight * (1 - bars.share);
+      rows_(row, kBlack) = weight * bars.share;
+      rows_(row, kShading) = weight * t;
+      const float expected = white + contrast * bars.share + shading * t;
+      rows_(row, kParameters) = weight * (static_cast<float>(profile_[i].darkness) - expected);
+    }
+  }
+
+  const ScanProfile& profile_;
+  const Digits& digits_;
+  Parameters nominal_;
+  std::vector<float> root_weights_;
+  Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows_;
+};
+
+// As SymbolEdges::share_at, with levels and shading.
+double darkness_at(const SymbolImage& image, const SymbolEdges& edges, double place,
+                   std::size_t& first) {
+  const auto share = static_cast<double>(edges.share_at(static_cast<float>(place), first));
+  return image.white + (image.black - image.white) * share +
+         image.shading * (2 * place / kModuleCount - 1);
 }
 
 double total_variation(const ScanProfile& profile) {
@@ -169,9 +232,7 @@ std::vector<double> expected_darkness(const SymbolImage& image, const Digits& di
   expected.reserve(profile.size());
   std::size_t first = 0;
   for (const ScanBin& bin : profile) {
-    const double share = edges.at(bin.at, first).share;
-    expected.push_back(image.white + (image.black - image.white) * share +
-                       image.shading * (bin.at - kHalfLength) / kHalfLength);
+    expected.push_back(darkness_at(image, edges, bin.at, first));
   }
   return expected;
 }
@@ -182,15 +243,15 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
   nominal_image.blur = start.blur;
   const Parameters nominal = pack(nominal_image);
   Parameters p = pack(start);
-  NormalEquations normal = accumulate(profile, digits, p, nominal);
+  FitProblem problem(profile, digits, nominal);
+  NormalEquations normal = problem.at(p);
   double damping = 1e-4;
   for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::Matrix<double, kParameters, kParameters> matrix =
-        normal.matrix.selfadjointView<Eigen::Lower>();
+    Eigen::Matrix<double, kParameters, kParameters> matrix = normal.matrix;
     matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
     next[kLogBlur] = std::clamp(next[kLogBlur], std::log(0.05), std::log(4.0));
-    NormalEquations tried = accumulate(profile, digits, next, nominal);
+    const NormalEquations tried = problem.at(next);
     const double before = normal.cost + normal.prior_cost;
     const double after = tried.cost + tried.prior_cost;
     if (!(after < before)) {
@@ -229,14 +290,14 @@ double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
                            const Digits& digits) {
   // Each left digit starts with a space and ends with a bar, each right digit the reverse.
   constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
-  const std::vector<double> expected = expected_darkness(image, digits, profile);
+  const SymbolEdges edges(image, digits);
   const double middle = (image.white + image.black) / 2;
   Share share;
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    const double place = profile[i].at;
-    const auto holds = [&](const auto& range) { return place >= range[0] && place <= range[1]; };
+  std::size_t first = 0;
+  for (const ScanBin& bin : profile) {
+    const auto holds = [&](const auto& range) { return bin.at >= range[0] && bin.at <= range[1]; };
     if (!std::any_of(kKnown.begin(), kKnown.end(), holds)) continue;
-    share.add(profile[i], expected[i], middle);
+    share.add(bin, darkness_at(image, edges, bin.at, first), middle);
   }
   return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
 }

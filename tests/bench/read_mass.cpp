@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks for wrong readings: simulated tags degraded at random in every way at once, tags whose
-// check digit is wrong, and frames that hold other symbols (random stripes, EAN-13, a gap in the
-// code). Tables the stated confidence against what was right. Usage: bench_read_mass [TAGS] [SEED]
+// Looks for wrong readings among feature frames with anything inside, degraded in every way at once
+// (mass_picture.hpp), half of them read with a code book of 400 codes; and compares the stated
+// confidence with what was right. Every picture depends on its number alone, so that a long run can
+// be made in parts. Usage: bench_read_mass [COUNT] [FIRST] [-v]
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,193 +10,91 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <numbers>
 #include <random>
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
 #include "decoder/reader/reader.hpp"
-#include "decoder/simulate/render_view.hpp"
-#include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/symbology/upca.hpp"
-#include "tagsmith/tag/drawing.hpp"
-#include "tests/support/corridor_template.hpp"
+#include "tests/bench/mass_picture.hpp"
 
 using namespace tagsmith;
 
 namespace {
 
-double uniform(std::mt19937_64& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
+constexpr std::size_t kBookSize = 400;
 
-int integer(std::mt19937_64& random, int low, int high) {
-  return std::uniform_int_distribution<int>(low, high)(random);
-}
-
-Digits random_code(std::mt19937_64& random) {
-  Digits digits{};
-  for (auto& value : digits) value = static_cast<std::uint8_t>(integer(random, 0, 9));
-  digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
-  return digits;
-}
-
-// Element widths that are no UPC-A symbol: 0 = random stripes, 1 = EAN-13 (three of the left digits
-// mirrored), 2 = one digit drawn with widths of no digit.
-std::vector<int> foreign_elements(int kind, const Digits& digits, std::mt19937_64& random) {
-  const auto elements = elements_of(digits);
-  std::vector<int> widths(elements.begin(), elements.end());
-  if (kind == 0) {
-    for (std::size_t i = 3; i + 3 < widths.size(); ++i) widths[i] = integer(random, 1, 4);
-    return widths;
-  }
-  std::array<int, 5> places{1, 2, 3, 4, 5};
-  std::ranges::shuffle(places, random);
-  for (std::size_t k = 0; k < (kind == 1 ? 3U : 1U); ++k) {
-    const auto first = widths.begin() + first_element_of_digit(places[k]);
-    if (kind == 1) {
-      std::reverse(first, first + kElementsPerDigit);
-    } else {
-      constexpr std::array<int, 4> kNoDigit{2, 3, 1, 1};
-      std::ranges::copy(kNoDigit, first);
+// A survey's codes: besides random ones, neighbours that differ in a digit and the check digit.
+std::vector<Digits> code_book() {
+  std::mt19937_64 random(400);
+  std::vector<Digits> book;
+  while (book.size() < kBookSize) {
+    Digits code = mass::random_code(random);
+    for (int k = 0; k < 8; ++k) {
+      book.push_back(code);
+      code[7] = static_cast<std::uint8_t>((code[7] + 1) % 10);
+      code.back() = check_digit(CheckDigit::gs1, std::span(code).first<11>());
     }
   }
-  return widths;
-}
-
-// The symbol's bars from element widths, scaled to the usual 95 modules.
-std::vector<Rectangle> bars_from(const std::vector<int>& widths, const TagDrawing& drawing) {
-  int total = 0;
-  for (const int width : widths) total += width;
-  const double module = drawing.module * kModuleCount / total;
-  const Rectangle& first = drawing.bars.front();
-  std::vector<Rectangle> bars;
-  double x = first.x;
-  for (std::size_t i = 0; i < widths.size(); ++i) {
-    if (i % 2 == 0) bars.push_back({x, first.y, widths[i] * module, first.height});
-    x += widths[i] * module;
-  }
-  return bars;
-}
-
-enum class Kind { tag, wrong_check, stripes, ean13, no_digit, count };
-
-std::string name_of(Kind kind) {
-  switch (kind) {
-    case Kind::tag:
-      return "tags";
-    case Kind::wrong_check:
-      return "wrong check digit";
-    case Kind::stripes:
-      return "random stripes";
-    case Kind::ean13:
-      return "EAN-13 in a frame";
-    default:
-      return "one digit of no kind";
-  }
-}
-
-void degrade(ScenePlate& plate, SensorModel& sensor, std::mt19937_64& random) {
-  sensor.blur_sigma_px = std::exp(uniform(random, std::log(0.3), std::log(2.5)));
-  sensor.noise_sigma = uniform(random, 0, 1) < 0.3 ? uniform(random, 5, 40) : uniform(random, 0, 6);
-  sensor.tone = uniform(random, 0, 1) < 0.3 ? SensorTone::linear : SensorTone::srgb;
-  sensor.exposure = uniform(random, 0.1, 1.3);
-  if (uniform(random, 0, 1) < 0.3) {
-    sensor.motion_px = {uniform(random, -6, 6), uniform(random, -6, 6)};
-  }
-  const double contrast = uniform(random, 0.15, 1);
-  plate.finish.white_reflectance = 0.435 + 0.385 * contrast;
-  plate.finish.ink_reflectance = 0.435 - 0.385 * contrast;
-  if (uniform(random, 0, 1) < 0.4) plate.finish.bar_growth = uniform(random, -0.8, 0.8);
-  if (uniform(random, 0, 1) < 0.3) {
-    plate.finish.shading = {uniform(random, -0.6, 0.6), uniform(random, -0.6, 0.6)};
-  }
-  if (uniform(random, 0, 1) < 0.3) {
-    plate.finish.dirt = {uniform(random, 0, 0.4), uniform(random, 0.005, 0.05),
-                         uniform(random, 0.05, 0.6), random()};
-  }
-  const Rectangle& frame = plate.drawing.frame_inner;
-  if (uniform(random, 0, 1) < 0.25) {
-    plate.finish.cover = {{uniform(random, 0, frame.width), uniform(random, -0.05, frame.height),
-                           uniform(random, 0.01, 0.15), uniform(random, 0.01, 0.2)},
-                          uniform(random, 0, 0.9)};
-  }
-  if (uniform(random, 0, 1) < 0.2) {
-    plate.finish.glare = {{uniform(random, 0, frame.width), uniform(random, 0, frame.height)},
-                          uniform(random, 0.01, 0.08),
-                          uniform(random, 0.2, 3)};
-  }
+  return book;
 }
 
 struct Outcome {
-  Kind kind = Kind::tag;
+  mass::Kind kind = mass::Kind::tag;
+  bool with_book = false;
   bool right = false;
   bool wrong = false;
   double confidence = 0;
   std::string story;
 };
 
-Outcome run_one(std::uint64_t seed) {
-  std::mt19937_64 random(seed);
+// What may be read in the picture: the tag's code, and that of a spoilt symbol which still looks
+// most like what it was. A character that is no digit must not be read at all.
+bool may_be_read(const mass::Picture& picture) {
+  return picture.kind == mass::Kind::tag || picture.kind == mass::Kind::misshapen ||
+         picture.kind == mass::Kind::moved_edge;
+}
+
+// Half of the pictures are read with a book, which holds the code of two tags of three; the others
+// are strangers, whose codes must not be taken for one of the book.
+Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
+  const mass::Picture picture = mass::draw(number);
+  std::mt19937_64 random(number ^ 0x9e3779b97f4a7c15ULL);
   Outcome outcome;
-  const double lot = uniform(random, 0, 1);
-  outcome.kind = lot < 0.6   ? Kind::tag
-                 : lot < 0.7 ? Kind::wrong_check
-                 : lot < 0.8 ? Kind::stripes
-                 : lot < 0.9 ? Kind::ean13
-                             : Kind::no_digit;
-  Digits code = random_code(random);
-  if (outcome.kind == Kind::wrong_check) {
-    code.back() = static_cast<std::uint8_t>((code.back() + integer(random, 1, 9)) % 10);
-  }
-  ScenePlate plate;
-  plate.drawing = draw_tag(test::corridor_template(), code);
-  if (outcome.kind == Kind::stripes || outcome.kind == Kind::ean13 ||
-      outcome.kind == Kind::no_digit) {
-    const int kind = static_cast<int>(outcome.kind) - static_cast<int>(Kind::stripes);
-    plate.drawing.bars = bars_from(foreign_elements(kind, code, random), plate.drawing);
-  }
-  const double module_px = std::exp(uniform(random, std::log(0.3), std::log(4.0)));
-  Camera camera;
-  camera.width = camera.height = static_cast<int>(std::max(120.0, 170.0 * module_px));
-  camera.fx = camera.fy = 1600;
-  camera.cx = camera.cy = (camera.width - 1) / 2.0;
-  const double tilt =
-      radians(uniform(random, 0, 1) < 0.7 ? uniform(random, 0, 45) : uniform(random, 45, 75));
-  const double distance = camera.fx * plate.drawing.module * std::cos(tilt) / module_px;
-  plate.camera_from_plate = camera_from_turned_plate(
-      camera, plate.drawing, {camera.cx, camera.cy}, distance,
-      uniform(random, 0, 1) < 0.5 ? tilt : -tilt, radians(uniform(random, -20, 20)),
-      uniform(random, 0, 2 * std::numbers::pi));
-  ViewOptions view;
-  view.seed = seed;
-  view.background_light = uniform(random, 0.02, 0.7);
-  degrade(plate, view.sensor, random);
-  const View picture = render_view(camera, std::span(&plate, 1), view);
+  outcome.kind = picture.kind;
+  outcome.with_book = random() % 2 == 0;
   ReadOptions options;
-  if (uniform(random, 0, 1) < 0.5) options.check = CheckDigit::gs1;
-  options.min_confidence = 0.5;
+  if (random() % 2 == 0) options.check = CheckDigit::gs1;
+  options.min_confidence = 0.3;
+  bool known = may_be_read(picture);
+  if (outcome.with_book) {
+    options.code_book = codes;
+    const bool stranger = random() % 3 == 0;
+    known = known && !stranger;
+    Digits& entry = options.code_book.front();
+    if (!stranger) {
+      entry = picture.code;
+      entry.back() = check_digit(CheckDigit::gs1, std::span(entry).first<11>());
+    }
+  }
   for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
-    const bool known = reading.digits == code && outcome.kind == Kind::tag;
-    // Without a stated scheme a wrong gs1 digit may be a right sum10 one: that is no misreading.
-    const bool excusable = outcome.kind == Kind::wrong_check && reading.digits == code;
-    if (excusable) continue;
-    outcome.right = outcome.right || known;
-    outcome.confidence = std::max(outcome.confidence, reading.confidence);
-    if (known) continue;
-    outcome.wrong = true;
+    const bool right = known && reading.digits == picture.code;
+    outcome.right = outcome.right || right;
+    if (!right) outcome.wrong = true;
+    if (right || reading.confidence > outcome.confidence) outcome.confidence = reading.confidence;
+    if (right) continue;
     outcome.confidence = reading.confidence;
     outcome.story = fmt::format(
-        "seed {} {}: {} for {}, confidence 1 - {:.2g}, {:.2f} px/module, blur {:.2f}, noise "
-        "{:.1f}, "
+        "{} {}{}: {} for {}, confidence 1 - {:.2g}, {:.2f} px/module, blur {:.2f}, noise {:.1f}, "
         "growth {:.2f}",
-        seed, name_of(outcome.kind), to_string(reading.digits), to_string(code),
-        1 - reading.confidence, reading.module_px, view.sensor.blur_sigma_px,
-        view.sensor.noise_sigma, plate.finish.bar_growth);
+        number, mass::name_of(picture.kind), outcome.with_book ? " with a book" : "",
+        to_string(reading.digits), to_string(picture.code), 1 - reading.confidence,
+        picture.module_px, picture.blur_px, picture.noise, picture.growth);
+    break;
   }
   return outcome;
 }
@@ -206,35 +105,75 @@ struct Tally {
   int wrong = 0;
 };
 
+struct Tables {
+  std::map<std::pair<int, bool>, Tally> kinds;
+  std::array<std::map<int, Tally>, 2> doubts;  // without and with a book; by -log10 of the doubt
+};
+
+void count(const Outcome& outcome, double threshold, bool verbose, Tables& tables) {
+  Tally& kind = tables.kinds[{static_cast<int>(outcome.kind), outcome.with_book}];
+  ++kind.shown;
+  const bool sure = outcome.confidence >= threshold;
+  kind.right += outcome.right && !outcome.wrong && sure ? 1 : 0;
+  kind.wrong += outcome.wrong && sure ? 1 : 0;
+  if (outcome.wrong && (sure || (verbose && outcome.confidence > 0.99))) {
+    fmt::print("{} {}\n", sure ? "WRONG" : "doubted", outcome.story);
+    std::fflush(stdout);
+  }
+  if (!outcome.right && !outcome.wrong) return;
+  const double doubt = -std::log10(std::max(1 - outcome.confidence, 1e-12));
+  Tally& bin = tables.doubts[outcome.with_book ? 1 : 0][static_cast<int>(std::floor(doubt))];
+  bin.right += outcome.wrong ? 0 : 1;
+  bin.wrong += outcome.wrong ? 1 : 0;
+}
+
+void print(const Tables& tables) {
+  fmt::print(
+      "| what was in the frame | code book | shown | read | wrong, stated as sure |\n"
+      "|---|---|---|---|---|\n");
+  Tally all;
+  for (const auto& [key, tally] : tables.kinds) {
+    fmt::print("| {} | {} | {} | {} | {} |\n", mass::name_of(static_cast<mass::Kind>(key.first)),
+               key.second ? "400" : "none", tally.shown, tally.right, tally.wrong);
+    all.shown += tally.shown;
+    all.right += tally.right;
+    all.wrong += tally.wrong;
+  }
+  fmt::print("| all | | {} | {} | {} |\n", all.shown, all.right, all.wrong);
+  for (std::size_t book = 0; book < 2; ++book) {
+    fmt::print(
+        "\n| stated doubt, {} code book | readings | wrong | observed |\n|---|---|---|---|\n",
+        book == 1 ? "with a" : "no");
+    for (const auto& [doubt, tally] : tables.doubts[book]) {
+      const int readings = tally.right + tally.wrong;
+      fmt::print("| 1e-{} to 1e-{} | {} | {} | {:.2g} |\n", doubt, doubt + 1, readings, tally.wrong,
+                 static_cast<double>(tally.wrong) / readings);
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int count = argc > 1 ? std::atoi(argv[1]) : 10000;
-  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  if (count < 1) {
-    fmt::print(stderr, "usage: bench_read_mass [TAGS] [SEED]\n");
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const bool verbose = std::erase(arguments, "-v") > 0;
+  const int total = !arguments.empty() ? std::atoi(arguments[0].c_str()) : 10000;
+  const std::uint64_t first =
+      arguments.size() > 1 ? std::strtoull(arguments[1].c_str(), nullptr, 10) : 0;
+  if (total < 1) {
+    fmt::print(stderr, "usage: bench_read_mass [COUNT] [FIRST] [-v]\n");
     return 2;
   }
   std::atomic<int> next = 0;
   std::mutex guard;
-  std::map<std::string, Tally> kinds;
-  std::map<int, Tally> doubts;  // by -log10(1 - confidence), at most 12
+  Tables tables;
+  const std::vector<Digits> codes = code_book();
   const double threshold = ReadOptions{}.min_confidence;
   const auto work = [&] {
-    for (int i = next++; i < count; i = next++) {
-      const Outcome outcome = run_one(seed * 1'000'000'000ULL + static_cast<std::uint64_t>(i));
+    for (int i = next++; i < total; i = next++) {
+      const Outcome outcome = run_one(first + static_cast<std::uint64_t>(i), codes);
       const std::scoped_lock lock(guard);
-      Tally& kind = kinds[name_of(outcome.kind)];
-      ++kind.shown;
-      const bool sure = outcome.confidence >= threshold;
-      kind.right += outcome.right && sure ? 1 : 0;
-      kind.wrong += outcome.wrong && sure ? 1 : 0;
-      if (outcome.wrong && sure) fmt::print("WRONG {}\n", outcome.story);
-      if (!outcome.right && !outcome.wrong) continue;
-      const double doubt = -std::log10(std::max(1 - outcome.confidence, 1e-12));
-      Tally& bin = doubts[static_cast<int>(std::floor(doubt))];
-      bin.right += outcome.wrong ? 0 : 1;
-      bin.wrong += outcome.wrong ? 1 : 0;
+      count(outcome, threshold, verbose, tables);
     }
   };
   std::vector<std::jthread> threads;
@@ -242,17 +181,6 @@ int main(int argc, char** argv) {
     threads.emplace_back(work);
   }
   threads.clear();
-  fmt::print(
-      "| what was in the frame | shown | read | wrong, stated as sure |\n|---|---|---|---|\n");
-  for (const auto& [name, tally] : kinds) {
-    fmt::print("| {} | {} | {} | {} |\n", name, tally.shown, tally.right, tally.wrong);
-  }
-  fmt::print(
-      "\n| stated doubt, 1 - confidence | readings | wrong | observed |\n|---|---|---|---|\n");
-  for (const auto& [doubt, tally] : doubts) {
-    const int readings = tally.right + tally.wrong;
-    fmt::print("| 1e-{} to 1e-{} | {} | {} | {:.2g} |\n", doubt, doubt + 1, readings, tally.wrong,
-               static_cast<double>(tally.wrong) / readings);
-  }
+  print(tables);
   return 0;
 }

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/scan/character_costs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "tagsmith/base/normal.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr float kHalfLength = kModuleCount / 2.0F;
+constexpr std::size_t kPositions = kDigitCount;
+
+// The features, relative to a character's first module, that it switches on.
+struct Active {
+  std::array<std::uint8_t, 8> feature{};  // ascending
+  std::size_t count = 0;
+};
+
+// Seven modules of a character; in the left half it starts with a space, in the right with a bar.
+std::array<std::uint8_t, kModulesPerDigit> modules_of_character(bool right_half, std::size_t c) {
+  std::array<std::uint8_t, kElementsPerDigit> widths = kDigitElements[c % 10];
+  if (c >= 10) std::ranges::reverse(widths);
+  std::array<std::uint8_t, kModulesPerDigit> modules{};
+  std::size_t at = 0;
+  std::uint8_t bar = right_half ? 1 : 0;
+  for (const std::uint8_t width : widths) {
+    for (int i = 0; i < width; ++i) modules[at++] = bar;
+    bar ^= 1U;
+  }
+  return modules;
+}
+
+Active active_features(bool right_half, std::size_t c) {
+  const auto modules = modules_of_character(right_half, c);
+  Active active;
+  for (std::size_t k = 0; k < modules.size(); ++k) {
+    if (k > 0 && modules[k] != modules[k - 1]) {
+      active.feature[active.count++] = static_cast<std::uint8_t>(2 * k - 1);
+    }
+    if (modules[k] != 0) active.feature[active.count++] = static_cast<std::uint8_t>(2 * k);
+  }
+  return active;
+}
+
+using Alphabet = std::array<std::array<Active, kCharacterCount>, 2>;
+
+const Alphabet& alphabet() {
+  static const Alphabet kAlphabet = [] {
+    Alphabet all{};
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      all[0][c] = active_features(false, c);
+      all[1][c] = active_features(true, c);
+    }
+    return all;
+  }();
+  return kAlphabet;
+}
+
+std::size_t first_feature(std::size_t position) {
+  return 2 * static_cast<std::size_t>(first_module_of_digit(static_cast<int>(position))) + 1;
+}
+
+std::array<float, kModuleCount + 1> displaced_edges(const SymbolImage& image) {
+  std::array<float, kModuleCount + 1> edges{};
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const float nominal = static_cast<float>(k) - kHalfLength;
+    const float t = nominal / kHalfLength;
+    edges[k] = static_cast<float>(k) + static_cast<float>(image.shift) +
+               static_cast<float>(image.stretch) * nominal + static_cast<float>(image.bend) * t * t;
+  }
+  return edges;
+}
+
+}  // namespace
+
+double CharacterCosts::of(const Characters& characters) const {
+  double cost = constant + alone[0][characters[0]];
+  for (std::size_t i = 1; i < kPositions; ++i) {
+    cost += alone[i][characters[i]] + pair[i - 1][characters[i - 1]][characters[i]];
+  }
+  return cost;
+}
+
+float ModuleSystem::gram(std::size_t a, std::size_t b) const {
+  const std::size_t low = std::min(a, b);
+  const std::size_t high = std::max(a, b);
+  return high - low < kBand ? gram_[low][high - low] : 0;
+}
+
+// Adds one place: its light is the sum over the edges within reach of a step, and of the modules
+// between them. The mean of the steps of a bar's begin and of its end at the same nominal place
+// belongs to the module, half their difference to the growth of the edge.
+void ModuleSystem::add(const ScanBin& bin, const SymbolImage& image, float reach,
+                       const std::array<float, kModuleCount + 1>& edges, std::size_t& first) {
+  const NormalTable& normal = NormalTable::get();
+  const float place = static_cast<float>(bin.at);
+  while (first < edges.size() && edges[first] < place - reach) ++first;
+  const float contrast = static_cast<float>(image.black - image.white);
+  const float t = (place - kHalfLength) / kHalfLength;
+  const float value =
+      (static_cast<float>(bin.darkness - image.white) - static_cast<float>(image.shading) * t) /
+      contrast;
+  const float weight = contrast * contrast / static_cast<float>(bin.variance);
+  constant_ += weight * value * value;
+  const float half_growth = static_cast<float>(image.growth) / 2;
+  const float per_blur = 1 / static_cast<float>(image.blur);
+  std::array<float, kBand> light{};
+  const std::size_t begin = first == 0 ? 0 : 2 * first - 1;  // module before the first edge
+  std::size_t count = 0;
+  float before = 1;  // step of the edge before
+  std::size_t k = first;
+  for (; k < edges.size() && edges[k] < place + reach && count + 2 < kBand; ++k) {
+    const float z = (place - edges[k]) * per_blur;
+    float step = 0, growth = 0;
+    if (half_growth == 0) {
+      step = normal(z).integral;
+    } else {
+      const float widened = normal(z + half_growth * per_blur).integral;
+      const float narrowed = normal(z - half_growth * per_blur).integral;
+      step = (widened + narrowed) / 2;
+      growth = (widened - narrowed) / 2;
+    }
+    if (k > 0) light[count++] = before - step;
+    light[count++] = growth;
+    before = step;
+  }
+  if (k < edges.size() && k > 0 && k > first) light[count++] = before;
+  if (k == first && k > 0 && k < edges.size()) light[count++] = 1;  // in the midst of one module
+  for (std::size_t i = 0; i < count; ++i) {
+    const float weighted = weight * light[i];
+    right_[begin + i] += weighted * value;
+    for (std::size_t j = i; j < count; ++j) gram_[begin + i][j - i] += weighted * light[j];
+  }
+}
+
+// Moves features that are known to be there from the unknowns into the residual.
+void ModuleSystem::take_out(const std::array<std::uint8_t, kFeatures>& present) {
+  for (std::size_t a = 0; a < kFeatures; ++a) {
+    if (present[a] == 0) continue;
+    constant_ += gram(a, a) - 2 * right_[a];
+    const std::size_t begin = a + 1 < band_ ? 0 : a + 1 - band_;
+    const std::size_t end = std::min(kFeatures, a + band_);
+    for (std::size_t b = begin; b < a; ++b) right_[b] -= gram_[b][a - b];
+    for (std::size_t b = a + 1; b < end; ++b) right_[b] -= gram_[a][b - a];
+  }
+}
+
+ModuleSystem::ModuleSystem(const ScanProfile& profile, const SymbolImage& image) {
+  const float reach = std::min(
+      7.0F, 4 * static_cast<float>(image.blur) + static_cast<float>(std::abs(image.growth)) / 2);
+  // Edges within reach of one place lie within twice the reach of each other.
+  band_ = std::min(kBand, 2 * static_cast<std::size_t>(std::ceil(2.1F * reach)) + 3);
+  const auto edges = displaced_edges(image);
+  std::size_t first = 0;
+  for (const ScanBin& bin : profile) add(bin, image, reach, edges, first);
+  std::array<std::uint8_t, kFeatures> present{};
+  constexpr std::array<std::size_t, 6> kGuardBars{0, 2, 46, 48, 92, 94};
+  for (const std::size_t module : kGuardBars) {
+    present[2 * module] = present[2 * module + 1] = present[2 * module + 2] = 1;
+  }
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    present[first_feature(position) - 1] = 1;
+    present[first_feature(position) + kOwn] = 1;
+  }
+  take_out(present);
+}
+
+// What neighbouring characters exchange: first each feature of the left one with every character at
+// `position`, then summed over the features of every left character.
+void ModuleSystem::add_pair_costs(std::size_t position,
+                                  std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
+  const std::size_t base = first_feature(position - 1);
+  const std::size_t gap = first_feature(position) - base;
+  if (gap >= band_ + kOwn) return;
+  const std::size_t first = gap < band_ ? 0 : gap - band_ + 1;  // features before share nothing
+  const auto& left = alphabet()[position - 1 < 6 ? 0 : 1];
+  const auto& right = alphabet()[position < 6 ? 0 : 1];
+  std::array<std::array<double, kCharacterCount>, kOwn> pull{};
+  for (std::size_t j = first; j < kOwn; ++j) {
+    const auto& gram = gram_[base + j];
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      float sum = 0;
+      for (std::size_t i = 0; i < right[c].count; ++i) {
+        const std::size_t distance = gap + right[c].feature[i] - j;
+        if (distance >= band_) break;
+        sum += gram[distance];
+      }
+      pull[j][c] = 2 * static_cast<double>(sum);
+    }
+  }
+  for (std::size_t c = 0; c < kCharacterCount; ++c) {
+    for (std::size_t i = 0; i < left[c].count; ++i) {
+      if (left[c].feature[i] < first) continue;
+      const auto& from = pull[left[c].feature[i]];
+      for (std::size_t d = 0; d < kCharacterCount; ++d) pair[c][d] += from[d];
+    }
+  }
+}
+
+CharacterCosts ModuleSystem::character_costs() const {
+  CharacterCosts costs;
+  costs.constant = static_cast<double>(constant_);
+  const Alphabet& characters = alphabet();
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    const std::size_t base = first_feature(position);
+    const auto& here = characters[position < 6 ? 0 : 1];
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      const Active& active = here[c];
+      float cost = 0;
+      for (std::size_t i = 0; i < active.count; ++i) {
+        const std::size_t a = base + active.feature[i];
+        cost += gram_[a][0] - 2 * right_[a];
+        for (std::size_t j = i + 1; j < active.count; ++j) {
+          cost += 2 * gram_[a][active.feature[j] - active.feature[i]];
+        }
+      }
+      costs.alone[position][c] = static_cast<double>(cost);
+    }
+    if (position == 0) continue;
+    add_pair_costs(position, costs.pair[position - 1]);
+  }
+  return costs;
+}
+
+float ModuleSystem::evidence_against_digits(const Characters& characters, float temperature) const {
+  constexpr float kModuleSigma = 0.5F;
+  constexpr int kSize = kModulesPerDigit;
+  using Block = Eigen::Matrix<float, kSize, kSize>;
+  using Vector = Eigen::Matrix<float, kSize, 1>;
+  std::array<std::uint8_t, kFeatures> on{};
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    const Active& active = alphabet()[position < 6 ? 0 : 1][characters[position]];
+    for (std::size_t i = 0; i < active.count; ++i) {
+      on[first_feature(position) + active.feature[i]] = 1;
+    }
+  }
+  float greatest = -std::numeric_limits<float>::infinity();
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    const std::size_t base = first_feature(position);
+    Block block;
+    Vector residual;
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const std::size_t a = base + 2 * i;
+      float rest = right_[a];
+      const std::size_t begin = a + 1 < band_ ? 0 : a + 1 - band_;
+      const std::size_t end = std::min(kFeatures, a + band_);
+      for (std::size_t b = begin; b < end; ++b) {
+        if (on[b] != 0) rest -= gram(a, b);
+      }
+      residual[static_cast<Eigen::Index>(i)] = rest / temperature;
+      for (std::size_t j = 0; j < kSize; ++j) {
+        block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            gram(a, base + 2 * j) / temperature;
+      }
+      block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) +=
+          1 / (kModuleSigma * kModuleSigma);
+    }
+    const Eigen::LLT<Block> root(block);
+    float evidence = residual.dot(root.solve(residual)) / 2;
+    for (Eigen::Index i = 0; i < kSize; ++i) {
+      evidence -= std::log(kModuleSigma * root.matrixLLT()(i, i));
+    }
+    greatest = std::max(greatest, evidence);
+  }
+  return greatest;
+}
+
+}  // namespace tagsmith

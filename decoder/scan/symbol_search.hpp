@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The most likely symbols given what each character costs, and how likely all others are together.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "decoder/scan/character_costs.hpp"
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+// Which symbols are looked at.
+enum class SymbolClass {
+  upright,      // any twelve digits
+  upside_down,  // any twelve digits of a symbol on its head
+  any,          // any twelve characters
+};
+
+// The best symbol of a class.
+struct BestSymbol {
+  Characters characters{};
+  double cost = 0;
+};
+
+// Exact, by dynamic programming over neighbouring characters.
+BestSymbol best_symbol(const CharacterCosts& costs, SymbolClass symbols);
+
+// The best code whose check digit holds under the scheme.
+BestSymbol best_code(const CharacterCosts& costs, CheckDigit scheme);
+
+// The best code of a book, which must not be empty.
+BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book);
+
+// How often a character other than the reference's is met, as far as is known beforehand.
+struct CharacterWeights {
+  double digit = 1;
+  double foreign = 1;  // one that is no digit
+};
+
+// Sums of exp(-(cost - reference.cost) / (2 temperature)), exact too: over all symbols, each
+// character that differs from the reference's weighted; over the codes of a scheme; over a book.
+double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+                      const CharacterWeights& weights);
+double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+                    CheckDigit scheme);
+double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+                    std::span<const Digits> book);
+
+}  // namespace tagsmith

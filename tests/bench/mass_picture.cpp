@@ -1,0 +1,492 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/mass_picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/normal.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith::mass {
+namespace {
+
+using Random = std::mt19937_64;
+
+// The plate of Xu et al. (2017), tag-400x300, in modules.
+constexpr double kFrameWidth = 113;
+constexpr double kFrameHeight = 55.35;
+constexpr double kStroke = 3.95;
+constexpr double kPlateMargin = 9.4;  // beyond the inner edge, left and right
+constexpr double kPlateMarginAcross = 21.7;
+constexpr double kBarsMargin = 9;
+
+double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+bool chance(Random& random, double probability) { return uniform(random, 0, 1) < probability; }
+
+int integer(Random& random, int low, int high) {
+  return std::uniform_int_distribution<int>(low, high)(random);
+}
+
+double log_uniform(Random& random, double low, double high) {
+  return std::exp(uniform(random, std::log(low), std::log(high)));
+}
+
+Kind random_kind(Random& random) {
+  constexpr std::array<std::pair<Kind, double>, 11> kShares{{{Kind::tag, 0.45},
+                                                             {Kind::wrong_check, 0.08},
+                                                             {Kind::foreign, 0.12},
+                                                             {Kind::misshapen, 0.06},
+                                                             {Kind::moved_edge, 0.06},
+                                                             {Kind::cut, 0.04},
+                                                             {Kind::ean13, 0.06},
+                                                             {Kind::upc_e, 0.02},
+                                                             {Kind::code128, 0.03},
+                                                             {Kind::stripes, 0.05},
+                                                             {Kind::grating, 0.015}}};
+  double lot = uniform(random, 0, 1);
+  for (const auto& [kind, share] : kShares) {
+    if (lot < share) return kind;
+    lot -= share;
+  }
+  return Kind::empty;
+}
+
+// Widths of the elements, bars first, in modules.
+using Widths = std::vector<double>;
+
+Widths symbol_widths(const Digits& digits) {
+  Widths widths;
+  for (const std::uint8_t width : elements_of(digits)) widths.push_back(width);
+  return widths;
+}
+
+void mirror_digit(Widths& widths, int position) {
+  const auto first = widths.begin() + first_element_of_digit(position);
+  std::reverse(first, first + kElementsPerDigit);
+}
+
+// How far the farthest inner edge of these widths is from that of the nearest digit, modules.
+double distance_to_digits(std::span<const double, kElementsPerDigit> widths) {
+  double nearest = kModulesPerDigit;
+  for (const auto& digit : kDigitElements) {
+    double farthest = 0, here = 0, there = 0;
+    for (std::size_t i = 0; i + 1 < kElementsPerDigit; ++i) {
+      here += widths[i];
+      there += digit[i];
+      farthest = std::max(farthest, std::abs(here - there));
+    }
+    nearest = std::min(nearest, farthest);
+  }
+  return nearest;
+}
+
+// Four arbitrary widths that are clearly those of no digit.
+void misshape_digit(Widths& widths, int position, Random& random) {
+  constexpr double kLeastDistance = 0.7;
+  const std::span<double, kElementsPerDigit> elements(
+      widths.data() + first_element_of_digit(position), kElementsPerDigit);
+  do {
+    std::array<double, 3> cuts{};
+    for (double& cut : cuts) cut = uniform(random, 0.6, 6.4);
+    std::ranges::sort(cuts);
+    elements[0] = cuts[0];
+    elements[1] = std::max(0.3, cuts[1] - cuts[0]);
+    elements[2] = std::max(0.3, cuts[2] - cuts[1]);
+    elements[3] = std::max(0.3, kModulesPerDigit - elements[0] - elements[1] - elements[2]);
+  } while (distance_to_digits(elements) < kLeastDistance);
+}
+
+Widths code128_widths(Random& random) {
+  Widths widths;
+  for (int c = 0; c < 8; ++c) {
+    std::array<int, 6> character{1, 1, 1, 1, 1, 1};
+    for (int rest = 5; rest > 0;) {
+      int& width = character[static_cast<std::size_t>(integer(random, 0, 5))];
+      if (width == 4) continue;
+      ++width;
+      --rest;
+    }
+    widths.insert(widths.end(), character.begin(), character.end());
+  }
+  widths.insert(widths.end(), {2, 3, 3, 1, 1, 1, 2});
+  return widths;
+}
+
+Widths upc_e_widths(Random& random) {
+  Widths widths{1, 1, 1};
+  for (int c = 0; c < 6; ++c) {
+    auto character = kDigitElements[static_cast<std::size_t>(integer(random, 0, 9))];
+    if (chance(random, 0.5)) std::ranges::reverse(character);
+    widths.insert(widths.end(), character.begin(), character.end());
+  }
+  widths.insert(widths.end(), {1, 1, 1, 1, 1, 1});
+  return widths;
+}
+
+Widths stripes_widths(const Digits& digits, Random& random) {
+  Widths widths = symbol_widths(digits);
+  for (std::size_t i = 3; i + 3 < widths.size(); ++i) widths[i] = integer(random, 1, 4);
+  return widths;
+}
+
+Widths widths_of(Kind kind, const Digits& digits, Random& random) {
+  Widths widths = symbol_widths(digits);
+  switch (kind) {
+    case Kind::foreign:
+      mirror_digit(widths, integer(random, 0, 11));
+      return widths;
+    case Kind::misshapen:
+      misshape_digit(widths, integer(random, 0, 11), random);
+      return widths;
+    case Kind::moved_edge: {
+      const auto i = static_cast<std::size_t>(integer(random, 3, 54));
+      const double move = std::min(uniform(random, 0.5, 1.5), widths[i + 1] - 0.1);
+      widths[i] += move;
+      widths[i + 1] -= move;
+      return widths;
+    }
+    case Kind::cut: {
+      const int kept = integer(random, 12, 52);
+      if (chance(random, 0.5)) std::ranges::reverse(widths);
+      widths.resize(static_cast<std::size_t>(kept));
+      return widths;
+    }
+    case Kind::ean13: {
+      std::array<int, 5> places{1, 2, 3, 4, 5};
+      std::ranges::shuffle(places, random);
+      for (std::size_t k = 0; k < 3; ++k) mirror_digit(widths, places[k]);
+      return widths;
+    }
+    case Kind::upc_e:
+      return upc_e_widths(random);
+    case Kind::code128:
+      return code128_widths(random);
+    case Kind::stripes:
+      return stripes_widths(digits, random);
+    case Kind::grating:
+      return Widths(static_cast<std::size_t>(2 * integer(random, 8, 47) + 1), 1.0);
+    case Kind::empty:
+      return {};
+    default:
+      return widths;
+  }
+}
+
+struct Blotch {
+  double u = 0, v = 0, radius = 0, light = 0;
+};
+
+// A straight cable or board in front.
+struct Strip {
+  double a = 0, b = 0, c = 0;  // a u + b v + c = distance from its axis, modules
+  double half_width = 0;
+  double light = 0;
+};
+
+struct Glare {
+  double u = 0, v = 0, radius = 0, strength = 0;
+};
+
+// What is seen through the homography, in modules from the frame's upper left inner corner.
+struct Scene {
+  std::vector<double> edges;  // of the bars, ascending, even ones begin a bar
+  double stroke_growth = 0;   // modules
+  double white = 0, ink = 0, background = 0;
+  double shade_u = 0, shade_v = 0;
+  std::vector<Blotch> dirt;
+  std::vector<Strip> strips;
+  std::optional<Glare> glare;
+};
+
+double step(double distance, double sigma) {
+  return static_cast<double>(NormalTable::get()(static_cast<float>(distance / sigma)).integral);
+}
+
+double between(double at, double low, double high, double sigma) {
+  return step(at - low, sigma) - step(at - high, sigma);
+}
+
+double bars_at(const Scene& scene, double u, double sigma) {
+  const double reach = 5 * sigma;
+  auto edge = std::ranges::lower_bound(scene.edges, u - reach);
+  auto i = static_cast<std::size_t>(edge - scene.edges.begin());
+  double share = i % 2 == 0 ? 0 : 1;
+  for (; i < scene.edges.size() && scene.edges[i] < u + reach; ++i) {
+    share += (i % 2 == 0 ? 1 : -1) * step(u - scene.edges[i], sigma);
+  }
+  return share;
+}
+
+double light_at(const Scene& scene, double u, double v, double su, double sv) {
+  const double g = scene.stroke_growth / 2;
+  const double inner = between(u, g, kFrameWidth - g, su) * between(v, g, kFrameHeight - g, sv);
+  const double outer = between(u, -kStroke - g, kFrameWidth + kStroke + g, su) *
+                       between(v, -kStroke - g, kFrameHeight + kStroke + g, sv);
+  const double bars =
+      bars_at(scene, u, su) * between(v, kBarsMargin - g, kFrameHeight - kBarsMargin + g, sv);
+  const double ink = outer - inner + bars;
+  const double plate = between(u, -kPlateMargin, kFrameWidth + kPlateMargin, su) *
+                       between(v, -kPlateMarginAcross, kFrameHeight + kPlateMarginAcross, sv);
+  const double lamp =
+      1 + scene.shade_u * (u / kFrameWidth - 0.5) + scene.shade_v * (v / kFrameHeight - 0.5);
+  double light = (scene.white + ink * (scene.ink - scene.white)) * lamp;
+  const double sigma = 0.5 * (su + sv);
+  for (const Blotch& blotch : scene.dirt) {
+    const double share = step(blotch.radius - std::hypot(u - blotch.u, v - blotch.v), sigma + 0.2);
+    light += share * (blotch.light * lamp - light);
+  }
+  if (scene.glare) {
+    const double du = (u - scene.glare->u) / scene.glare->radius;
+    const double dv = (v - scene.glare->v) / scene.glare->radius;
+    light += scene.glare->strength * std::exp(-0.5 * (du * du + dv * dv));
+  }
+  light = scene.background + plate * (light - scene.background);
+  for (const Strip& strip : scene.strips) {
+    const double off = std::abs(strip.a * u + strip.b * v + strip.c);
+    light += step(strip.half_width - off, sigma) * (strip.light - light);
+  }
+  return light;
+}
+
+void dirty(Scene& scene, Random& random) {
+  if (chance(random, 0.3)) {
+    const int count = integer(random, 1, 8);
+    for (int i = 0; i < count; ++i) {
+      scene.dirt.push_back({uniform(random, 0, kFrameWidth), uniform(random, 0, kFrameHeight),
+                            log_uniform(random, 1, 14), uniform(random, 0.02, 0.7)});
+    }
+  }
+  if (chance(random, 0.3)) {
+    const int count = chance(random, 0.25) ? 2 : 1;
+    for (int i = 0; i < count; ++i) {
+      const double angle =
+          chance(random, 0.3) ? uniform(random, -0.2, 0.2) : uniform(random, 0, std::numbers::pi);
+      const double a = std::cos(angle), b = std::sin(angle);
+      scene.strips.push_back(
+          {a, b, -a * uniform(random, 0, kFrameWidth) - b * uniform(random, 0, kFrameHeight),
+           log_uniform(random, 0.5, 8), uniform(random, 0, 0.9)});
+    }
+  }
+  if (chance(random, 0.15)) {
+    scene.glare = Glare{uniform(random, 0, kFrameWidth), uniform(random, 0, kFrameHeight),
+                        uniform(random, 3, 25), uniform(random, 0.2, 3)};
+  }
+}
+
+Scene make_scene(const Picture& picture, Random& random) {
+  Scene scene;
+  const Widths widths = widths_of(picture.kind, picture.code, random);
+  double total = 0;
+  for (const double width : widths) total += width;
+  double quiet = 9;
+  if (chance(random, 0.12)) quiet = uniform(random, 4, 16);
+  double module = 1;
+  // Other symbols fill the place of ours, or hold our module.
+  const bool ours = picture.kind <= Kind::cut;
+  if (!ours && total > 0 && chance(random, 0.7)) module = kModuleCount / total;
+  module *= (kFrameWidth - 2 * quiet) / kModuleCount;
+  double u = quiet + (chance(random, 0.1) ? uniform(random, -1.5, 1.5) : 0);
+  if (!ours && chance(random, 0.3)) u = (kFrameWidth - total * module) / 2;
+  if (picture.kind == Kind::cut && chance(random, 0.5)) u = kFrameWidth - 9 - total * module;
+  for (std::size_t i = 0; i < widths.size(); ++i) {
+    scene.edges.push_back(u);
+    u += widths[i] * module;
+  }
+  scene.edges.push_back(u);
+  if (widths.empty()) scene.edges.clear();
+  scene.stroke_growth = picture.growth;
+  for (std::size_t i = 0; i < scene.edges.size(); ++i) {
+    scene.edges[i] += (i % 2 == 0 ? -0.5 : 0.5) * picture.growth;
+  }
+  for (std::size_t i = 1; i < scene.edges.size(); ++i) {  // what has grown together
+    scene.edges[i] = std::max(scene.edges[i], scene.edges[i - 1]);
+  }
+  const double contrast = uniform(random, 0.2, 1);
+  scene.white = 0.435 + 0.385 * contrast;
+  scene.ink = 0.435 - 0.385 * contrast;
+  scene.background = uniform(random, 0.02, 0.7);
+  if (chance(random, 0.3)) {
+    scene.shade_u = uniform(random, -0.6, 0.6);
+    scene.shade_v = uniform(random, -0.6, 0.6);
+  }
+  dirty(scene, random);
+  return scene;
+}
+
+// The frame's inner corners in the picture, for a module of `module_px` in its middle, and the
+// picture's size.
+struct Placing {
+  Quad corners{};
+  int width = 0;
+  int height = 0;
+};
+
+Placing place(double module_px, Random& random) {
+  const double tilt = std::numbers::pi / 180 *
+                      (chance(random, 0.7) ? uniform(random, 0, 45) : uniform(random, 45, 72));
+  const double yaw = chance(random, 0.5) ? tilt : -tilt;
+  const double pitch = uniform(random, -0.35, 0.35);
+  const double roll = uniform(random, 0, 2 * std::numbers::pi);
+  const double distance = uniform(random, 200, 1500);  // modules
+  const double scale = module_px * distance / std::cos(tilt);
+  const bool mirrored = chance(random, 0.05);
+  const auto project = [&](double u, double v) {
+    const double x0 = u - kFrameWidth / 2;
+    const double y0 = v - kFrameHeight / 2;
+    const double x = x0 * std::cos(yaw);
+    const double z1 = x0 * std::sin(yaw);
+    const double y = y0 * std::cos(pitch) - z1 * std::sin(pitch);
+    const double z = distance + y0 * std::sin(pitch) + z1 * std::cos(pitch);
+    const double px = scale * x / z;
+    const double py = scale * y / z;
+    return PixelPoint{(mirrored ? -1 : 1) * (std::cos(roll) * px - std::sin(roll) * py),
+                      std::sin(roll) * px + std::cos(roll) * py};
+  };
+  Placing placing;
+  placing.corners = {project(0, 0), project(kFrameWidth, 0), project(kFrameWidth, kFrameHeight),
+                     project(0, kFrameHeight)};
+  const double out = kStroke + 5;
+  double left = 0, right = 0, top = 0, bottom = 0;
+  for (const PixelPoint& p :
+       {project(-out, -out), project(kFrameWidth + out, -out),
+        project(kFrameWidth + out, kFrameHeight + out), project(-out, kFrameHeight + out)}) {
+    left = std::min(left, p.x);
+    right = std::max(right, p.x);
+    top = std::min(top, p.y);
+    bottom = std::max(bottom, p.y);
+  }
+  const PixelPoint shift{uniform(random, 4, 5) - left, uniform(random, 4, 5) - top};
+  for (PixelPoint& corner : placing.corners) corner = corner + shift;
+  placing.width = std::max(32, static_cast<int>(right - left + 10));
+  placing.height = std::max(32, static_cast<int>(bottom - top + 10));
+  return placing;
+}
+
+// Normal deviates, drawn once.
+const std::vector<float>& normal_deviates() {
+  static const std::vector<float> kDeviates = [] {
+    std::vector<float> deviates(1U << 16U);
+    Random random(5489);
+    std::normal_distribution<float> normal;
+    for (float& deviate : deviates) deviate = normal(random);
+    return deviates;
+  }();
+  return kDeviates;
+}
+
+struct Sensor {
+  double exposure = 1;
+  bool linear = false;
+  double noise = 0;
+  PixelPoint motion;
+};
+
+GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
+                 Random& random) {
+  const Homography unit_from_image = inverse(homography_to(placing.corners));
+  const auto& h = unit_from_image.h;
+  const ToneCurve& tone = ToneCurve::srgb();
+  const std::vector<float>& deviates = normal_deviates();
+  const double sigma = std::sqrt(blur_px * blur_px + 1.0 / 12);
+  const int steps = std::max(1, static_cast<int>(std::ceil(length(sensor.motion) / 1.2)));
+  GrayImage image{placing.width, placing.height, {}};
+  image.samples.reserve(static_cast<std::size_t>(image.width) *
+                        static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      double light = 0;
+      for (int k = 0; k < steps; ++k) {
+        const double t = (k + 0.5) / steps - 0.5;
+        const double px = x + t * sensor.motion.x;
+        const double py = y + t * sensor.motion.y;
+        const double c = 1 / (h[6] * px + h[7] * py + h[8]);
+        const double u = (h[0] * px + h[1] * py + h[2]) * c;
+        const double v = (h[3] * px + h[4] * py + h[5]) * c;
+        const double su = std::hypot(h[0] - u * h[6], h[1] - u * h[7]) * c * kFrameWidth;
+        const double sv = std::hypot(h[3] - v * h[6], h[4] - v * h[7]) * c * kFrameHeight;
+        light += light_at(scene, u * kFrameWidth, v * kFrameHeight, std::abs(su) * sigma,
+                          std::abs(sv) * sigma);
+      }
+      const double share = sensor.exposure * light / steps;
+      double value = sensor.linear ? 255 * share : tone.sample_of(share);
+      value += sensor.noise * static_cast<double>(deviates[random() & 0xffffU]);
+      image.samples.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)));
+    }
+  }
+  return image;
+}
+
+void compress(GrayImage& image, int quality) {
+  const cv::Mat raw(image.height, image.width, CV_8U, image.samples.data());
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", raw, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  image.samples.assign(decoded.data, decoded.data + decoded.total());
+}
+
+}  // namespace
+
+const char* name_of(Kind kind) {
+  constexpr std::array<const char*, static_cast<std::size_t>(Kind::count)> kNames{
+      "tags",
+      "wrong check digit",
+      "one character of no digit",
+      "one digit of arbitrary widths",
+      "one edge moved",
+      "cut symbols",
+      "EAN-13",
+      "UPC-E",
+      "Code 128-like",
+      "random stripes",
+      "gratings",
+      "empty frames"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+Digits random_code(Random& random) {
+  Digits digits{};
+  for (auto& value : digits) value = static_cast<std::uint8_t>(integer(random, 0, 9));
+  digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
+  return digits;
+}
+
+Picture draw(std::uint64_t seed) {
+  Random random(seed);
+  Picture picture;
+  picture.kind = random_kind(random);
+  picture.code = random_code(random);
+  if (picture.kind == Kind::wrong_check) {
+    do {
+      picture.code.back() = static_cast<std::uint8_t>(integer(random, 0, 9));
+    } while (has_check_digit(CheckDigit::gs1, picture.code) ||
+             has_check_digit(CheckDigit::sum10, picture.code));
+  }
+  picture.module_px =
+      chance(random, 0.85) ? log_uniform(random, 0.3, 1.3) : log_uniform(random, 1.3, 3.0);
+  picture.blur_px = log_uniform(random, 0.25, 2.0);
+  if (picture.blur_px > 1.5 * picture.module_px && chance(random, 0.7)) picture.blur_px /= 2;
+  picture.growth = chance(random, 0.4) ? uniform(random, -0.8, 0.8) : 0;
+  Sensor sensor;
+  sensor.noise = chance(random, 0.3) ? uniform(random, 4, 30) : uniform(random, 0.5, 4);
+  sensor.exposure = uniform(random, 0.1, 1.3);
+  sensor.linear = chance(random, 0.25);
+  if (chance(random, 0.2)) sensor.motion = {uniform(random, -4, 4), uniform(random, -4, 4)};
+  picture.noise = sensor.noise;
+  const Scene scene = make_scene(picture, random);
+  picture.image = expose(scene, place(picture.module_px, random), sensor, picture.blur_px, random);
+  picture.jpeg = chance(random, 0.15);
+  if (picture.jpeg) compress(picture.image, integer(random, 60, 95));
+  return picture;
+}
+
+}  // namespace tagsmith::mass
