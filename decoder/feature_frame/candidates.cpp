@@ -23,13 +23,34 @@ Quad inner_of_outer(const Quad& outer) {
   return {map(u, v), map(1 - u, v), map(1 - u, 1 - v), map(u, 1 - v)};
 }
 
+// Whether four of the hull's points span most of it: the ends of its greatest length and the points
+// farthest to both sides of it. A quick test that the outlines of walls and lamps fail.
+bool is_four_cornered(const std::vector<PixelPoint>& hull, double area) {
+  constexpr double kLeastSpanned = 0.75;
+  const auto farthest_from = [&](PixelPoint from) {
+    return *std::ranges::max_element(
+        hull, {}, [&](PixelPoint point) { return dot(point - from, point - from); });
+  };
+  const PixelPoint a = farthest_from(0.5 * (hull.front() + hull[hull.size() / 2]));
+  const PixelPoint c = farthest_from(a);
+  double least = 0;
+  double most = 0;
+  for (const PixelPoint& point : hull) {
+    const double side = cross(c - a, point - a);
+    least = std::min(least, side);
+    most = std::max(most, side);
+  }
+  return (most - least) / 2 >= kLeastSpanned * area;
+}
+
 // The quadrilateral around a hull that fills most of it.
 std::optional<Quad> quad_filled_by(const std::vector<PixelPoint>& hull) {
   constexpr double kLeastFill = 0.85;
+  if (hull.size() < 4) return std::nullopt;
+  const double area = area_of(hull);
+  if (!is_four_cornered(hull, area)) return std::nullopt;
   const std::optional<Quad> quad = enclosing_quad(hull);
-  if (!quad || !is_convex(*quad) || area_of(hull) < kLeastFill * area_of(*quad)) {
-    return std::nullopt;
-  }
+  if (!quad || !is_convex(*quad) || area < kLeastFill * area_of(*quad)) return std::nullopt;
   return quad;
 }
 
@@ -73,18 +94,30 @@ Quad to_full(const PyramidLevel& level, const Quad& quad) {
   return full;
 }
 
-std::vector<Quad> find_candidates(const PyramidLevel& level) {
+Quad to_level(const PyramidLevel& level, const Quad& quad) {
+  const double offset = (level.scale - 1) / 2;
+  Quad reduced = quad;
+  for (PixelPoint& corner : reduced) {
+    corner = {(corner.x - offset) / level.scale, (corner.y - offset) / level.scale};
+  }
+  return reduced;
+}
+
+std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOptions& options) {
   RegionOptions region_options;
   region_options.min_contrast = level.min_contrast;
+  region_options.max_size = options.max_size;
+  region_options.max_changes = options.max_changes;
+  region_options.known = options.known;
   std::vector<Quad> candidates;
   std::vector<Piece> pieces;
-  for (const Region& region : find_regions(level.image, region_options)) {
-    Piece piece{region.white, convex_hull(region.outline), 0};
-    piece.area = area_of(piece.hull);
-    if (const auto quad = quad_filled_by(piece.hull)) {
+  for (Region& region : find_regions(level.image, region_options)) {
+    if (const auto quad = quad_filled_by(region.hull)) {
       candidates.push_back(region.white ? *quad : inner_of_outer(*quad));
     }
-    pieces.push_back(std::move(piece));
+    if (!options.join_pieces) continue;
+    const double area = area_of(region.hull);
+    pieces.push_back({region.white, std::move(region.hull), area});
   }
   for (const Quad& quad : joined_candidates(std::move(pieces))) candidates.push_back(quad);
   return candidates;

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "decoder/feature_frame/bar_direction.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
@@ -44,13 +46,13 @@ bool nearly_equal(const Quad& a, const Quad& b) {
   return false;
 }
 
-// The corners that may be P's: where the symbol runs along the longer sides; both ways when the
-// foreshortened frame is nearly square. Upside down is left to the symbol.
-std::vector<std::size_t> possible_first_corners(const Quad& quad) {
-  const double along = distance(quad[0], quad[1]) + distance(quad[3], quad[2]);
-  const double across = distance(quad[1], quad[2]) + distance(quad[0], quad[3]);
-  if (along > 1.7 * across) return {0};
-  if (across > 1.7 * along) return {1};
+// The corners that may be P's: the symbol runs the way in which the grey level changes; both ways
+// when that is not clear. Upside down is left to the symbol.
+std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad) {
+  constexpr double kClear = 1.5;
+  const BarSteps steps = bar_steps(image, quad);
+  if (steps.along > kClear * steps.across) return {0};
+  if (steps.across > kClear * steps.along) return {1};
   return {0, 1};
 }
 
@@ -83,7 +85,7 @@ std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& f
       best = Attempt{*decoding, (first_corner + half_turn) % 4, profile};
     }
   };
-  for (const std::size_t first_corner : possible_first_corners(frame.corners)) {
+  for (const std::size_t first_corner : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) attempt(first_corner, layout);
   }
   return best;
@@ -141,18 +143,28 @@ class PictureReader {
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
-    if (!looks_framed(level.image, candidate)) return;
+    if (is_read(to_full(level, candidate)) || !looks_framed(level.image, candidate)) return;
     const Result<Quad> settled = settle_frame(level.image, candidate);
     if (!settled) return;
     const Quad quad = to_full(level, *settled);
-    const auto read = [&](const Reading& tag) { return same_frame(tag.corners, quad); };
-    if (std::ranges::any_of(result_.tags, read)) return;
+    if (is_read(quad)) return;
     const auto again = [&](const Quad& other) { return nearly_equal(other, quad); };
     if (std::ranges::any_of(tried_, again)) return;
     tried_.push_back(quad);
     const Result<RefinedFrame> frame = refine_frame(image_, quad);
     if (!frame) return;
     if (const auto attempt = best_attempt(image_, *frame, options_)) judge(*frame, *attempt);
+  }
+
+  // The plates read so far, in pixels of a level.
+  std::vector<Quad> known_in(const PyramidLevel& level) const {
+    constexpr double kStroke = 0.04;  // of the frame's length: the frame and a little more
+    std::vector<Quad> known;
+    for (const Reading& tag : result_.tags) {
+      const double stroke = kStroke * distance(tag.corners[0], tag.corners[1]);
+      known.push_back(to_level(level, widened(tag.corners, stroke)));
+    }
+    return known;
   }
 
   ReadResult take_result() {
@@ -170,6 +182,11 @@ class PictureReader {
   }
 
  private:
+  bool is_read(const Quad& quad) const {
+    const auto same = [&](const Reading& tag) { return same_frame(tag.corners, quad); };
+    return std::ranges::any_of(result_.tags, same);
+  }
+
   void judge(const RefinedFrame& frame, const Attempt& attempt) {
     const FrameCorners corners = corners_of(frame, attempt);
     if (const auto reason = objection(attempt, options_)) {
@@ -185,17 +202,56 @@ class PictureReader {
   std::vector<Quad> tried_;
 };
 
+// Frames larger than this are seen in the image at half its size, pixels.
+constexpr int kMaxFinestSize = 240;
+
+// Changes of colour that are followed in a level: one for so many of its pixels. Coarse levels are
+// searched whole; what they show is left out of the finer ones.
+std::size_t max_changes(const PyramidLevel& level) {
+  const int per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
+  const auto pixels =
+      static_cast<std::size_t>(level.image.width) * static_cast<std::size_t>(level.image.height);
+  return pixels / static_cast<std::size_t>(per_change);
+}
+
+// The image at full, half, quarter size and so on, the coarsest first.
+class Pyramid {
+ public:
+  explicit Pyramid(const GrayView& image) {
+    // Noise halves from level to level, and with it the contrast that stands out from it.
+    constexpr std::array<int, 3> kContrasts{20, 12, 7};
+    constexpr int kLeastSize = 160;
+    levels_.push_back({image, 1, kContrasts[0]});
+    while (levels_.size() < 3 ||
+           std::min(levels_.back().image.width, levels_.back().image.height) >= 2 * kLeastSize) {
+      const PyramidLevel& finer = levels_.back();
+      reduced_.push_back(half_size(finer.image));
+      const int contrast = kContrasts[std::min<std::size_t>(levels_.size(), 2)];
+      levels_.push_back({reduced_.back().view(), 2 * finer.scale, contrast});
+    }
+    std::ranges::reverse(levels_);
+  }
+
+  const std::vector<PyramidLevel>& levels() const { return levels_; }
+
+ private:
+  std::deque<GrayImage> reduced_;
+  std::vector<PyramidLevel> levels_;
+};
+
 }  // namespace
 
 ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
   PictureReader reader(image, options);
-  const GrayImage half = half_size(image);
-  const GrayImage quarter = half_size(half.view());
-  // Noise halves from level to level, and with it the contrast that stands out from it.
-  const std::array<PyramidLevel, 3> levels{
-      {{image, 1, 20}, {half.view(), 2, 12}, {quarter.view(), 4, 7}}};
-  for (const PyramidLevel& level : levels) {
-    for (const Quad& candidate : find_candidates(level)) reader.try_candidate(level, candidate);
+  const Pyramid pyramid(image);
+  for (const PyramidLevel& level : pyramid.levels()) {
+    CandidateOptions search;
+    search.known = reader.known_in(level);
+    if (level.scale == 1) search.max_size = kMaxFinestSize;
+    search.max_changes = max_changes(level);
+    for (const Quad& candidate : find_candidates(level, search)) {
+      reader.try_candidate(level, candidate);
+    }
   }
   return reader.take_result();
 }
