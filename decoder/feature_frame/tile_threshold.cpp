@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 
 namespace tagsmith {
 namespace {
@@ -107,27 +106,36 @@ std::uint64_t dark_bits(const std::uint8_t* samples, const std::uint8_t* thresho
 }
 
 #if defined(__SSE2__)
-// 64 pixels of a row, of eight tiles.
+using Pairs = std::uint16_t __attribute__((vector_size(kLanes)));
+using Quads = std::uint32_t __attribute__((vector_size(kLanes)));
+
+// Bits of 16 pixels; their sign bits gathered, which the compiler has no portable word for.
+std::uint64_t dark_bits16(const std::uint8_t* samples, Quads thresholds) {
+  using Chars = char __attribute__((vector_size(kLanes)));
+  Bytes values;
+  std::memcpy(&values, samples, kLanes);
+  const Bytes least = least_of(values, reinterpret_cast<Bytes>(thresholds));
+  const auto white = reinterpret_cast<Chars>(least == reinterpret_cast<Bytes>(thresholds));
+  return ~static_cast<unsigned>(__builtin_ia32_pmovmskb128(white)) & 0xFFFFU;
+}
+
+// 64 pixels of a row, of eight tiles, whose thresholds are first repeated eight times each.
 std::uint64_t dark_word(const std::uint8_t* samples, const std::uint8_t* thresholds) {
-  Bytes tiles{};
-  std::memcpy(&tiles, thresholds, 8);
-  const auto dark = [&](int i, Bytes threshold) {
-    Bytes values;
-    std::memcpy(&values, samples + 16 * i, kLanes);
-    using Chars = char __attribute__((vector_size(kLanes)));
-    const auto mask = reinterpret_cast<Chars>(values < threshold);
-    return static_cast<std::uint64_t>(static_cast<unsigned>(__builtin_ia32_pmovmskb128(mask)))
-           << (16 * i);
-  };
-  const auto tiles_twice = [&](auto tile) {
-    constexpr int k = decltype(tile)::value;
-    return __builtin_shufflevector(tiles, tiles, k, k, k, k, k, k, k, k, k + 1, k + 1, k + 1, k + 1,
-                                   k + 1, k + 1, k + 1, k + 1);
-  };
-  return dark(0, tiles_twice(std::integral_constant<int, 0>{})) |
-         dark(1, tiles_twice(std::integral_constant<int, 2>{})) |
-         dark(2, tiles_twice(std::integral_constant<int, 4>{})) |
-         dark(3, tiles_twice(std::integral_constant<int, 6>{}));
+  Halves eight{};
+  std::uint64_t word = 0;
+  std::memcpy(&word, thresholds, sizeof word);
+  eight[0] = word;
+  const auto tiles = reinterpret_cast<Bytes>(eight);
+  const auto twice = reinterpret_cast<Pairs>(__builtin_shufflevector(
+      tiles, tiles, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23));
+  const auto low =
+      reinterpret_cast<Quads>(__builtin_shufflevector(twice, twice, 0, 8, 1, 9, 2, 10, 3, 11));
+  const auto high =
+      reinterpret_cast<Quads>(__builtin_shufflevector(twice, twice, 4, 12, 5, 13, 6, 14, 7, 15));
+  return dark_bits16(samples, __builtin_shufflevector(low, low, 0, 4, 1, 5)) |
+         dark_bits16(samples + 16, __builtin_shufflevector(low, low, 2, 6, 3, 7)) << 16U |
+         dark_bits16(samples + 32, __builtin_shufflevector(high, high, 0, 4, 1, 5)) << 32U |
+         dark_bits16(samples + 48, __builtin_shufflevector(high, high, 2, 6, 3, 7)) << 48U;
 }
 #else
 std::uint64_t dark_word(const std::uint8_t* samples, const std::uint8_t* thresholds) {

@@ -11,8 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "decoder/feature_frame/bar_blocks.hpp"
 #include "decoder/feature_frame/bar_direction.hpp"
 #include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
@@ -234,10 +236,29 @@ class Pyramid {
 
   const std::vector<PyramidLevel>& levels() const { return levels_; }
 
+  // The level of a half (2) or a quarter (4) of the size.
+  const PyramidLevel& scaled_down(int times) const {
+    return levels_[levels_.size() - (times == 2 ? 2 : 3)];
+  }
+
  private:
   std::deque<GrayImage> reduced_;
   std::vector<PyramidLevel> levels_;
 };
+
+// Looks for frames whose outline is in pieces, by the bars inside: in the blocks of bars of a
+// coarse level that no reading explains. Returns whether there were any.
+bool search_around_bars(PictureReader& reader, const PyramidLevel& coarse,
+                        const PyramidLevel& fine) {
+  bool any = false;
+  for (const BarBlock& coarse_block : find_bar_blocks(coarse.image, reader.known_in(coarse))) {
+    const BarBlock block = scaled(coarse_block, coarse.scale / fine.scale);
+    if (!is_symbol_like(fine.image, block)) continue;
+    any = true;
+    if (const auto quad = frame_around(fine.image, block)) reader.try_candidate(fine, *quad);
+  }
+  return any;
+}
 
 }  // namespace
 
@@ -253,6 +274,9 @@ ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
       reader.try_candidate(level, candidate);
     }
   }
+  const PyramidLevel& quarter = pyramid.scaled_down(4);
+  const PyramidLevel& half = pyramid.scaled_down(2);
+  if (search_around_bars(reader, quarter, half)) search_around_bars(reader, half, half);
   return reader.take_result();
 }
 
