@@ -2,6 +2,7 @@
 #include "decoder/feature_frame/candidates.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -23,24 +24,26 @@ Quad inner_of_outer(const Quad& outer) {
   return {map(u, v), map(1 - u, v), map(1 - u, 1 - v), map(u, 1 - v)};
 }
 
-// Whether four of the hull's points span most of it: the ends of its greatest length and the points
-// farthest to both sides of it. A quick test that the outlines of walls and lamps fail.
+// Whether four of the hull's points span most of it: those of a large triangle, and the one that
+// adds most to it. A quick test that the outlines of walls and lamps fail.
 bool is_four_cornered(const std::vector<PixelPoint>& hull, double area) {
   constexpr double kLeastSpanned = 0.75;
   const auto farthest_from = [&](PixelPoint from) {
     return *std::ranges::max_element(
         hull, {}, [&](PixelPoint point) { return dot(point - from, point - from); });
   };
-  const PixelPoint a = farthest_from(0.5 * (hull.front() + hull[hull.size() / 2]));
-  const PixelPoint c = farthest_from(a);
-  double least = 0;
-  double most = 0;
+  const PixelPoint a = farthest_from(hull.front());
+  const PixelPoint b = farthest_from(a);
+  const PixelPoint c = *std::ranges::max_element(
+      hull, {}, [&](PixelPoint point) { return std::abs(cross(b - a, point - a)); });
+  const double triangle = cross(b - a, c - a);
+  const double turn = triangle < 0 ? -1 : 1;
+  double added = 0;
   for (const PixelPoint& point : hull) {
-    const double side = cross(c - a, point - a);
-    least = std::min(least, side);
-    most = std::max(most, side);
+    added = std::max({added, turn * cross(point - a, b - a), turn * cross(point - b, c - b),
+                      turn * cross(point - c, a - c)});
   }
-  return (most - least) / 2 >= kLeastSpanned * area;
+  return (std::abs(triangle) + added) / 2 >= kLeastSpanned * area;
 }
 
 // The quadrilateral around a hull that fills most of it.

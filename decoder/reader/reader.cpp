@@ -246,6 +246,18 @@ class Pyramid {
   std::vector<PyramidLevel> levels_;
 };
 
+// Tries the regions of a level, and pairs of them, that look like frames.
+void search_regions(PictureReader& reader, const PyramidLevel& level, bool join_pieces) {
+  CandidateOptions search;
+  search.known = reader.known_in(level);
+  if (level.scale == 1) search.max_size = kMaxFinestSize;
+  search.max_changes = max_changes(level);
+  search.join_pieces = join_pieces;
+  for (const Quad& candidate : find_candidates(level, search)) {
+    reader.try_candidate(level, candidate);
+  }
+}
+
 // Looks for frames whose outline is in pieces, by the bars inside: in the blocks of bars of a
 // coarse level that no reading explains. Returns whether there were any.
 bool search_around_bars(PictureReader& reader, const PyramidLevel& coarse,
@@ -265,18 +277,14 @@ bool search_around_bars(PictureReader& reader, const PyramidLevel& coarse,
 ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
   PictureReader reader(image, options);
   const Pyramid pyramid(image);
-  for (const PyramidLevel& level : pyramid.levels()) {
-    CandidateOptions search;
-    search.known = reader.known_in(level);
-    if (level.scale == 1) search.max_size = kMaxFinestSize;
-    search.max_changes = max_changes(level);
-    for (const Quad& candidate : find_candidates(level, search)) {
-      reader.try_candidate(level, candidate);
-    }
-  }
+  for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, false);
   const PyramidLevel& quarter = pyramid.scaled_down(4);
   const PyramidLevel& half = pyramid.scaled_down(2);
-  if (search_around_bars(reader, quarter, half)) search_around_bars(reader, half, half);
+  if (search_around_bars(reader, quarter, half)) {
+    search_around_bars(reader, half, half);
+    search_regions(reader, quarter, true);
+    search_regions(reader, half, true);
+  }
   return reader.take_result();
 }
 
