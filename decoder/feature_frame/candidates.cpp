@@ -92,7 +92,7 @@ Quad to_full(const PyramidLevel& level, const Quad& quad) {
   const double offset = (level.scale - 1) / 2;  // pixel centres of a reduced image
   Quad full = quad;
   for (PixelPoint& corner : full) {
-    corner = {corner.x * level.scale + offset, corner.y * level.scale + offset};
+    corner = level.scale * corner + PixelPoint{offset, offset} + level.origin;
   }
   return full;
 }
@@ -101,7 +101,7 @@ Quad to_level(const PyramidLevel& level, const Quad& quad) {
   const double offset = (level.scale - 1) / 2;
   Quad reduced = quad;
   for (PixelPoint& corner : reduced) {
-    corner = {(corner.x - offset) / level.scale, (corner.y - offset) / level.scale};
+    corner = 1 / level.scale * (corner - PixelPoint{offset, offset} - level.origin);
   }
   return reduced;
 }

@@ -11,11 +11,12 @@
 
 namespace tagsmith {
 
-// One level of an image pyramid.
+// One level of an image pyramid, or of a part of the image.
 struct PyramidLevel {
   GrayView image;
-  double scale = 1;       // pixels of the full image per pixel of this level
-  int min_contrast = 20;  // grey levels that stand out from this level's noise
+  double scale = 1;        // pixels of the full image per pixel of this level
+  int min_contrast = 20;   // grey levels that stand out from this level's noise
+  PixelPoint origin = {};  // the part's upper left pixel in the full image
 };
 
 // A quadrilateral of the level in pixels of the full image.

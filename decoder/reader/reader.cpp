@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +19,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
+#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
@@ -146,7 +148,12 @@ class PictureReader {
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
     if (is_read(to_full(level, candidate)) || !looks_framed(level.image, candidate)) return;
-    const Result<Quad> settled = settle_frame(level.image, candidate);
+    try_frame(level, candidate);
+  }
+
+  // Reads what stands in a frame that is known to a few pixels of the level.
+  void try_frame(const PyramidLevel& level, const Quad& rough) {
+    const Result<Quad> settled = settle_frame(level.image, rough);
     if (!settled) return;
     const Quad quad = to_full(level, *settled);
     if (is_read(quad)) return;
@@ -167,6 +174,18 @@ class PictureReader {
       known.push_back(to_level(level, widened(tag.corners, stroke)));
     }
     return known;
+  }
+
+  // Whether an expected tag has been read where it should be.
+  bool has_read(const ExpectedTag& expected) const {
+    const auto fits = [&](const Reading& tag) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double off = distance(tag.corners[i], expected.corners[i]);
+        if (off > expected.uncertainty_px + 1) return false;
+      }
+      return true;
+    };
+    return std::ranges::any_of(result_.tags, fits);
   }
 
   ReadResult take_result() {
@@ -272,18 +291,82 @@ bool search_around_bars(PictureReader& reader, const PyramidLevel& coarse,
   return any;
 }
 
-}  // namespace
+// The part of the image around an expected tag.
+PyramidLevel surroundings(const GrayView& image, const ExpectedTag& expected) {
+  const FrameCorners& c = expected.corners;
+  const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x, c[3].x});
+  const auto [top, bottom] = std::minmax({c[0].y, c[1].y, c[2].y, c[3].y});
+  const double margin = expected.uncertainty_px + 16 + 0.1 * std::max(right - left, bottom - top);
+  const auto pixel = [](double at, int end) {
+    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(end)));
+  };
+  const int first_x = pixel(left - margin, image.width);
+  const int first_y = pixel(top - margin, image.height);
+  PyramidLevel part{image, 1, 20, {static_cast<double>(first_x), static_cast<double>(first_y)}};
+  part.image.data = image.row(first_y) + first_x;
+  part.image.width = pixel(right + margin, image.width) - first_x;
+  part.image.height = pixel(bottom + margin, image.height) - first_y;
+  return part;
+}
 
-ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
-  PictureReader reader(image, options);
+// How far off a side of the frame may be for it to be settled in a level, pixels of the full image.
+double settling_reach(const Quad& quad, double scale) {
+  double reach = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 4; ++i) {
+    Quad reduced = quad;
+    for (PixelPoint& corner : reduced) corner = 1 / scale * corner;
+    reach = std::min(reach, scale * (side_of(reduced, i).reach + 1));
+  }
+  return reach;
+}
+
+// Looks for an expected tag where it should be: fits its frame from there in the finest level that
+// reaches as far as the expectation may be off, and searches the surroundings when that fails.
+void look_for(PictureReader& reader, const GrayView& image, const ExpectedTag& expected) {
+  PyramidLevel level = surroundings(image, expected);
+  constexpr int kLeastSize = 16;
+  if (level.image.width < kLeastSize || level.image.height < kLeastSize ||
+      !is_convex(expected.corners)) {
+    return;
+  }
+  std::deque<GrayImage> reduced;
+  std::vector<PyramidLevel> levels{level};
+  while (levels.size() < 3 &&
+         expected.uncertainty_px > settling_reach(expected.corners, level.scale) &&
+         std::min(level.image.width, level.image.height) >= 4 * kLeastSize) {
+    reduced.push_back(half_size(level.image));
+    level.image = reduced.back().view();
+    level.scale *= 2;
+    level.min_contrast = 12;
+    levels.push_back(level);
+  }
+  reader.try_frame(level, to_level(level, expected.corners));
+  if (reader.has_read(expected)) return;
+  std::ranges::reverse(levels);
+  for (const PyramidLevel& part : levels) search_regions(reader, part, false);
+}
+
+void search(PictureReader& reader, const GrayView& image) {
   const Pyramid pyramid(image);
   for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, false);
   const PyramidLevel& quarter = pyramid.scaled_down(4);
   const PyramidLevel& half = pyramid.scaled_down(2);
-  if (search_around_bars(reader, quarter, half)) {
-    search_around_bars(reader, half, half);
-    search_regions(reader, quarter, true);
-    search_regions(reader, half, true);
+  if (!search_around_bars(reader, quarter, half)) return;
+  search_around_bars(reader, half, half);
+  search_regions(reader, quarter, true);
+  search_regions(reader, half, true);
+}
+
+}  // namespace
+
+ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
+  PictureReader reader(image, options);
+  for (const ExpectedTag& tag : options.expected) look_for(reader, image, tag);
+  const auto is_missing = [&](const ExpectedTag& tag) { return !reader.has_read(tag); };
+  const bool missing =
+      options.expected.empty() || std::ranges::any_of(options.expected, is_missing);
+  if (options.search == Search::always || (options.search == Search::when_missing && missing)) {
+    search(reader, image);
   }
   return reader.take_result();
 }
