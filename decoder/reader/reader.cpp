@@ -37,15 +37,14 @@ bool same_frame(const Quad& a, const Quad& b) {
   return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
 }
 
-// True when two quadrilaterals agree to less than half a pixel.
-bool nearly_equal(const Quad& a, const Quad& b) {
-  constexpr double kPixels = 0.4;
+// True when the corners of two quadrilaterals are less than this many pixels apart, in any turn.
+bool nearly_equal(const Quad& a, const Quad& b, double pixels) {
   for (std::size_t turn = 0; turn < 4; ++turn) {
     double farthest = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       farthest = std::max(farthest, distance(a[i], b[(i + turn) % 4]));
     }
-    if (farthest < kPixels) return true;
+    if (farthest < pixels) return true;
   }
   return false;
 }
@@ -157,11 +156,11 @@ class PictureReader {
     if (!settled) return;
     const Quad quad = to_full(level, *settled);
     if (is_read(quad)) return;
-    const auto again = [&](const Quad& other) { return nearly_equal(other, quad); };
-    if (std::ranges::any_of(tried_, again)) return;
-    tried_.push_back(quad);
+    if (was_tried(settled_, quad, 0.4)) return;
+    settled_.push_back(quad);
     const Result<RefinedFrame> frame = refine_frame(image_, quad);
-    if (!frame) return;
+    if (!frame || was_tried(refined_, frame->corners, 0.1)) return;
+    refined_.push_back(frame->corners);
     if (const auto attempt = best_attempt(image_, *frame, options_)) judge(*frame, *attempt);
   }
 
@@ -208,6 +207,11 @@ class PictureReader {
     return std::ranges::any_of(result_.tags, same);
   }
 
+  static bool was_tried(const std::vector<Quad>& tried, const Quad& quad, double pixels) {
+    return std::ranges::any_of(
+        tried, [&](const Quad& other) { return nearly_equal(other, quad, pixels); });
+  }
+
   void judge(const RefinedFrame& frame, const Attempt& attempt) {
     const FrameCorners corners = corners_of(frame, attempt);
     if (const auto reason = objection(attempt, options_)) {
@@ -220,7 +224,8 @@ class PictureReader {
   GrayView image_;
   const ReadOptions& options_;
   ReadResult result_;
-  std::vector<Quad> tried_;
+  std::vector<Quad> settled_;  // frames tried, before and after the fine fit
+  std::vector<Quad> refined_;
 };
 
 // Frames larger than this are seen in the image at half its size, pixels.

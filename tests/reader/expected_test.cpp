@@ -12,8 +12,8 @@
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/simulate/survey_view.hpp"
-#include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/rig.hpp"
 
 using namespace tagsmith;
 
