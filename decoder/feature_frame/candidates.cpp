@@ -2,6 +2,7 @@
 #include "decoder/feature_frame/candidates.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -23,13 +24,36 @@ Quad inner_of_outer(const Quad& outer) {
   return {map(u, v), map(1 - u, v), map(1 - u, 1 - v), map(u, 1 - v)};
 }
 
+// Whether four of the hull's points span most of it: those of a large triangle, and the one that
+// adds most to it. A quick test that the outlines of walls and lamps fail.
+bool is_four_cornered(const std::vector<PixelPoint>& hull, double area) {
+  constexpr double kLeastSpanned = 0.75;
+  const auto farthest_from = [&](PixelPoint from) {
+    return *std::ranges::max_element(
+        hull, {}, [&](PixelPoint point) { return dot(point - from, point - from); });
+  };
+  const PixelPoint a = farthest_from(hull.front());
+  const PixelPoint b = farthest_from(a);
+  const PixelPoint c = *std::ranges::max_element(
+      hull, {}, [&](PixelPoint point) { return std::abs(cross(b - a, point - a)); });
+  const double triangle = cross(b - a, c - a);
+  const double turn = triangle < 0 ? -1 : 1;
+  double added = 0;
+  for (const PixelPoint& point : hull) {
+    added = std::max({added, turn * cross(point - a, b - a), turn * cross(point - b, c - b),
+                      turn * cross(point - c, a - c)});
+  }
+  return (std::abs(triangle) + added) / 2 >= kLeastSpanned * area;
+}
+
 // The quadrilateral around a hull that fills most of it.
 std::optional<Quad> quad_filled_by(const std::vector<PixelPoint>& hull) {
   constexpr double kLeastFill = 0.85;
+  if (hull.size() < 4) return std::nullopt;
+  const double area = area_of(hull);
+  if (!is_four_cornered(hull, area)) return std::nullopt;
   const std::optional<Quad> quad = enclosing_quad(hull);
-  if (!quad || !is_convex(*quad) || area_of(hull) < kLeastFill * area_of(*quad)) {
-    return std::nullopt;
-  }
+  if (!quad || !is_convex(*quad) || area < kLeastFill * area_of(*quad)) return std::nullopt;
   return quad;
 }
 
@@ -68,23 +92,35 @@ Quad to_full(const PyramidLevel& level, const Quad& quad) {
   const double offset = (level.scale - 1) / 2;  // pixel centres of a reduced image
   Quad full = quad;
   for (PixelPoint& corner : full) {
-    corner = {corner.x * level.scale + offset, corner.y * level.scale + offset};
+    corner = level.scale * corner + PixelPoint{offset, offset} + level.origin;
   }
   return full;
 }
 
-std::vector<Quad> find_candidates(const PyramidLevel& level) {
+Quad to_level(const PyramidLevel& level, const Quad& quad) {
+  const double offset = (level.scale - 1) / 2;
+  Quad reduced = quad;
+  for (PixelPoint& corner : reduced) {
+    corner = 1 / level.scale * (corner - PixelPoint{offset, offset} - level.origin);
+  }
+  return reduced;
+}
+
+std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOptions& options) {
   RegionOptions region_options;
   region_options.min_contrast = level.min_contrast;
+  region_options.max_size = options.max_size;
+  region_options.max_changes = options.max_changes;
+  region_options.known = options.known;
   std::vector<Quad> candidates;
   std::vector<Piece> pieces;
-  for (const Region& region : find_regions(level.image, region_options)) {
-    Piece piece{region.white, convex_hull(region.outline), 0};
-    piece.area = area_of(piece.hull);
-    if (const auto quad = quad_filled_by(piece.hull)) {
+  for (Region& region : find_regions(level.image, region_options)) {
+    if (const auto quad = quad_filled_by(region.hull)) {
       candidates.push_back(region.white ? *quad : inner_of_outer(*quad));
     }
-    pieces.push_back(std::move(piece));
+    if (!options.join_pieces) continue;
+    const double area = area_of(region.hull);
+    pieces.push_back({region.white, std::move(region.hull), area});
   }
   for (const Quad& quad : joined_candidates(std::move(pieces))) candidates.push_back(quad);
   return candidates;

@@ -2,6 +2,8 @@
 // Where feature frames may be.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "decoder/feature_frame/quad.hpp"
@@ -9,19 +11,34 @@
 
 namespace tagsmith {
 
-// One level of an image pyramid.
+// One level of an image pyramid, or of a part of the image.
 struct PyramidLevel {
   GrayView image;
-  double scale = 1;       // pixels of the full image per pixel of this level
-  int min_contrast = 20;  // grey levels that stand out from this level's noise
+  double scale = 1;        // pixels of the full image per pixel of this level
+  int min_contrast = 20;   // grey levels that stand out from this level's noise
+  PixelPoint origin = {};  // the part's upper left pixel in the full image
 };
 
 // A quadrilateral of the level in pixels of the full image.
 Quad to_full(const PyramidLevel& level, const Quad& quad);
 
+// A quadrilateral of the full image in pixels of the level.
+Quad to_level(const PyramidLevel& level, const Quad& quad);
+
+struct CandidateOptions {
+  // Frames larger than this, in pixels of the level, are left to coarser levels.
+  int max_size = std::numeric_limits<int>::max();
+  // A bound on the time, see RegionOptions.
+  std::size_t max_changes = std::numeric_limits<std::size_t>::max();
+  // Parts of the level that need no search.
+  std::vector<Quad> known;
+  // Whether pairs of regions are tried as well: something in front has cut a frame apart.
+  bool join_pieces = false;
+};
+
 // Quadrilaterals, in pixels of the level, that may be the inner edge of a feature frame: white
-// regions, the insides of dark ones, and pairs of either that something in front has cut apart,
-// where the outline fills its enclosing quadrilateral. Rough: to a pixel or two.
-std::vector<Quad> find_candidates(const PyramidLevel& level);
+// regions and the insides of dark ones whose outline fills its enclosing quadrilateral. Rough: to a
+// pixel or two.
+std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOptions& options = {});
 
 }  // namespace tagsmith

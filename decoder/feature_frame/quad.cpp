@@ -85,21 +85,27 @@ std::vector<PixelPoint> convex_hull(std::vector<PixelPoint> points) {
 }
 
 std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull) {
+  if (hull.size() < 4) return std::nullopt;
   std::vector<PixelPoint> polygon = hull;
+  std::vector<Removal> removals(polygon.size());
+  for (std::size_t i = 0; i < polygon.size(); ++i) removals[i] = remove_side(polygon, i);
   while (polygon.size() > 4) {
-    std::size_t best = 0;
-    Removal least;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const Removal removal = remove_side(polygon, i);
-      if (removal.added_area >= least.added_area) continue;
-      least = removal;
-      best = i;
+    const auto least = std::ranges::min_element(removals, {}, &Removal::added_area);
+    if (!std::isfinite(least->added_area)) return std::nullopt;
+    std::size_t side = static_cast<std::size_t>(least - removals.begin());
+    const std::size_t gone = (side + 1) % polygon.size();
+    polygon[side] = least->corner;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(gone));
+    removals.erase(removals.begin() + static_cast<std::ptrdiff_t>(gone));
+    if (gone < side) --side;
+    // Only the sides that end in the new corner, and their neighbours, have changed.
+    const std::size_t n = polygon.size();
+    for (const std::size_t back : {2U, 1U, 0U}) {
+      const std::size_t changed = (side + n - back) % n;
+      removals[changed] = remove_side(polygon, changed);
     }
-    if (!std::isfinite(least.added_area)) return std::nullopt;
-    polygon[best] = least.corner;
-    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>((best + 1) % polygon.size()));
+    removals[(side + 1) % n] = remove_side(polygon, (side + 1) % n);
   }
-  if (polygon.size() < 4) return std::nullopt;
   return Quad{polygon[0], polygon[1], polygon[2], polygon[3]};
 }
 

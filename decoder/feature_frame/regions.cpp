@@ -2,242 +2,206 @@
 #include "decoder/feature_frame/regions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <cstring>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
+
+#include "decoder/feature_frame/tile_threshold.hpp"
 
 namespace tagsmith {
 namespace {
 
-constexpr std::uint32_t kNotKept = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// Darkest and brightest samples of each tile, and grids of the same shape.
-struct TileGrid {
-  int columns = 0;
-  int rows = 0;
-  std::vector<std::uint8_t> low;
-  std::vector<std::uint8_t> high;
-
-  std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(column);
-  }
-};
-
-// Darkest and brightest sample of each column over the rows of one tile row.
-void column_extremes(const GrayView& image, int first_row, int row_count, std::uint8_t* low,
-                     std::uint8_t* high) {
-  const auto width = static_cast<std::size_t>(image.width);
-  std::memcpy(low, image.row(first_row), width);
-  std::memcpy(high, image.row(first_row), width);
-  for (int y = first_row + 1; y < first_row + row_count; ++y) {
-    const std::uint8_t* samples = image.row(y);
-    for (std::size_t x = 0; x < width; ++x) {
-      low[x] = std::min(low[x], samples[x]);
-      high[x] = std::max(high[x], samples[x]);
-    }
-  }
-}
-
-TileGrid tile_extremes(const GrayView& image, int tile) {
-  TileGrid grid;
-  grid.columns = (image.width + tile - 1) / tile;
-  grid.rows = (image.height + tile - 1) / tile;
-  const auto count = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
-  grid.low.resize(count);
-  grid.high.resize(count);
-  std::vector<std::uint8_t> low(static_cast<std::size_t>(image.width));
-  std::vector<std::uint8_t> high(static_cast<std::size_t>(image.width));
-  for (int row = 0; row < grid.rows; ++row) {
-    const int first_row = row * tile;
-    column_extremes(image, first_row, std::min(tile, image.height - first_row), low.data(),
-                    high.data());
-    for (int column = 0; column < grid.columns; ++column) {
-      const auto first = low.begin() + column * tile;
-      const int span = std::min(tile, image.width - column * tile);
-      grid.low[grid.index(column, row)] = *std::min_element(first, first + span);
-      const auto first_high = high.begin() + column * tile;
-      grid.high[grid.index(column, row)] = *std::max_element(first_high, first_high + span);
-    }
-  }
-  return grid;
-}
-
-// Per tile, the grey level below which a sample is dark: midway between the extremes of the 3 x 3
-// tiles around it, or 0 (nothing is dark) where they are too close.
-std::vector<std::uint8_t> tile_thresholds(const TileGrid& grid, int min_contrast) {
-  std::vector<std::uint8_t> thresholds(grid.low.size());
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      std::uint8_t low = 255;
-      std::uint8_t high = 0;
-      for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid.rows - 1); ++r) {
-        for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid.columns - 1); ++c) {
-          low = std::min(low, grid.low[grid.index(c, r)]);
-          high = std::max(high, grid.high[grid.index(c, r)]);
-        }
-      }
-      const int middle = (low + high + 1) / 2;
-      thresholds[grid.index(column, row)] =
-          static_cast<std::uint8_t>(high - low < min_contrast ? 0 : middle);
-    }
-  }
-  return thresholds;
-}
-
-// A maximal stretch of one colour on one row.
-struct Run {
-  int begin = 0;
-  int end = 0;               // exclusive
-  std::uint32_t parent = 0;  // index of a run of the same region; a root names itself
-  std::uint32_t region = 0;
+// The extent of a region while it grows.
+struct Extent {
+  int left = 0;
+  int right = 0;  // exclusive
+  int top = 0;
+  int bottom = 0;  // inclusive
   bool white = false;
 };
 
-std::uint32_t find_root(std::vector<Run>& runs, std::uint32_t index) {
-  while (runs[index].parent != index) {
-    runs[index].parent = runs[runs[index].parent].parent;
-    index = runs[index].parent;
-  }
-  return index;
-}
-
-void join(std::vector<Run>& runs, std::uint32_t a, std::uint32_t b) {
-  a = find_root(runs, a);
-  b = find_root(runs, b);
-  if (a < b) {
-    runs[b].parent = a;
-  } else {
-    runs[a].parent = b;
-  }
-}
-
-// The first place from `x` on where the row no longer has `colour` (1 white, 0 dark).
-int end_of_run(const std::vector<std::uint8_t>& row, int x, std::uint8_t colour) {
-  const int width = static_cast<int>(row.size());
-  const std::uint64_t alike = colour == 1 ? 0x0101010101010101ULL : 0;
-  for (; x + 8 <= width; x += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, row.data() + x, 8);
-    if (word == alike) continue;
-    if constexpr (std::endian::native == std::endian::little) {
-      return x + std::countr_zero(word ^ alike) / 8;
-    }
-    break;
-  }
-  while (x < width && row[static_cast<std::size_t>(x)] == colour) ++x;
-  return x;
-}
-
-void append_runs(const std::vector<std::uint8_t>& row, std::vector<Run>& runs) {
-  const int width = static_cast<int>(row.size());
-  for (int x = 0; x < width;) {
-    const std::uint8_t colour = row[static_cast<std::size_t>(x)];
-    const int end = end_of_run(row, x, colour);
-    runs.push_back({x, end, static_cast<std::uint32_t>(runs.size()), 0, colour == 1});
-    x = end;
-  }
-}
-
-// All runs, `first_of_row[y]` being the index of row y's first, and joined where runs of one colour
-// on neighbouring rows touch.
+// The runs of all rows. Those of a row alternate in colour and begin with a white one, which may be
+// empty: run i of row y lies from begins[first_of_row[y] + i] to the next entry, the last of which
+// is the width.
 struct RunMap {
-  std::vector<Run> runs;
-  std::vector<std::uint32_t> first_of_row;
+  std::vector<int> begins;
+  std::vector<std::uint32_t> labels;  // beside `begins`
+  std::vector<std::size_t> first_of_row;
+  // Labels form trees by their parents, which precede them; a root's extent is that of its region.
+  std::vector<std::uint32_t> parents;
+  std::vector<Extent> extents;
 };
 
-void join_with_row_above(RunMap& map, std::size_t row) {
-  std::uint32_t above = map.first_of_row[row - 1];
-  const std::uint32_t above_end = map.first_of_row[row];
-  for (std::uint32_t here = above_end; here < map.runs.size(); ++here) {
-    const int diagonal = map.runs[here].white ? 0 : 1;
-    const int begin = map.runs[here].begin - diagonal;
-    const int end = map.runs[here].end + diagonal;
-    // The row above is covered without gaps: step back to a neighbour that touches diagonally.
-    while (above > map.first_of_row[row - 1] && map.runs[above - 1].end > begin) --above;
-    while (above < above_end && map.runs[above].end <= begin) ++above;
-    for (std::uint32_t other = above; other < above_end && map.runs[other].begin < end; ++other) {
-      if (map.runs[other].white == map.runs[here].white) join(map.runs, other, here);
+std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t label) {
+  while (parents[label] != label) {
+    parents[label] = parents[parents[label]];
+    label = parents[label];
+  }
+  return label;
+}
+
+// The root of both regions, the first of which is given by its root.
+std::uint32_t join(RunMap& map, std::uint32_t a, std::uint32_t b) {
+  b = root_of(map.parents, b);
+  if (a == b) return a;
+  if (b < a) std::swap(a, b);
+  Extent& kept = map.extents[a];
+  const Extent& gone = map.extents[b];
+  kept.left = std::min(kept.left, gone.left);
+  kept.right = std::max(kept.right, gone.right);
+  kept.top = std::min(kept.top, gone.top);
+  map.parents[b] = a;
+  return a;
+}
+
+// Appends where the colour changes along a row of bits; `row` has room for all changes.
+void append_runs(std::span<const std::uint64_t> bits, int width, std::vector<int>& row,
+                 std::vector<int>& begins) {
+  int* next = row.data();
+  *next++ = 0;
+  std::uint64_t before = 0;
+  int offset = 0;
+  for (const std::uint64_t word : bits) {
+    for (std::uint64_t changes = word ^ (word << 1U | before); changes != 0;
+         changes &= changes - 1) {
+      *next++ = offset + std::countr_zero(changes);
+    }
+    before = word >> 63U;
+    offset += 64;
+  }
+  if (next[-1] == width) --next;  // the end of a dark run at the end of the row
+  *next++ = width;
+  begins.insert(begins.end(), row.data(), next);
+}
+
+// Labels the runs of the last row by those of the row above that they touch; dark runs touch
+// diagonally too.
+void label_row(RunMap& map, std::size_t y) {
+  const int row = static_cast<int>(y);
+  const std::size_t first = map.first_of_row[y];
+  const std::size_t first_above = y > 0 ? map.first_of_row[y - 1] : 0;
+  const std::size_t count = map.begins.size() - first - 1;
+  const std::size_t count_above = y > 0 ? first - first_above - 1 : 0;
+  map.labels.resize(map.begins.size());
+  const int* here = map.begins.data() + first;
+  const int* above = map.begins.data() + first_above;
+  const std::uint32_t* labels_above = map.labels.data() + first_above;
+  std::uint32_t* labels = map.labels.data() + first;
+  labels[0] = kNone;
+  std::size_t j = 0;
+  for (std::size_t i = here[1] == 0 ? 1 : 0; i < count; ++i) {
+    const std::size_t dark = i & 1U;
+    const int slack = static_cast<int>(dark);
+    const int begin = here[i];
+    const int end = here[i + 1];
+    while (j < count_above && above[j + 1] <= begin - slack) ++j;
+    std::size_t k = j + ((j ^ dark) & 1U);  // an empty white run above is never reached
+    if (k < count_above && above[k] < end + slack) {
+      std::uint32_t label = root_of(map.parents, labels_above[k]);
+      for (k += 2; k < count_above && above[k] < end + slack; k += 2) {
+        label = join(map, label, labels_above[k]);
+      }
+      Extent& extent = map.extents[label];
+      extent.left = std::min(extent.left, begin);
+      extent.right = std::max(extent.right, end);
+      extent.bottom = row;
+      labels[i] = label;
+    } else {
+      labels[i] = static_cast<std::uint32_t>(map.parents.size());
+      map.parents.push_back(labels[i]);
+      map.extents.push_back({begin, end, row, row, dark == 0});
     }
   }
 }
 
 RunMap find_runs(const GrayView& image, const RegionOptions& options) {
-  const TileGrid grid = tile_extremes(image, options.tile);
-  const std::vector<std::uint8_t> thresholds = tile_thresholds(grid, options.min_contrast);
+  TileThresholds thresholds = tile_thresholds(tile_extremes(image), options.min_contrast);
+  for (const Quad& quad : options.known) clear_tiles(quad, thresholds);
+  const DarkPixels dark = mark_dark(image, std::move(thresholds), options.max_changes);
   RunMap map;
-  map.runs.reserve(1U << 16U);
+  const auto width = static_cast<std::size_t>(image.width);
+  map.begins.reserve((1U << 15U) + width);
+  map.labels.reserve((1U << 15U) + width);
+  map.parents.reserve(1U << 12U);
+  map.extents.reserve(1U << 12U);
   map.first_of_row.reserve(static_cast<std::size_t>(image.height) + 1);
-  std::vector<std::uint8_t> threshold_row(static_cast<std::size_t>(image.width));
-  std::vector<std::uint8_t> white(static_cast<std::size_t>(image.width));
+  std::vector<int> row(width + 2);
   for (int y = 0; y < image.height; ++y) {
-    if (y % options.tile == 0) {
-      for (int x = 0; x < image.width; ++x) {
-        threshold_row[static_cast<std::size_t>(x)] =
-            thresholds[grid.index(x / options.tile, y / options.tile)];
-      }
-    }
-    const std::uint8_t* samples = image.row(y);
-    for (std::size_t x = 0; x < white.size(); ++x) white[x] = samples[x] >= threshold_row[x];
-    map.first_of_row.push_back(static_cast<std::uint32_t>(map.runs.size()));
-    append_runs(white, map.runs);
-    if (y > 0) join_with_row_above(map, static_cast<std::size_t>(y));
+    map.first_of_row.push_back(map.begins.size());
+    append_runs({dark.row(y), dark.words}, image.width, row, map.begins);
+    label_row(map, static_cast<std::size_t>(y));
   }
-  map.first_of_row.push_back(static_cast<std::uint32_t>(map.runs.size()));
+  map.first_of_row.push_back(map.begins.size());
   return map;
 }
 
-// Gives every run the index of its region in a dense numbering; returns the number of regions. A
-// root precedes the runs that point to it.
-std::uint32_t number_regions(RunMap& map) {
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < map.runs.size(); ++i) {
-    Run& run = map.runs[i];
-    run.region = run.parent == i ? count++ : map.runs[run.parent].region;
-  }
-  return count;
+bool is_kept(const Extent& extent, const GrayView& image, const RegionOptions& options) {
+  const int width = extent.right - extent.left;
+  const int height = extent.bottom - extent.top + 1;
+  return width >= options.min_width && height >= options.min_height &&
+         std::max(width, height) <= options.max_size && extent.left > 0 && extent.top > 0 &&
+         extent.right < image.width && extent.bottom + 1 < image.height;
 }
 
-// Calls `use(row, run)` for every run, row by row.
-template <class Use>
-void for_each_run(const RunMap& map, const Use& use) {
-  for (std::size_t row = 0; row + 1 < map.first_of_row.size(); ++row) {
-    for (std::uint32_t i = map.first_of_row[row]; i < map.first_of_row[row + 1]; ++i) {
-      use(static_cast<int>(row), map.runs[i]);
+// The ends of a region's extent on each of its rows.
+struct RowExtents {
+  int top = 0;
+  std::vector<std::array<int, 2>> ends;  // first and last pixel
+};
+
+std::vector<PixelPoint> hull_of(const RowExtents& extents) {
+  std::vector<PixelPoint> left;
+  std::vector<PixelPoint> right;
+  const auto extend = [](std::vector<PixelPoint>& chain, PixelPoint point, double turn) {
+    while (chain.size() >= 2 &&
+           turn * cross(chain.back() - chain[chain.size() - 2], point - chain.back()) <= 0) {
+      chain.pop_back();
+    }
+    chain.push_back(point);
+  };
+  for (std::size_t i = 0; i < extents.ends.size(); ++i) {
+    const double y = extents.top + static_cast<double>(i);
+    extend(left, {static_cast<double>(extents.ends[i][0]), y}, -1);
+    extend(right, {static_cast<double>(extents.ends[i][1]), y}, 1);
+  }
+  // Down the right side, up the left one; ends that are one pixel are named once.
+  std::vector<PixelPoint> hull = right;
+  if (left.back().x == right.back().x) left.pop_back();
+  std::reverse(left.begin(), left.end());
+  if (!left.empty() && left.back().x == right.front().x && left.back().y == right.front().y) {
+    left.pop_back();
+  }
+  hull.insert(hull.end(), left.begin(), left.end());
+  return hull;
+}
+
+// The rows' extents of the regions that `kept_index` numbers.
+std::vector<RowExtents> row_extents(RunMap& map, const std::vector<std::uint32_t>& kept_index,
+                                    const std::vector<Region>& kept) {
+  std::vector<RowExtents> extents(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    extents[i].top = kept[i].top;
+    extents[i].ends.assign(static_cast<std::size_t>(kept[i].bottom - kept[i].top + 1),
+                           {std::numeric_limits<int>::max(), -1});
+  }
+  for (std::size_t y = 0; y + 1 < map.first_of_row.size(); ++y) {
+    for (std::size_t i = map.first_of_row[y]; i + 1 < map.first_of_row[y + 1]; ++i) {
+      if (map.labels[i] == kNone) continue;
+      const std::uint32_t index = kept_index[map.labels[i]];
+      if (index == kNone) continue;
+      std::array<int, 2>& ends =
+          extents[index].ends[y - static_cast<std::size_t>(extents[index].top)];
+      ends[0] = std::min(ends[0], map.begins[i]);
+      ends[1] = map.begins[i + 1] - 1;
     }
   }
-}
-
-// Bounding box and area of every region.
-std::vector<Region> measure_regions(RunMap& map) {
-  std::vector<Region> regions(number_regions(map));
-  for_each_run(map, [&](int y, const Run& run) {
-    Region& region = regions[run.region];
-    if (region.area == 0) region = {run.white, run.begin, y, run.end - 1, y, 0, {}};
-    region.left = std::min(region.left, run.begin);
-    region.right = std::max(region.right, run.end - 1);
-    region.bottom = y;
-    region.area += run.end - run.begin;
-  });
-  return regions;
-}
-
-// Leftmost and rightmost pixels of the regions that `kept_index` numbers, row by row.
-void add_outlines(const RunMap& map, const std::vector<std::uint32_t>& kept_index,
-                  std::vector<Region>& kept) {
-  for_each_run(map, [&](int y, const Run& run) {
-    const std::uint32_t index = kept_index[run.region];
-    if (index == kNotKept) return;
-    std::vector<PixelPoint>& outline = kept[index].outline;
-    const PixelPoint end{static_cast<double>(run.end - 1), static_cast<double>(y)};
-    if (!outline.empty() && outline.back().y == end.y) {
-      outline.back() = end;
-      return;
-    }
-    outline.push_back({static_cast<double>(run.begin), static_cast<double>(y)});
-    outline.push_back(end);
-  });
+  return extents;
 }
 
 }  // namespace
@@ -245,19 +209,19 @@ void add_outlines(const RunMap& map, const std::vector<std::uint32_t>& kept_inde
 std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options) {
   if (image.width < options.min_width || image.height < options.min_height) return {};
   RunMap map = find_runs(image, options);
-  std::vector<Region> measured = measure_regions(map);
   std::vector<Region> kept;
-  std::vector<std::uint32_t> kept_index(measured.size(), kNotKept);
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    Region& region = measured[i];
-    if (region.right - region.left + 1 < options.min_width ||
-        region.bottom - region.top + 1 < options.min_height) {
-      continue;
+  std::vector<std::uint32_t> kept_index(map.parents.size(), kNone);
+  for (std::size_t i = 0; i < map.parents.size(); ++i) {
+    const Extent& extent = map.extents[i];
+    if (map.parents[i] != i) {
+      kept_index[i] = kept_index[map.parents[i]];
+    } else if (is_kept(extent, image, options)) {
+      kept_index[i] = static_cast<std::uint32_t>(kept.size());
+      kept.push_back({extent.white, extent.left, extent.top, extent.right - 1, extent.bottom, {}});
     }
-    kept_index[i] = static_cast<std::uint32_t>(kept.size());
-    kept.push_back(std::move(region));
   }
-  add_outlines(map, kept_index, kept);
+  const std::vector<RowExtents> extents = row_extents(map, kept_index, kept);
+  for (std::size_t i = 0; i < kept.size(); ++i) kept[i].hull = hull_of(extents[i]);
   return kept;
 }
 

@@ -2,39 +2,43 @@
 // White and dark regions of an image: local threshold, runs, connected regions.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
 namespace tagsmith {
 
 struct RegionOptions {
-  // Side of the square tiles whose darkest and brightest samples set the local threshold, pixels.
-  // The threshold sees 3 x 3 tiles, so an edge is found wherever both its sides lie within about
-  // two tiles; 8 keeps bars and quiet zones of the smallest readable tags apart from the wall.
-  int tile = 8;
   // A neighbourhood whose contrast is less than this many grey levels is flat, and white.
   int min_contrast = 20;
   // Regions smaller than this, in pixels across and down, cannot hold a readable symbol.
   int min_width = 20;
   int min_height = 12;
+  // Regions larger than this, in pixels across or down, are left out.
+  int max_size = std::numeric_limits<int>::max();
+  // About so many changes of colour along the rows are followed, those of the greatest contrast: a
+  // bound on the time for images full of texture or noise.
+  std::size_t max_changes = std::numeric_limits<std::size_t>::max();
+  // Parts of the image that are taken for flat: what they show is known already.
+  std::vector<Quad> known;
 };
 
-// A connected region of one colour and the ends of its extent on each of its rows.
+// A connected region of one colour.
 struct Region {
   bool white = false;
   int left = 0;
   int top = 0;
-  int right = 0;   // inclusive
-  int bottom = 0;  // inclusive
-  std::int64_t area = 0;
-  std::vector<PixelPoint> outline;  // leftmost and rightmost pixel of each row, top to bottom
+  int right = 0;                 // inclusive
+  int bottom = 0;                // inclusive
+  std::vector<PixelPoint> hull;  // convex, clockwise in the image, through centres of pixels
 };
 
-// The white (4-connected) and dark (8-connected) regions that are at least as large as the options
-// ask, those that touch the image's border included.
+// The white (4-connected) and dark (8-connected) regions within the options' sizes that do not
+// touch the image's border.
 std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options = {});
 
 }  // namespace tagsmith

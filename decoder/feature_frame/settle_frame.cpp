@@ -8,22 +8,10 @@
 #include <vector>
 
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/image/bilinear.hpp"
 
 namespace tagsmith {
 namespace {
-
-double sample_bilinear(const GrayView& image, PixelPoint at) {
-  const double x = std::clamp(at.x, 0.0, image.width - 1.001);
-  const double y = std::clamp(at.y, 0.0, image.height - 1.001);
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const double fx = x - x0;
-  const double fy = y - y0;
-  const std::uint8_t* upper = image.row(y0) + x0;
-  const std::uint8_t* lower = image.row(y0 + 1) + x0;
-  return (1 - fy) * ((1 - fx) * upper[0] + fx * upper[1]) +
-         fy * ((1 - fx) * lower[0] + fx * lower[1]);
-}
 
 // Where the profile across the side falls steepest from inside to outside, as a distance from the
 // side; nothing when it does not fall by `min_fall` grey levels.
@@ -112,7 +100,7 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
   constexpr double kEnds = 0.92;        // leave the corners out
   constexpr double kLeastShown = 0.45;  // of the profiles must agree on one edge
   const double side_length = distance(side.begin, side.end);
-  const int count = std::clamp(static_cast<int>(side_length / 2), 10, 40);
+  const int count = std::clamp(static_cast<int>(side_length / 2), 10, 24);
   std::vector<EdgePoint> points;
   for (int k = 0; k < count; ++k) {
     const double along = kEnds * (2.0 * k / (count - 1) - 1.0);
@@ -131,16 +119,18 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
 }
 
 // Whether it is white, dark and white again from the inside of the side to its outside. The stroke
-// may be twice as thick as guessed where the frame's proportions leave open which way it runs.
+// may be half or twice as thick as guessed, because foreshortening hides which way the symbol runs.
 bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) {
   constexpr double kLeastFall = 6;  // grey levels
   constexpr double kLeastRise = 4;  // of those, for the plate's margin, which may be narrow
+  constexpr int kSteps = 12;
   const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
-  const double stroke = sample_bilinear(image, at + (0.7 * side.reach + 0.5) * side.outward);
-  if (inside - stroke <= kLeastFall) return false;
-  for (const double strokes : {1.0, 1.5, 1.9, 2.5}) {
-    const PixelPoint beyond = at + (strokes * side.stroke + 0.5) * side.outward;
-    if (sample_bilinear(image, beyond) - stroke > kLeastRise) return true;
+  const double step = (2.5 * side.stroke + 1) / kSteps;
+  double darkest = 255;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double value = sample_bilinear(image, at + (step * k) * side.outward);
+    darkest = std::min(darkest, value);
+    if (inside - darkest > kLeastFall && value - darkest > kLeastRise) return true;
   }
   return false;
 }
@@ -153,7 +143,7 @@ bool looks_framed(const GrayView& image, const Quad& rough) {
   for (std::size_t i = 0; i < 4; ++i) {
     const SideLine side = side_of(rough, i);
     int alike = 0;
-    for (int k = 0; k < kPlaces; ++k) {
+    for (int k = 0; k < kPlaces && alike < kLeastAlike; ++k) {
       const PixelPoint at = point_on(side, 0.92 * (2.0 * k / (kPlaces - 1) - 1));
       alike += crosses_stroke(image, side, at) ? 1 : 0;
     }
@@ -168,7 +158,8 @@ Result<Quad> settle_frame(const GrayView& image, const Quad& rough) {
     std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
       const SideLine side = side_of(quad, i);
-      const auto settled = settle_side(image, side, pass == 0 ? side.reach + 1 : side.reach);
+      const auto settled =
+          settle_side(image, side, pass == 0 ? side.reach + 1 : std::min(side.reach, 3.0));
       if (!settled) return fail("feature frame: a side shows no edge along most of its length");
       sides[i] = *settled;
     }

@@ -4,16 +4,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "decoder/feature_frame/bar_blocks.hpp"
+#include "decoder/feature_frame/bar_direction.hpp"
 #include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
+#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
@@ -31,26 +37,25 @@ bool same_frame(const Quad& a, const Quad& b) {
   return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
 }
 
-// True when two quadrilaterals agree to less than half a pixel.
-bool nearly_equal(const Quad& a, const Quad& b) {
-  constexpr double kPixels = 0.4;
+// True when the corners of two quadrilaterals are less than this many pixels apart, in any turn.
+bool nearly_equal(const Quad& a, const Quad& b, double pixels) {
   for (std::size_t turn = 0; turn < 4; ++turn) {
     double farthest = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       farthest = std::max(farthest, distance(a[i], b[(i + turn) % 4]));
     }
-    if (farthest < kPixels) return true;
+    if (farthest < pixels) return true;
   }
   return false;
 }
 
-// The corners that may be P's: where the symbol runs along the longer sides; both ways when the
-// foreshortened frame is nearly square. Upside down is left to the symbol.
-std::vector<std::size_t> possible_first_corners(const Quad& quad) {
-  const double along = distance(quad[0], quad[1]) + distance(quad[3], quad[2]);
-  const double across = distance(quad[1], quad[2]) + distance(quad[0], quad[3]);
-  if (along > 1.7 * across) return {0};
-  if (across > 1.7 * along) return {1};
+// The corners that may be P's: the symbol runs the way in which the grey level changes; both ways
+// when that is not clear. Upside down is left to the symbol.
+std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad) {
+  constexpr double kClear = 1.5;
+  const BarSteps steps = bar_steps(image, quad);
+  if (steps.along > kClear * steps.across) return {0};
+  if (steps.across > kClear * steps.along) return {1};
   return {0, 1};
 }
 
@@ -74,7 +79,7 @@ std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& f
     if (best && decoding->fit.explained <= best->decoding.fit.explained) return;
     best = Attempt{*decoding, (first_corner + (decoding->upside_down ? 2 : 0)) % 4, profile};
   };
-  for (const std::size_t first_corner : possible_first_corners(frame.corners)) {
+  for (const std::size_t first_corner : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) attempt(first_corner, layout);
   }
   return best;
@@ -140,18 +145,45 @@ class PictureReader {
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
-    if (!looks_framed(level.image, candidate)) return;
-    const Result<Quad> settled = settle_frame(level.image, candidate);
+    if (is_read(to_full(level, candidate)) || !looks_framed(level.image, candidate)) return;
+    try_frame(level, candidate);
+  }
+
+  // Reads what stands in a frame that is known to a few pixels of the level.
+  void try_frame(const PyramidLevel& level, const Quad& rough) {
+    const Result<Quad> settled = settle_frame(level.image, rough);
     if (!settled) return;
     const Quad quad = to_full(level, *settled);
-    const auto read = [&](const Reading& tag) { return same_frame(tag.corners, quad); };
-    if (std::ranges::any_of(result_.tags, read)) return;
-    const auto again = [&](const Quad& other) { return nearly_equal(other, quad); };
-    if (std::ranges::any_of(tried_, again)) return;
-    tried_.push_back(quad);
+    if (is_read(quad)) return;
+    if (was_tried(settled_, quad, 0.4)) return;
+    settled_.push_back(quad);
     const Result<RefinedFrame> frame = refine_frame(image_, quad);
-    if (!frame) return;
+    if (!frame || was_tried(refined_, frame->corners, 0.1)) return;
+    refined_.push_back(frame->corners);
     if (const auto attempt = best_attempt(image_, *frame, options_)) judge(*frame, *attempt);
+  }
+
+  // The plates read so far, in pixels of a level.
+  std::vector<Quad> known_in(const PyramidLevel& level) const {
+    constexpr double kStroke = 0.04;  // of the frame's length: the frame and a little more
+    std::vector<Quad> known;
+    for (const Reading& tag : result_.tags) {
+      const double stroke = kStroke * distance(tag.corners[0], tag.corners[1]);
+      known.push_back(to_level(level, widened(tag.corners, stroke)));
+    }
+    return known;
+  }
+
+  // Whether an expected tag has been read where it should be.
+  bool has_read(const ExpectedTag& expected) const {
+    const auto fits = [&](const Reading& tag) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double off = distance(tag.corners[i], expected.corners[i]);
+        if (off > expected.uncertainty_px + 1) return false;
+      }
+      return true;
+    };
+    return std::ranges::any_of(result_.tags, fits);
   }
 
   ReadResult take_result() {
@@ -169,6 +201,16 @@ class PictureReader {
   }
 
  private:
+  bool is_read(const Quad& quad) const {
+    const auto same = [&](const Reading& tag) { return same_frame(tag.corners, quad); };
+    return std::ranges::any_of(result_.tags, same);
+  }
+
+  static bool was_tried(const std::vector<Quad>& tried, const Quad& quad, double pixels) {
+    return std::ranges::any_of(
+        tried, [&](const Quad& other) { return nearly_equal(other, quad, pixels); });
+  }
+
   void judge(const RefinedFrame& frame, const Attempt& attempt) {
     const FrameCorners corners = corners_of(frame, attempt);
     if (const auto reason = objection(attempt, options_)) {
@@ -181,20 +223,154 @@ class PictureReader {
   GrayView image_;
   const ReadOptions& options_;
   ReadResult result_;
-  std::vector<Quad> tried_;
+  std::vector<Quad> settled_;  // frames tried, before and after the fine fit
+  std::vector<Quad> refined_;
 };
+
+// Frames larger than this are seen in the image at half its size, pixels.
+constexpr int kMaxFinestSize = 240;
+
+// Changes of colour that are followed in a level: one for so many of its pixels. Coarse levels are
+// searched whole; what they show is left out of the finer ones.
+std::size_t max_changes(const PyramidLevel& level) {
+  const int per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
+  const auto pixels =
+      static_cast<std::size_t>(level.image.width) * static_cast<std::size_t>(level.image.height);
+  return pixels / static_cast<std::size_t>(per_change);
+}
+
+// The image at full, half, quarter size and so on, the coarsest first.
+class Pyramid {
+ public:
+  explicit Pyramid(const GrayView& image) {
+    // Noise halves from level to level, and with it the contrast that stands out from it.
+    constexpr std::array<int, 3> kContrasts{20, 12, 7};
+    constexpr int kLeastSize = 160;
+    levels_.push_back({image, 1, kContrasts[0]});
+    while (levels_.size() < 3 ||
+           std::min(levels_.back().image.width, levels_.back().image.height) >= 2 * kLeastSize) {
+      const PyramidLevel& finer = levels_.back();
+      reduced_.push_back(half_size(finer.image));
+      const int contrast = kContrasts[std::min<std::size_t>(levels_.size(), 2)];
+      levels_.push_back({reduced_.back().view(), 2 * finer.scale, contrast});
+    }
+    std::ranges::reverse(levels_);
+  }
+
+  const std::vector<PyramidLevel>& levels() const { return levels_; }
+
+  // The level of a half (2) or a quarter (4) of the size.
+  const PyramidLevel& scaled_down(int times) const {
+    return levels_[levels_.size() - (times == 2 ? 2 : 3)];
+  }
+
+ private:
+  std::deque<GrayImage> reduced_;
+  std::vector<PyramidLevel> levels_;
+};
+
+// Tries the regions of a level, and pairs of them, that look like frames.
+void search_regions(PictureReader& reader, const PyramidLevel& level, bool join_pieces) {
+  CandidateOptions search;
+  search.known = reader.known_in(level);
+  if (level.scale == 1) search.max_size = kMaxFinestSize;
+  search.max_changes = max_changes(level);
+  search.join_pieces = join_pieces;
+  for (const Quad& candidate : find_candidates(level, search)) {
+    reader.try_candidate(level, candidate);
+  }
+}
+
+// Looks for frames whose outline is in pieces, by the bars inside: in the blocks of bars of a
+// coarse level that no reading explains. Returns whether there were any.
+bool search_around_bars(PictureReader& reader, const PyramidLevel& coarse,
+                        const PyramidLevel& fine) {
+  bool any = false;
+  for (const BarBlock& coarse_block : find_bar_blocks(coarse.image, reader.known_in(coarse))) {
+    const BarBlock block = scaled(coarse_block, coarse.scale / fine.scale);
+    if (!is_symbol_like(fine.image, block)) continue;
+    any = true;
+    if (const auto quad = frame_around(fine.image, block)) reader.try_candidate(fine, *quad);
+  }
+  return any;
+}
+
+// The part of the image around an expected tag.
+PyramidLevel surroundings(const GrayView& image, const ExpectedTag& expected) {
+  const FrameCorners& c = expected.corners;
+  const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x, c[3].x});
+  const auto [top, bottom] = std::minmax({c[0].y, c[1].y, c[2].y, c[3].y});
+  const double margin = expected.uncertainty_px + 16 + 0.1 * std::max(right - left, bottom - top);
+  const auto pixel = [](double at, int end) {
+    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(end)));
+  };
+  const int first_x = pixel(left - margin, image.width);
+  const int first_y = pixel(top - margin, image.height);
+  PyramidLevel part{image, 1, 20, {static_cast<double>(first_x), static_cast<double>(first_y)}};
+  part.image.data = image.row(first_y) + first_x;
+  part.image.width = pixel(right + margin, image.width) - first_x;
+  part.image.height = pixel(bottom + margin, image.height) - first_y;
+  return part;
+}
+
+// How far off a side of the frame may be for it to be settled in a level, pixels of the full image.
+double settling_reach(const Quad& quad, double scale) {
+  double reach = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 4; ++i) {
+    Quad reduced = quad;
+    for (PixelPoint& corner : reduced) corner = 1 / scale * corner;
+    reach = std::min(reach, scale * (side_of(reduced, i).reach + 1));
+  }
+  return reach;
+}
+
+// Looks for an expected tag where it should be: fits its frame from there in the finest level that
+// reaches as far as the expectation may be off, and searches the surroundings when that fails.
+void look_for(PictureReader& reader, const GrayView& image, const ExpectedTag& expected) {
+  PyramidLevel level = surroundings(image, expected);
+  constexpr int kLeastSize = 16;
+  if (level.image.width < kLeastSize || level.image.height < kLeastSize ||
+      !is_convex(expected.corners)) {
+    return;
+  }
+  std::deque<GrayImage> reduced;
+  std::vector<PyramidLevel> levels{level};
+  while (levels.size() < 3 &&
+         expected.uncertainty_px > settling_reach(expected.corners, level.scale) &&
+         std::min(level.image.width, level.image.height) >= 4 * kLeastSize) {
+    reduced.push_back(half_size(level.image));
+    level.image = reduced.back().view();
+    level.scale *= 2;
+    level.min_contrast = 12;
+    levels.push_back(level);
+  }
+  reader.try_frame(level, to_level(level, expected.corners));
+  if (reader.has_read(expected)) return;
+  std::ranges::reverse(levels);
+  for (const PyramidLevel& part : levels) search_regions(reader, part, false);
+}
+
+void search(PictureReader& reader, const GrayView& image) {
+  const Pyramid pyramid(image);
+  for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, false);
+  const PyramidLevel& quarter = pyramid.scaled_down(4);
+  const PyramidLevel& half = pyramid.scaled_down(2);
+  if (!search_around_bars(reader, quarter, half)) return;
+  search_around_bars(reader, half, half);
+  search_regions(reader, quarter, true);
+  search_regions(reader, half, true);
+}
 
 }  // namespace
 
 ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
   PictureReader reader(image, options);
-  const GrayImage half = half_size(image);
-  const GrayImage quarter = half_size(half.view());
-  // Noise halves from level to level, and with it the contrast that stands out from it.
-  const std::array<PyramidLevel, 3> levels{
-      {{image, 1, 20}, {half.view(), 2, 12}, {quarter.view(), 4, 7}}};
-  for (const PyramidLevel& level : levels) {
-    for (const Quad& candidate : find_candidates(level)) reader.try_candidate(level, candidate);
+  for (const ExpectedTag& tag : options.expected) look_for(reader, image, tag);
+  const auto is_missing = [&](const ExpectedTag& tag) { return !reader.has_read(tag); };
+  const bool missing =
+      options.expected.empty() || std::ranges::any_of(options.expected, is_missing);
+  if (options.search == Search::always || (options.search == Search::when_missing && missing)) {
+    search(reader, image);
   }
   return reader.take_result();
 }

@@ -11,7 +11,25 @@
 
 namespace tagsmith {
 
+// A tag that should be in the picture: predicted from a survey and the last position, or seen in
+// the picture before.
+struct ExpectedTag {
+  FrameCorners corners{};     // from P on
+  double uncertainty_px = 4;  // farthest that a corner may be off
+};
+
+// When the whole picture is searched.
+enum class Search {
+  always,
+  when_missing,  // when no tag is expected, or an expected one is not read where it should be
+  never,         // only expected tags are read
+};
+
 struct ReadOptions {
+  // Looked for first, by fitting their frames where they should be: some twenty times as fast as a
+  // search.
+  std::vector<ExpectedTag> expected;
+  Search search = Search::when_missing;
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).
   std::optional<CheckDigit> check;
   // Codes that exist (the survey's). When not empty, only these are returned, and reading works at

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/frame_around.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/image/bilinear.hpp"
+
+namespace tagsmith {
+namespace {
+
+// A fall from white to dark on a scan line, in a block's coordinates.
+struct Fall {
+  double at = 0;   // along the side looked for
+  double out = 0;  // outwards
+};
+
+constexpr int kScanLines = 28;
+
+// Adds where a scan line falls from white to dark: local maxima, not much less than the strongest.
+// `step` is one pixel of the scan line.
+template <class ToFall>
+void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int count,
+               const ToFall& to_fall, std::vector<Fall>& falls) {
+  constexpr double kLeastFall = 6;      // grey levels over two pixels
+  constexpr double kLeastShare = 0.35;  // of the strongest
+  std::vector<double> drops{0};
+  double strongest = 0;
+  double before = sample_bilinear(image, start);
+  double here = sample_bilinear(image, start + step);
+  for (int i = 2; i < count; ++i) {
+    const double next = sample_bilinear(image, start + static_cast<double>(i) * step);
+    drops.push_back(before - next);
+    strongest = std::max(strongest, drops.back());
+    before = here;
+    here = next;
+  }
+  const double least = std::max(kLeastFall, kLeastShare * strongest);
+  for (std::size_t i = 1; i + 1 < drops.size(); ++i) {
+    if (drops[i] < least || drops[i - 1] > drops[i] || drops[i + 1] >= drops[i]) continue;
+    falls.push_back(to_fall(start + static_cast<double>(i) * step));
+  }
+}
+
+struct Line {
+  double out = 0;    // where at = 0
+  double slope = 0;  // pixels outwards a pixel along
+};
+
+// The nearest straight line that half of the scan lines have a fall on (Hough transform over slope
+// and distance).
+std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
+  constexpr double kLeastShown = 0.5;  // of the scan lines
+  constexpr double kOfBest = 0.75;     // of those of the line that shows best
+  constexpr int kSlopes = 24;          // to both sides
+  constexpr double kMaxSlope = 0.8;    // of a plate seen and turned obliquely
+  const auto bins = static_cast<std::size_t>(reach + 3);
+  const auto slope_of = [](std::size_t k) {
+    return kMaxSlope * (static_cast<double>(k) - kSlopes) / kSlopes;
+  };
+  std::vector<std::vector<int>> votes(2 * kSlopes + 1, std::vector<int>(bins));
+  int best = 0;
+  for (std::size_t k = 0; k < votes.size(); ++k) {
+    std::vector<int>& bin = votes[k];
+    for (const Fall& fall : falls) {
+      const double out = fall.out - slope_of(k) * fall.at;
+      if (out >= 0 && out < static_cast<double>(bins)) ++bin[static_cast<std::size_t>(out)];
+    }
+    for (std::size_t i = 0; i + 1 < bins; ++i) {
+      bin[i] += bin[i + 1];
+      best = std::max(best, bin[i]);
+    }
+  }
+  const double least = std::max(kLeastShown * kScanLines, kOfBest * best);
+  for (std::size_t i = 0; i + 1 < bins; ++i) {
+    const auto shows = [&](const std::vector<int>& bin) { return bin[i] >= least; };
+    if (std::ranges::none_of(votes, shows)) continue;
+    // Neighbouring slopes and distances share the line; it is where most agree.
+    Line line;
+    int most = 0;
+    for (std::size_t near = i; near < std::min(i + 4, bins - 1); ++near) {
+      for (std::size_t k = 0; k < votes.size(); ++k) {
+        if (votes[k][near] <= most) continue;
+        most = votes[k][near];
+        line = {static_cast<double>(near) + 1, slope_of(k)};
+      }
+    }
+    return line;
+  }
+  return std::nullopt;
+}
+
+// The frame's side beyond the ends of the bars, upwards (-1) or downwards (1): along the bars there
+// is no other edge on the way.
+std::optional<Line> side_at_ends(const GrayView& image, const BarBlock& block, double direction) {
+  const double reach = 3.6 * block.half_height;
+  const PixelPoint step = direction * block.along;
+  std::vector<Fall> falls;
+  for (int k = 0; k < kScanLines; ++k) {
+    const double at = 0.7 * block.half_width * (2.0 * k / (kScanLines - 1) - 1);
+    const PixelPoint start = block.centre + at * block.across;
+    const auto to_fall = [&](PixelPoint point) {
+      return Fall{at, dot(point - block.centre, step)};
+    };
+    add_falls(image, start, step, static_cast<int>(reach), to_fall, falls);
+  }
+  return nearest_line(falls, reach);
+}
+
+// The frame's side to the left (-1) or right (1) of the bars, by scan lines between the bars' ends
+// and the frame's upper and lower sides.
+std::optional<Line> side_beside(const GrayView& image, const BarBlock& block, const Line& upper,
+                                const Line& lower, double direction) {
+  const double reach = 2.6 * block.half_width;
+  const PixelPoint outward = direction * block.across;
+  std::vector<Fall> falls;
+  for (int k = 0; k < kScanLines; ++k) {
+    const double share = 0.03 + 0.1 * (k / 2) / (kScanLines / 2 - 1);
+    const double v = k % 2 == 0 ? share : 1 - share;
+    // Between the lines -upper.out + -upper.slope * at and lower.out + lower.slope * at.
+    const double middle = (1 - v) * -upper.out + v * lower.out;
+    const double slope = (1 - v) * -upper.slope + v * lower.slope;
+    const PixelPoint start = block.centre + middle * block.along;
+    const PixelPoint run = block.across + slope * block.along;
+    const PixelPoint step = direction / length(run) * run;
+    const auto to_fall = [&](PixelPoint point) {
+      return Fall{dot(point - block.centre, block.along), dot(point - block.centre, outward)};
+    };
+    add_falls(image, start, step, static_cast<int>(reach), to_fall, falls);
+  }
+  return nearest_line(falls, reach);
+}
+
+// A line's points at both ends, from `begin` to `end` along the side.
+SideLine side_line(const BarBlock& block, PixelPoint axis, PixelPoint outward, const Line& line,
+                   double begin, double end) {
+  const auto point = [&](double at) {
+    return block.centre + at * axis + (line.out + line.slope * at) * outward;
+  };
+  SideLine side;
+  side.begin = point(begin);
+  side.end = point(end);
+  side.along = 1 / distance(side.begin, side.end) * (side.end - side.begin);
+  side.outward = {side.along.y, -side.along.x};
+  return side;
+}
+
+}  // namespace
+
+std::optional<Quad> frame_around(const GrayView& image, const BarBlock& block) {
+  const auto upper = side_at_ends(image, block, -1);
+  if (!upper) return std::nullopt;
+  const auto lower = side_at_ends(image, block, 1);
+  if (!lower) return std::nullopt;
+  const auto left = side_beside(image, block, *upper, *lower, -1);
+  if (!left) return std::nullopt;
+  const auto right = side_beside(image, block, *upper, *lower, 1);
+  if (!right) return std::nullopt;
+  const double width = block.half_width;
+  const double height = block.half_height;
+  const PixelPoint across = block.across;
+  const PixelPoint along = block.along;
+  return corners_of({side_line(block, across, -1.0 * along, *upper, -width, width),
+                     side_line(block, along, across, *right, -height, height),
+                     side_line(block, across, along, *lower, width, -width),
+                     side_line(block, along, -1.0 * across, *left, height, -height)});
+}
+
+}  // namespace tagsmith

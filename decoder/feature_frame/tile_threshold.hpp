@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// A threshold for every tile of an image, and the pixels below it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith {
+
+// Side of the square tiles, pixels. The threshold sees 3 x 3 tiles, so an edge is found wherever
+// both its sides lie within about two tiles; 8 keeps bars and quiet zones of the smallest readable
+// tags apart from the wall, and a tile's row is one 64-bit word.
+inline constexpr int kTile = 8;
+
+// Darkest and brightest sample of each tile; grids of columns x rows tiles, row by row. The tiles
+// at the right and lower border may be cut.
+struct TileExtremes {
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::uint8_t> low;
+  std::vector<std::uint8_t> high;
+};
+
+TileExtremes tile_extremes(const GrayView& image);
+
+// Per tile, a threshold and how much the 3 x 3 tiles around it differ; grids as those of the
+// extremes.
+struct TileThresholds {
+  int columns = 0;
+  std::vector<std::uint8_t> levels;  // grey level below which a sample is dark; 0 where it is flat
+  std::vector<std::uint8_t> contrast;  // grey levels between darkest and brightest
+};
+
+// The threshold is midway between the extremes of the 3 x 3 tiles around; where these differ by
+// less than `min_contrast`, the tile is flat and nothing in it is dark.
+TileThresholds tile_thresholds(const TileExtremes& extremes, int min_contrast);
+
+// Makes the tiles flat whose centre lies in the quadrilateral.
+void clear_tiles(const Quad& quad, TileThresholds& thresholds);
+
+// The pixels of an image that are dark: 64 pixels a word, the first in its lowest bit.
+struct DarkPixels {
+  int width = 0;
+  int height = 0;
+  std::size_t words = 0;  // of a row
+  std::vector<std::uint64_t> bits;
+
+  const std::uint64_t* row(int y) const {
+    return bits.data() + static_cast<std::size_t>(y) * words;
+  }
+};
+
+// Thresholds the image. Where that gives more than `max_changes` changes of colour along its rows,
+// the tiles with the least contrast become flat until about so many are left: a frame is among the
+// sharpest contrasts in a picture, and its texture and noise are without end.
+DarkPixels mark_dark(const GrayView& image, TileThresholds thresholds, std::size_t max_changes);
+
+}  // namespace tagsmith

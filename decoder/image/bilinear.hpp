@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/image/pixel.hpp"
+
+namespace tagsmith {
+
+// The grey level between pixels; beyond the image that of its border.
+inline double sample_bilinear(const GrayView& image, PixelPoint at) {
+  const double x = std::clamp(at.x, 0.0, image.width - 1.001);
+  const double y = std::clamp(at.y, 0.0, image.height - 1.001);
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const double fx = x - x0;
+  const double fy = y - y0;
+  const std::uint8_t* upper = image.row(y0) + x0;
+  const std::uint8_t* lower = image.row(y0 + 1) + x0;
+  const double above = upper[0] + fx * (upper[1] - upper[0]);
+  const double below = lower[0] + fx * (lower[1] - lower[0]);
+  return above + fy * (below - above);
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finding feature frames: the steps against plain implementations, and frames that are hard to see.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/feature_frame/bar_blocks.hpp"
+#include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/frame_around.hpp"
+#include "decoder/feature_frame/regions.hpp"
+#include "decoder/feature_frame/tile_threshold.hpp"
+#include "decoder/image/half_size.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+GrayImage noise(int width, int height, std::mt19937& random) {
+  GrayImage image{width, height, {}};
+  std::uniform_int_distribution<int> level(0, 255);
+  for (int i = 0; i < width * height; ++i) {
+    image.samples.push_back(static_cast<std::uint8_t>(level(random)));
+  }
+  return image;
+}
+
+// Black rectangles and white ones on top of each other, small enough that no tile is amid black
+// alone.
+GrayImage blocks(int width, int height, std::mt19937& random) {
+  GrayImage image{width, height, {}};
+  image.samples.assign(static_cast<std::size_t>(width * height), 255);
+  const auto below = [&](int end) {
+    return std::uniform_int_distribution<int>(0, end - 1)(random);
+  };
+  for (int k = 0; k < 90; ++k) {
+    const int left = below(width), top = below(height);
+    const int right = std::min(width, left + 1 + below(12));
+    const int bottom = std::min(height, top + 1 + below(12));
+    for (int y = top; y < bottom; ++y) {
+      std::fill(image.samples.begin() + y * width + left, image.samples.begin() + y * width + right,
+                static_cast<std::uint8_t>(k % 2 == 0 ? 0 : 255));
+    }
+  }
+  return image;
+}
+
+bool is_dark(const DarkPixels& dark, int x, int y) {
+  return (dark.row(y)[x / 64] >> (x % 64) & 1U) != 0;
+}
+
+// As tile_threshold.hpp says it, pixel by pixel.
+bool is_dark_by_definition(const GrayImage& image, int x, int y, int min_contrast) {
+  int low = 255;
+  int high = 0;
+  const int left = (x / kTile - 1) * kTile, top = (y / kTile - 1) * kTile;
+  for (int v = std::max(top, 0); v < std::min(top + 3 * kTile, image.height); ++v) {
+    for (int u = std::max(left, 0); u < std::min(left + 3 * kTile, image.width); ++u) {
+      low = std::min<int>(low, image.view().at(u, v));
+      high = std::max<int>(high, image.view().at(u, v));
+    }
+  }
+  return high - low >= min_contrast && image.view().at(x, y) < (low + high + 1) / 2;
+}
+
+using Box = std::array<int, 5>;  // white, left, top, right, bottom
+
+// The regions of a black and white image that do not touch its border, by flooding.
+std::set<Box> flooded_regions(const GrayImage& image) {
+  std::set<Box> boxes;
+  std::vector<bool> seen(image.samples.size());
+  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y * image.width + x); };
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (seen[index(x, y)]) continue;
+      const bool white = image.samples[index(x, y)] > 127;
+      Box box{white ? 1 : 0, x, y, x, y};
+      std::vector<std::pair<int, int>> queue{{x, y}};
+      seen[index(x, y)] = true;
+      while (!queue.empty()) {
+        const auto [u, v] = queue.back();
+        queue.pop_back();
+        box = {box[0], std::min(box[1], u), std::min(box[2], v), std::max(box[3], u),
+               std::max(box[4], v)};
+        for (int dy = -1; dy <= 1; ++dy) {
+          for (int dx = -1; dx <= 1; ++dx) {
+            const int a = u + dx, b = v + dy;
+            if (a < 0 || b < 0 || a >= image.width || b >= image.height) continue;
+            if (white && dx != 0 && dy != 0) continue;
+            if (seen[index(a, b)] || (image.samples[index(a, b)] > 127) != white) continue;
+            seen[index(a, b)] = true;
+            queue.emplace_back(a, b);
+          }
+        }
+      }
+      const bool inside =
+          box[1] > 0 && box[2] > 0 && box[3] + 1 < image.width && box[4] + 1 < image.height;
+      if (inside) boxes.insert(box);
+    }
+  }
+  return boxes;
+}
+
+const Digits kCode{0, 1, 9, 0, 0, 0, 0, 0, 0, 4, 0, 4};
+
+// A tag in the middle of a picture, turned about its vertical by `incidence`.
+struct Shot {
+  Camera camera;
+  ScenePlate plate;
+  ViewOptions view;
+};
+
+Shot shot_of_tag(double module_px, double incidence_deg) {
+  Shot shot;
+  shot.camera.width = 640;
+  shot.camera.height = 480;
+  shot.camera.fx = shot.camera.fy = 1600;
+  shot.camera.cx = 319.5;
+  shot.camera.cy = 239.5;
+  shot.plate.drawing = draw_tag(test::corridor_template(), kCode);
+  const double incidence = radians(incidence_deg);
+  const double distance =
+      shot.camera.fx * shot.plate.drawing.module * std::cos(incidence) / module_px;
+  shot.plate.camera_from_plate =
+      camera_from_turned_plate(shot.camera, shot.plate.drawing, {319.5, 239.5}, distance, incidence,
+                               radians(3.0), radians(5.0));
+  shot.view.sensor.exposure = 0.85;
+  shot.view.seed = 3;
+  return shot;
+}
+
+View render(const Shot& shot) {
+  return render_view(shot.camera, std::span(&shot.plate, 1), shot.view);
+}
+
+bool is_read(const View& view) {
+  const ReadResult result = read_tags(view.image.view());
+  return result.tags.size() == 1 && result.tags.front().digits == kCode;
+}
+
+}  // namespace
+
+TEST_CASE("an image at half its size is the mean of four pixels, whatever its width") {
+  std::mt19937 random(3);
+  for (const int width : {2, 3, 15, 16, 17, 33, 64, 131}) {
+    CAPTURE(width);
+    const GrayImage image = noise(width, 9, random);
+    const GrayImage half = half_size(image.view());
+    REQUIRE(half.width == width / 2);
+    REQUIRE(half.height == 4);
+    for (int y = 0; y < half.height; ++y) {
+      for (int x = 0; x < half.width; ++x) {
+        const GrayView v = image.view();
+        const int sum = v.at(2 * x, 2 * y) + v.at(2 * x + 1, 2 * y) + v.at(2 * x, 2 * y + 1) +
+                        v.at(2 * x + 1, 2 * y + 1);
+        REQUIRE(half.view().at(x, y) == (sum + 2) / 4);
+      }
+    }
+  }
+}
+
+TEST_CASE("dark pixels are those below the middle of the tiles around, whatever the image's size") {
+  std::mt19937 random(5);
+  for (const auto& [width, height] : {std::pair{1, 1}, {7, 9}, {64, 16}, {77, 20}, {130, 33}}) {
+    CAPTURE(width);
+    GrayImage image = noise(width, height, random);
+    // A calm part, so that the contrast matters.
+    for (int y = 0; y < height; ++y) {
+      for (int x = width / 2; x < width; ++x) {
+        std::uint8_t& sample = image.samples[static_cast<std::size_t>(y * width + x)];
+        sample = static_cast<std::uint8_t>(100 + sample / 16);
+      }
+    }
+    const DarkPixels dark = mark_dark(
+        image.view(), tile_thresholds(tile_extremes(image.view()), 20), image.samples.size());
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        REQUIRE(is_dark(dark, x, y) == is_dark_by_definition(image, x, y, 20));
+      }
+    }
+  }
+}
+
+TEST_CASE("a picture full of noise keeps about as many changes of colour as are allowed") {
+  std::mt19937 random(7);
+  GrayImage image = noise(320, 240, random);
+  for (std::size_t i = 0; i < image.samples.size(); ++i) {  // contrast grows to the right
+    image.samples[i] = static_cast<std::uint8_t>(image.samples[i] * (i % 320) / 320);
+  }
+  const DarkPixels dark =
+      mark_dark(image.view(), tile_thresholds(tile_extremes(image.view()), 20), 5000);
+  int changes = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 1; x < image.width; ++x) {
+      changes += is_dark(dark, x, y) != is_dark(dark, x - 1, y) ? 1 : 0;
+    }
+  }
+  CHECK(changes > 2000);
+  CHECK(changes < 6000);
+  CHECK_FALSE(is_dark(dark, 40, 120));
+}
+
+TEST_CASE("regions are those that flooding finds") {
+  std::mt19937 random(11);
+  for (int i = 0; i < 40; ++i) {
+    const GrayImage image = blocks(100 + i, 80 + i / 2, random);
+    RegionOptions options;
+    options.min_width = options.min_height = 1;
+    std::set<Box> found;
+    for (const Region& region : find_regions(image.view(), options)) {
+      found.insert({region.white ? 1 : 0, region.left, region.top, region.right, region.bottom});
+      for (const PixelPoint& point : region.hull) {
+        REQUIRE(point.x >= region.left);
+        REQUIRE(point.x <= region.right);
+        REQUIRE(point.y >= region.top);
+        REQUIRE(point.y <= region.bottom);
+      }
+    }
+    CAPTURE(i);
+    CHECK(found == flooded_regions(image));
+  }
+}
+
+TEST_CASE("known parts of a picture show no regions") {
+  const View view = render(shot_of_tag(2, 10));
+  const PyramidLevel level{view.image.view(), 1, 20};
+  REQUIRE_FALSE(find_candidates(level).empty());
+  CandidateOptions options;
+  options.known = {{PixelPoint{0, 0}, {640, 0}, {640, 480}, {0, 480}}};
+  CHECK(find_candidates(level, options).empty());
+}
+
+TEST_CASE("the frame is found around its bars when it does not show as one piece") {
+  Shot shot = shot_of_tag(2.5, 20);
+  // A board of the plate's colour before the whole plate, across the bars.
+  shot.plate.finish.cover = {{-0.1, 0.1, 0.6, 0.02}, 0.8};
+  const View view = render(shot);
+  const GrayView image = view.image.view();
+  const std::vector<BarBlock> found = find_bar_blocks(image, {});
+  const auto around = [&](const BarBlock& block) {
+    const auto quad = frame_around(image, block);
+    if (!quad) return false;
+    double farthest = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto& corner = view.plates.front().corners[i];
+      farthest = std::max(farthest, distance((*quad)[i], {corner->x(), corner->y()}));
+    }
+    return farthest < 4;
+  };
+  CHECK(std::ranges::any_of(found, around));
+  CHECK(is_read(view));
+}
+
+TEST_CASE("a wall without bars holds no symbol") {
+  std::mt19937 random(13);
+  const GrayImage image = noise(320, 240, random);
+  for (const BarBlock& block : find_bar_blocks(image.view(), {})) {
+    CHECK_FALSE(is_symbol_like(image.view(), block));
+  }
+}
+
+TEST_CASE("tags are read at incidences that make the frame higher than wide") {
+  for (const double incidence_deg : {0.0, 50.0, 70.0, 76.0}) {
+    CAPTURE(incidence_deg);
+    CHECK(is_read(render(shot_of_tag(0.8, incidence_deg))));
+  }
+}
