@@ -11,6 +11,13 @@
 
 namespace tagsmith {
 
+// When to look for symbols without a frame.
+enum class Frameless {
+  never,     // where corners are needed
+  fallback,  // when no tag was read by its frame: costs nothing where one was
+  always,
+};
+
 struct ReadOptions {
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).
   std::optional<CheckDigit> check;
@@ -23,6 +30,7 @@ struct ReadOptions {
   // magnitude (docs/accuracy.md, "Reliability"); no wrong code of a whole tag has been seen above
   // this value.
   double min_confidence = 1.0 - 1e-6;
+  Frameless frameless = Frameless::never;
 };
 
 // All tags in the image, whatever their rotation and perspective, and what was refused and why.

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Symbols read by their bars alone: tags whose feature frame is cut or damaged, and product codes.
+#pragma once
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/reader/reading.hpp"
+
+namespace tagsmith {
+
+// Every UPC-A symbol of the image that its bars alone make certain, whatever its rotation; small,
+// blurred and bent ones too. Bars are located by their texture, read line by line with a free
+// distortion along the line (decoder/scan/elastic_scan.hpp), the lines' likelihoods are added, and
+// the straightened profile must then pass what a framed symbol must. The check digit is
+// options.check, or gs1, that of every product, unless options.code_book says which codes exist.
+FramelessResult read_frameless(const GrayView& image, const ReadOptions& options = {});
+
+}  // namespace tagsmith

@@ -1,0 +1,627 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/scan/elastic_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tagsmith/base/normal.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr int kPerModule = 5;  // samples of a resampled line
+constexpr int kSegments = 15;  // start guard, 6 digits, centre guard, 6 digits, end guard
+constexpr int kMargin = 14;    // modules of a resampled line on both sides of the symbol
+constexpr int kSlack = 5;      // modules that a boundary may be off
+constexpr int kQuiet = 5;      // modules of quiet zone that are looked at
+constexpr int kRatios = 9;     // local module widths: 31 to 39 samples for seven modules
+constexpr int kNominalRatio = 4;
+constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
+constexpr int kLineSamples = (kModuleCount + 2 * kMargin) * kPerModule;
+constexpr int kTemplates = 20;  // ten digits; for the left half ten more of even parity
+constexpr float kFar = 1e9F;
+// Squared residual per sample of a good line: 0.14 of the contrast, much of it shared by a module's
+// samples. Tuned, with the penalties below, on rendered symbols (tests/reader/frameless_test.cpp).
+constexpr float kSampleWeight = 1.0F / (0.02F * kPerModule);
+
+int modules_of_segment(int segment) {
+  if (segment == 0 || segment == 14) return 3;
+  return segment == 7 ? 5 : kModulesPerDigit;
+}
+
+int nominal_begin(int segment) {
+  if (segment == 0) return 0;
+  if (segment <= 7) return 3 + kModulesPerDigit * (segment - 1);
+  return 50 + kModulesPerDigit * (segment - 8);
+}
+
+bool is_digit(int segment) { return modules_of_segment(segment) == kModulesPerDigit; }
+bool is_left(int segment) { return segment < 7; }
+int position_of(int segment) { return segment < 7 ? segment - 1 : segment - 2; }
+
+// Samples that a segment takes at a local module width.
+int length_of(int segment, int ratio) {
+  const int modules = modules_of_segment(segment);
+  const double nominal = modules * kPerModule;
+  return static_cast<int>(std::lround(nominal * (1 + (ratio - kNominalRatio) / 35.0)));
+}
+
+using Bars = std::vector<std::array<double, 2>>;  // begins and ends, modules
+
+void add_bars(Bars& bars, std::span<const std::uint8_t> widths, bool bar) {
+  double at = 0;
+  for (const std::uint8_t width : widths) {
+    if (bar) bars.push_back({at, at + width});
+    at += width;
+    bar = !bar;
+  }
+}
+
+// The bars of a segment's pattern and of the modules beside it, whose colours are known: the
+// elements there are at least one module wide. 10 to 19 are digits of even parity.
+Bars bars_of(int segment, int pattern) {
+  constexpr double kBeside = 1.4;
+  const double end = modules_of_segment(segment);
+  Bars bars;
+  if (!is_digit(segment)) {
+    if (segment == 7) {
+      bars = {{-kBeside, 0}, {1, 2}, {3, 4}, {5, 5 + kBeside}};
+    } else {
+      bars = {{0, 1}, {2, 3}};
+    }
+    return bars;
+  }
+  std::array<std::uint8_t, kElementsPerDigit> widths =
+      kDigitElements[static_cast<std::size_t>(pattern % 10)];
+  if (pattern >= 10) std::ranges::reverse(widths);
+  add_bars(bars, widths, !is_left(segment));
+  if (is_left(segment)) {
+    bars.push_back({-kBeside, 0});
+  } else {
+    bars.push_back({end, end + kBeside});
+  }
+  return bars;
+}
+
+double coverage(const Bars& bars, const BarShape& shape, double at) {
+  double share = 0;
+  for (const auto& [begin, end] : bars) {
+    share += normal_integral((at - begin + shape.growth / 2) / shape.blur) -
+             normal_integral((at - end - shape.growth / 2) / shape.blur);
+  }
+  return std::min(share, 1.0);
+}
+
+std::vector<float> samples_of(int segment, int pattern, int length, const BarShape& shape) {
+  const Bars bars = bars_of(segment, pattern);
+  const double modules = modules_of_segment(segment);
+  std::vector<float> samples;
+  for (int i = 0; i < length; ++i) {
+    samples.push_back(
+        static_cast<float>(coverage(bars, shape, (i + 0.5) * modules / length)));
+  }
+  return samples;
+}
+
+// Segments that look alike share their templates.
+std::size_t kind_of(int segment) {
+  if (segment == 7) return 1;
+  if (!is_digit(segment)) return segment == 0 ? 0 : 4;
+  return is_left(segment) ? 2 : 3;
+}
+
+constexpr std::array<int, 5> kSegmentOfKind{0, 7, 1, 8, 14};
+
+int patterns_of(int segment) {
+  if (!is_digit(segment)) return 1;
+  return is_left(segment) ? kTemplates : 10;
+}
+
+// A line at kPerModule samples a module, the symbol nominally from kMargin modules on. Each sample
+// is the mean of what it covers; beyond the line's ends its last samples continue.
+std::vector<float> resampled(const ScanLine& line, double begin, double module, int count) {
+  std::vector<double> integral(line.size() + 1, 0.0);
+  for (std::size_t i = 0; i < line.size(); ++i) integral[i + 1] = integral[i] + line[i];
+  const auto size = static_cast<double>(line.size());
+  const auto sum_to = [&](double at) {
+    const double inside = std::clamp(at, 0.0, size);
+    const auto i = std::min(static_cast<std::size_t>(inside), line.size() - 1);
+    const double sum = integral[i] + (inside - static_cast<double>(i)) * line[i];
+    return sum + (at < 0 ? at * line.front() : std::max(0.0, at - size) * line.back());
+  };
+  const double step = module / kPerModule;
+  std::vector<float> samples;
+  samples.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const double from = begin + (i - kMargin * kPerModule) * step;
+    samples.push_back(static_cast<float>((sum_to(from + step) - sum_to(from)) / step));
+  }
+  return samples;
+}
+
+// Costs of one segment: for each place where it may begin, local module width and pattern.
+class SegmentCosts {
+ public:
+  // All patterns that may stand there, or `only` one.
+  SegmentCosts(std::span<const float> darkness, int segment, const BarTemplates& templates,
+               std::optional<int> only)
+      : patterns_(only ? 1 : patterns_of(segment)),
+        costs_(static_cast<std::size_t>(kPlaces * kRatios * patterns_), 0.0F) {
+    const int first = (kMargin + nominal_begin(segment) - kSlack) * kPerModule;
+    const std::span<const float> from = darkness.subspan(static_cast<std::size_t>(first));
+    for (int ratio = 0; ratio < kRatios; ++ratio) {
+      for (int pattern = 0; pattern < patterns_; ++pattern) {
+        add_residuals(from, templates.samples(kind_of(segment), only.value_or(pattern), ratio),
+                      &costs_[index(0, ratio, pattern)]);
+      }
+    }
+    fill_best();
+  }
+
+  int patterns() const { return patterns_; }
+  float cost(int place, int ratio, int pattern) const {
+    return costs_[index(place, ratio, pattern)];
+  }
+
+  // The least of the patterns that UPC-A has there.
+  float best(int place, int ratio) const {
+    return best_[static_cast<std::size_t>(ratio * kPlaces + place)];
+  }
+
+ private:
+  std::size_t index(int place, int ratio, int pattern) const {
+    return static_cast<std::size_t>((ratio * patterns_ + pattern) * kPlaces + place);
+  }
+
+  // Places innermost: they are independent of each other, so the sums run side by side.
+  static void add_residuals(std::span<const float> darkness, const std::vector<float>& shown,
+                            float* costs) {
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      for (std::size_t place = 0; place < kPlaces; ++place) {
+        const float difference = darkness[i + place] - shown[i];
+        costs[place] += kSampleWeight * difference * difference;
+      }
+    }
+  }
+
+  void fill_best() {
+    best_.assign(static_cast<std::size_t>(kPlaces * kRatios), kFar);
+    for (int ratio = 0; ratio < kRatios; ++ratio) {
+      for (int pattern = 0; pattern < std::min(patterns_, 10); ++pattern) {
+        for (int place = 0; place < kPlaces; ++place) {
+          float& least = best_[static_cast<std::size_t>(ratio * kPlaces + place)];
+          least = std::min(least, cost(place, ratio, pattern));
+        }
+      }
+    }
+  }
+
+  int patterns_;
+  std::vector<float> costs_;
+  std::vector<float> best_;
+};
+
+// State of the chain at a boundary: where it lies and how wide the modules before it were.
+using Front = std::array<std::array<float, kRatios>, kPlaces>;
+
+Front filled(float value) {
+  Front front;
+  for (auto& row : front) row.fill(value);
+  return front;
+}
+
+// Local widths change slowly; guard patterns are too short to tell theirs closely.
+float change_penalty(int segment, int from, int to) {
+  const double sigma = is_digit(segment) && is_digit(segment - 1) ? 0.04 : 0.08;
+  const double change = (to - from) / 35.0 / sigma;
+  const double level = (to - kNominalRatio) / 35.0 / 0.15;
+  return static_cast<float>(change * change + level * level);
+}
+
+// Where the next boundary lies, as a place of its own window, or -1.
+int next_place(int segment, int place, int ratio) {
+  const int offset =
+      place + length_of(segment, ratio) - modules_of_segment(segment) * kPerModule;
+  return offset >= 0 && offset < kPlaces ? offset : -1;
+}
+
+class Chain {
+ public:
+  // Over all symbols, or over the distortions of one.
+  Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits)
+      : darkness_(darkness) {
+    costs_.reserve(kSegments);
+    for (int s = 0; s < kSegments; ++s) {
+      std::optional<int> only;
+      if (digits != nullptr && is_digit(s)) only = (*digits)[static_cast<std::size_t>(position_of(s))];
+      costs_.emplace_back(darkness, s, templates, only);
+    }
+    run_forward();
+    run_backward();
+  }
+
+  ElasticAlignment alignment() const {
+    ElasticAlignment result;
+    const std::vector<std::array<int, 2>> path = best_path();
+    for (std::size_t s = 0; s < path.size(); ++s) {
+      result.boundaries[s] = (nominal_begin(static_cast<int>(s)) - kSlack) +
+                             static_cast<double>(path[s][0]) / kPerModule;
+    }
+    result.boundaries[kSegments] =
+        result.boundaries[kSegments - 1] +
+        static_cast<double>(length_of(kSegments - 1, path.back()[1])) / kPerModule;
+    result.cost_per_module = total_ / (kModuleCount + 2 * kQuiet);
+    return result;
+  }
+
+  ElasticReading reading() const {
+    ElasticReading result;
+    result.alignment = alignment();
+    const std::vector<std::array<int, 2>> path = best_path();
+    for (int s = 0; s < kSegments; ++s) {
+      if (is_digit(s)) add_digit(s, path[static_cast<std::size_t>(s)], result);
+    }
+    return result;
+  }
+
+ private:
+  float quiet_cost(int first) const {
+    float sum = 0;
+    for (int i = first; i < first + kQuiet * kPerModule; ++i) {
+      const float dark = std::clamp(darkness_[static_cast<std::size_t>(i)], 0.0F, 1.0F);
+      sum += dark * dark;
+    }
+    return sum * kSampleWeight;
+  }
+
+  // entry_[s](place, ratio): least cost of all before segment s that begins at a place and has a
+  // local width, the change of width included.
+  void run_forward() {
+    entry_.assign(kSegments, filled(kFar));
+    for (int place = 0; place < kPlaces; ++place) {
+      const int begin = (kMargin - kSlack) * kPerModule + place;
+      const float quiet = quiet_cost(begin - kQuiet * kPerModule);
+      for (int r = 0; r < kRatios; ++r) entry_[0][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] = quiet;
+    }
+    for (int s = 0; s + 1 < kSegments; ++s) {
+      const Front exit = exits(s);
+      for (std::size_t place = 0; place < kPlaces; ++place) {
+        for (int to = 0; to < kRatios; ++to) {
+          float least = kFar;
+          for (int from = 0; from < kRatios; ++from) {
+            least = std::min(least, exit[place][static_cast<std::size_t>(from)] + change_penalty(s + 1, from, to));
+          }
+          entry_[static_cast<std::size_t>(s + 1)][place][static_cast<std::size_t>(to)] = least;
+        }
+      }
+    }
+  }
+
+  // Costs at the boundary after segment s, by the place there and the segment's width.
+  Front exits(int s) const {
+    Front exit = filled(kFar);
+    const auto& entry = entry_[static_cast<std::size_t>(s)];
+    for (int place = 0; place < kPlaces; ++place) {
+      for (int r = 0; r < kRatios; ++r) {
+        const int next = next_place(s, place, r);
+        if (next < 0) continue;
+        float& cell = exit[static_cast<std::size_t>(next)][static_cast<std::size_t>(r)];
+        cell = std::min(cell, entry[static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] +
+                                  costs_[static_cast<std::size_t>(s)].best(place, r));
+      }
+    }
+    return exit;
+  }
+
+  // remain_[s](place, ratio): least cost of all after segment s that begins at a place and has a
+  // local width.
+  void run_backward() {
+    remain_.assign(kSegments, filled(kFar));
+    for (int s = kSegments - 1; s >= 0; --s) {
+      for (int place = 0; place < kPlaces; ++place) {
+        for (int r = 0; r < kRatios; ++r) {
+          remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] = remaining(s, place, r);
+        }
+      }
+    }
+  }
+
+  float remaining(int s, int place, int r) const {
+    const int next = next_place(s, place, r);
+    if (next < 0) return kFar;
+    if (s + 1 == kSegments) {
+      const int end = (kMargin - kSlack + kModuleCount) * kPerModule + next;
+      return quiet_cost(end);
+    }
+    float least = kFar;
+    for (int to = 0; to < kRatios; ++to) {
+      least = std::min(least, change_penalty(s + 1, r, to) +
+                                  costs_[static_cast<std::size_t>(s + 1)].best(next, to) +
+                                  remain_[static_cast<std::size_t>(s + 1)][static_cast<std::size_t>(next)][static_cast<std::size_t>(to)]);
+    }
+    return least;
+  }
+
+  // Cost of the whole line with segment s at a place and width, its own pattern apart.
+  float around(int s, int place, int r) const {
+    return entry_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] +
+           remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)];
+  }
+
+  // Place and width of every segment on the best path; sets the total cost.
+  std::vector<std::array<int, 2>> best_path() const {
+    std::vector<std::array<int, 2>> path;
+    total_ = kFar;
+    std::array<int, 2> first{0, 0};
+    for (int place = 0; place < kPlaces; ++place) {
+      for (int r = 0; r < kRatios; ++r) {
+        const float cost = around(0, place, r) + costs_[0].best(place, r);
+        if (cost >= total_) continue;
+        total_ = cost;
+        first = {place, r};
+      }
+    }
+    path.push_back(first);
+    for (int s = 1; s < kSegments; ++s) path.push_back(step(s, path.back()));
+    return path;
+  }
+
+  std::array<int, 2> step(int s, const std::array<int, 2>& before) const {
+    const int place = std::max(0, next_place(s - 1, before[0], before[1]));
+    std::array<int, 2> best{place, kNominalRatio};
+    float least = kFar;
+    for (int to = 0; to < kRatios; ++to) {
+      const float cost = change_penalty(s, before[1], to) +
+                         costs_[static_cast<std::size_t>(s)].best(place, to) +
+                         remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(to)];
+      if (cost >= least) continue;
+      least = cost;
+      best[1] = to;
+    }
+    return best;
+  }
+
+  void add_digit(int s, const std::array<int, 2>& on_path, ElasticReading& result) const {
+    const auto position = static_cast<std::size_t>(position_of(s));
+    const SegmentCosts& costs = costs_[static_cast<std::size_t>(s)];
+    std::array<float, kTemplates> least;
+    least.fill(kFar);
+    for (int place = 0; place < kPlaces; ++place) {
+      for (int r = 0; r < kRatios; ++r) {
+        const float base = around(s, place, r);
+        if (base >= kFar) continue;
+        for (int p = 0; p < costs.patterns(); ++p) {
+          auto& cell = least[static_cast<std::size_t>(p)];
+          cell = std::min(cell, base + costs.cost(place, r, p));
+        }
+      }
+    }
+    int best = 0;
+    for (int p = 1; p < 10; ++p) {
+      if (costs.cost(on_path[0], on_path[1], p) < costs.cost(on_path[0], on_path[1], best)) best = p;
+    }
+    result.digits[position] = static_cast<std::uint8_t>(best);
+    for (std::size_t p = 0; p < 10; ++p) {
+      result.extra_cost[position][p] = std::max(0.0F, least[p] - total_);
+    }
+    if (is_left(s)) {
+      result.even_parity_cost[position] = *std::min_element(least.begin() + 10, least.end()) - total_;
+    }
+  }
+
+  std::span<const float> darkness_;
+  std::vector<SegmentCosts> costs_;
+  std::vector<Front> entry_;
+  std::vector<Front> remain_;
+  mutable float total_ = kFar;
+};
+
+// Greatest (or, with negated samples, least) value within `window` samples to both sides.
+std::vector<float> running_maximum(const std::vector<float>& samples, std::size_t window) {
+  // Blocks of 2 window + 1: running maxima from both ends of each (van Herk 1992, Gil and Werman
+  // 1993).
+  const std::size_t block = 2 * window + 1;
+  const std::size_t padded = samples.size() + 2 * window;
+  const auto at = [&](std::size_t i) {
+    return samples[std::clamp<std::size_t>(i, window, window + samples.size() - 1) - window];
+  };
+  std::vector<float> ahead(padded), behind(padded);
+  for (std::size_t i = 0; i < padded; ++i) {
+    ahead[i] = i % block == 0 ? at(i) : std::max(ahead[i - 1], at(i));
+  }
+  for (std::size_t i = padded; i-- > 0;) {
+    behind[i] =
+        i + 1 == padded || (i + 1) % block == 0 ? at(i) : std::max(behind[i + 1], at(i));
+  }
+  std::vector<float> result(samples.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = std::max(behind[i], ahead[i + 2 * window]);
+  }
+  return result;
+}
+
+std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
+  std::vector<double> integral(samples.size() + 1, 0.0);
+  for (std::size_t i = 0; i < samples.size(); ++i) integral[i + 1] = integral[i] + samples[i];
+  std::vector<float> result(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::size_t from = i > window ? i - window : 0;
+    const std::size_t to = std::min(samples.size(), i + window + 1);
+    result[i] = static_cast<float>((integral[to] - integral[from]) / static_cast<double>(to - from));
+  }
+  return result;
+}
+
+// Cost of a pattern of +-1 modules at every sample, per module.
+std::vector<float> pattern_costs(const std::vector<float>& darkness, std::span<const int> pattern) {
+  const std::size_t length = pattern.size() * kPerModule;
+  std::vector<float> costs(darkness.size(), kFar);
+  for (std::size_t i = 0; i + length <= darkness.size(); ++i) {
+    float sum = 0;
+    for (std::size_t m = 0; m < pattern.size(); ++m) {
+      // The middle three of a module's five samples: its edges are blurred.
+      for (std::size_t k = 1; k + 1 < kPerModule; ++k) {
+        const float dark = std::clamp(darkness[i + m * kPerModule + k], 0.0F, 1.0F);
+        sum += pattern[m] > 0 ? 1 - dark : dark;
+      }
+    }
+    costs[i] = sum / static_cast<float>(3 * pattern.size());
+  }
+  return costs;
+}
+
+constexpr std::array<int, 8> kStartPattern{0, 0, 0, 0, 1, 0, 1, 0};
+constexpr std::array<int, 7> kCentrePattern{1, 0, 1, 0, 1, 0, 1};
+constexpr std::array<int, 8> kEndPattern{0, 1, 0, 1, 0, 0, 0, 0};
+
+// Where a begin suits, for one module width; in samples of the line resampled to that width.
+std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
+  const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
+  const int count = length + 2 * kMargin * kPerModule;
+  const std::vector<float> samples = resampled(line, 0, module, count);
+  const std::vector<float> darkness = local_darkness(samples, 9 * kPerModule);
+  const std::vector<float> start = pattern_costs(darkness, kStartPattern);
+  const std::vector<float> centre = pattern_costs(darkness, kCentrePattern);
+  const std::vector<float> end = pattern_costs(darkness, kEndPattern);
+  const auto least_near = [&](const std::vector<float>& costs, int middle, int slack) {
+    std::array<float, 2> best{kFar, 0};
+    for (int i = middle - slack; i <= middle + slack; ++i) {
+      if (i < 0 || i >= static_cast<int>(costs.size())) continue;
+      if (costs[static_cast<std::size_t>(i)] < best[0]) best = {costs[static_cast<std::size_t>(i)], static_cast<float>(i)};
+    }
+    return best;
+  };
+  std::vector<SymbolPlace> places;
+  for (int i = 0; i < count - (kModuleCount - 4) * kPerModule; ++i) {
+    const float at_start = start[static_cast<std::size_t>(i)];
+    if (at_start > 0.45F) continue;
+    const int first_bar = i + 4 * kPerModule;
+    const auto at_centre = least_near(centre, first_bar + 44 * kPerModule, 3 * kPerModule);
+    if (at_start + at_centre[0] > 0.8F) continue;
+    const auto at_end = least_near(end, first_bar + 91 * kPerModule, 3 * kPerModule);
+    const float cost = at_start + at_centre[0] + at_end[0];
+    if (cost > 1.0F) continue;
+    const double begin = first_bar - kMargin * kPerModule;
+    const double width = (static_cast<double>(at_end[1]) - first_bar) / 91 * module / kPerModule;
+    places.push_back({begin * module / kPerModule, width, cost});
+  }
+  return places;
+}
+
+}  // namespace
+
+BarTemplates::BarTemplates(const BarShape& shape) {
+  for (std::size_t kind = 0; kind < samples_.size(); ++kind) {
+    const int segment = kSegmentOfKind[kind];
+    for (int pattern = 0; pattern < patterns_of(segment); ++pattern) {
+      for (int ratio = 0; ratio < kRatios; ++ratio) {
+        samples_[kind].push_back(samples_of(segment, pattern, length_of(segment, ratio), shape));
+      }
+    }
+  }
+}
+
+const std::vector<float>& BarTemplates::samples(std::size_t kind, int pattern, int ratio) const {
+  return samples_[kind][static_cast<std::size_t>(pattern * kRatios + ratio)];
+}
+
+std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {
+  constexpr float kLeastShare = 0.2F;  // of the line's whole contrast: less is no bars
+  std::vector<float> negated(line);
+  for (float& sample : negated) sample = -sample;
+  const std::vector<float> white = running_mean(running_maximum(line, window), window / 2);
+  const std::vector<float> black = running_mean(running_maximum(negated, window), window / 2);
+  const auto [low, high] = std::ranges::minmax_element(line);
+  const float least = std::max(kLeastShare * (*high - *low), 1e-6F);
+  std::vector<float> darkness(line.size());
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    darkness[i] = (white[i] - line[i]) / std::max(white[i] + black[i], least);
+  }
+  return darkness;
+}
+
+std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
+                                            std::size_t most) {
+  constexpr double kStep = 1.03;
+  std::vector<SymbolPlace> all;
+  if (line.size() < 40) return all;
+  for (double module = least; module <= greatest; module *= kStep) {
+    std::ranges::move(places_at_width(line, module), std::back_inserter(all));
+  }
+  std::ranges::sort(all, {}, &SymbolPlace::cost);
+  std::vector<SymbolPlace> best;
+  for (const SymbolPlace& place : all) {
+    const auto same = [&](const SymbolPlace& other) {
+      const double end = place.begin + kModuleCount * place.module;
+      const double other_end = other.begin + kModuleCount * other.module;
+      return std::abs(place.begin - other.begin) < 1.5 * place.module &&
+             std::abs(end - other_end) < 1.5 * place.module;
+    };
+    if (std::ranges::any_of(best, same)) continue;
+    best.push_back(place);
+    if (best.size() == most) break;
+  }
+  return best;
+}
+
+namespace {
+
+// A line resampled about a place, as darkness, the symbol running along it.
+struct PlacedLine {
+  std::vector<float> darkness;
+  double begin = 0;   // of the place, samples of the line in its own or the turned direction
+  double module = 0;
+  double turned_size = 0;  // samples of the line when it was turned, else 0
+
+  void to_line(ElasticAlignment& alignment) const {
+    for (double& boundary : alignment.boundaries) {
+      boundary = begin + boundary * module;
+      if (turned_size > 0) boundary = turned_size - boundary;
+    }
+  }
+};
+
+std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place) {
+  const double reach = kSlack * std::abs(place.module);
+  const double end = place.begin + kModuleCount * place.module;
+  const auto size = static_cast<double>(line.size());
+  if (line.size() < 2 || std::min(place.begin, end) < -reach ||
+      std::max(place.begin, end) > size + reach || !(std::abs(place.module) > 0.1)) {
+    return std::nullopt;
+  }
+  PlacedLine placed{{}, place.begin, place.module, 0};
+  if (place.module < 0) {
+    const ScanLine turned(line.rbegin(), line.rend());
+    placed = {{}, size - place.begin, -place.module, size};
+    placed.darkness = resampled(turned, placed.begin, placed.module, kLineSamples);
+  } else {
+    placed.darkness = resampled(line, placed.begin, placed.module, kLineSamples);
+  }
+  placed.darkness = local_darkness(placed.darkness, 9 * kPerModule);
+  return placed;
+}
+
+}  // namespace
+
+std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
+                                           const BarTemplates& templates) {
+  const auto placed = placed_line(line, place);
+  if (!placed) return std::nullopt;
+  ElasticReading reading = Chain(placed->darkness, templates, nullptr).reading();
+  placed->to_line(reading.alignment);
+  return reading;
+}
+
+std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
+                                              const BarTemplates& templates,
+                                              const Digits& digits) {
+  const auto placed = placed_line(line, place);
+  if (!placed) return std::nullopt;
+  ElasticAlignment alignment = Chain(placed->darkness, templates, &digits).alignment();
+  placed->to_line(alignment);
+  return alignment;
+}
+
+}  // namespace tagsmith
