@@ -50,25 +50,6 @@ SymbolPlace place_of(const ElasticAlignment& alignment) {
   return {begin, (alignment.boundaries.back() - begin) / kModuleCount, 0};
 }
 
-// The best reading of a line anywhere on it, in either direction.
-std::optional<ElasticReading> read_anywhere(const ScanLine& light, double nominal_module) {
-  constexpr std::size_t kMostPlaces = 6;
-  constexpr double kGood = 1;  // cost per module of what need not be looked for elsewhere
-  std::optional<ElasticReading> best;
-  const auto places =
-      find_symbol_places(light, 0.5 * nominal_module, 1.8 * nominal_module, kMostPlaces);
-  for (const SymbolPlace& place : places) {
-    const double end = place.begin + kModuleCount * place.module;
-    for (const SymbolPlace& way : {place, SymbolPlace{end, -place.module, place.cost}}) {
-      auto reading = read_elastic(light, way, shapes().front().second);
-      if (!reading || (best && reading->alignment.cost_per_module >= best->alignment.cost_per_module)) continue;
-      best = std::move(reading);
-    }
-    if (best && best->alignment.cost_per_module < kGood) break;
-  }
-  return best;
-}
-
 // A region with its lines and how its bars look.
 struct RegionScan {
   LineFrame frame;
@@ -77,34 +58,65 @@ struct RegionScan {
   std::vector<ReadLine> lines;
 };
 
-// The line to start from: the best of three thick ones.
+// A place on one of the lines that are looked at first.
+struct FirstPlace {
+  std::size_t line = 0;
+  SymbolPlace place;
+};
+
+// The line to start from, of three thick ones, and its reading: the best of the places whose guard
+// patterns suit best, in either direction.
 std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame,
                                    const BarRegion& region) {
-  constexpr double kWorst = 6;  // cost per module of what may still be a blurred symbol
-  constexpr double kGood = 1;   // no need to look for a better line
+  constexpr std::size_t kMostPlaces = 10;
+  constexpr double kWorst = 4;  // cost per module of what may still be a blurred symbol
+  constexpr double kGood = 1;   // no need to look further
   const double nominal_module = region.length / kModuleCount / frame.step;
-  std::optional<ReadLine> best;
+  std::vector<ReadLine> lines;
+  std::vector<FirstPlace> places;
   for (const double share : {0.0, -0.25, 0.25}) {
     const double offset = share * region.height;
-    ScanLine light = light_along(image, frame, offset, region.height / 8);
-    auto reading = read_anywhere(light, nominal_module);
-    if (!reading || reading->alignment.cost_per_module > kWorst) continue;
-    if (best && reading->alignment.cost_per_module >= best->reading.alignment.cost_per_module) continue;
-    best = ReadLine{offset, std::move(light), *reading};
-    if (best->reading.alignment.cost_per_module < kGood) break;
+    lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
+    for (const SymbolPlace& place :
+         find_symbol_places(lines.back().light, 0.5 * nominal_module, 1.8 * nominal_module, kMostPlaces)) {
+      places.push_back({lines.size() - 1, place});
+    }
   }
-  return best;
+  std::ranges::stable_sort(places, {}, [](const FirstPlace& p) { return p.place.cost; });
+  if (places.size() > kMostPlaces) places.resize(kMostPlaces);
+  double best = kWorst;
+  std::optional<FirstPlace> found;
+  for (const auto& [line, place] : places) {
+    const double end = place.begin + kModuleCount * place.module;
+    for (const SymbolPlace& way : {place, SymbolPlace{end, -place.module, place.cost}}) {
+      const double cost = elastic_cost(lines[line].light, way, shapes().front().second);
+      if (cost >= best) continue;
+      best = cost;
+      found = FirstPlace{line, way};
+    }
+    if (best < kGood) break;
+  }
+  if (std::getenv("FL_DEBUG")) { std::fprintf(stderr, "   places"); for (auto& p : places) std::fprintf(stderr, " %.2f", p.place.cost); std::fprintf(stderr, " best %.2f at %.2f\n", best, found ? found->place.cost : -1); }
+  if (!found) return std::nullopt;
+  ReadLine first = std::move(lines[found->line]);
+  const auto reading = read_elastic(first.light, found->place, shapes().front().second);
+  if (!reading) return std::nullopt;
+  first.reading = *reading;
+  return first;
 }
 
 // The look of the bars that suits the line best, and its reading so.
 const BarTemplates& best_shape(ReadLine& line) {
+  const SymbolPlace place = place_of(line.reading.alignment);
   const BarTemplates* best = &shapes().front().second;
+  double least = line.reading.alignment.cost_per_module;
   for (const auto& [shape, templates] : shapes()) {
-    const auto reading = read_elastic(line.light, place_of(line.reading.alignment), templates);
-    if (!reading || reading->alignment.cost_per_module >= line.reading.alignment.cost_per_module) continue;
-    line.reading = *reading;
+    const double cost = elastic_cost(line.light, place, templates);
+    if (cost >= least) continue;
+    least = cost;
     best = &templates;
   }
+  if (const auto reading = read_elastic(line.light, place, *best)) line.reading = *reading;
   return *best;
 }
 
@@ -350,7 +362,7 @@ std::optional<std::string> objection_to(const Decoding& decoding, const Evidence
   constexpr double kLeastDigit = 0.6;
   constexpr double kLeastGuards = 0.7;
   constexpr double kMostGrowth = 0.7;
-  constexpr double kLeastTogether = 0.99;
+  constexpr double kLeastTogether = 0.5;
   if (may_be_ean13(evidence)) return "even parity: EAN-13";
   if (decoding.guards < kLeastGuards) return "guard pattern";
   if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {

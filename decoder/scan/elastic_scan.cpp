@@ -18,6 +18,7 @@ constexpr int kSlack = 5;      // modules that a boundary may be off
 constexpr int kQuiet = 5;      // modules of quiet zone that are looked at
 constexpr int kRatios = 9;     // local module widths: 31 to 39 samples for seven modules
 constexpr int kNominalRatio = 4;
+constexpr int kSamplesPerDigit = kModulesPerDigit * kPerModule;
 constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
 constexpr int kLineSamples = (kModuleCount + 2 * kMargin) * kPerModule;
 constexpr int kTemplates = 20;  // ten digits; for the left half ten more of even parity
@@ -43,9 +44,19 @@ int position_of(int segment) { return segment < 7 ? segment - 1 : segment - 2; }
 
 // Samples that a segment takes at a local module width.
 int length_of(int segment, int ratio) {
-  const int modules = modules_of_segment(segment);
-  const double nominal = modules * kPerModule;
-  return static_cast<int>(std::lround(nominal * (1 + (ratio - kNominalRatio) / 35.0)));
+  static const auto lengths = [] {
+    std::array<std::array<int, kRatios>, kModulesPerDigit + 1> table{};
+    for (int modules = 0; modules <= kModulesPerDigit; ++modules) {
+      for (int r = 0; r < kRatios; ++r) {
+        const double relative = 1 + static_cast<double>(r - kNominalRatio) / kSamplesPerDigit;
+        table[static_cast<std::size_t>(modules)][static_cast<std::size_t>(r)] =
+            static_cast<int>(std::lround(modules * kPerModule * relative));
+      }
+    }
+    return table;
+  }();
+  return lengths[static_cast<std::size_t>(modules_of_segment(segment))]
+                [static_cast<std::size_t>(ratio)];
 }
 
 using Bars = std::vector<std::array<double, 2>>;  // begins and ends, modules
@@ -144,10 +155,10 @@ std::vector<float> resampled(const ScanLine& line, double begin, double module, 
 // Costs of one segment: for each place where it may begin, local module width and pattern.
 class SegmentCosts {
  public:
-  // All patterns that may stand there, or `only` one.
+  // The first `patterns` of those that may stand there, or `only` one.
   SegmentCosts(std::span<const float> darkness, int segment, const BarTemplates& templates,
-               std::optional<int> only)
-      : patterns_(only ? 1 : patterns_of(segment)),
+               int patterns, std::optional<int> only)
+      : patterns_(only ? 1 : std::min(patterns, patterns_of(segment))),
         costs_(static_cast<std::size_t>(kPlaces * kRatios * patterns_), 0.0F) {
     const int first = (kMargin + nominal_begin(segment) - kSlack) * kPerModule;
     const std::span<const float> from = darkness.subspan(static_cast<std::size_t>(first));
@@ -212,12 +223,31 @@ Front filled(float value) {
   return front;
 }
 
+using Penalties = std::array<std::array<float, kRatios>, kRatios>;  // [from][to]
+
+Penalties penalties_for(double sigma) {
+  constexpr double kLevelSigma = 0.15;
+  Penalties table{};
+  for (int from = 0; from < kRatios; ++from) {
+    for (int to = 0; to < kRatios; ++to) {
+      const double change = static_cast<double>(to - from) / kSamplesPerDigit / sigma;
+      const double level = static_cast<double>(to - kNominalRatio) / kSamplesPerDigit / kLevelSigma;
+      table[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)] =
+          static_cast<float>(change * change + level * level);
+    }
+  }
+  return table;
+}
+
 // Local widths change slowly; guard patterns are too short to tell theirs closely.
+const Penalties& change_penalties(int segment) {
+  static const Penalties digits = penalties_for(0.04);
+  static const Penalties guards = penalties_for(0.08);
+  return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
+}
+
 float change_penalty(int segment, int from, int to) {
-  const double sigma = is_digit(segment) && is_digit(segment - 1) ? 0.04 : 0.08;
-  const double change = (to - from) / 35.0 / sigma;
-  const double level = (to - kNominalRatio) / 35.0 / 0.15;
-  return static_cast<float>(change * change + level * level);
+  return change_penalties(segment)[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
 }
 
 // Where the next boundary lies, as a place of its own window, or -1.
@@ -229,17 +259,28 @@ int next_place(int segment, int place, int ratio) {
 
 class Chain {
  public:
-  // Over all symbols, or over the distortions of one.
-  Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits)
+  // Over all symbols, with even parity besides when `with_rivals`, or over the distortions of one.
+  Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits,
+        bool with_rivals)
       : darkness_(darkness) {
     costs_.reserve(kSegments);
     for (int s = 0; s < kSegments; ++s) {
       std::optional<int> only;
-      if (digits != nullptr && is_digit(s)) only = (*digits)[static_cast<std::size_t>(position_of(s))];
-      costs_.emplace_back(darkness, s, templates, only);
+      if (digits != nullptr && is_digit(s)) {
+        only = (*digits)[static_cast<std::size_t>(position_of(s))];
+      }
+      costs_.emplace_back(darkness, s, templates, with_rivals ? kTemplates : 10, only);
     }
-    run_forward();
     run_backward();
+  }
+
+  double cost_per_module() const {
+    float least = kFar;
+    const Front begin = begins();
+    for (int place = 0; place < kPlaces; ++place) {
+      for (int r = 0; r < kRatios; ++r) least = std::min(least, around(0, begin, place, r) + costs_[0].best(place, r));
+    }
+    return least / (kModuleCount + 2 * kQuiet);
   }
 
   ElasticAlignment alignment() const {
@@ -252,7 +293,7 @@ class Chain {
     result.boundaries[kSegments] =
         result.boundaries[kSegments - 1] +
         static_cast<double>(length_of(kSegments - 1, path.back()[1])) / kPerModule;
-    result.cost_per_module = total_ / (kModuleCount + 2 * kQuiet);
+    result.cost_per_module = cost_per_module();
     return result;
   }
 
@@ -260,8 +301,10 @@ class Chain {
     ElasticReading result;
     result.alignment = alignment();
     const std::vector<std::array<int, 2>> path = best_path();
+    const std::vector<Front> entry = entries();
     for (int s = 0; s < kSegments; ++s) {
-      if (is_digit(s)) add_digit(s, path[static_cast<std::size_t>(s)], result);
+      const auto i = static_cast<std::size_t>(s);
+      if (is_digit(s)) add_digit(s, entry[i], path[i], result);
     }
     return result;
   }
@@ -276,33 +319,39 @@ class Chain {
     return sum * kSampleWeight;
   }
 
-  // entry_[s](place, ratio): least cost of all before segment s that begins at a place and has a
-  // local width, the change of width included.
-  void run_forward() {
-    entry_.assign(kSegments, filled(kFar));
+  // The quiet zone before the first bar.
+  Front begins() const {
+    Front front = filled(kFar);
     for (int place = 0; place < kPlaces; ++place) {
-      const int begin = (kMargin - kSlack) * kPerModule + place;
-      const float quiet = quiet_cost(begin - kQuiet * kPerModule);
-      for (int r = 0; r < kRatios; ++r) entry_[0][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] = quiet;
+      const int begin = (kMargin - kSlack - kQuiet) * kPerModule + place;
+      front[static_cast<std::size_t>(place)].fill(quiet_cost(begin));
     }
+    return front;
+  }
+
+  // For each segment: least cost of all before it, by the place where it begins and its local
+  // width, the change of width included.
+  std::vector<Front> entries() const {
+    std::vector<Front> entry{begins()};
     for (int s = 0; s + 1 < kSegments; ++s) {
-      const Front exit = exits(s);
+      const Front exit = exits(s, entry.back());
+      const Penalties& penalties = change_penalties(s + 1);
+      Front next = filled(kFar);
       for (std::size_t place = 0; place < kPlaces; ++place) {
-        for (int to = 0; to < kRatios; ++to) {
-          float least = kFar;
-          for (int from = 0; from < kRatios; ++from) {
-            least = std::min(least, exit[place][static_cast<std::size_t>(from)] + change_penalty(s + 1, from, to));
+        for (std::size_t from = 0; from < kRatios; ++from) {
+          for (std::size_t to = 0; to < kRatios; ++to) {
+            next[place][to] = std::min(next[place][to], exit[place][from] + penalties[from][to]);
           }
-          entry_[static_cast<std::size_t>(s + 1)][place][static_cast<std::size_t>(to)] = least;
         }
       }
+      entry.push_back(next);
     }
+    return entry;
   }
 
   // Costs at the boundary after segment s, by the place there and the segment's width.
-  Front exits(int s) const {
+  Front exits(int s, const Front& entry) const {
     Front exit = filled(kFar);
-    const auto& entry = entry_[static_cast<std::size_t>(s)];
     for (int place = 0; place < kPlaces; ++place) {
       for (int r = 0; r < kRatios; ++r) {
         const int next = next_place(s, place, r);
@@ -320,46 +369,65 @@ class Chain {
   void run_backward() {
     remain_.assign(kSegments, filled(kFar));
     for (int s = kSegments - 1; s >= 0; --s) {
+      const Front after = s + 1 < kSegments ? onwards(s + 1) : ends();
+      Front& remain = remain_[static_cast<std::size_t>(s)];
       for (int place = 0; place < kPlaces; ++place) {
         for (int r = 0; r < kRatios; ++r) {
-          remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] = remaining(s, place, r);
+          const int next = next_place(s, place, r);
+          if (next < 0) continue;
+          remain[static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] =
+              after[static_cast<std::size_t>(next)][static_cast<std::size_t>(r)];
         }
       }
     }
   }
 
-  float remaining(int s, int place, int r) const {
-    const int next = next_place(s, place, r);
-    if (next < 0) return kFar;
-    if (s + 1 == kSegments) {
-      const int end = (kMargin - kSlack + kModuleCount) * kPerModule + next;
-      return quiet_cost(end);
-    }
-    float least = kFar;
-    for (int to = 0; to < kRatios; ++to) {
-      least = std::min(least, change_penalty(s + 1, r, to) +
-                                  costs_[static_cast<std::size_t>(s + 1)].best(next, to) +
-                                  remain_[static_cast<std::size_t>(s + 1)][static_cast<std::size_t>(next)][static_cast<std::size_t>(to)]);
+  // Least cost from a place on, where segment s begins, by the width of the segment before.
+  Front onwards(int s) const {
+    const Penalties& penalties = change_penalties(s);
+    const SegmentCosts& costs = costs_[static_cast<std::size_t>(s)];
+    const Front& remain = remain_[static_cast<std::size_t>(s)];
+    Front least = filled(kFar);
+    for (std::size_t place = 0; place < kPlaces; ++place) {
+      for (std::size_t to = 0; to < kRatios; ++to) {
+        const float cost =
+            costs.best(static_cast<int>(place), static_cast<int>(to)) + remain[place][to];
+        for (std::size_t from = 0; from < kRatios; ++from) {
+          least[place][from] = std::min(least[place][from], cost + penalties[from][to]);
+        }
+      }
     }
     return least;
   }
 
-  // Cost of the whole line with segment s at a place and width, its own pattern apart.
-  float around(int s, int place, int r) const {
-    return entry_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] +
-           remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(r)];
+  // The quiet zone after the last bar.
+  Front ends() const {
+    Front front = filled(kFar);
+    for (int place = 0; place < kPlaces; ++place) {
+      const int end = (kMargin - kSlack + kModuleCount) * kPerModule + place;
+      front[static_cast<std::size_t>(place)].fill(quiet_cost(end));
+    }
+    return front;
   }
 
-  // Place and width of every segment on the best path; sets the total cost.
+  // Cost of the whole line with segment s at a place and width, its own pattern apart.
+  float around(int s, const Front& entry, int place, int r) const {
+    const auto p = static_cast<std::size_t>(place);
+    const auto ratio = static_cast<std::size_t>(r);
+    return entry[p][ratio] + remain_[static_cast<std::size_t>(s)][p][ratio];
+  }
+
+  // Place and width of every segment on the best path.
   std::vector<std::array<int, 2>> best_path() const {
     std::vector<std::array<int, 2>> path;
-    total_ = kFar;
+    float total = kFar;
     std::array<int, 2> first{0, 0};
+    const Front begin = begins();
     for (int place = 0; place < kPlaces; ++place) {
       for (int r = 0; r < kRatios; ++r) {
-        const float cost = around(0, place, r) + costs_[0].best(place, r);
-        if (cost >= total_) continue;
-        total_ = cost;
+        const float cost = around(0, begin, place, r) + costs_[0].best(place, r);
+        if (cost >= total) continue;
+        total = cost;
         first = {place, r};
       }
     }
@@ -383,14 +451,17 @@ class Chain {
     return best;
   }
 
-  void add_digit(int s, const std::array<int, 2>& on_path, ElasticReading& result) const {
+  void add_digit(int s, const Front& entry, const std::array<int, 2>& on_path,
+                 ElasticReading& result) const {
+    const auto total =
+        static_cast<float>(result.alignment.cost_per_module * (kModuleCount + 2 * kQuiet));
     const auto position = static_cast<std::size_t>(position_of(s));
     const SegmentCosts& costs = costs_[static_cast<std::size_t>(s)];
     std::array<float, kTemplates> least;
     least.fill(kFar);
     for (int place = 0; place < kPlaces; ++place) {
       for (int r = 0; r < kRatios; ++r) {
-        const float base = around(s, place, r);
+        const float base = around(s, entry, place, r);
         if (base >= kFar) continue;
         for (int p = 0; p < costs.patterns(); ++p) {
           auto& cell = least[static_cast<std::size_t>(p)];
@@ -404,18 +475,16 @@ class Chain {
     }
     result.digits[position] = static_cast<std::uint8_t>(best);
     for (std::size_t p = 0; p < 10; ++p) {
-      result.extra_cost[position][p] = std::max(0.0F, least[p] - total_);
+      result.extra_cost[position][p] = std::max(0.0F, least[p] - total);
     }
     if (is_left(s)) {
-      result.even_parity_cost[position] = *std::min_element(least.begin() + 10, least.end()) - total_;
+      result.even_parity_cost[position] = *std::min_element(least.begin() + 10, least.end()) - total;
     }
   }
 
   std::span<const float> darkness_;
   std::vector<SegmentCosts> costs_;
-  std::vector<Front> entry_;
   std::vector<Front> remain_;
-  mutable float total_ = kFar;
 };
 
 // Greatest (or, with negated samples, least) value within `window` samples to both sides.
@@ -454,23 +523,35 @@ std::vector<float> running_mean(const std::vector<float>& samples, std::size_t w
   return result;
 }
 
-// Cost of a pattern of +-1 modules at every sample, per module.
-std::vector<float> pattern_costs(const std::vector<float>& darkness, std::span<const int> pattern) {
+// Mean darkness of the module that begins at each sample; of its middle three samples, because its
+// edges are blurred.
+std::vector<float> module_darkness(const std::vector<float>& darkness) {
+  std::vector<float> modules(darkness.size(), 0.0F);
+  const auto clamped = [&](std::size_t i) { return std::clamp(darkness[i], 0.0F, 1.0F); };
+  for (std::size_t i = 0; i + kPerModule <= darkness.size(); ++i) {
+    modules[i] = (clamped(i + 1) + clamped(i + 2) + clamped(i + 3)) / 3;
+  }
+  return modules;
+}
+
+// Mean absolute residual of a pattern of modules (1 bar, 0 space) that begins at each sample.
+std::vector<float> pattern_costs(const std::vector<float>& modules, std::span<const int> pattern) {
   const std::size_t length = pattern.size() * kPerModule;
-  std::vector<float> costs(darkness.size(), kFar);
-  for (std::size_t i = 0; i + length <= darkness.size(); ++i) {
+  std::vector<float> costs(modules.size(), kFar);
+  for (std::size_t i = 0; i + length <= modules.size(); ++i) {
     float sum = 0;
     for (std::size_t m = 0; m < pattern.size(); ++m) {
-      // The middle three of a module's five samples: its edges are blurred.
-      for (std::size_t k = 1; k + 1 < kPerModule; ++k) {
-        const float dark = std::clamp(darkness[i + m * kPerModule + k], 0.0F, 1.0F);
-        sum += pattern[m] > 0 ? 1 - dark : dark;
-      }
+      const float dark = modules[i + m * kPerModule];
+      sum += pattern[m] > 0 ? 1 - dark : dark;
     }
-    costs[i] = sum / static_cast<float>(3 * pattern.size());
+    costs[i] = sum / static_cast<float>(pattern.size());
   }
   return costs;
 }
+
+// Mean absolute residuals of three guard patterns together, of 0 to 3: right places of crumpled and
+// glaring products reach 0.76.
+constexpr float kWorstPlace = 0.85F;
 
 constexpr std::array<int, 8> kStartPattern{0, 0, 0, 0, 1, 0, 1, 0};
 constexpr std::array<int, 7> kCentrePattern{1, 0, 1, 0, 1, 0, 1};
@@ -481,10 +562,10 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
   const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
   const int count = length + 2 * kMargin * kPerModule;
   const std::vector<float> samples = resampled(line, 0, module, count);
-  const std::vector<float> darkness = local_darkness(samples, 9 * kPerModule);
-  const std::vector<float> start = pattern_costs(darkness, kStartPattern);
-  const std::vector<float> centre = pattern_costs(darkness, kCentrePattern);
-  const std::vector<float> end = pattern_costs(darkness, kEndPattern);
+  const std::vector<float> modules = module_darkness(local_darkness(samples, 9 * kPerModule));
+  const std::vector<float> start = pattern_costs(modules, kStartPattern);
+  const std::vector<float> centre = pattern_costs(modules, kCentrePattern);
+  const std::vector<float> end = pattern_costs(modules, kEndPattern);
   const auto least_near = [&](const std::vector<float>& costs, int middle, int slack) {
     std::array<float, 2> best{kFar, 0};
     for (int i = middle - slack; i <= middle + slack; ++i) {
@@ -499,10 +580,10 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
     if (at_start > 0.45F) continue;
     const int first_bar = i + 4 * kPerModule;
     const auto at_centre = least_near(centre, first_bar + 44 * kPerModule, 3 * kPerModule);
-    if (at_start + at_centre[0] > 0.8F) continue;
+    if (at_start + at_centre[0] > kWorstPlace) continue;
     const auto at_end = least_near(end, first_bar + 91 * kPerModule, 3 * kPerModule);
     const float cost = at_start + at_centre[0] + at_end[0];
-    if (cost > 1.0F) continue;
+    if (cost > kWorstPlace) continue;
     const double begin = first_bar - kMargin * kPerModule;
     const double width = (static_cast<double>(at_end[1]) - first_bar) / 91 * module / kPerModule;
     places.push_back({begin * module / kPerModule, width, cost});
@@ -544,7 +625,7 @@ std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {
 
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
                                             std::size_t most) {
-  constexpr double kStep = 1.03;
+  constexpr double kStep = 1.045;
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
   for (double module = least; module <= greatest; module *= kStep) {
@@ -605,11 +686,18 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
 
 }  // namespace
 
+double elastic_cost(const ScanLine& line, const SymbolPlace& place,
+                    const BarTemplates& templates) {
+  const auto placed = placed_line(line, place);
+  if (!placed) return kFar;
+  return Chain(placed->darkness, templates, nullptr, false).cost_per_module();
+}
+
 std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
                                            const BarTemplates& templates) {
   const auto placed = placed_line(line, place);
   if (!placed) return std::nullopt;
-  ElasticReading reading = Chain(placed->darkness, templates, nullptr).reading();
+  ElasticReading reading = Chain(placed->darkness, templates, nullptr, true).reading();
   placed->to_line(reading.alignment);
   return reading;
 }
@@ -619,7 +707,7 @@ std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const Symbol
                                               const Digits& digits) {
   const auto placed = placed_line(line, place);
   if (!placed) return std::nullopt;
-  ElasticAlignment alignment = Chain(placed->darkness, templates, &digits).alignment();
+  ElasticAlignment alignment = Chain(placed->darkness, templates, &digits, false).alignment();
   placed->to_line(alignment);
   return alignment;
 }

@@ -79,6 +79,9 @@ struct ElasticReading {
 std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
                                            const BarTemplates& templates);
 
+// The cost per module of that reading alone, in a third of the time; very large without room.
+double elastic_cost(const ScanLine& line, const SymbolPlace& place, const BarTemplates& templates);
+
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
                                               const BarTemplates& templates,
