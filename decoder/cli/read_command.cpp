@@ -27,17 +27,22 @@ constexpr const char* kExample = R"(Example:
   tagsmith read surveys/corridor/photos --survey surveys/corridor/survey.yaml
 
 --json prints one object an image: image, width, height, tags (digits, check_digit, position,
-corners P F lower-right Q in pixels, module_px, confidence, method), rejected (reason, corners),
-time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
+corners P F lower-right Q in pixels or null, module_px, confidence, method), rejected (reason,
+corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
 
 struct Options {
   std::vector<std::string> images;
   std::vector<std::string> surveys;
   std::string check;
   std::string reader = "tagsmith";
+  std::string frameless = "fallback";
   bool json = false;
   int jobs = 0;
 };
+
+std::size_t tag_count(const ReadResult& result) {
+  return result.tags.size() + result.frameless.read.size();
+}
 
 struct Tally {
   std::size_t tags = 0;
@@ -47,6 +52,9 @@ struct Tally {
 Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
   ReadOptions read = read_options_for(surveys);
   if (!options.check.empty()) read.check = parse_check_digit(options.check);
+  if (options.frameless != "never") {
+    read.frameless = options.frameless == "always" ? Frameless::always : Frameless::fallback;
+  }
   if (!surveys.empty() && read.code_book.empty()) {
     return fail("the surveys given with --survey have no tags, expected at least one");
   }
@@ -64,26 +72,44 @@ Result<ImageReadings> read_image(const fs::path& path, const std::string& reader
   return ImageReadings{path, image->width, image->height, std::move(result), time.count()};
 }
 
-std::string tag_in_words(const Reading& tag, const std::vector<Survey>& surveys) {
+// The tag's digits, position and check digit, and its name where a survey has it.
+template <class AnyReading>
+std::string code_in_words(const AnyReading& tag, const std::vector<Survey>& surveys) {
   const GridPoint position = coded_position(tag.digits, surveys);
+  return fmt::format("  {}  x {} y {} z {}  {}", to_string(tag.digits), format_number(position[0]),
+                     format_number(position[1]), format_number(position[2]), check_digit_name(tag));
+}
+
+std::string name_in_words(const Digits& digits, const std::vector<Survey>& surveys) {
   std::string name;
   for (const Survey& survey : surveys) {
-    const PlacedTag* placed = find_tag(survey, tag.digits);
+    const PlacedTag* placed = find_tag(survey, digits);
     if (placed != nullptr) name = fmt::format("  {} of {}", placed->name, survey.name);
   }
-  return fmt::format("  {}  x {} y {} z {}  {}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}",
-                     to_string(tag.digits), format_number(position[0]), format_number(position[1]),
-                     format_number(position[2]), check_digit_name(tag), tag.corners[0].x,
-                     tag.corners[0].y, tag.module_px, name);
+  return name;
 }
 
 void print_in_words(const ImageReadings& readings, const std::vector<Survey>& surveys) {
-  const std::size_t count = readings.result.tags.size();
+  const ReadResult& result = readings.result;
+  const std::size_t count = tag_count(result);
   fmt::print("{}: {} {}\n", readings.image.string(), count, count == 1 ? "tag" : "tags");
-  for (const Reading& tag : readings.result.tags) fmt::print("{}\n", tag_in_words(tag, surveys));
-  for (const Rejection& rejection : readings.result.rejected) {
+  for (const Reading& tag : result.tags) {
+    fmt::print("{}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}\n", code_in_words(tag, surveys),
+               tag.corners[0].x, tag.corners[0].y, tag.module_px,
+               name_in_words(tag.digits, surveys));
+  }
+  for (const FramelessReading& tag : result.frameless.read) {
+    fmt::print("{}  no frame: bars at ({:.0f}, {:.0f})  {:.1f} px/module{}\n",
+               code_in_words(tag, surveys), tag.bars[0].x, tag.bars[0].y, tag.module_px,
+               name_in_words(tag.digits, surveys));
+  }
+  for (const Rejection& rejection : result.rejected) {
     fmt::print("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x,
                rejection.corners[0].y, rejection.reason);
+  }
+  for (const FramelessRejection& rejection : result.frameless.rejected) {
+    fmt::print("  refused at ({:.0f}, {:.0f}): no frame: {}\n", rejection.bars[0].x,
+               rejection.bars[0].y, rejection.reason);
   }
 }
 
@@ -101,7 +127,7 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
           tally.unreadable_file = true;
           return;
         }
-        tally.tags += (*readings)->result.tags.size();
+        tally.tags += tag_count((*readings)->result);
         if (options.json) {
           fmt::print("{}\n", to_json_line(**readings, surveys));
         } else {
@@ -146,6 +172,11 @@ Command read_command(CLI::App& parent) {
   app->add_option("--reader", options->reader,
                   "tagsmith, or paper: the published pipeline, literally, for comparison")
       ->check(CLI::IsMember({"tagsmith", "paper"}))
+      ->capture_default_str();
+  app->add_option("--frameless", options->frameless,
+                  "Read symbols without a feature frame: fallback (where a picture has no tag with "
+                  "one), always, or never")
+      ->check(CLI::IsMember({"fallback", "always", "never"}))
       ->capture_default_str();
   app->add_flag("--json", options->json, "One JSON object an image");
   app->add_option("--jobs", options->jobs, "Pictures read at once (default: all cores)")

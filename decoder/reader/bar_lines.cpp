@@ -10,20 +10,35 @@
 namespace tagsmith {
 namespace {
 
+// Weights of the pixels before, at, after and two after a place at `t` of the way (Keys 1981,
+// a = -1/2). Linear interpolation would blur most halfway between pixels, which at one or two
+// pixels a module looks like other bars.
+std::array<double, 4> cubic_weights(double t) {
+  const double t2 = t * t;
+  const double t3 = t2 * t;
+  return {0.5 * (-t3 + 2 * t2 - t), 0.5 * (3 * t3 - 5 * t2 + 2), 0.5 * (-3 * t3 + 4 * t2 + t),
+          0.5 * (t3 - t2)};
+}
+
+// Beyond the image its border pixels continue.
 float light_at(const GrayView& image, const ToneCurve& tone, PixelPoint at) {
   const double x = std::clamp(at.x, 0.0, image.width - 1.0);
   const double y = std::clamp(at.y, 0.0, image.height - 1.0);
-  const int left = std::min(static_cast<int>(x), std::max(0, image.width - 2));
-  const int top = std::min(static_cast<int>(y), std::max(0, image.height - 2));
-  const int right = std::min(left + 1, image.width - 1);
-  const int bottom = std::min(top + 1, image.height - 1);
-  const double u = x - left;
-  const double v = y - top;
-  return static_cast<float>(
-      (1 - v) * ((1 - u) * tone.light_of(image.at(left, top)) +
-                 u * tone.light_of(image.at(right, top))) +
-      v * ((1 - u) * tone.light_of(image.at(left, bottom)) +
-           u * tone.light_of(image.at(right, bottom))));
+  const int left = static_cast<int>(x);
+  const int top = static_cast<int>(y);
+  const std::array<double, 4> across = cubic_weights(x - left);
+  const std::array<double, 4> down = cubic_weights(y - top);
+  double light = 0;
+  for (int j = 0; j < 4; ++j) {
+    const std::uint8_t* row = image.row(std::clamp(top + j - 1, 0, image.height - 1));
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+      sum += across[static_cast<std::size_t>(i)] *
+             tone.light_of(row[std::clamp(left + i - 1, 0, image.width - 1)]);
+    }
+    light += down[static_cast<std::size_t>(j)] * sum;
+  }
+  return static_cast<float>(light);
 }
 
 double sharpness(const ScanLine& line) {
@@ -66,7 +81,8 @@ LineFrame line_frame_for(const GrayView& image, const BarRegion& region) {
   constexpr double kMostLean = 8;  // degrees that the bars may lean from the region's direction
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / 95 / kStepsPerModule, 0.2, 2.0);
-  const auto [low, high] = inside(image, region.centre, region.across, region.length * (0.5 + kBeyond));
+  const auto [low, high] =
+      inside(image, region.centre, region.across, region.length * (0.5 + kBeyond));
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
   double best = -1;

@@ -188,8 +188,9 @@ void add_regions(const GrayView& image, double scale, std::vector<BarRegion>& re
 }
 
 bool same_region(const BarRegion& a, const BarRegion& b) {
-  return distance(a.centre, b.centre) < 0.15 * a.length && std::abs(dot(a.across, b.across)) > 0.97 &&
-         a.length < 1.25 * b.length && b.length < 1.25 * a.length;
+  return distance(a.centre, b.centre) < 0.15 * a.length &&
+         std::abs(dot(a.across, b.across)) > 0.97 && a.length < 1.25 * b.length &&
+         b.length < 1.25 * a.length;
 }
 
 }  // namespace

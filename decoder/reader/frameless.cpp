@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <span>
@@ -23,14 +22,19 @@ constexpr std::size_t kMostRegions = 10;
 constexpr std::size_t kBinsPerModule = 4;
 constexpr double kBeyond = 4;  // modules of quiet zone in a straightened profile
 
-// Bars' looks that are tried, the plain one first.
-const std::vector<std::pair<BarShape, BarTemplates>>& shapes() {
+// A look of bars that is tried, the plain one first.
+struct Shape {
+  BarShape bars;
+  BarTemplates templates;
+};
+
+const std::vector<Shape>& shapes() {
   static const auto all = [] {
-    std::vector<std::pair<BarShape, BarTemplates>> list;
+    std::vector<Shape> list;
     for (const double blur : {0.5, 0.3, 0.75, 1.05}) {
       for (const double growth : {0.0, -0.3, 0.3}) {
-        const BarShape shape{blur, growth};
-        list.emplace_back(shape, BarTemplates(shape));
+        const BarShape bars{blur, growth};
+        list.push_back({bars, BarTemplates(bars)});
       }
     }
     return list;
@@ -54,7 +58,7 @@ SymbolPlace place_of(const ElasticAlignment& alignment) {
 struct RegionScan {
   LineFrame frame;
   double spacing = 0;  // of the lines along the bars, pixels
-  const BarTemplates* templates = nullptr;
+  const Shape* shape = nullptr;
   std::vector<ReadLine> lines;
 };
 
@@ -77,8 +81,8 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   for (const double share : {0.0, -0.25, 0.25}) {
     const double offset = share * region.height;
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
-    for (const SymbolPlace& place :
-         find_symbol_places(lines.back().light, 0.5 * nominal_module, 1.8 * nominal_module, kMostPlaces)) {
+    for (const SymbolPlace& place : find_symbol_places(lines.back().light, 0.5 * nominal_module,
+                                                       1.8 * nominal_module, kMostPlaces)) {
       places.push_back({lines.size() - 1, place});
     }
   }
@@ -89,35 +93,40 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   for (const auto& [line, place] : places) {
     const double end = place.begin + kModuleCount * place.module;
     for (const SymbolPlace& way : {place, SymbolPlace{end, -place.module, place.cost}}) {
-      const double cost = elastic_cost(lines[line].light, way, shapes().front().second);
+      const double cost = elastic_cost(lines[line].light, way, shapes().front().templates);
       if (cost >= best) continue;
       best = cost;
       found = FirstPlace{line, way};
     }
     if (best < kGood) break;
   }
-  if (std::getenv("FL_DEBUG")) { std::fprintf(stderr, "   places"); for (auto& p : places) std::fprintf(stderr, " %.2f", p.place.cost); std::fprintf(stderr, " best %.2f at %.2f\n", best, found ? found->place.cost : -1); }
   if (!found) return std::nullopt;
   ReadLine first = std::move(lines[found->line]);
-  const auto reading = read_elastic(first.light, found->place, shapes().front().second);
+  const auto reading = read_elastic(first.light, found->place, shapes().front().templates);
   if (!reading) return std::nullopt;
   first.reading = *reading;
   return first;
 }
 
 // The look of the bars that suits the line best, and its reading so.
-const BarTemplates& best_shape(ReadLine& line) {
+const Shape& best_shape(ReadLine& line) {
   const SymbolPlace place = place_of(line.reading.alignment);
-  const BarTemplates* best = &shapes().front().second;
+  const Shape* best = &shapes().front();
   double least = line.reading.alignment.cost_per_module;
-  for (const auto& [shape, templates] : shapes()) {
-    const double cost = elastic_cost(line.light, place, templates);
+  for (const Shape& shape : shapes()) {
+    const double cost = elastic_cost(line.light, place, shape.templates);
     if (cost >= least) continue;
     least = cost;
-    best = &templates;
+    best = &shape;
   }
-  if (const auto reading = read_elastic(line.light, place, *best)) line.reading = *reading;
+  if (const auto reading = read_elastic(line.light, place, best->templates)) {
+    line.reading = *reading;
+  }
   return *best;
+}
+
+bool is_inside(const GrayView& image, PixelPoint at) {
+  return at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
 }
 
 // Reads the region's lines from the first one outwards, each where its neighbour was.
@@ -126,16 +135,19 @@ RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarR
   constexpr double kWorst = 4;  // a line worse than this is dirt or lies beyond the bars
   constexpr double kLines = 12;
   constexpr int kMostMisses = 3;
-  const BarTemplates& templates = best_shape(first);
-  RegionScan scan{frame, std::max(1.0, region.height / kLines), &templates, {}};
+  const Shape& shape = best_shape(first);
+  RegionScan scan{frame, std::max(1.0, region.height / kLines), &shape, {}};
   for (const double direction : {-1.0, 1.0}) {
     SymbolPlace place = place_of(first.reading.alignment);
     int misses = 0;
     for (double offset = first.offset + direction * scan.spacing;
          std::abs(offset) < 0.6 * region.height && misses < kMostMisses;
          offset += direction * scan.spacing) {
+      if (!is_inside(image, frame.pixel(place.begin + kModuleCount / 2.0 * place.module, offset))) {
+        break;
+      }
       ScanLine light = light_along(image, frame, offset, scan.spacing);
-      auto reading = read_elastic(light, place, templates);
+      auto reading = read_elastic(light, place, shape.templates);
       if (!reading || reading->alignment.cost_per_module > kWorst) {
         ++misses;
         continue;
@@ -219,10 +231,10 @@ ScanProfile merged_profile(const std::vector<ReadLine>& lines) {
     }
     const double agreement = count / static_cast<double>(values.size());
     const double doubt = std::min(1.0, 2 * (1 - agreement));
-    profile.push_back({(static_cast<double>(b) + 0.5) / kBinsPerModule - kBeyond, sum / count,
-                       kLineVariance / count + kModelError * kModelError +
-                           doubt * doubt * doubt * doubt,
-                       agreement});
+    profile.push_back(
+        {(static_cast<double>(b) + 0.5) / kBinsPerModule - kBeyond, sum / count,
+         kLineVariance / count + kModelError * kModelError + doubt * doubt * doubt * doubt,
+         agreement});
   }
   return profile;
 }
@@ -336,9 +348,8 @@ Consensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
     }
   }
   const double own = std::exp(-codes.cost);
-  const double rivals =
-      (codes.mass - own) / own +
-      kPriorOfInvalid * code_count / kAllSymbols * (mass_of_all_codes(evidence) - own) / own;
+  const double rivals = (codes.mass - own) / own + kPriorOfInvalid * code_count / kAllSymbols *
+                                                       (mass_of_all_codes(evidence) - own) / own;
   return {codes.best, 1 / (1 + std::max(0.0, rivals))};
 }
 
@@ -381,7 +392,7 @@ std::vector<ReadLine> realigned(const RegionScan& scan, const Digits& digits) {
   std::vector<ReadLine> lines;
   for (const ReadLine& line : scan.lines) {
     const auto alignment =
-        align_elastic(line.light, place_of(line.reading.alignment), *scan.templates, digits);
+        align_elastic(line.light, place_of(line.reading.alignment), scan.shape->templates, digits);
     if (!alignment) continue;
     lines.push_back(line);
     lines.back().reading.alignment = *alignment;
@@ -392,30 +403,15 @@ std::vector<ReadLine> realigned(const RegionScan& scan, const Digits& digits) {
 std::optional<Verdict> judge(const RegionScan& scan, const ReadOptions& options) {
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
+  constexpr double kSymbolLike = 0.8;  // explained; below, a refusal is not worth telling
   const Evidence evidence = evidence_of(scan.lines);
   const Consensus consensus = consensus_of(evidence, decode_options);
   const ScanProfile profile = merged_profile(realigned(scan, consensus.digits));
   SymbolImage start;
-  start.blur = 0.45;
+  start.blur = scan.shape->bars.blur;
   const auto decoding = decode_profile(profile, start, decode_options);
-  if (!decoding) return std::nullopt;
+  if (!decoding || decoding->fit.explained < kSymbolLike) return std::nullopt;
   Verdict verdict{consensus, objection_to(*decoding, evidence, consensus, options)};
-  if (std::getenv("FL_DEBUG")) {
-    double worst = 0;
-    for (auto& l : scan.lines) worst = std::max(worst, l.reading.alignment.cost_per_module);
-    double best = 99;
-    for (auto& l : scan.lines) best = std::min(best, l.reading.alignment.cost_per_module);
-    auto ev = evidence.even_parity;
-    std::ranges::sort(ev);
-    std::fprintf(stderr,
-                 "   %s|%s expl %.3f worst %.2f guards %.2f growth %.2f blur %.2f conf 1-%.1e p "
-                 "1-%.1e lines %zu cost %.2f-%.2f ean %.1f %s\n",
-                 to_string(decoding->digits).c_str(), to_string(consensus.digits).c_str(),
-                 decoding->fit.explained, decoding->worst_digit, decoding->guards,
-                 decoding->fit.image.growth, decoding->fit.image.blur, 1 - decoding->confidence,
-                 1 - consensus.probability, scan.lines.size(), best, worst, ev[0] + ev[1] + ev[2],
-                 verdict.objection.value_or("ok").c_str());
-  }
   return verdict;
 }
 
@@ -464,8 +460,7 @@ void read_region(const GrayView& image, const BarRegion& region, const ReadOptio
                            bars,
                            0,
                            verdict->consensus.probability};
-  reading.module_px =
-      (distance(bars[0], bars[1]) + distance(bars[3], bars[2])) / 2 / kModuleCount;
+  reading.module_px = (distance(bars[0], bars[1]) + distance(bars[3], bars[2])) / 2 / kModuleCount;
   result.read.push_back(reading);
 }
 
@@ -474,14 +469,25 @@ void read_region(const GrayView& image, const BarRegion& region, const ReadOptio
 FramelessResult read_frameless(const GrayView& image, const ReadOptions& options) {
   FramelessResult result;
   for (const BarRegion& region : find_bar_regions(image, kMostRegions)) {
-    if (std::getenv("FL_DEBUG"))
-      std::fprintf(stderr, "  region (%.0f %.0f) dir (%.2f %.2f) %.0f x %.0f\n", region.centre.x,
-                   region.centre.y, region.across.x, region.across.y, region.length,
-                   region.height);
     const auto covered = [&](const auto& other) { return contains(other.bars, region.centre); };
     if (std::ranges::any_of(result.read, covered)) continue;
     read_region(image, region, options, result);
   }
+  return result;
+}
+
+ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result) {
+  const bool wanted = options.frameless == Frameless::always ||
+                      (options.frameless == Frameless::fallback && result.tags.empty());
+  if (!wanted) return result;
+  result.frameless = read_frameless(image, options);
+  const auto framed = [&](const auto& symbol) {
+    const PixelPoint centre = 0.5 * (symbol.bars[0] + symbol.bars[2]);
+    return std::ranges::any_of(result.tags,
+                               [&](const Reading& tag) { return contains(tag.corners, centre); });
+  };
+  std::erase_if(result.frameless.read, framed);
+  std::erase_if(result.frameless.rejected, framed);
   return result;
 }
 

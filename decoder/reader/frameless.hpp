@@ -15,4 +15,8 @@ namespace tagsmith {
 // options.check, or gs1, that of every product, unless options.code_book says which codes exist.
 FramelessResult read_frameless(const GrayView& image, const ReadOptions& options = {});
 
+// The result with what options.frameless asks for; a tag that was read by its frame is not given
+// again.
+ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result);
+
 }  // namespace tagsmith

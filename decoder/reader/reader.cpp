@@ -15,6 +15,7 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/image/half_size.hpp"
+#include "decoder/reader/frameless.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -197,7 +198,7 @@ ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
   for (const PyramidLevel& level : levels) {
     for (const Quad& candidate : find_candidates(level)) reader.try_candidate(level, candidate);
   }
-  return reader.take_result();
+  return with_frameless(image, options, reader.take_result());
 }
 
 }  // namespace tagsmith

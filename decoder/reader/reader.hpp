@@ -30,6 +30,7 @@ struct ReadOptions {
   // magnitude (docs/accuracy.md, "Reliability"); no wrong code of a whole tag has been seen above
   // this value.
   double min_confidence = 1.0 - 1e-6;
+  // When symbols without a frame are read too, into ReadResult::frameless.
   Frameless frameless = Frameless::never;
 };
 

@@ -59,7 +59,7 @@ struct FramelessResult {
 struct ReadResult {
   std::vector<Reading> tags;
   std::vector<Rejection> rejected;
-  FramelessResult frameless;  // empty unless asked for (ReadOptions::frameless)
+  FramelessResult frameless{};  // empty unless asked for (ReadOptions::frameless)
 };
 
 }  // namespace tagsmith

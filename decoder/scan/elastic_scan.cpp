@@ -110,8 +110,7 @@ std::vector<float> samples_of(int segment, int pattern, int length, const BarSha
   const double modules = modules_of_segment(segment);
   std::vector<float> samples;
   for (int i = 0; i < length; ++i) {
-    samples.push_back(
-        static_cast<float>(coverage(bars, shape, (i + 0.5) * modules / length)));
+    samples.push_back(static_cast<float>(coverage(bars, shape, (i + 0.5) * modules / length)));
   }
   return samples;
 }
@@ -252,8 +251,7 @@ float change_penalty(int segment, int from, int to) {
 
 // Where the next boundary lies, as a place of its own window, or -1.
 int next_place(int segment, int place, int ratio) {
-  const int offset =
-      place + length_of(segment, ratio) - modules_of_segment(segment) * kPerModule;
+  const int offset = place + length_of(segment, ratio) - modules_of_segment(segment) * kPerModule;
   return offset >= 0 && offset < kPlaces ? offset : -1;
 }
 
@@ -278,7 +276,8 @@ class Chain {
     float least = kFar;
     const Front begin = begins();
     for (int place = 0; place < kPlaces; ++place) {
-      for (int r = 0; r < kRatios; ++r) least = std::min(least, around(0, begin, place, r) + costs_[0].best(place, r));
+      for (int r = 0; r < kRatios; ++r)
+        least = std::min(least, around(0, begin, place, r) + costs_[0].best(place, r));
     }
     return least / (kModuleCount + 2 * kQuiet);
   }
@@ -443,7 +442,8 @@ class Chain {
     for (int to = 0; to < kRatios; ++to) {
       const float cost = change_penalty(s, before[1], to) +
                          costs_[static_cast<std::size_t>(s)].best(place, to) +
-                         remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)][static_cast<std::size_t>(to)];
+                         remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)]
+                                [static_cast<std::size_t>(to)];
       if (cost >= least) continue;
       least = cost;
       best[1] = to;
@@ -471,14 +471,16 @@ class Chain {
     }
     int best = 0;
     for (int p = 1; p < 10; ++p) {
-      if (costs.cost(on_path[0], on_path[1], p) < costs.cost(on_path[0], on_path[1], best)) best = p;
+      if (costs.cost(on_path[0], on_path[1], p) < costs.cost(on_path[0], on_path[1], best))
+        best = p;
     }
     result.digits[position] = static_cast<std::uint8_t>(best);
     for (std::size_t p = 0; p < 10; ++p) {
       result.extra_cost[position][p] = std::max(0.0F, least[p] - total);
     }
     if (is_left(s)) {
-      result.even_parity_cost[position] = *std::min_element(least.begin() + 10, least.end()) - total;
+      result.even_parity_cost[position] =
+          *std::min_element(least.begin() + 10, least.end()) - total;
     }
   }
 
@@ -501,8 +503,7 @@ std::vector<float> running_maximum(const std::vector<float>& samples, std::size_
     ahead[i] = i % block == 0 ? at(i) : std::max(ahead[i - 1], at(i));
   }
   for (std::size_t i = padded; i-- > 0;) {
-    behind[i] =
-        i + 1 == padded || (i + 1) % block == 0 ? at(i) : std::max(behind[i + 1], at(i));
+    behind[i] = i + 1 == padded || (i + 1) % block == 0 ? at(i) : std::max(behind[i + 1], at(i));
   }
   std::vector<float> result(samples.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
@@ -518,7 +519,8 @@ std::vector<float> running_mean(const std::vector<float>& samples, std::size_t w
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::size_t from = i > window ? i - window : 0;
     const std::size_t to = std::min(samples.size(), i + window + 1);
-    result[i] = static_cast<float>((integral[to] - integral[from]) / static_cast<double>(to - from));
+    result[i] =
+        static_cast<float>((integral[to] - integral[from]) / static_cast<double>(to - from));
   }
   return result;
 }
@@ -534,28 +536,48 @@ std::vector<float> module_darkness(const std::vector<float>& darkness) {
   return modules;
 }
 
-// Mean absolute residual of a pattern of modules (1 bar, 0 space) that begins at each sample.
+// How badly a pattern of modules (1 bar, 0 space) that begins at each sample suits: 1 less its
+// correlation with the darkness, which blur lowers little. Even grey correlates with nothing.
 std::vector<float> pattern_costs(const std::vector<float>& modules, std::span<const int> pattern) {
+  constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
+  const auto count = static_cast<float>(pattern.size());
   const std::size_t length = pattern.size() * kPerModule;
+  float mean = 0;
+  for (const int bar : pattern) mean += static_cast<float>(bar) / count;
+  const float deviation = std::sqrt(mean * (1 - mean));
   std::vector<float> costs(modules.size(), kFar);
   for (std::size_t i = 0; i + length <= modules.size(); ++i) {
     float sum = 0;
+    float squares = 0;
+    float product = 0;
     for (std::size_t m = 0; m < pattern.size(); ++m) {
       const float dark = modules[i + m * kPerModule];
-      sum += pattern[m] > 0 ? 1 - dark : dark;
+      sum += dark;
+      squares += dark * dark;
+      product += dark * (static_cast<float>(pattern[m]) - mean);
     }
-    costs[i] = sum / static_cast<float>(pattern.size());
+    const float variance = squares / count - sum * sum / (count * count);
+    const float seen = std::max(kLeastDeviation, std::sqrt(std::max(0.0F, variance)));
+    costs[i] = 1 - product / count / (seen * deviation);
   }
   return costs;
 }
 
-// Mean absolute residuals of three guard patterns together, of 0 to 3: right places of crumpled and
-// glaring products reach 0.76.
-constexpr float kWorstPlace = 0.85F;
+// Of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products stay
+// below.
+constexpr float kWorstPlace = 1.5F;
 
 constexpr std::array<int, 8> kStartPattern{0, 0, 0, 0, 1, 0, 1, 0};
 constexpr std::array<int, 7> kCentrePattern{1, 0, 1, 0, 1, 0, 1};
 constexpr std::array<int, 8> kEndPattern{0, 1, 0, 1, 0, 0, 0, 0};
+
+// A symbol may reach beyond the line by what its boundaries may be off.
+bool has_room(const ScanLine& line, const SymbolPlace& place) {
+  const double reach = kSlack * std::abs(place.module);
+  const double end = place.begin + kModuleCount * place.module;
+  const auto size = static_cast<double>(line.size());
+  return std::min(place.begin, end) >= -reach && std::max(place.begin, end) <= size + reach;
+}
 
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
 std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
@@ -570,14 +592,15 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
     std::array<float, 2> best{kFar, 0};
     for (int i = middle - slack; i <= middle + slack; ++i) {
       if (i < 0 || i >= static_cast<int>(costs.size())) continue;
-      if (costs[static_cast<std::size_t>(i)] < best[0]) best = {costs[static_cast<std::size_t>(i)], static_cast<float>(i)};
+      if (costs[static_cast<std::size_t>(i)] < best[0])
+        best = {costs[static_cast<std::size_t>(i)], static_cast<float>(i)};
     }
     return best;
   };
   std::vector<SymbolPlace> places;
   for (int i = 0; i < count - (kModuleCount - 4) * kPerModule; ++i) {
     const float at_start = start[static_cast<std::size_t>(i)];
-    if (at_start > 0.45F) continue;
+    if (at_start > kWorstPlace / 2) continue;
     const int first_bar = i + 4 * kPerModule;
     const auto at_centre = least_near(centre, first_bar + 44 * kPerModule, 3 * kPerModule);
     if (at_start + at_centre[0] > kWorstPlace) continue;
@@ -586,7 +609,8 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
     if (cost > kWorstPlace) continue;
     const double begin = first_bar - kMargin * kPerModule;
     const double width = (static_cast<double>(at_end[1]) - first_bar) / 91 * module / kPerModule;
-    places.push_back({begin * module / kPerModule, width, cost});
+    const SymbolPlace place{begin * module / kPerModule, width, cost};
+    if (has_room(line, place)) places.push_back(place);
   }
   return places;
 }
@@ -652,7 +676,7 @@ namespace {
 // A line resampled about a place, as darkness, the symbol running along it.
 struct PlacedLine {
   std::vector<float> darkness;
-  double begin = 0;   // of the place, samples of the line in its own or the turned direction
+  double begin = 0;  // of the place, samples of the line in its own or the turned direction
   double module = 0;
   double turned_size = 0;  // samples of the line when it was turned, else 0
 
@@ -665,11 +689,8 @@ struct PlacedLine {
 };
 
 std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place) {
-  const double reach = kSlack * std::abs(place.module);
-  const double end = place.begin + kModuleCount * place.module;
   const auto size = static_cast<double>(line.size());
-  if (line.size() < 2 || std::min(place.begin, end) < -reach ||
-      std::max(place.begin, end) > size + reach || !(std::abs(place.module) > 0.1)) {
+  if (line.size() < 2 || !(std::abs(place.module) > 0.1) || !has_room(line, place)) {
     return std::nullopt;
   }
   PlacedLine placed{{}, place.begin, place.module, 0};
@@ -686,8 +707,7 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
 
 }  // namespace
 
-double elastic_cost(const ScanLine& line, const SymbolPlace& place,
-                    const BarTemplates& templates) {
+double elastic_cost(const ScanLine& line, const SymbolPlace& place, const BarTemplates& templates) {
   const auto placed = placed_line(line, place);
   if (!placed) return kFar;
   return Chain(placed->darkness, templates, nullptr, false).cost_per_module();
@@ -703,8 +723,7 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
 }
 
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
-                                              const BarTemplates& templates,
-                                              const Digits& digits) {
+                                              const BarTemplates& templates, const Digits& digits) {
   const auto placed = placed_line(line, place);
   if (!placed) return std::nullopt;
   ElasticAlignment alignment = Chain(placed->darkness, templates, &digits, false).alignment();

@@ -84,8 +84,7 @@ double elastic_cost(const ScanLine& line, const SymbolPlace& place, const BarTem
 
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
-                                              const BarTemplates& templates,
-                                              const Digits& digits);
+                                              const BarTemplates& templates, const Digits& digits);
 
 // The line's darkness between its local white and black: 0 and 1 where wide elements are near,
 // `window` samples to both sides.

@@ -147,9 +147,10 @@ class Trials {
  public:
   void run(std::uint64_t seed) {
     Random random(seed);
-    const Kind kind = uniform(random, 0, 1) < 0.5
-                          ? Kind::upca
-                          : static_cast<Kind>(integer(random, 1, static_cast<int>(Kind::count) - 1));
+    const Kind kind =
+        uniform(random, 0, 1) < 0.5
+            ? Kind::upca
+            : static_cast<Kind>(integer(random, 1, static_cast<int>(Kind::count) - 1));
     Digits digits = random_code(random);
     const std::vector<int> widths = widths_of(kind, digits, random);
     const BarPicture how = random_picture(random);
@@ -179,7 +180,8 @@ class Trials {
     ++tally.shown;
     for (const FramelessReading& reading : result.read) {
       const bool right = kind == Kind::upca && reading.digits == digits;
-      const int power = std::min(15, static_cast<int>(-std::log10(std::max(1e-16, 1 - reading.confidence))));
+      const int power =
+          std::min(15, static_cast<int>(-std::log10(std::max(1e-16, 1 - reading.confidence))));
       ++reliability_[power][right ? 0 : 1];
       if (reading.confidence < ReadOptions{}.min_confidence) continue;
       ++(right ? tally.right : tally.wrong);
@@ -206,7 +208,8 @@ int main(int argc, char** argv) {
   std::vector<std::jthread> threads;
   for (unsigned t = 0; t < std::max(1U, std::thread::hardware_concurrency()); ++t) {
     threads.emplace_back([&] {
-      for (int i = next++; i < count; i = next++) trials.run(first_seed + static_cast<std::uint64_t>(i));
+      for (int i = next++; i < count; i = next++)
+        trials.run(first_seed + static_cast<std::uint64_t>(i));
     });
   }
   threads.clear();

@@ -59,16 +59,20 @@ void read_one(const fs::path& path, Tally& tally) {
     words += " WRONG " + digits;
   }
   tally.right += right;
-  for (const FramelessRejection& rejection : result.rejected) words += " (" + rejection.reason + ")";
-  fmt::print("{:40} {:12} {}{} {:.1f} ms\n", path.string().substr(std::max<std::size_t>(40, path.string().size())-40), expected, right ? "right" : "-", words,
-             time.count());
+  for (const FramelessRejection& rejection : result.rejected)
+    words += " (" + rejection.reason + ")";
+  fmt::print("{:40} {:12} {}{} {:.1f} ms\n",
+             path.string().substr(std::max<std::size_t>(40, path.string().size()) - 40), expected,
+             right ? "right" : "-", words, time.count());
 }
 
 void read_folder(const fs::path& folder) {
   std::vector<fs::path> images;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const fs::path text = fs::path(entry.path()).replace_extension(".txt");
-    if (entry.path().extension() != ".txt" && entry.path().extension() != ".json" && entry.is_regular_file()) images.push_back(entry.path());
+    if (entry.path().extension() != ".txt" && entry.path().extension() != ".json" &&
+        entry.is_regular_file())
+      images.push_back(entry.path());
   }
   std::ranges::sort(images);
   Tally tally;

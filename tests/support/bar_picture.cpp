@@ -41,8 +41,8 @@ class Scene {
   double light_at(double x, double y) const {
     const Point at = on_symbol(x - (width_ - 1) / 2.0, y - (height_ - 1) / 2.0);
     const double light = is_bar(at) ? how_.ink : how_.paper;
-    const double blob = std::hypot((at.x - 0.6 * length_) / (0.2 * length_),
-                                   at.y / (0.25 * how_.height_modules));
+    const double blob =
+        std::hypot((at.x - 0.6 * length_) / (0.2 * length_), at.y / (0.25 * how_.height_modules));
     return std::min(1.0, light + how_.glare * std::exp(-blob * blob));
   }
 
@@ -55,8 +55,8 @@ class Scene {
     double v = (-s * x + c * y) / how_.module_px;
     // A plane turned about the bars' direction, seen from five symbols' length away.
     const double distance = 5 * length_;
-    const double scale = distance / (distance * std::cos(how_.incidence) -
-                                     u * std::sin(how_.incidence));
+    const double scale =
+        distance / (distance * std::cos(how_.incidence) - u * std::sin(how_.incidence));
     u *= scale;
     v *= scale * std::cos(how_.incidence);
     if (how_.bend > 0) {
@@ -108,9 +108,11 @@ std::vector<double> filtered(const std::vector<double>& light, int width, int he
       for (int k = -radius; k <= radius; ++k) {
         const int from = std::clamp(x + k, 0, width - 1);
         sum += weights[static_cast<std::size_t>(k + radius)] *
-               light[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(from)];
+               light[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                     static_cast<std::size_t>(from)];
       }
-      result[static_cast<std::size_t>(x) * static_cast<std::size_t>(height) + static_cast<std::size_t>(y)] = sum;
+      result[static_cast<std::size_t>(x) * static_cast<std::size_t>(height) +
+             static_cast<std::size_t>(y)] = sum;
     }
   }
   return result;
