@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/read_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -14,7 +16,9 @@
 #include "decoder/cli/parallel.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
+#include "decoder/reader/explain.hpp"
 #include "decoder/reader/survey_options.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
@@ -36,6 +40,7 @@ struct Options {
   std::string check;
   std::string reader = "tagsmith";
   std::string frameless = "fallback";
+  std::string explain;  // folder; empty = none
   bool json = false;
   int jobs = 0;
 };
@@ -52,6 +57,7 @@ struct Tally {
 Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
   ReadOptions read = read_options_for(surveys);
   if (!options.check.empty()) read.check = parse_check_digit(options.check);
+  read.tell_passed_over = !options.explain.empty();
   if (options.frameless != "never") {
     read.frameless = options.frameless == "always" ? Frameless::always : Frameless::fallback;
   }
@@ -61,14 +67,36 @@ Result<ReadOptions> read_options(const Options& options, const std::vector<Surve
   return read;
 }
 
+// The picture's own name and its folder's where two pictures have one name.
+fs::path explanation_path(const fs::path& folder, const std::vector<fs::path>& files,
+                          std::size_t i) {
+  const auto same = [&](const fs::path& other) { return other.stem() == files[i].stem(); };
+  const std::string number =
+      std::ranges::count_if(files, same) > 1 ? fmt::format("_{}", i + 1) : "";
+  return folder / (files[i].stem().string() + number + ".explained.png");
+}
+
+Result<void> write_explanation(const GrayView& image, const ReadOptions& options,
+                               const ReadResult& result, const fs::path& path) {
+  const Result<std::string> png = draw_explanation(image, explain(image, options, result));
+  if (!png) return fail(png.error().message);
+  return write_file(path, *png);
+}
+
+// Reads one picture and, with a path for it, draws why.
 Result<ImageReadings> read_image(const fs::path& path, const std::string& reader,
-                                 const ReadOptions& options) {
+                                 const ReadOptions& options,
+                                 const std::optional<fs::path>& explanation) {
   const Result<GrayImage> image = load_gray_image(path);
   if (!image) return fail(image.error().message);
   const auto start = std::chrono::steady_clock::now();
   ReadResult result = reader == "paper" ? read_tags_paper(image->view(), options)
                                         : read_tags(image->view(), options);
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+  if (explanation) {
+    const auto written = write_explanation(image->view(), options, result, *explanation);
+    if (!written) return fail(path.string() + ": " + written.error().message);
+  }
   return ImageReadings{path, image->width, image->height, std::move(result), time.count()};
 }
 
@@ -118,8 +146,10 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
   Tally tally;
   ProgressBar bar("images", files.size());
   run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    auto readings =
-        std::make_shared<Result<ImageReadings>>(read_image(files[i], options.reader, read));
+    std::optional<fs::path> explanation;
+    if (!options.explain.empty()) explanation = explanation_path(options.explain, files, i);
+    auto readings = std::make_shared<Result<ImageReadings>>(
+        read_image(files[i], options.reader, read, explanation));
     return [&, readings] {
       bar.advance([&] {
         if (!*readings) {
@@ -148,6 +178,14 @@ int run(const Options& options) {
   const Result<std::vector<fs::path>> files =
       list_files(options.images, image_extensions(), std::cin);
   if (!files) return report_failure("read", files.error());
+  if (!options.explain.empty()) {
+    std::error_code error;
+    fs::create_directories(options.explain, error);
+    if (error) {
+      return report_failure("read",
+                            {options.explain + ": cannot be made a folder: " + error.message()});
+    }
+  }
   const Tally tally = read_all(options, *files, *surveys, *read);
   if (tally.unreadable_file) return kExitFailure;
   return tally.tags > 0 ? kExitOk : kExitFindings;
@@ -178,6 +216,10 @@ Command read_command(CLI::App& parent) {
                   "one), always, or never")
       ->check(CLI::IsMember({"fallback", "always", "never"}))
       ->capture_default_str();
+  app->add_option("--explain", options->explain,
+                  "Folder for a drawing of each picture: frames, corners, scan lines, digits with "
+                  "their margins, what was refused and why")
+      ->type_name("DIR");
   app->add_flag("--json", options->json, "One JSON object an image");
   app->add_option("--jobs", options->jobs, "Pictures read at once (default: all cores)")
       ->type_name("N")

@@ -125,6 +125,19 @@ const Shape& best_shape(ReadLine& line) {
   return *best;
 }
 
+// Leaves out the lines that read much worse than most: they lie beyond the bars or in dirt.
+void drop_strays(std::vector<ReadLine>& lines) {
+  constexpr double kTimesMedian = 2.5;
+  constexpr double kGood = 1.5;  // cost per module
+  std::vector<double> costs;
+  for (const ReadLine& line : lines) costs.push_back(line.reading.alignment.cost_per_module);
+  const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
+  std::ranges::nth_element(costs, middle);
+  const double most = std::max(kGood, kTimesMedian * *middle);
+  std::erase_if(
+      lines, [&](const ReadLine& line) { return line.reading.alignment.cost_per_module > most; });
+}
+
 bool is_inside(const GrayView& image, PixelPoint at) {
   return at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
 }
@@ -157,6 +170,7 @@ RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarR
     }
   }
   scan.lines.push_back(std::move(first));
+  drop_strays(scan.lines);
   std::ranges::sort(scan.lines, {}, &ReadLine::offset);
   return scan;
 }
@@ -362,11 +376,6 @@ bool may_be_ean13(const Evidence& evidence) {
   return costs[0] + costs[1] + costs[2] < kCertain;
 }
 
-struct Verdict {
-  Consensus consensus;
-  std::optional<std::string> objection;
-};
-
 std::optional<std::string> objection_to(const Decoding& decoding, const Evidence& evidence,
                                         const Consensus& consensus, const ReadOptions& options) {
   constexpr double kLeastExplained = 0.85;
@@ -400,21 +409,6 @@ std::vector<ReadLine> realigned(const RegionScan& scan, const Digits& digits) {
   return lines;
 }
 
-std::optional<Verdict> judge(const RegionScan& scan, const ReadOptions& options) {
-  DecodeOptions decode_options{options.check, options.code_book};
-  if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
-  constexpr double kSymbolLike = 0.8;  // explained; below, a refusal is not worth telling
-  const Evidence evidence = evidence_of(scan.lines);
-  const Consensus consensus = consensus_of(evidence, decode_options);
-  const ScanProfile profile = merged_profile(realigned(scan, consensus.digits));
-  SymbolImage start;
-  start.blur = scan.shape->bars.blur;
-  const auto decoding = decode_profile(profile, start, decode_options);
-  if (!decoding || decoding->fit.explained < kSymbolLike) return std::nullopt;
-  Verdict verdict{consensus, objection_to(*decoding, evidence, consensus, options)};
-  return verdict;
-}
-
 // Outline of the lines that were read, clockwise from the upper left as the digits run.
 std::array<PixelPoint, 4> outline_of(const RegionScan& scan) {
   const ReadLine& first = scan.lines.front();
@@ -441,38 +435,93 @@ bool contains(const std::array<PixelPoint, 4>& outline, PixelPoint point) {
   return true;
 }
 
-void read_region(const GrayView& image, const BarRegion& region, const ReadOptions& options,
-                 FramelessResult& result) {
+std::vector<std::array<PixelPoint, 2>> line_ends(const RegionScan& scan) {
+  std::vector<std::array<PixelPoint, 2>> ends;
+  for (const ReadLine& line : scan.lines) {
+    const auto& boundaries = line.reading.alignment.boundaries;
+    ends.push_back({scan.frame.pixel(boundaries.front(), line.offset),
+                    scan.frame.pixel(boundaries.back(), line.offset)});
+  }
+  return ends;
+}
+
+// What a region's bars say; nothing where they are not much like a symbol.
+std::optional<FramelessTrace> trace_region(const GrayView& image, const BarRegion& region,
+                                           const ReadOptions& options) {
+  // Beyond these a refusal is not worth telling: any texture is explained by enough blur.
+  constexpr double kSymbolLike = 0.85;
+  constexpr double kMostBlur = 1.5;  // modules
   const LineFrame frame = line_frame_for(image, region);
   const auto first = first_line(image, frame, region);
-  if (!first) return;
+  if (!first) return std::nullopt;
   const RegionScan scan = scan_region(image, frame, region, *first);
-  const auto verdict = judge(scan, options);
-  if (!verdict) return;
-  const std::array<PixelPoint, 4> bars = outline_of(scan);
-  if (verdict->objection) {
-    result.rejected.push_back({*verdict->objection, bars});
-    return;
+  DecodeOptions decode_options{options.check, options.code_book};
+  if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
+  const Evidence evidence = evidence_of(scan.lines);
+  const Consensus consensus = consensus_of(evidence, decode_options);
+  FramelessTrace trace;
+  trace.profile = merged_profile(realigned(scan, consensus.digits));
+  SymbolImage start;
+  start.blur = scan.shape->bars.blur;
+  const auto decoding = decode_profile(trace.profile, start, decode_options);
+  if (!decoding || decoding->fit.explained < kSymbolLike || decoding->fit.image.blur > kMostBlur) {
+    return std::nullopt;
   }
-  FramelessReading reading{verdict->consensus.digits,
-                           has_check_digit(CheckDigit::sum10, verdict->consensus.digits),
-                           has_check_digit(CheckDigit::gs1, verdict->consensus.digits),
-                           bars,
-                           0,
-                           verdict->consensus.probability};
-  reading.module_px = (distance(bars[0], bars[1]) + distance(bars[3], bars[2])) / 2 / kModuleCount;
-  result.read.push_back(reading);
+  trace.decoding = *decoding;
+  trace.digits = consensus.digits;
+  trace.confidence = consensus.probability;
+  trace.objection = objection_to(*decoding, evidence, consensus, options);
+  trace.bars = outline_of(scan);
+  trace.lines = line_ends(scan);
+  trace.module_px =
+      (distance(trace.bars[0], trace.bars[1]) + distance(trace.bars[3], trace.bars[2])) / 2 /
+      kModuleCount;
+  return trace;
+}
+
+FramelessReading reading_of(const FramelessTrace& trace) {
+  return {trace.digits,
+          has_check_digit(CheckDigit::sum10, trace.digits),
+          has_check_digit(CheckDigit::gs1, trace.digits),
+          trace.bars,
+          trace.module_px,
+          trace.confidence};
 }
 
 }  // namespace
 
+std::vector<FramelessTrace> trace_frameless(const GrayView& image, const ReadOptions& options) {
+  std::vector<FramelessTrace> traces;
+  for (const BarRegion& region : find_bar_regions(image, kMostRegions)) {
+    const auto covers = [&](const FramelessTrace& other) {
+      return !other.objection && contains(other.bars, region.centre);
+    };
+    if (std::ranges::any_of(traces, covers)) continue;
+    if (auto trace = trace_region(image, region, options)) traces.push_back(std::move(*trace));
+  }
+  return traces;
+}
+
 FramelessResult read_frameless(const GrayView& image, const ReadOptions& options) {
   FramelessResult result;
-  for (const BarRegion& region : find_bar_regions(image, kMostRegions)) {
-    const auto covered = [&](const auto& other) { return contains(other.bars, region.centre); };
-    if (std::ranges::any_of(result.read, covered)) continue;
-    read_region(image, region, options, result);
+  for (const FramelessTrace& trace : trace_frameless(image, options)) {
+    // Bars seen at two reductions of the image are the same.
+    const auto same = [&](const auto& other) {
+      return contains(other.bars, 0.5 * (trace.bars[0] + trace.bars[2]));
+    };
+    if (!trace.objection) {
+      if (std::ranges::none_of(result.read, same)) result.read.push_back(reading_of(trace));
+    } else if (std::ranges::none_of(result.rejected, same)) {
+      result.rejected.push_back({*trace.objection, trace.bars});
+    }
   }
+  const auto read = [&](const FramelessRejection& rejection) {
+    const PixelPoint centre = 0.5 * (rejection.bars[0] + rejection.bars[2]);
+    return std::ranges::any_of(result.read, [&](const FramelessReading& reading) {
+      return contains(reading.bars, centre);
+    });
+  };
+  std::erase_if(result.rejected, read);
   return result;
 }
 

@@ -142,9 +142,11 @@ class PictureReader {
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
-    if (!looks_framed(level.image, candidate)) return;
+    if (!looks_framed(level.image, candidate)) {
+      return pass_over(to_full(level, candidate), kNotFramedReason);
+    }
     const Result<Quad> settled = settle_frame(level.image, candidate);
-    if (!settled) return;
+    if (!settled) return pass_over(to_full(level, candidate), settled.error().message);
     const Quad quad = to_full(level, *settled);
     const auto read = [&](const Reading& tag) { return same_frame(tag.corners, quad); };
     if (std::ranges::any_of(result_.tags, read)) return;
@@ -152,8 +154,10 @@ class PictureReader {
     if (std::ranges::any_of(tried_, again)) return;
     tried_.push_back(quad);
     const Result<RefinedFrame> frame = refine_frame(image_, quad);
-    if (!frame) return;
-    if (const auto attempt = best_attempt(image_, *frame, options_)) judge(*frame, *attempt);
+    if (!frame) return pass_over(quad, frame.error().message);
+    const auto attempt = best_attempt(image_, *frame, options_);
+    if (!attempt) return pass_over(quad, "no guard patterns inside");
+    judge(*frame, *attempt);
   }
 
   ReadResult take_result() {
@@ -171,6 +175,10 @@ class PictureReader {
   }
 
  private:
+  void pass_over(const Quad& quad, const std::string& reason) {
+    if (options_.tell_passed_over) result_.passed_over.push_back({reason, quad});
+  }
+
   void judge(const RefinedFrame& frame, const Attempt& attempt) {
     const FrameCorners corners = corners_of(frame, attempt);
     if (const auto reason = objection(attempt, options_)) {

@@ -32,6 +32,8 @@ struct ReadOptions {
   double min_confidence = 1.0 - 1e-6;
   // When symbols without a frame are read too, into ReadResult::frameless.
   Frameless frameless = Frameless::never;
+  // Whether ReadResult::passed_over is filled.
+  bool tell_passed_over = false;
 };
 
 // All tags in the image, whatever their rotation and perspective, and what was refused and why.

@@ -56,9 +56,15 @@ struct FramelessResult {
   std::vector<FramelessRejection> rejected;
 };
 
+// Why most outlines are passed over: they are not even roughly a feature frame.
+inline constexpr const char* kNotFramedReason = "no white, black, white across its sides";
+
 struct ReadResult {
   std::vector<Reading> tags;
   std::vector<Rejection> rejected;
+  // Outlines that were looked at and are no feature frame or hold no symbol; empty unless asked for
+  // (ReadOptions::tell_passed_over).
+  std::vector<Rejection> passed_over{};
   FramelessResult frameless{};  // empty unless asked for (ReadOptions::frameless)
 };
 
