@@ -16,6 +16,12 @@ double with_decimals(double value, int decimals) {
   return std::round(value * scale) / scale;
 }
 
+std::string check_digit_name(bool sum10_holds, bool gs1_holds) {
+  if (sum10_holds && gs1_holds) return "both";
+  if (sum10_holds) return "sum10";
+  return gs1_holds ? "gs1" : "none";
+}
+
 Json to_json(const FrameCorners& corners) {
   Json list = Json::array();
   for (const PixelPoint& corner : corners) {
@@ -32,6 +38,17 @@ Json to_json(const Reading& reading, const std::vector<Survey>& surveys) {
           {"module_px", with_decimals(reading.module_px, 3)},
           {"confidence", reading.confidence},
           {"method", reading.method}};
+}
+
+Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys) {
+  return {{"digits", to_string(reading.digits)},
+          {"check_digit", check_digit_name(reading)},
+          {"position", coded_position(reading.digits, surveys)},
+          {"corners", nullptr},
+          {"bars", to_json(reading.bars)},
+          {"module_px", with_decimals(reading.module_px, 3)},
+          {"confidence", reading.confidence},
+          {"method", "frameless"}};
 }
 
 Json to_json(const TagFinding& tag) {
@@ -65,17 +82,27 @@ GridPoint coded_position(const Digits& digits, const std::vector<Survey>& survey
 }
 
 std::string check_digit_name(const Reading& reading) {
-  if (reading.sum10_holds && reading.gs1_holds) return "both";
-  if (reading.sum10_holds) return "sum10";
-  return reading.gs1_holds ? "gs1" : "none";
+  return check_digit_name(reading.sum10_holds, reading.gs1_holds);
+}
+
+std::string check_digit_name(const FramelessReading& reading) {
+  return check_digit_name(reading.sum10_holds, reading.gs1_holds);
 }
 
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys) {
   Json tags = Json::array();
   for (const Reading& reading : readings.result.tags) tags.push_back(to_json(reading, surveys));
+  for (const FramelessReading& reading : readings.result.frameless.read) {
+    tags.push_back(to_json(reading, surveys));
+  }
   Json rejected = Json::array();
   for (const Rejection& rejection : readings.result.rejected) {
     rejected.push_back({{"reason", rejection.reason}, {"corners", to_json(rejection.corners)}});
+  }
+  for (const FramelessRejection& rejection : readings.result.frameless.rejected) {
+    rejected.push_back({{"reason", "no frame: " + rejection.reason},
+                        {"corners", nullptr},
+                        {"bars", to_json(rejection.bars)}});
   }
   return line_of({{"image", readings.image.string()},
                   {"width", readings.width},

@@ -28,6 +28,7 @@ GridPoint coded_position(const Digits& digits, const std::vector<Survey>& survey
 
 // "sum10", "gs1", "both", or "none".
 std::string check_digit_name(const Reading& reading);
+std::string check_digit_name(const FramelessReading& reading);
 
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
 std::string to_json_line(const FileReport& report);

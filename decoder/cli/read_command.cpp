@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/read_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -13,7 +15,9 @@
 #include "decoder/cli/json.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
+#include "decoder/reader/explain.hpp"
 #include "decoder/reader/survey_options.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -27,17 +31,23 @@ constexpr const char* kExample = R"(Example:
   tagsmith read surveys/corridor/photos --survey surveys/corridor/survey.yaml
 
 --json prints one object an image: image, width, height, tags (digits, check_digit, position,
-corners P F lower-right Q in pixels, module_px, confidence, method), rejected (reason, corners),
-time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
+corners P F lower-right Q in pixels or null, module_px, confidence, method), rejected (reason,
+corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
 
 struct Options {
   std::vector<std::string> images;
   std::vector<std::string> surveys;
   std::string check;
   std::string reader = "tagsmith";
+  std::string frameless = "fallback";
+  std::string explain;  // folder; empty = none
   bool json = false;
   int jobs = 0;
 };
+
+std::size_t tag_count(const ReadResult& result) {
+  return result.tags.size() + result.frameless.read.size();
+}
 
 struct Tally {
   std::size_t tags = 0;
@@ -47,43 +57,87 @@ struct Tally {
 Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
   ReadOptions read = read_options_for(surveys);
   if (!options.check.empty()) read.check = parse_check_digit(options.check);
+  read.tell_passed_over = !options.explain.empty();
+  if (options.frameless != "never") {
+    read.frameless = options.frameless == "always" ? Frameless::always : Frameless::fallback;
+  }
   if (!surveys.empty() && read.code_book.empty()) {
     return fail("the surveys given with --survey have no tags, expected at least one");
   }
   return read;
 }
 
+// The picture's own name and its folder's where two pictures have one name.
+fs::path explanation_path(const fs::path& folder, const std::vector<fs::path>& files,
+                          std::size_t i) {
+  const auto same = [&](const fs::path& other) { return other.stem() == files[i].stem(); };
+  const std::string number =
+      std::ranges::count_if(files, same) > 1 ? fmt::format("_{}", i + 1) : "";
+  return folder / (files[i].stem().string() + number + ".explained.png");
+}
+
+Result<void> write_explanation(const GrayView& image, const ReadOptions& options,
+                               const ReadResult& result, const fs::path& path) {
+  const Result<std::string> png = draw_explanation(image, explain(image, options, result));
+  if (!png) return fail(png.error().message);
+  return write_file(path, *png);
+}
+
+// Reads one picture and, with a path for it, draws why.
 Result<ImageReadings> read_image(const fs::path& path, const std::string& reader,
-                                 const ReadOptions& options) {
+                                 const ReadOptions& options,
+                                 const std::optional<fs::path>& explanation) {
   const Result<GrayImage> image = load_gray_image(path);
   if (!image) return fail(image.error().message);
   const auto start = std::chrono::steady_clock::now();
   ReadResult result = reader == "paper" ? read_tags_paper(image->view(), options)
                                         : read_tags(image->view(), options);
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+  if (explanation) {
+    const auto written = write_explanation(image->view(), options, result, *explanation);
+    if (!written) return fail(path.string() + ": " + written.error().message);
+  }
   return ImageReadings{path, image->width, image->height, std::move(result), time.count()};
 }
 
-std::string tag_in_words(const Reading& tag, const std::vector<Survey>& surveys) {
+// The tag's digits, position and check digit, and its name where a survey has it.
+template <class AnyReading>
+std::string code_in_words(const AnyReading& tag, const std::vector<Survey>& surveys) {
   const GridPoint position = coded_position(tag.digits, surveys);
+  return fmt::format("  {}  x {} y {} z {}  {}", to_string(tag.digits), format_number(position[0]),
+                     format_number(position[1]), format_number(position[2]), check_digit_name(tag));
+}
+
+std::string name_in_words(const Digits& digits, const std::vector<Survey>& surveys) {
   std::string name;
   for (const Survey& survey : surveys) {
-    const PlacedTag* placed = find_tag(survey, tag.digits);
+    const PlacedTag* placed = find_tag(survey, digits);
     if (placed != nullptr) name = fmt::format("  {} of {}", placed->name, survey.name);
   }
-  return fmt::format("  {}  x {} y {} z {}  {}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}",
-                     to_string(tag.digits), format_number(position[0]), format_number(position[1]),
-                     format_number(position[2]), check_digit_name(tag), tag.corners[0].x,
-                     tag.corners[0].y, tag.module_px, name);
+  return name;
 }
 
 void print_in_words(const ImageReadings& readings, const std::vector<Survey>& surveys) {
-  const std::size_t count = readings.result.tags.size();
+  const ReadResult& result = readings.result;
+  const std::size_t count = tag_count(result);
   fmt::print("{}: {} {}\n", readings.image.string(), count, count == 1 ? "tag" : "tags");
-  for (const Reading& tag : readings.result.tags) fmt::print("{}\n", tag_in_words(tag, surveys));
-  for (const Rejection& rejection : readings.result.rejected) {
+  for (const Reading& tag : result.tags) {
+    fmt::print("{}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}\n", code_in_words(tag, surveys),
+               tag.corners[0].x, tag.corners[0].y, tag.module_px,
+               name_in_words(tag.digits, surveys));
+  }
+  for (const FramelessReading& tag : result.frameless.read) {
+    fmt::print("{}  no frame: bars at ({:.0f}, {:.0f})  {:.1f} px/module{}\n",
+               code_in_words(tag, surveys), tag.bars[0].x, tag.bars[0].y, tag.module_px,
+               name_in_words(tag.digits, surveys));
+  }
+  for (const Rejection& rejection : result.rejected) {
     fmt::print("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x,
                rejection.corners[0].y, rejection.reason);
+  }
+  for (const FramelessRejection& rejection : result.frameless.rejected) {
+    fmt::print("  refused at ({:.0f}, {:.0f}): no frame: {}\n", rejection.bars[0].x,
+               rejection.bars[0].y, rejection.reason);
   }
 }
 
@@ -92,8 +146,10 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
   Tally tally;
   ProgressBar bar("images", files.size());
   run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    auto readings =
-        std::make_shared<Result<ImageReadings>>(read_image(files[i], options.reader, read));
+    std::optional<fs::path> explanation;
+    if (!options.explain.empty()) explanation = explanation_path(options.explain, files, i);
+    auto readings = std::make_shared<Result<ImageReadings>>(
+        read_image(files[i], options.reader, read, explanation));
     return [&, readings] {
       bar.advance([&] {
         if (!*readings) {
@@ -101,7 +157,7 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
           tally.unreadable_file = true;
           return;
         }
-        tally.tags += (*readings)->result.tags.size();
+        tally.tags += tag_count((*readings)->result);
         if (options.json) {
           fmt::print("{}\n", to_json_line(**readings, surveys));
         } else {
@@ -122,6 +178,14 @@ int run(const Options& options) {
   const Result<std::vector<fs::path>> files =
       list_files(options.images, image_extensions(), std::cin);
   if (!files) return report_failure("read", files.error());
+  if (!options.explain.empty()) {
+    std::error_code error;
+    fs::create_directories(options.explain, error);
+    if (error) {
+      return report_failure("read",
+                            {options.explain + ": cannot be made a folder: " + error.message()});
+    }
+  }
   const Tally tally = read_all(options, *files, *surveys, *read);
   if (tally.unreadable_file) return kExitFailure;
   return tally.tags > 0 ? kExitOk : kExitFindings;
@@ -147,6 +211,15 @@ Command read_command(CLI::App& parent) {
                   "tagsmith, or paper: the published pipeline, literally, for comparison")
       ->check(CLI::IsMember({"tagsmith", "paper"}))
       ->capture_default_str();
+  app->add_option("--frameless", options->frameless,
+                  "Read symbols without a feature frame: fallback (where a picture has no tag with "
+                  "one), always, or never")
+      ->check(CLI::IsMember({"fallback", "always", "never"}))
+      ->capture_default_str();
+  app->add_option("--explain", options->explain,
+                  "Folder for a drawing of each picture: frames, corners, scan lines, digits with "
+                  "their margins, what was refused and why")
+      ->type_name("DIR");
   app->add_flag("--json", options->json, "One JSON object an image");
   app->add_option("--jobs", options->jobs, "Pictures read at once (default: all cores)")
       ->type_name("N")

@@ -21,6 +21,7 @@
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
+#include "decoder/reader/frameless.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -145,22 +146,28 @@ class PictureReader {
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
-    if (is_read(to_full(level, candidate)) || !looks_framed(level.image, candidate)) return;
+    if (is_read(to_full(level, candidate))) return;
+    if (!looks_framed(level.image, candidate)) {
+      return pass_over(to_full(level, candidate), kNotFramedReason);
+    }
     try_frame(level, candidate);
   }
 
   // Reads what stands in a frame that is known to a few pixels of the level.
   void try_frame(const PyramidLevel& level, const Quad& rough) {
     const Result<Quad> settled = settle_frame(level.image, rough);
-    if (!settled) return;
+    if (!settled) return pass_over(to_full(level, rough), settled.error().message);
     const Quad quad = to_full(level, *settled);
     if (is_read(quad)) return;
     if (was_tried(settled_, quad, 0.4)) return;
     settled_.push_back(quad);
     const Result<RefinedFrame> frame = refine_frame(image_, quad);
-    if (!frame || was_tried(refined_, frame->corners, 0.1)) return;
+    if (!frame) return pass_over(quad, frame.error().message);
+    if (was_tried(refined_, frame->corners, 0.1)) return;
     refined_.push_back(frame->corners);
-    if (const auto attempt = best_attempt(image_, *frame, options_)) judge(*frame, *attempt);
+    const auto attempt = best_attempt(image_, *frame, options_);
+    if (!attempt) return pass_over(quad, "no guard patterns inside");
+    judge(*frame, *attempt);
   }
 
   // The plates read so far, in pixels of a level.
@@ -209,6 +216,10 @@ class PictureReader {
   static bool was_tried(const std::vector<Quad>& tried, const Quad& quad, double pixels) {
     return std::ranges::any_of(
         tried, [&](const Quad& other) { return nearly_equal(other, quad, pixels); });
+  }
+
+  void pass_over(const Quad& quad, const std::string& reason) {
+    if (options_.tell_passed_over) result_.passed_over.push_back({reason, quad});
   }
 
   void judge(const RefinedFrame& frame, const Attempt& attempt) {
@@ -372,7 +383,7 @@ ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
   if (options.search == Search::always || (options.search == Search::when_missing && missing)) {
     search(reader, image);
   }
-  return reader.take_result();
+  return with_frameless(image, options, reader.take_result());
 }
 
 }  // namespace tagsmith

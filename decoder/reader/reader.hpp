@@ -25,6 +25,13 @@ enum class Search {
   never,         // only expected tags are read
 };
 
+// When to look for symbols without a frame.
+enum class Frameless {
+  never,     // where corners are needed
+  fallback,  // when no tag was read by its frame: costs nothing where one was
+  always,
+};
+
 struct ReadOptions {
   // Looked for first, by fitting their frames where they should be: some twenty times as fast as a
   // search.
@@ -41,6 +48,10 @@ struct ReadOptions {
   // magnitude (docs/accuracy.md, "Reliability"); no wrong code of a whole tag has been seen above
   // this value.
   double min_confidence = 1.0 - 1e-6;
+  // When symbols without a frame are read too, into ReadResult::frameless.
+  Frameless frameless = Frameless::never;
+  // Whether ReadResult::passed_over is filled.
+  bool tell_passed_over = false;
 };
 
 // All tags in the image, whatever their rotation and perspective, and what was refused and why.

@@ -35,9 +35,40 @@ struct Rejection {
   FrameCorners corners{};
 };
 
+// A symbol read by its bars alone. It says which tag or product this is and roughly where, but has
+// no corners to measure from.
+struct FramelessReading {
+  Digits digits{};
+  bool sum10_holds = false;
+  bool gs1_holds = false;
+  // Outline of the bars that were used, clockwise from the upper left as the digits run; to a
+  // module or so.
+  std::array<PixelPoint, 4> bars{};
+  double module_px = 0;  // mean width of a module along the symbol
+  double confidence = 0;
+};
+
+// Bars that are much like a symbol and were not read, and why.
+struct FramelessRejection {
+  std::string reason;
+  std::array<PixelPoint, 4> bars{};
+};
+
+struct FramelessResult {
+  std::vector<FramelessReading> read;
+  std::vector<FramelessRejection> rejected;
+};
+
+// Why most outlines are passed over: they are not even roughly a feature frame.
+inline constexpr const char* kNotFramedReason = "no white, black, white across its sides";
+
 struct ReadResult {
   std::vector<Reading> tags;
   std::vector<Rejection> rejected;
+  // Outlines that were looked at and are no feature frame or hold no symbol; empty unless asked for
+  // (ReadOptions::tell_passed_over).
+  std::vector<Rejection> passed_over{};
+  FramelessResult frameless{};  // empty unless asked for (ReadOptions::frameless)
 };
 
 }  // namespace tagsmith

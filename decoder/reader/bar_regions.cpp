@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/bar_regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "decoder/image/half_size.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr int kCell = 8;  // pixels
+constexpr double kMaxPixels = 2e6;
+constexpr int kLevels = 4;
+constexpr int kLeastSide = 24;  // pixels of a level worth looking at
+
+// The structure tensor of a cell: energy, and the doubled-angle vector of its main direction.
+struct Texture {
+  float energy = 0;  // squared gradient, summed
+  float cos2 = 0;    // Jxx - Jyy
+  float sin2 = 0;    // 2 Jxy
+
+  float strength() const { return std::hypot(cos2, sin2); }
+};
+
+struct TextureGrid {
+  int columns = 0;
+  int rows = 0;
+  std::vector<Texture> cells;
+
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  }
+};
+
+// Gradients of every second row suffice for sums over cells.
+Texture texture_of_cell(const GrayView& image, int x_begin, int y_begin) {
+  int xx = 0;
+  int yy = 0;
+  int xy = 0;
+  for (int y = y_begin; y < y_begin + kCell; y += 2) {
+    const std::uint8_t* above = image.row(y - 1);
+    const std::uint8_t* here = image.row(y);
+    const std::uint8_t* below = image.row(y + 1);
+    for (int x = x_begin; x < x_begin + kCell; ++x) {
+      const int gx = here[x + 1] - here[x - 1];
+      const int gy = below[x] - above[x];
+      xx += gx * gx;
+      yy += gy * gy;
+      xy += gx * gy;
+    }
+  }
+  return {static_cast<float>(xx + yy), static_cast<float>(xx - yy), static_cast<float>(2 * xy)};
+}
+
+// Cells begin one pixel inside the image, so that every gradient has its neighbours.
+TextureGrid texture_of(const GrayView& image) {
+  TextureGrid grid{(image.width - 2) / kCell, (image.height - 2) / kCell, {}};
+  grid.cells.reserve(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      grid.cells.push_back(texture_of_cell(image, 1 + column * kCell, 1 + row * kCell));
+    }
+  }
+  return grid;
+}
+
+// Each cell with its neighbours.
+TextureGrid smoothed(const TextureGrid& grid) {
+  TextureGrid sums{grid.columns, grid.rows, std::vector<Texture>(grid.cells.size())};
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      Texture& sum = sums.cells[sums.index(column, row)];
+      for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
+        for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
+          const Texture& cell = grid.cells[grid.index(x, y)];
+          sum.energy += cell.energy;
+          sum.cos2 += cell.cos2;
+          sum.sin2 += cell.sin2;
+        }
+      }
+    }
+  }
+  return sums;
+}
+
+bool is_striped(const Texture& texture) {
+  constexpr float kCoherence = 0.5F;
+  // Over nine cells with 32 gradients each: 4 grey levels of difference over two pixels.
+  constexpr float kLeastEnergy = 9 * 32 * 16.0F;
+  return texture.energy > kLeastEnergy && texture.strength() > kCoherence * texture.energy;
+}
+
+bool same_direction(const Texture& a, const Texture& b) {
+  constexpr float kCosine = 0.82F;  // of the doubled angle: 17 degrees
+  return a.cos2 * b.cos2 + a.sin2 * b.sin2 > kCosine * a.strength() * b.strength();
+}
+
+using CellList = std::vector<std::pair<int, int>>;
+
+// Takes the striped cells that hang together with `seed`, neighbour by neighbour.
+CellList grow(const TextureGrid& grid, std::vector<bool>& open, std::pair<int, int> seed) {
+  CellList cells{seed};
+  open[grid.index(seed.first, seed.second)] = false;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto [column, row] = cells[i];
+    const Texture& here = grid.cells[grid.index(column, row)];
+    for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
+      for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
+        const std::size_t next = grid.index(x, y);
+        if (!open[next] || !same_direction(here, grid.cells[next])) continue;
+        open[next] = false;
+        cells.emplace_back(x, y);
+      }
+    }
+  }
+  return cells;
+}
+
+PixelPoint pixel_of(const std::pair<int, int>& cell) {
+  return {1 + (cell.first + 0.5) * kCell - 0.5, 1 + (cell.second + 0.5) * kCell - 0.5};
+}
+
+struct Range {
+  double low = std::numeric_limits<double>::max();
+  double high = std::numeric_limits<double>::lowest();
+
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+BarRegion region_of(const TextureGrid& grid, const CellList& cells) {
+  double cos2 = 0;
+  double sin2 = 0;
+  for (const auto& [column, row] : cells) {
+    const Texture& texture = grid.cells[grid.index(column, row)];
+    cos2 += texture.cos2;
+    sin2 += texture.sin2;
+  }
+  const double angle = std::atan2(sin2, cos2) / 2;
+  BarRegion region;
+  region.across = {std::cos(angle), std::sin(angle)};
+  const PixelPoint along{-region.across.y, region.across.x};
+  Range across_range;
+  Range along_range;
+  for (const auto& cell : cells) {
+    across_range.add(dot(pixel_of(cell), region.across));
+    along_range.add(dot(pixel_of(cell), along));
+  }
+  region.length = across_range.high - across_range.low + kCell;
+  region.height = along_range.high - along_range.low + kCell;
+  region.centre = (across_range.low + across_range.high) / 2 * region.across +
+                  (along_range.low + along_range.high) / 2 * along;
+  return region;
+}
+
+bool may_be_symbol(const BarRegion& region, std::size_t cells) {
+  constexpr double kLeastLength = 40;  // 95 modules of half a pixel, less the smoothing's loss
+  constexpr double kLeastFilled = 0.35;
+  const double area = region.length * region.height / (kCell * kCell);
+  return region.length >= kLeastLength && region.length > 0.5 * region.height &&
+         static_cast<double>(cells) > kLeastFilled * area;
+}
+
+void add_regions(const GrayView& image, double scale, std::vector<BarRegion>& regions) {
+  const TextureGrid grid = smoothed(texture_of(image));
+  std::vector<bool> open(grid.cells.size());
+  for (std::size_t i = 0; i < open.size(); ++i) open[i] = is_striped(grid.cells[i]);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      if (!open[grid.index(column, row)]) continue;
+      const CellList cells = grow(grid, open, {column, row});
+      BarRegion region = region_of(grid, cells);
+      if (!may_be_symbol(region, cells.size())) continue;
+      const double shift = (scale - 1) / 2;  // pixel centres of a reduced image
+      region.centre = scale * region.centre + PixelPoint{shift, shift};
+      region.length *= scale;
+      region.height *= scale;
+      regions.push_back(region);
+    }
+  }
+}
+
+bool same_region(const BarRegion& a, const BarRegion& b) {
+  return distance(a.centre, b.centre) < 0.15 * a.length &&
+         std::abs(dot(a.across, b.across)) > 0.97 && a.length < 1.25 * b.length &&
+         b.length < 1.25 * a.length;
+}
+
+}  // namespace
+
+std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most) {
+  std::vector<BarRegion> found;
+  GrayImage reduced;
+  GrayView level = image;
+  double scale = 1;
+  for (int levels = 0; levels < kLevels && std::min(level.width, level.height) >= kLeastSide;) {
+    if (static_cast<double>(level.width) * level.height <= kMaxPixels) {
+      add_regions(level, scale, found);
+      ++levels;
+    }
+    reduced = half_size(level);
+    level = reduced.view();
+    scale *= 2;
+  }
+  const auto area = [](const BarRegion& region) { return region.length * region.height; };
+  std::ranges::stable_sort(found, std::ranges::greater{}, area);
+  std::vector<BarRegion> regions;
+  for (const BarRegion& region : found) {
+    if (regions.size() == most) break;
+    const auto same = [&](const BarRegion& other) { return same_region(region, other); };
+    if (std::ranges::none_of(regions, same)) regions.push_back(region);
+  }
+  return regions;
+}
+
+}  // namespace tagsmith

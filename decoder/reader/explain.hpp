@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Why a picture was read as it was: what `tagsmith read --explain` draws.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/scan/decode.hpp"
+#include "decoder/scan/profile.hpp"
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// A symbol's scan profile beside what its digits should look like.
+struct ExplainedSymbol {
+  Digits digits{};  // read, or the best guess where it was refused
+  std::optional<std::string> refusal;
+  bool framed = true;
+  std::array<PixelPoint, 4> outline{};           // inner corners of the frame from P, or the bars
+  std::vector<std::array<PixelPoint, 2>> lines;  // used: ends of the scanned part of the bars
+  std::array<PixelPoint, kDigitCount> digit_places{};  // in the picture
+  ScanProfile profile;
+  std::vector<double> expected;  // darkness at the profile's places
+  // How much likelier each digit is than the next best one there, the others unchanged: decades,
+  // likelihood flattened as for the confidence.
+  std::array<double, kDigitCount> margins{};
+  Decoding decoding;
+  double module_px = 0;
+  double confidence = 0;
+};
+
+struct Explanation {
+  std::vector<ExplainedSymbol> symbols;
+  std::vector<Rejection> passed_over;
+};
+
+// Explains what read_tags with these options (and tell_passed_over) gave for the image.
+Explanation explain(const GrayView& image, const ReadOptions& options, const ReadResult& result);
+
+// The explanation drawn over the picture, with a panel for each symbol below: a PNG file's bytes.
+Result<std::string> draw_explanation(const GrayView& image, const Explanation& explanation);
+
+}  // namespace tagsmith

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Symbols read by their bars alone: tags whose feature frame is cut or damaged, and product codes.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/scan/decode.hpp"
+
+namespace tagsmith {
+
+// Every UPC-A symbol of the image that its bars alone make certain, whatever its rotation; small,
+// blurred and bent ones too. Bars are located by their texture, read line by line with a free
+// distortion along the line (decoder/scan/elastic_scan.hpp), the lines' likelihoods are added, and
+// the straightened profile must then pass what a framed symbol must. The check digit is
+// options.check, or gs1, that of every product, unless options.code_book says which codes exist.
+FramelessResult read_frameless(const GrayView& image, const ReadOptions& options = {});
+
+// One region of bars much like a symbol: what read_frameless makes its answer from, for people who
+// want to know why.
+struct FramelessTrace {
+  Digits digits{};  // what the lines say together
+  double confidence = 0;
+  std::optional<std::string> objection;  // nothing: it was read
+  std::array<PixelPoint, 4> bars{};
+  double module_px = 0;
+  std::vector<std::array<PixelPoint, 2>> lines;  // first and last bar on each line that was used
+  ScanProfile profile;                           // of all lines, straightened
+  Decoding decoding;                             // of the profile
+};
+
+std::vector<FramelessTrace> trace_frameless(const GrayView& image, const ReadOptions& options = {});
+
+// The result with what options.frameless asks for; a tag that was read by its frame is not given
+// again.
+ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result);
+
+}  // namespace tagsmith

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading one scan line whose symbol is registered only roughly: the digits and the line's own
+// distortion together. Method: deformable templates of whole digits, chained by dynamic programming
+// (Gallo and Manduchi, "Reading 1D barcodes with mobile phones using deformable templates", IEEE
+// PAMI 33(9), 2011), here with blur and bar growth in the templates and with each digit's rivals.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+// Light along a line across the bars, evenly spaced; any unit. Lines are handled in their own
+// samples: sample i covers i to i + 1.
+using ScanLine = std::vector<float>;
+
+// Where a symbol may lie on a line.
+struct SymbolPlace {
+  double begin = 0;   // of the first bar, samples
+  double module = 0;  // width, samples; negative when the symbol runs against the line
+  double cost = 0;    // of its guard patterns, less is better
+};
+
+// Places whose quiet zones and three guard patterns suit, best first, at most `most` of them. Both
+// directions fit equally well; the one along the line is returned. `least` and `greatest` bound
+// the module's width in samples.
+std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
+                                            std::size_t most);
+
+// How bars look on the line.
+struct BarShape {
+  double blur = 0.5;  // standard deviation of the point spread, modules
+  double growth = 0;  // widening of every bar, modules
+};
+
+// The patterns of guards and digits as they look with such bars; made once for many lines.
+class BarTemplates {
+ public:
+  explicit BarTemplates(const BarShape& shape);
+
+  // Darkness samples of a kind of segment (0 start guard, 1 centre guard, 2 left and 3 right half,
+  // 4 end guard) at one of its local module widths.
+  const std::vector<float>& samples(std::size_t kind, int pattern, int ratio) const;
+
+ private:
+  std::array<std::vector<std::vector<float>>, 5> samples_;
+};
+
+// How a symbol lies on a line.
+struct ElasticAlignment {
+  // Begins of the start guard, six digits, centre guard, six digits and end guard, and the end:
+  // samples of the line.
+  std::array<double, 16> boundaries{};
+  // Sum of squared residuals of the darkness (0 space, 1 bar) per module of the line, over the
+  // variance that a good line has; a symbol costs less than about 2, other patterns more.
+  double cost_per_module = 0;
+};
+
+// The most likely reading of a line, and what every other digit would cost.
+struct ElasticReading {
+  Digits digits{};
+  ElasticAlignment alignment;
+  // What the whole line's cost grows by when a digit is forced, its neighbours and the distortion
+  // free to adapt: 0 for the best digit.
+  std::array<std::array<double, 10>, kDigitCount> extra_cost{};
+  // The same when a digit of the left half is forced to even parity, as EAN-13 has it in three of
+  // six (GS1 General Specifications 5.2.1.2); negative when that suits better.
+  std::array<double, 6> even_parity_cost{};
+};
+
+// Reads the symbol near `place`: its boundaries may lie 5 modules from where the place's even
+// modules put them, its local module width may vary by a ninth. Nothing when the place leaves no
+// room on the line.
+std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
+                                           const BarTemplates& templates);
+
+// The cost per module of that reading alone, in a third of the time; very large without room.
+double elastic_cost(const ScanLine& line, const SymbolPlace& place, const BarTemplates& templates);
+
+// The same for digits that are known.
+std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
+                                              const BarTemplates& templates, const Digits& digits);
+
+// The line's darkness between its local white and black: 0 and 1 where wide elements are near,
+// `window` samples to both sides.
+std::vector<float> local_darkness(const ScanLine& line, std::size_t window);
+
+}  // namespace tagsmith
