@@ -301,9 +301,9 @@ ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
     return result;
   }
   result.tags.push_back({reading->digits, reading->sum10_holds, reading->gs1_holds, corners,
-                         CornerCovariance::Zero(), reading->module_px,
-                         static_cast<double>(reading->rows_agreeing) / reading->rows_decoded,
-                         "paper"});
+                         reading->module_px,
+                         static_cast<double>(reading->rows_agreeing) / reading->rows_decoded, "paper",
+                         CornerCovariance::Zero()});
   return result;
 }
 

@@ -97,10 +97,14 @@ Bars bars_of(int segment, int pattern) {
 }
 
 double coverage(const Bars& bars, const BarShape& shape, double at) {
+  const NormalTable& table = NormalTable::get();
+  const auto integral = [&](double z) {
+    return static_cast<double>(table(static_cast<float>(z)).integral);
+  };
   double share = 0;
   for (const auto& [begin, end] : bars) {
-    share += normal_integral((at - begin + shape.growth / 2) / shape.blur) -
-             normal_integral((at - end - shape.growth / 2) / shape.blur);
+    share += integral((at - begin + shape.growth / 2) / shape.blur) -
+             integral((at - end - shape.growth / 2) / shape.blur);
   }
   return std::min(share, 1.0);
 }
