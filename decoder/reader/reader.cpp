@@ -181,6 +181,8 @@ class PictureReader {
     return known;
   }
 
+  bool has_read_any() const { return !result_.tags.empty(); }
+
   // Whether an expected tag has been read where it should be.
   bool has_read(const ExpectedTag& expected) const {
     const auto fits = [&](const Reading& tag) {
@@ -241,13 +243,15 @@ class PictureReader {
 // Frames larger than this are seen in the image at half its size, pixels.
 constexpr int kMaxFinestSize = 240;
 
-// Changes of colour that are followed in a level: one for so many of its pixels. Coarse levels are
-// searched whole; what they show is left out of the finer ones.
+// Changes of colour that are followed in a level: so many that a tag's own are not missed in a
+// small picture, and one for so many of its pixels in a large one. Coarse levels are searched
+// whole; what they show is left out of the finer ones.
 std::size_t max_changes(const PyramidLevel& level) {
-  const int per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
+  constexpr std::size_t kLeast = 20'000;
+  const std::size_t per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
   const auto pixels =
       static_cast<std::size_t>(level.image.width) * static_cast<std::size_t>(level.image.height);
-  return pixels / static_cast<std::size_t>(per_change);
+  return std::max(kLeast, pixels / per_change);
 }
 
 // The image at full, half, quarter size and so on, the coarsest first.
@@ -284,7 +288,7 @@ class Pyramid {
 void search_regions(PictureReader& reader, const PyramidLevel& level, bool join_pieces) {
   CandidateOptions search;
   search.known = reader.known_in(level);
-  if (level.scale == 1) search.max_size = kMaxFinestSize;
+  if (level.scale == 1 && !join_pieces) search.max_size = kMaxFinestSize;
   search.max_changes = max_changes(level);
   search.join_pieces = join_pieces;
   for (const Quad& candidate : find_candidates(level, search)) {
@@ -364,12 +368,12 @@ void look_for(PictureReader& reader, const GrayView& image, const ExpectedTag& e
 void search(PictureReader& reader, const GrayView& image) {
   const Pyramid pyramid(image);
   for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, false);
-  const PyramidLevel& quarter = pyramid.scaled_down(4);
+  // Bars that no reading explains, or a picture without any reading, are worth a closer look.
   const PyramidLevel& half = pyramid.scaled_down(2);
-  if (!search_around_bars(reader, quarter, half)) return;
+  const bool bars = search_around_bars(reader, pyramid.scaled_down(4), half);
+  if (!bars && reader.has_read_any()) return;
   search_around_bars(reader, half, half);
-  search_regions(reader, quarter, true);
-  search_regions(reader, half, true);
+  for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, true);
 }
 
 }  // namespace
