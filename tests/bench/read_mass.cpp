@@ -121,7 +121,7 @@ void count(const Outcome& outcome, double threshold, bool verbose, Tables& table
     std::fflush(stdout);
   }
   if (!outcome.right && !outcome.wrong) return;
-  const double doubt = -std::log10(std::max(1 - outcome.confidence, 1e-12));
+  const double doubt = -std::log10(std::max(1 - outcome.confidence, 1e-8));
   Tally& bin = tables.doubts[outcome.with_book ? 1 : 0][static_cast<int>(std::floor(doubt))];
   bin.right += outcome.wrong ? 0 : 1;
   bin.wrong += outcome.wrong ? 1 : 0;
