@@ -42,11 +42,10 @@ std::set<std::string> read_zxing(const GrayView& view) {
   hints.setFormats(ZXing::BarcodeFormat::UPCA | ZXing::BarcodeFormat::EAN13);
   hints.setTryHarder(true);
   hints.setTryRotate(true);
-  std::set<std::string> codes;
-  for (const ZXing::Result& result : ZXing::ReadBarcodes(image, hints)) {
-    if (result.isValid()) codes.insert(as_upca(result.text()));
-  }
-  return codes;
+  // Its ReadBarcodes, for several symbols, ends the program on some photos (an assertion of 1.4.0).
+  const ZXing::Result result = ZXing::ReadBarcode(image, hints);
+  if (!result.isValid()) return {};
+  return {as_upca(result.text())};
 }
 #endif
 

@@ -18,7 +18,7 @@ struct OtherReader {
 };
 
 // zbar and zxing-cpp with their usual settings, set to UPC-A and EAN-13 alone; those that are
-// there. They demand the gs1 check digit.
+// there. They demand the gs1 check digit. zxing-cpp gives one symbol a picture.
 const std::vector<OtherReader>& other_readers();
 
 }  // namespace tagsmith::bench
