@@ -383,12 +383,12 @@ std::optional<std::string> objection_to(const Decoding& decoding, const Evidence
   constexpr double kLeastGuards = 0.7;
   constexpr double kMostGrowth = 0.7;
   constexpr double kLeastTogether = 0.5;
-  if (may_be_ean13(evidence)) return "even parity: EAN-13";
   if (decoding.guards < kLeastGuards) return "guard pattern";
   if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
     return "element widths";
   }
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
+  if (may_be_ean13(evidence)) return "even parity: EAN-13";
   if (decoding.digits != consensus.digits) return "lines disagree";
   if (consensus.probability < options.min_confidence || decoding.confidence < kLeastTogether) {
     return "not certain enough";

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/bench/other_readers.hpp"
 
 using namespace tagsmith;
 namespace fs = std::filesystem;
@@ -23,6 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Cell {
+  std::vector<int> others;  // read, as bench::other_readers()
   int tags = 0;
   int read = 0;
   std::vector<double> errors;       // of each coordinate of each corner, pixels, absolute
@@ -81,6 +84,10 @@ int main(int argc, char** argv) {
       times.push_back(
           std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
               .count());
+      std::vector<std::set<std::string>> other_codes;
+      for (const bench::OtherReader& reader : bench::other_readers()) {
+        other_codes.push_back(reader.read(image->view()));
+      }
       std::vector<bool> right(result.tags.size());
       for (const auto& plate : item.at("plates")) {
         if (plate.at("kind") != "upca" || !plate.at("frame_in_image").get<bool>()) continue;
@@ -94,6 +101,10 @@ int main(int argc, char** argv) {
                                              : "0.0-0.8";
         Cell& cell = cells[level + " " + bin];
         ++cell.tags;
+        cell.others.resize(other_codes.size());
+        for (std::size_t r = 0; r < other_codes.size(); ++r) {
+          cell.others[r] += other_codes[r].contains(code) ? 1 : 0;
+        }
         bool found = false;
         for (std::size_t k = 0; k < result.tags.size(); ++k) {
           const Reading& reading = result.tags[k];
@@ -151,9 +162,12 @@ int main(int argc, char** argv) {
                folder.filename().string(), times.size(), wrong, median(times),
                *std::max_element(times.begin(), times.end()));
     for (const auto& [name, cell] : cells) {
-      fmt::print(
-          "  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}\n", name,
-          cell.read, cell.tags, median(cell.errors), median(cell.chi_squares));
+      fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}",
+                 name, cell.read, cell.tags, median(cell.errors), median(cell.chi_squares));
+      for (std::size_t r = 0; r < cell.others.size(); ++r) {
+        fmt::print(", {} {}", bench::other_readers()[r].name, cell.others[r]);
+      }
+      fmt::print("\n");
     }
   }
   return 0;

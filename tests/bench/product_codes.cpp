@@ -3,6 +3,7 @@
 // that has a file FILE.txt beside it (its 12 digits, or 13 with a leading 0; or nothing when none
 // may be read), and prints right, wrong and unread ones and the time.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/bench/other_readers.hpp"
 
 namespace tagsmith {
 namespace {
@@ -26,6 +28,7 @@ struct Tally {
   int right = 0;
   int wrong = 0;
   std::vector<double> times_ms;
+  std::vector<std::array<int, 2>> others;  // right, wrong; as bench::other_readers()
 };
 
 std::string expected_digits(const fs::path& image) {
@@ -59,6 +62,11 @@ void read_one(const fs::path& path, Tally& tally) {
     words += " WRONG " + digits;
   }
   tally.right += right;
+  for (std::size_t r = 0; r < bench::other_readers().size(); ++r) {
+    for (const std::string& code : bench::other_readers()[r].read(image->view())) {
+      ++tally.others[r][code == expected ? 0 : 1];
+    }
+  }
   for (const FramelessRejection& rejection : result.rejected)
     words += " (" + rejection.reason + ")";
   fmt::print("{:40} {:12} {}{} {:.1f} ms\n",
@@ -69,18 +77,24 @@ void read_one(const fs::path& path, Tally& tally) {
 void read_folder(const fs::path& folder) {
   std::vector<fs::path> images;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const fs::path text = fs::path(entry.path()).replace_extension(".txt");
-    if (entry.path().extension() != ".txt" && entry.path().extension() != ".json" &&
-        entry.is_regular_file())
+    if (entry.is_regular_file() && entry.path().extension() != ".txt" &&
+        entry.path().extension() != ".json") {
       images.push_back(entry.path());
+    }
   }
   std::ranges::sort(images);
   Tally tally;
+  tally.others.resize(bench::other_readers().size());
   for (const fs::path& image : images) read_one(image, tally);
+  if (tally.times_ms.empty()) return;
   std::ranges::sort(tally.times_ms);
   fmt::print("{}: {} images, {} right, {} wrong, median {:.1f} ms, most {:.1f} ms\n",
              folder.string(), tally.images, tally.right, tally.wrong,
              tally.times_ms[tally.times_ms.size() / 2], tally.times_ms.back());
+  for (std::size_t r = 0; r < tally.others.size(); ++r) {
+    fmt::print("  {}: {} right, {} wrong\n", bench::other_readers()[r].name, tally.others[r][0],
+               tally.others[r][1]);
+  }
 }
 
 }  // namespace

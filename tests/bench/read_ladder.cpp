@@ -23,6 +23,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/other_readers.hpp"
 #include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
@@ -42,7 +43,13 @@ struct Conditions {
   std::size_t book = 0;  // codes in the code book; 0 = none
 };
 
+struct OtherOutcome {
+  bool read = false;
+  bool wrong = false;
+};
+
 struct Outcome {
+  std::vector<OtherOutcome> others;  // as bench::other_readers()
   bool read = false;
   bool wrong = false;
   std::array<double, 8> errors{};  // of corner coordinates, pixels
@@ -112,7 +119,13 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
     }
   }
   Outcome outcome;
-  for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
+  const GrayView view_of_picture = picture.image.view();
+  for (const bench::OtherReader& reader : bench::other_readers()) {
+    const std::set<std::string> codes = reader.read(view_of_picture);
+    const bool right = codes.contains(to_string(code));
+    outcome.others.push_back({right, codes.size() > (right ? 1U : 0U)});
+  }
+  for (const Reading& reading : read_tags(view_of_picture, options).tags) {
     if (reading.digits != code) {
       outcome.wrong = true;
       continue;
@@ -151,7 +164,17 @@ void run_cell(const std::string& name, const Conditions& conditions, int count) 
   }
   std::ranges::sort(errors);
   const double median = errors.empty() ? 0 : errors[errors.size() / 2];
-  fmt::print("| {} | {:.1f} % | {} | {:.3f} |\n", name, 100.0 * read / count, wrong, median);
+  fmt::print("| {} | {:.1f} % | {} | {:.3f} |", name, 100.0 * read / count, wrong, median);
+  for (std::size_t r = 0; r < bench::other_readers().size(); ++r) {
+    int others_read = 0;
+    int others_wrong = 0;
+    for (const Outcome& outcome : outcomes) {
+      others_read += outcome.others[r].read ? 1 : 0;
+      others_wrong += outcome.others[r].wrong ? 1 : 0;
+    }
+    fmt::print(" {:.0f} %, {} |", 100.0 * others_read / count, others_wrong);
+  }
+  fmt::print("\n");
   std::fflush(stdout);
 }
 
@@ -163,9 +186,13 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: bench_read_ladder [TAGS_PER_CELL]\n");
     return 2;
   }
-  fmt::print(
-      "| condition ({} tags each) | read | wrong | median corner error, px |\n|---|---|---|---|\n",
-      count);
+  fmt::print("| condition ({} tags each) | read | wrong | median corner error, px |", count);
+  for (const bench::OtherReader& reader : bench::other_readers()) {
+    fmt::print(" {}: read, wrong |", reader.name);
+  }
+  fmt::print("\n|---|---|---|---|");
+  for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
+  fmt::print("\n");
   Conditions typical;
   typical.incidence = -1;
   for (const double module_px : {0.35, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 4.0}) {
@@ -186,6 +213,11 @@ int main(int argc, char** argv) {
     conditions.module_px = 1.5;
     conditions.incidence = radians(incidence);
     run_cell(fmt::format("incidence {} at 1.5 px/module", incidence), conditions, count);
+  }
+  for (const double roll : {10.0, 30.0, 45.0, 70.0, 90.0}) {
+    Conditions conditions = typical;
+    conditions.roll = radians(roll);
+    run_cell(fmt::format("roll {} at 2 px/module", roll), conditions, count);
   }
   for (const double noise : {10.0, 20.0, 30.0}) {
     Conditions conditions = typical;

@@ -8,11 +8,15 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "decoder/image/load.hpp"
+#include "tagsmith/symbology/upca.hpp"
+#include "tests/support/bar_picture.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::test {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 const std::string kPhotos = "surveys/corridor/photos";
@@ -106,6 +110,68 @@ TEST_CASE("the paper's pipeline is one of the readers") {
       run_tagsmith("read --json --reader paper " + kPhotos + "/corridor_01_left.jpg");
   CHECK(output.exit_code == 0);
   CHECK(json_lines(output.out).at(0)["tags"].at(0)["method"] == "paper");
+}
+
+TEST_CASE("a symbol without a frame is a tag with corners null, unless that is not wanted") {
+  const TemporaryFolder folder;
+  const fs::path image = folder.path() / "bars.png";
+  const auto widths = elements_of(parse_digits("036000291452").value());
+  const GrayImage picture = picture_of({widths.begin(), widths.end()}, {});
+  REQUIRE(save_gray_image(image, picture.view()));
+  const ProgramOutput output = run_tagsmith("read --json " + image.string());
+  CHECK(output.exit_code == 0);
+  const json tag = json_lines(output.out).at(0)["tags"].at(0);
+  CHECK(tag["digits"] == "036000291452");
+  CHECK(tag["corners"].is_null());
+  CHECK(tag["bars"].size() == 4);
+  CHECK(tag["method"] == "frameless");
+  CHECK(run_tagsmith("read " + image.string()).out.find("no frame") != std::string::npos);
+  CHECK(run_tagsmith("read --frameless never " + image.string()).exit_code == 1);
+  CHECK(run_tagsmith("read --check sum10 " + image.string()).exit_code == 1);
+}
+
+TEST_CASE("an explanation is a picture beside the results") {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "why";
+  const std::string photo = kPhotos + "/corridor_01_left.jpg";
+  const std::string plain = run_tagsmith("read " + photo).out;
+  const ProgramOutput output =
+      run_tagsmith("read --explain " + out.string() + " " + photo + " " + photo);
+  CHECK(output.exit_code == 0);
+  CHECK(output.out == plain + plain);
+  for (const char* name :
+       {"corridor_01_left_1.explained.png", "corridor_01_left_2.explained.png"}) {
+    CAPTURE(name);
+    const auto image = load_gray_image(out / name);
+    REQUIRE(image);
+    CHECK(image->width == 1600);
+    CHECK(image->height > 1200 + 250);  // the picture, the legend and a panel
+  }
+  CHECK(run_tagsmith("read --explain main.cpp " + photo).exit_code == 2);
+}
+
+TEST_CASE("colour and 16 bits do not change what is read") {
+  const TemporaryFolder folder;
+  const auto photo = load_gray_image(kPhotos + "/corridor_01_left.jpg");
+  REQUIRE(photo);
+  const std::string size = " 1280 960 ";
+  std::string color = "P6" + size + "255\n";
+  std::string deep = "P5" + size + "65535\n";
+  for (const std::uint8_t sample : photo->samples) {
+    const char byte = static_cast<char>(sample);
+    color.append({byte, byte, byte});
+    deep.append({byte, byte});  // most significant byte first
+  }
+  const auto read = [&](const std::string& name, const std::string& bytes) {
+    const fs::path path = folder.path() / name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    return json_lines(run_tagsmith("read --json " + path.string()).out).at(0)["tags"];
+  };
+  const json expected =
+      json_lines(run_tagsmith("read --json " + kPhotos + "/corridor_01_left.jpg").out)
+          .at(0)["tags"];
+  CHECK(read("color.ppm", color) == expected);
+  CHECK(read("deep.pgm", deep) == expected);
 }
 
 TEST_CASE("wrong use gives exit code 2 and writes nothing to standard output") {
