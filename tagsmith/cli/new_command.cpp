@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/new_command.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -170,12 +171,12 @@ void print_table(const SurveyDraft& draft) {
                residual.chainage + 0.0, mm(residual.across), mm(residual.up));
   }
   const Tunnel& tunnel = draft.fit.tunnel;
-  fmt::print(
-      "{} points: tunnel {:.3f} m wide, {:.3f} m high, {:.3f} m long, {} lines and arcs; rms "
-      "{:.1f} "
-      "mm across, {:.1f} mm up\n",
-      draft.points.size(), tunnel.width, tunnel.height, tunnel.centerline.length(),
-      tunnel.centerline.elements().size(), draft.fit.rms_across * 1000, draft.fit.rms_up * 1000);
+  const std::size_t elements = tunnel.centerline.elements().size();
+  fmt::print("{} points: tunnel {:.3f} m wide, {:.3f} m high, {:.3f} m long, of {} element{}; ",
+             draft.points.size(), tunnel.width, tunnel.height, tunnel.centerline.length(), elements,
+             elements == 1 ? "" : "s");
+  fmt::print("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
+             draft.fit.rms_up * 1000);
 }
 
 Result<void> write_draft(const NewOptions& options) {

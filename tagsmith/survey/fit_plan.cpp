@@ -23,14 +23,6 @@ constexpr std::size_t kMostFitted = 2'000;     // points of the least-squares fi
 
 // ---- A guide: roughly the center line, as points along the drive.
 
-std::vector<Vector2d> points_of_side(const std::vector<PlanPoint>& points, int side) {
-  std::vector<Vector2d> result;
-  for (const PlanPoint& point : points) {
-    if (point.side == side) result.push_back(point.p);
-  }
-  return result;
-}
-
 std::vector<Vector2d> thinned(const std::vector<Vector2d>& points, std::size_t most) {
   if (points.size() <= most) return points;
   std::vector<Vector2d> result;
@@ -38,6 +30,54 @@ std::vector<Vector2d> thinned(const std::vector<Vector2d>& points, std::size_t m
     result.push_back(points[i * (points.size() - 1) / (most - 1)]);
   }
   return result;
+}
+
+double way_of(const std::vector<Vector2d>& points) {
+  return points.empty() ? -1 : (points.back() - points.front()).norm();
+}
+
+// How far along the polyline the point lies; the polyline goes on straight at its ends.
+double way_to(const std::vector<Vector2d>& polyline, const Vector2d& point) {
+  double least = kInfinity;
+  double nearest = 0;
+  double start = 0;
+  for (std::size_t i = 1; i < polyline.size(); ++i) {
+    const Vector2d along = polyline[i] - polyline[i - 1];
+    const double length = along.norm();
+    if (length == 0) continue;
+    const double reached = (point - polyline[i - 1]).dot(along) / length;
+    const double low = i == 1 ? -kInfinity : 0;
+    const double high = i + 1 == polyline.size() ? kInfinity : length;
+    const double kept = std::clamp(reached, low, high);
+    const double away = (point - polyline[i - 1] - kept / length * along).norm();
+    if (away < least) {
+      least = away;
+      nearest = start + kept;
+    }
+    start += length;
+  }
+  return nearest;
+}
+
+// The points of a side along the drive. Walls and tags are lists of their own, each in order: the
+// shorter one is sorted into the longer one.
+std::vector<Vector2d> points_of_side(const std::vector<PlanPoint>& points, int side) {
+  std::vector<Vector2d> walls;
+  std::vector<Vector2d> tags;
+  for (const PlanPoint& point : points) {
+    if (point.side == side) (point.plate_half > 0 ? tags : walls).push_back(point.p);
+  }
+  if (way_of(walls) < way_of(tags)) std::swap(walls, tags);
+  if (walls.size() < 2 || tags.empty()) return walls;
+  std::vector<std::pair<double, Vector2d>> all;
+  const std::vector<Vector2d> base = thinned(walls, kMostGuidePoints);
+  for (const auto& list : {walls, tags}) {
+    for (const Vector2d& point : list) all.emplace_back(way_to(base, point), point);
+  }
+  std::ranges::stable_sort(all, {}, &std::pair<double, Vector2d>::first);
+  std::vector<Vector2d> sorted;
+  for (const auto& [way, point] : all) sorted.push_back(point);
+  return sorted;
 }
 
 // Middles between each left point and the nearest right one.
@@ -352,12 +392,12 @@ double first_width(const std::vector<PlanPoint>& points, const std::vector<Vecto
 // Arcs that are lines as far as the points can tell become lines, as long as no point leaves the
 // tolerance.
 PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, double tolerance) {
+  constexpr double kSurelyArc = 0.5;  // radians: saves the trial
   for (std::size_t i = 0; i < model.curvatures.size(); ++i) {
     if (model.straight[i]) continue;
+    if (std::abs(model.curvatures[i]) * model.lengths[i] > kSurelyArc) continue;
     PlanModel tried = model;
     tried.straight[i] = true;
-    const double sagitta = std::abs(model.curvatures[i]) * model.lengths[i] * model.lengths[i] / 8;
-    if (sagitta > 2 * tolerance) continue;
     const double before = residuals_of(model, points).squaredNorm();
     tried = adjusted(tried, points, tolerance);
     const VectorXd left = residuals_of(tried, points);
