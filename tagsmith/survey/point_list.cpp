@@ -286,10 +286,10 @@ Result<PointListReading> read_point_list(const std::filesystem::path& path,
   PointList list;
   std::vector<Line> lines = lines_of(*text, log);
   if (own && !lines.empty()) check_own_header(lines.front().fields, lines.front().number, log);
+  if (log.has_errors()) lines.clear();
   if ((own || options.header) && !lines.empty()) lines.erase(lines.begin());
-  if (lines.empty()) log.error({}, "no-points", "the file has no points");
+  if (lines.empty() && !log.has_errors()) log.error({}, "no-points", "the file has no points");
   for (Line& line : lines) {
-    if (log.has_errors() && own && list.points.empty() && line.number > 2) break;
     if (line.fields.size() < columns->size()) {
       log.error({line.number, 0}, "wrong-length",
                 "the line has " + std::to_string(line.fields.size()) + " fields, expected " +
