@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/text.hpp"
 
@@ -37,19 +38,6 @@ Json tag_json(const PrintedTag& printed, const std::string& folder) {
 
 std::string dump(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char character : text) quoted += character == '"' ? "\"\"" : std::string(1, character);
-  return quoted + "\"";
-}
-
-std::string csv_row(const std::vector<std::string>& fields) {
-  std::string row;
-  for (const std::string& field : fields) row += (row.empty() ? "" : ",") + csv_field(field);
-  return row + "\r\n";
 }
 
 void append_point(std::vector<std::string>& fields, const Eigen::Vector3d& point) {

@@ -119,12 +119,12 @@ struct Column {
 
 constexpr std::array<Column, 8> kColumns{{{"tag", 0.011},
                                           {"digits", 0.039},
-                                          {"x", 0.055},
-                                          {"y", 0.071},
-                                          {"z", 0.084},
-                                          {"chainage", 0.099},
-                                          {"height", 0.110},
-                                          {"", 0.113}}};
+                                          {"x", 0.057},
+                                          {"y", 0.075},
+                                          {"z", 0.089},
+                                          {"chainage", 0.104},
+                                          {"height", 0.115},
+                                          {"", 0.118}}};
 
 void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double down,
              const Colour& colour) {

@@ -39,7 +39,7 @@ PlanStrip plan_strip(const Survey& survey, double from, double to);
 // round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
 std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style = {});
 
-// Layers `rock` (the drive's floor), `walls`, `centerline` (with chainage ticks), `tags` (plates,
+// Layers `floor`, `walls`, `centerline` (with chainage ticks), `tags` (plates,
 // corner P as a dot, an arrow for the way they face) and `names`. Points are in the strip's view:
 // view_from_world * point. Tags with a chainage outside the strip are left out.
 Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style = {});

@@ -53,6 +53,7 @@ PlacedTag place_in_series(const Survey& survey, int pair, Side side) {
       point.position + to_right * survey.tunnel.width / 2 * right_of(point.heading) + back_to_p;
   PlacedTag tag;
   tag.name = tag_name(pair, side);
+  tag.sigma = survey.sigma;
   tag.pair = pair;
   tag.side = side;
   tag.chainage = line.locate(p.head<2>()).chainage;
@@ -75,6 +76,7 @@ PlacedTag place_surveyed(const Survey& survey, const TagName& name,
   tag.world_from_plate = plate_on_wall(survey.tunnel, survey.tag_template, name.side, p);
   tag.chainage = survey.tunnel.centerline.locate(p.head<2>()).chainage;
   tag.surveyed = true;
+  tag.sigma = survey.sigma;
   return tag;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/read_placed.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tagsmith/survey/read_tunnel.hpp"
@@ -66,20 +69,52 @@ std::optional<TagName> read_tag_name(const MapReader& map) {
   return name;
 }
 
+// A day as ISO 8601 writes it, 2026-03-31; empty when absent or faulty.
+std::string read_date(const YamlNode* node, const std::string& name, FindingLog& log) {
+  const std::optional<std::string> text = read_text(node, name, log);
+  if (!text) return {};
+  constexpr std::string_view kShape = "dddd-dd-dd";
+  const bool shaped = std::ranges::equal(*text, kShape, [](char c, char shape) {
+    return shape == 'd' ? c >= '0' && c <= '9' : c == shape;
+  });
+  if (shaped) {
+    const auto number = [&](std::size_t at, std::size_t size) {
+      return static_cast<unsigned>(std::stoi(text->substr(at, size)));
+    };
+    const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(number(0, 4))) /
+                                          std::chrono::month(number(5, 2)) /
+                                          std::chrono::day(number(8, 2)));
+    if (day.ok()) return *text;
+  }
+  log.error(node->place, "bad-date",
+            name + " is `" + text->substr(0, 60) + "`, expected a day as 2026-03-31");
+  return {};
+}
+
+std::optional<Eigen::Vector3d> read_point(const YamlNode* node, const std::string& name,
+                                          FindingLog& log) {
+  const auto p = read_numbers(node, name, 3, between(-kFarthest, kFarthest, "m"), log);
+  if (!p) return std::nullopt;
+  return Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);
+}
+
 std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::string& label,
                                              const std::optional<CheckDigit>& check,
                                              FindingLog& log) {
-  const MapReader map(&node, label, {"tag", "side", "p", "digits"}, log);
+  const MapReader map(&node, label, {"tag", "side", "p", "digits", "sigma", "date", "design"}, log);
   if (!map.is_map()) return std::nullopt;
   const auto name = read_tag_name(map);
-  const auto p = read_numbers(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), 3,
-                              between(-kFarthest, kFarthest, "m"), log);
+  const auto p = read_point(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), log);
   PlacedEntry entry;
   entry.digits = read_digits(map.find("digits"), map.name_of("digits"), check, log);
+  entry.sigma =
+      read_number(map.find("sigma"), map.name_of("sigma"), between(0, kWorstSigma, "m"), log);
+  entry.date = read_date(map.find("date"), map.name_of("date"), log);
+  entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), log);
   const bool digits_fit = !map.has("digits") || entry.digits.has_value();
   if (!name || !p || !digits_fit) return std::nullopt;
   entry.name = *name;
-  entry.p_in_grid = {(*p)[0], (*p)[1], (*p)[2]};
+  entry.p_in_grid = *p;
   entry.place = node.place;
   return entry;
 }

@@ -18,6 +18,9 @@ struct PlacedEntry {
   TagName name;
   Eigen::Vector3d p_in_grid = Eigen::Vector3d::Zero();
   std::optional<Digits> digits;
+  std::optional<double> sigma;
+  std::string date;
+  std::optional<Eigen::Vector3d> design_in_grid;
   Place place;
 };
 

@@ -181,6 +181,19 @@ SourcedTag coded(PlacedTag tag, const std::optional<Digits>& printed, Place plac
   return entry;
 }
 
+// The tag where it was measured, with the design that the measurement replaces.
+PlacedTag as_built(const Survey& survey, const PlacedEntry& entry) {
+  PlacedTag tag = place_surveyed(survey, entry.name, entry.p_in_grid);
+  tag.sigma = entry.sigma.value_or(survey.sigma);
+  tag.date = entry.date;
+  tag.design_in_grid = entry.design_in_grid;
+  const bool regular = survey.series && tag.pair < survey.series->pairs;
+  if (!tag.design_in_grid && regular) {
+    tag.design_in_grid = place_in_series(survey, tag.pair, tag.side).p_in_grid;
+  }
+  return tag;
+}
+
 // The regular tags and the surveyed ones, which replace regular ones of their name; by pair, left
 // before right.
 std::vector<SourcedTag> place_tags(const Survey& survey,
@@ -191,8 +204,7 @@ std::vector<SourcedTag> place_tags(const Survey& survey,
   auto next = placed.begin();
   const auto add_placed = [&] {
     const PlacedEntry& entry = next->second;
-    tags.push_back(coded(place_surveyed(survey, entry.name, entry.p_in_grid), entry.digits,
-                         entry.place, survey.code));
+    tags.push_back(coded(as_built(survey, entry), entry.digits, entry.place, survey.code));
     ++next;
   };
   for (int pair = 0; pair < pairs; ++pair) {
@@ -250,7 +262,7 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
       log);
   const auto tag_template = read_named_template(tags, path.parent_path());
   survey.series = read_series(tags, file.has("placed"), tag_template);
-  survey.sigma = tags.number_or("sigma", 0, between(0, 10, "m"));
+  survey.sigma = tags.number_or("sigma", 0, between(0, kWorstSigma, "m"));
   survey.angle_sigma = radians(tags.number_or("angle_sigma", 0, between(0, 45, "degrees")));
 
   const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",

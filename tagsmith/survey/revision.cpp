@@ -66,6 +66,8 @@ void add_tag(Content& content, const PlacedTag& tag) {
   content.text(tag.name);
   content.text(to_string(tag.digits));
   content.point(tag.p_in_grid);
+  content.length(tag.sigma);
+  content.text(tag.date);
 }
 
 }  // namespace

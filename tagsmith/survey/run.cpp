@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -18,40 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestField = 4096;
-
-// A line's fields (RFC 4180, but a quoted field ends on its own line); nothing when a quote is not
-// closed or stands in the middle of a field.
-std::optional<std::vector<std::string>> split_fields(std::string_view line) {
-  std::vector<std::string> fields;
-  while (true) {
-    const std::size_t start = line.find_first_not_of(" \t");
-    if (start == std::string_view::npos || line[start] != '"') {
-      const std::size_t end = line.find(',');
-      const std::string_view field = trim(line.substr(0, end));
-      if (field.find('"') != std::string_view::npos) return std::nullopt;
-      fields.emplace_back(field);
-      if (end == std::string_view::npos) return fields;
-      line.remove_prefix(end + 1);
-      continue;
-    }
-    line.remove_prefix(start + 1);
-    std::string field;
-    while (true) {
-      const std::size_t quote = line.find('"');
-      if (quote == std::string_view::npos) return std::nullopt;
-      field += line.substr(0, quote);
-      line.remove_prefix(quote + 1);
-      if (line.empty() || line.front() != '"') break;
-      field += '"';
-      line.remove_prefix(1);
-    }
-    fields.push_back(std::move(field));
-    const std::size_t end = line.find(',');
-    if (!trim(line.substr(0, end)).empty()) return std::nullopt;
-    if (end == std::string_view::npos) return fields;
-    line.remove_prefix(end + 1);
-  }
-}
 
 // The columns of a run file by name; npos = not there.
 class Columns {
@@ -231,7 +198,7 @@ Measurement read_measurement(const Row& row, int line, const Rig& rig, const fs:
 std::optional<std::vector<std::string>> read_line(std::string_view line, int number,
                                                   FindingLog& log) {
   if (trim(line).empty()) return std::nullopt;
-  auto fields = split_fields(line);
+  auto fields = split_csv(line);
   if (!fields) {
     log.error({number, 0}, "bad-quotes", "a quote that is not closed or inside a field",
               "put the whole field into quotes and double the quotes inside it");

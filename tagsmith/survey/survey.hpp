@@ -60,6 +60,9 @@ struct PlacedTag {
   Pose world_from_plate;  // plate frame: origin P, x right, y down, z into the wall
   double chainage = 0;    // of corner P
   bool surveyed = false;  // from `placed` (as-built), not from the regular series
+  double sigma = 0;       // standard deviation of a coordinate of P, metres
+  std::string date;       // of the measurement, as 2026-03-31; empty = not given
+  std::optional<Eigen::Vector3d> design_in_grid;  // P as designed, where `placed` moved it
 };
 
 struct Survey {

@@ -196,3 +196,33 @@ placed:
   CHECK_FALSE(survey.series.has_value());
   CHECK(survey.code.resolution[0] == 0.01);
 }
+
+TEST_CASE("a measured tag keeps its sigma, its date and the design it replaces") {
+  const TemporaryFolder folder;
+  const auto load = [&](const std::string& extra) {
+    const std::string entry = "p: [12.0, 22.7, 1.4]";
+    return load_survey(
+        write_text(folder.path() / "s.yaml", replaced(right_survey(), entry, entry + extra)));
+  };
+  const Survey plain = load("").value();
+  const PlacedTag& unmeasured = *find_tag(plain, "001R");
+  CHECK(unmeasured.sigma == 0.003);
+  CHECK(unmeasured.date.empty());
+  REQUIRE(unmeasured.design_in_grid);
+  const PlacedTag regular = place_in_series(plain, 1, Side::right);
+  CHECK((*unmeasured.design_in_grid - regular.p_in_grid).norm() == 0);
+  CHECK_FALSE(find_tag(plain, "004L")->design_in_grid);  // no regular pair has this name
+  CHECK_FALSE(find_tag(plain, "000L")->design_in_grid);  // hangs as designed
+
+  const Survey survey = load(", sigma: 0.001, date: 2026-03-31, design: [12.0, 22.6, 1.4]").value();
+  const PlacedTag& tag = *find_tag(survey, "001R");
+  CHECK(tag.sigma == 0.001);
+  CHECK(tag.date == "2026-03-31");
+  CHECK(tag.design_in_grid->y() == 22.6);
+  CHECK(find_tag(survey, "000L")->sigma == 0.003);
+  for (const char* wrong : {", date: 31.03.2026", ", date: 2026-02-30", ", date: 2026-3-31",
+                            ", sigma: -1", ", design: [1, 2]"}) {
+    CAPTURE(wrong);
+    CHECK_FALSE(load(wrong));
+  }
+}

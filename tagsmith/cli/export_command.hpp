@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tagsmith export`: a survey's tags for other programs.
+#pragma once
+
+#include "tagsmith/cli/command.hpp"
+
+namespace tagsmith {
+
+Command export_command(CLI::App& parent);
+
+}  // namespace tagsmith

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/new_command.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/survey/draft_survey.hpp"
+#include "tagsmith/survey/fit_tunnel.hpp"
+#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/survey/read_template.hpp"
+
+namespace tagsmith {
+namespace fs = std::filesystem;
+namespace {
+
+struct NewOptions {
+  std::string name;
+  std::string points;
+  PointListOptions list;
+  std::string template_name = "tag-400x300";
+  std::string x_axis = "right";
+  std::string check_digit = "gs1";
+  double tolerance_mm = 30;
+  std::optional<double> mount_height;
+  std::optional<double> tunnel_height;
+  bool json = false;
+};
+
+// NAME may be a path; the survey has its last part's name.
+std::string survey_name(const NewOptions& options) {
+  const fs::path path = fs::path(options.name) / "";
+  return path.parent_path().filename().string();
+}
+
+Result<void> check_name(const NewOptions& options) {
+  const std::string name = survey_name(options);
+  const bool usable = !name.empty() &&
+                      name.find_first_of("\\,:\"'#{}[]&*!|>%@`\n\r\t") == std::string::npos &&
+                      name.front() != '.' && name.front() != '-' && name.front() != '?' &&
+                      name.find_first_not_of("0123456789.+-eE") != std::string::npos &&
+                      name != "true" && name != "false" && name != "null" && name.size() <= 100;
+  if (!usable) {
+    return fail("NAME " + options.name +
+                ": expected a folder to make, whose name has letters and no , : \" or the like");
+  }
+  for (const char* file : {"survey.yaml", "rig.yaml"}) {
+    const fs::path path = fs::path(options.name) / file;
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) return fail(path.string() + ": is there already");
+  }
+  return {};
+}
+
+Result<void> write_files(const NewOptions& options, const std::string& survey,
+                         const std::optional<std::string>& rig) {
+  Result<StagedFiles> files = StagedFiles::begin(options.name);
+  if (!files) return fail(files.error().message);
+  if (auto added = files->add("survey.yaml", survey); !added) return added;
+  if (rig) {
+    if (auto added = files->add("rig.yaml", *rig); !added) return added;
+  }
+  return files->publish();
+}
+
+Result<void> write_to_edit(const NewOptions& options) {
+  const std::string name = survey_name(options);
+  if (auto written = write_files(options, survey_to_edit(name), rig_to_edit(name)); !written) {
+    return written;
+  }
+  const fs::path folder = options.name;
+  fmt::print("{}\n{}\n", (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
+  fmt::print(stderr, "edit them, then: tagsmith validate {} --rig {}\n",
+             (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
+  return {};
+}
+
+Result<TagTemplate> named_template(const std::string& name, const fs::path& folder) {
+  const auto path = find_template(name, folder);
+  if (!path) return fail("no template `" + name + "`; own templates: tag-400x300, tag-800x430");
+  const Result<TemplateReading> reading = read_template(*path);
+  if (!reading) return tl::unexpected(reading.error());
+  if (!reading->tag) return fail(to_string(reading->diagnostics, true));
+  return *reading->tag;
+}
+
+Result<SurveyDraft> make_draft(const NewOptions& options) {
+  Result<PointListReading> reading = read_point_list(options.points, options.list);
+  if (!reading) return tl::unexpected(reading.error());
+  if (!reading->list) return fail(to_string(reading->diagnostics, true));
+  PointList& list = *reading->list;
+  SurveyDraft draft;
+  draft.name = survey_name(options);
+  draft.source = fs::path(options.points).filename().string();
+  draft.template_name = list.survey ? list.survey->tag_template : options.template_name;
+  draft.grid = list.survey ? list.survey->grid : Grid{options.x_axis == "left"};
+  const auto tag = named_template(draft.template_name, options.name);
+  if (!tag) return tl::unexpected(tag.error());
+  TunnelFitOptions fit_options;
+  fit_options.tolerance = options.tolerance_mm / 1000;
+  fit_options.mount_height = options.mount_height;
+  fit_options.roof_height =
+      list.survey ? std::optional(list.survey->tunnel_height) : options.tunnel_height;
+  Result<TunnelFit> fit = fit_tunnel(list.points, draft.grid, *tag, fit_options);
+  if (!fit) return fail(options.points + ": " + fit.error().message);
+  draft.fit = std::move(*fit);
+  draft.points = std::move(list.points);
+  number_tags(draft.points, draft.fit);
+  const Result<PositionCode> code =
+      list.survey ? list.survey->code
+                  : code_for(draft.points, *parse_check_digit(options.check_digit));
+  if (!code) return fail(options.points + ": " + code.error().message);
+  draft.code = *code;
+  return draft;
+}
+
+std::string point_name(const SurveyedPoint& point) {
+  return point.tag ? tag_name(point.tag->pair, point.tag->side) : point.name;
+}
+
+void print_json(const SurveyDraft& draft) {
+  using Json = nlohmann::ordered_json;
+  const auto length = [](const std::optional<double>& value) {
+    return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);
+  };
+  const auto dump = [](const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    const PointResidual& residual = draft.fit.residuals[i];
+    fmt::print("{}\n", dump({{"line", draft.points[i].line},
+                             {"point", draft.points[i].name},
+                             {"name", point_name(draft.points[i])},
+                             {"kind", to_string(draft.points[i].kind)},
+                             {"chainage", length(residual.chainage)},
+                             {"across", length(residual.across)},
+                             {"up", length(residual.up)}}));
+  }
+  const Tunnel& tunnel = draft.fit.tunnel;
+  fmt::print("{}\n", dump({{"summary",
+                            {{"points", draft.points.size()},
+                             {"width", length(tunnel.width)},
+                             {"height", length(tunnel.height)},
+                             {"length", length(tunnel.centerline.length())},
+                             {"elements", tunnel.centerline.elements().size()},
+                             {"rms_across", length(draft.fit.rms_across)},
+                             {"rms_up", length(draft.fit.rms_up)}}}}));
+}
+
+void print_table(const SurveyDraft& draft) {
+  const auto mm = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:+.1f}", *value * 1000 + 0.0) : std::string("-");
+  };
+  fmt::print("{:>6}  {:<12}  {:<11}  {:>10}  {:>9}  {:>9}\n", "line", "point", "kind", "chainage",
+             "across mm", "up mm");
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    const PointResidual& residual = draft.fit.residuals[i];
+    fmt::print("{:>6}  {:<12}  {:<11}  {:>10.3f}  {:>9}  {:>9}\n", draft.points[i].line,
+               point_name(draft.points[i]), to_string(draft.points[i].kind),
+               residual.chainage + 0.0, mm(residual.across), mm(residual.up));
+  }
+  const Tunnel& tunnel = draft.fit.tunnel;
+  const std::size_t elements = tunnel.centerline.elements().size();
+  fmt::print("{} points: tunnel {:.3f} m wide, {:.3f} m high, {:.3f} m long, of {} element{}; ",
+             draft.points.size(), tunnel.width, tunnel.height, tunnel.centerline.length(), elements,
+             elements == 1 ? "" : "s");
+  fmt::print("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
+             draft.fit.rms_up * 1000);
+}
+
+Result<void> write_draft(const NewOptions& options) {
+  const Result<SurveyDraft> draft = make_draft(options);
+  if (!draft) return fail(draft.error().message);
+  if (auto written = write_files(options, draft_survey(*draft), std::nullopt); !written) {
+    return written;
+  }
+  options.json ? print_json(*draft) : print_table(*draft);
+  const std::string file = (fs::path(options.name) / "survey.yaml").string();
+  fmt::print(stderr, "{} written; check it: tagsmith validate {} and tagsmith draw {} -o {}.pdf\n",
+             file, file, file, survey_name(options));
+  return {};
+}
+
+Result<void> run_new(const NewOptions& options) {
+  if (auto usable = check_name(options); !usable) return usable;
+  if (options.points.empty()) return write_to_edit(options);
+  if (options.list.order.empty()) {
+    return fail("--from needs --order, the order of the file's columns: PENZD, PNEZD or own");
+  }
+  return write_draft(options);
+}
+
+void add_options(CLI::App* app, NewOptions& options) {
+  app->add_option("NAME", options.name, "Folder to make; the survey has its name")->required();
+  CLI::Option* from =
+      app->add_option("--from", options.points, "Draft the survey from this list of points (CSV)");
+  app->add_option("--order", options.list.order,
+                  "Columns of the list: P point, E east (x), N north (y), Z, D description, - "
+                  "skipped, as PENZD; or own: a list of `tagsmith export`")
+      ->needs(from);
+  app->add_flag("--header", options.list.header, "The list's first line names its columns")
+      ->needs(from);
+  app->add_option("--ignore", options.list.ignore,
+                  "Leave points with these descriptions out, separated by commas")
+      ->delimiter(',')
+      ->needs(from);
+  app->add_option("--template", options.template_name, "Plate (default: tag-400x300)")->needs(from);
+  app->add_option("--x-axis", options.x_axis,
+                  "right (default) or left of +y seen from above, where the grid's x grows")
+      ->check(CLI::IsMember({"right", "left"}))
+      ->needs(from);
+  app->add_option("--check-digit", options.check_digit, "gs1 (default) or sum10")
+      ->check(CLI::IsMember({"gs1", "sum10"}))
+      ->needs(from);
+  app->add_option("--tolerance", options.tolerance_mm,
+                  "How far a point may be off, millimetres (default: 30)")
+      ->check(CLI::Range(0.1, 10'000.0))
+      ->needs(from);
+  app->add_option("--mount-height", options.mount_height,
+                  "Metres of P above the floor, for lists without floor points")
+      ->check(CLI::Range(0.0, 100.0))
+      ->needs(from);
+  app->add_option("--tunnel-height", options.tunnel_height,
+                  "Metres of the roof above the floor, for lists without roof points")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->needs(from);
+  app->add_flag("--json", options.json, "One JSON object a point, then a summary")->needs(from);
+}
+
+}  // namespace
+
+Command new_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand(
+      "new", "Survey and rig files to edit, or a survey from surveyed points");
+  const auto options = std::make_shared<NewOptions>();
+  add_options(app, *options);
+  app->footer(
+      "Descriptions of points, by their first word: TL TR a tag's P on the left or right wall (or "
+      "its\nname, as 000L), WL WR the wall in the plates' plane, CL the center line on the floor, "
+      "FL "
+      "the\nfloor, RF the roof. Left and right are those of the drive; list the points of each "
+      "kind "
+      "along\nthe drive. Nothing about the columns is guessed.\n\n"
+      "Example:\n"
+      "  tagsmith new drift-7\n"
+      "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8");
+  return {app, [options] {
+            const Result<void> done = run_new(*options);
+            return done ? kExitOk : report_failure("new", done.error());
+          }};
+}
+
+}  // namespace tagsmith

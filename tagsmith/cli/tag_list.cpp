@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/tag_list.hpp"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/base/csv.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/survey/revision.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Micrometres are finer than anything surveyed; more digits would be rounding noise.
+double micrometre(double metres) { return std::round(metres * 1e6) / 1e6 + 0.0; }
+
+Json point_json(const Eigen::Vector3d& p) {
+  return {micrometre(p.x()), micrometre(p.y()), micrometre(p.z())};
+}
+
+// Where a tag is in a surveyor's words.
+struct Address {
+  double offset = 0;  // of P from the center line, positive to the right
+  double height = 0;  // of P above the floor
+};
+
+Address address_of(const Survey& survey, const PlacedTag& tag) {
+  const Eigen::Vector3d& p = tag.world_from_plate.translation;
+  const Centerline& line = survey.tunnel.centerline;
+  return {line.locate(p.head<2>()).offset, p.z() - line.at(tag.chainage).position.z()};
+}
+
+// Of the way the plate faces, degrees in the grid, 0 to 360.
+double facing_heading(const Survey& survey, const PlacedTag& tag) {
+  const Eigen::Vector3d out = -tag.world_from_plate.rotation.col(2);
+  const double heading = grid_heading_from_world(survey.grid, std::atan2(out.x(), out.y()));
+  const double turned = std::fmod(degrees(heading) + 360.0, 360.0);
+  return std::round(turned * 1e6) / 1e6;
+}
+
+Json tag_json(const Survey& survey, const PlacedTag& tag) {
+  const Address address = address_of(survey, tag);
+  Json json{{"tag", tag.name},
+            {"side", to_string(tag.side)},
+            {"digits", to_string(tag.digits)},
+            {"position", point_json(tag.p_in_grid)},
+            {"coded_position", point_json(tag.coded_in_grid)},
+            {"chainage", micrometre(tag.chainage)},
+            {"offset", micrometre(address.offset)},
+            {"height", micrometre(address.height)},
+            {"facing_deg", facing_heading(survey, tag)},
+            {"as_built", tag.surveyed},
+            {"sigma", micrometre(tag.sigma)}};
+  json["date"] = tag.date.empty() ? Json(nullptr) : Json(tag.date);
+  json["design"] = tag.design_in_grid ? point_json(*tag.design_in_grid) : Json(nullptr);
+  return json;
+}
+
+Json element_json(const CenterlineElement& element) {
+  Json json;
+  if (element.curvature == 0) {
+    json["line"] = micrometre(element.length);
+  } else {
+    json["arc"] = micrometre(1 / std::abs(element.curvature));
+    json["turn"] = element.curvature > 0 ? "right" : "left";
+    json["angle"] = degrees(element.length * std::abs(element.curvature));
+  }
+  if (element.grade != 0) json["grade"] = 100 * element.grade;
+  return json;
+}
+
+Json tunnel_json(const Survey& survey) {
+  const CenterlinePoint start = survey.tunnel.centerline.at(0);
+  Json elements = Json::array();
+  for (const CenterlineElement& element : survey.tunnel.centerline.elements()) {
+    elements.push_back(element_json(element));
+  }
+  return {{"width", micrometre(survey.tunnel.width)},
+          {"height", micrometre(survey.tunnel.height)},
+          {"centerline",
+           {{"start", point_json(grid_from_world(survey.grid, start.position))},
+            {"heading", degrees(grid_heading_from_world(survey.grid, start.heading))},
+            {"elements", elements}}}};
+}
+
+std::string dump(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string x_axis(const Survey& survey) { return survey.grid.x_axis_left ? "left" : "right"; }
+
+void append(std::vector<std::string>& fields, const Eigen::Vector3d& point) {
+  for (const double coordinate : point) fields.push_back(format_number(coordinate));
+}
+
+}  // namespace
+
+std::string tags_csv(const Survey& survey) {
+  const PositionCode& code = survey.code;
+  std::string csv = csv_row(own_columns());
+  for (const PlacedTag& tag : survey.tags) {
+    const Address address = address_of(survey, tag);
+    std::vector<std::string> row{tag.name, to_string(tag.side), to_string(tag.digits)};
+    append(row, tag.p_in_grid);
+    for (const double length : {tag.chainage, address.offset, address.height, tag.sigma}) {
+      row.push_back(format_number(length));
+    }
+    row.push_back(tag.date);
+    if (tag.design_in_grid) {
+      append(row, *tag.design_in_grid);
+    } else {
+      row.insert(row.end(), 3, "");
+    }
+    row.insert(row.end(), {survey.tag_template.name, to_string(code.check)});
+    for (const int count : code.digit_counts) row.push_back(std::to_string(count));
+    for (const double resolution : code.resolution) row.push_back(format_number(resolution));
+    for (const double origin : code.origin) row.push_back(format_number(origin));
+    row.insert(row.end(), {x_axis(survey), format_number(survey.tunnel.height)});
+    csv += csv_row(row);
+  }
+  return csv;
+}
+
+std::string tags_json(const Survey& survey) {
+  const TagTemplate& plate = survey.tag_template;
+  Json tags = Json::array();
+  for (const PlacedTag& tag : survey.tags) tags.push_back(tag_json(survey, tag));
+  const PositionCode& code = survey.code;
+  return dump({{"survey", survey.name},
+               {"revision", survey_revision(survey)},
+               {"grid", {{"x_axis", x_axis(survey)}}},
+               {"template",
+                {{"name", plate.name},
+                 {"plate", {plate.plate_length, plate.plate_height}},
+                 {"feature_frame_inner", {plate.frame_inner_length, plate.frame_inner_height}}}},
+               {"tunnel", tunnel_json(survey)},
+               {"code",
+                {{"check_digit", to_string(code.check)},
+                 {"digits", code.digit_counts},
+                 {"resolution", code.resolution},
+                 {"origin", code.origin}}},
+               {"tags", tags}});
+}
+
+std::string field_layout_json(const Survey& survey) {
+  Json tags = Json::array();
+  Eigen::AlignedBox2d box;
+  for (const PlacedTag& tag : survey.tags) {
+    const Pose& pose = tag.world_from_plate;
+    const TagTemplate& plate = survey.tag_template;
+    const Eigen::Vector3d middle =
+        pose * Eigen::Vector3d(plate.frame_inner_length / 2, plate.frame_inner_height / 2, 0);
+    Eigen::Matrix3d world_from_tag;
+    world_from_tag << -pose.rotation.col(2), pose.rotation.col(0), -pose.rotation.col(1);
+    const Eigen::Quaterniond turn(world_from_tag);
+    box.extend(Eigen::Vector2d(middle.head<2>()));
+    tags.push_back(
+        {{"ID", 2 * tag.pair + (tag.side == Side::right ? 1 : 0)},
+         {"pose",
+          {{"translation",
+            {{"x", micrometre(middle.x())},
+             {"y", micrometre(middle.y())},
+             {"z", micrometre(middle.z())}}},
+           {"rotation",
+            {{"quaternion",
+              {{"W", turn.w()}, {"X", turn.x()}, {"Y", turn.y()}, {"Z", turn.z()}}}}}}}});
+  }
+  const Eigen::Vector2d size = box.isEmpty() ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(box.sizes());
+  return dump({{"tags", tags},
+               {"field", {{"length", micrometre(size.x())}, {"width", micrometre(size.y())}}}});
+}
+
+}  // namespace tagsmith

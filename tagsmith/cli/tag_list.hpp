@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// A survey's tags as other programs read them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// RFC 4180, a tag a row: address, position of P, as-built data and, the same in every row, what the
+// codes need. `tagsmith new --from FILE --order own` reads it back. Lengths to the micrometre.
+std::string tags_csv(const Survey& survey);
+
+// One object: the survey, its template, tunnel and code, and each tag.
+std::string tags_json(const Survey& survey);
+
+// WPILib's AprilTagFieldLayout: pose of the feature frame's middle, x out of the plate, z up, in
+// the right-handed world (x to the right of the drive's +y; a grid with x to the left is mirrored).
+// ID = 2 * pair, and 1 more on the right.
+std::string field_layout_json(const Survey& survey);
+
+}  // namespace tagsmith

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/draft_survey.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr int kPayloadDigits = kDigitCount - 1;
+
+bool is_tag(const SurveyedPoint& point) {
+  return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;
+}
+
+Side side_of(const SurveyedPoint& point) {
+  return point.kind == PointKind::left_tag ? Side::left : Side::right;
+}
+
+std::string list_of(const Eigen::Vector3d& p) {
+  return "[" + format_number(p.x()) + ", " + format_number(p.y()) + ", " + format_number(p.z()) +
+         "]";
+}
+
+template <class Values>
+std::string joined(const Values& values) {
+  std::string text;
+  for (const auto& value : values) {
+    text += (text.empty() ? "" : ", ") + format_number(static_cast<double>(value));
+  }
+  return "[" + text + "]";
+}
+
+std::string element_text(const CenterlineElement& element) {
+  const std::string grade =
+      element.grade == 0 ? "" : ", grade: " + format_number(100 * element.grade, 8);
+  if (element.curvature == 0) return "{ line: " + format_number(element.length) + grade + " }";
+  const double angle = element.length * std::abs(element.curvature);
+  return "{ arc: " + format_number(1 / std::abs(element.curvature)) +
+         ", turn: " + (element.curvature > 0 ? "right" : "left") +
+         ", angle: " + format_number(degrees(angle), 8) + grade + " }";
+}
+
+std::string tunnel_text(const SurveyDraft& draft) {
+  const Centerline& line = draft.fit.tunnel.centerline;
+  const CenterlinePoint start = line.at(0);
+  std::string text = fmt::format(
+      "tunnel:\n"
+      "  width: {}   # between the planes of the left and the right plates\n"
+      "  height: {}\n"
+      "  centerline:\n"
+      "    start: {}   # on the floor\n"
+      "    heading: {}   # degrees from +y towards +x\n"
+      "    elements:\n",
+      format_number(draft.fit.tunnel.width), format_number(draft.fit.tunnel.height),
+      list_of(grid_from_world(draft.grid, start.position)),
+      format_number(degrees(grid_heading_from_world(draft.grid, start.heading)), 8));
+  for (const CenterlineElement& element : line.elements()) {
+    text += "      - " + element_text(element) + "\n";
+  }
+  return text;
+}
+
+std::string placed_text(const SurveyedPoint& point) {
+  std::string text = "  - { tag: " + tag_name(point.tag->pair, point.tag->side) +
+                     ", side: " + to_string(point.tag->side) + ", p: " + list_of(point.in_grid);
+  if (!point.digits.empty()) text += ", digits: \"" + point.digits + "\"";
+  if (point.sigma) text += ", sigma: " + format_number(*point.sigma);
+  if (!point.date.empty()) text += ", date: " + point.date;
+  if (point.design_in_grid) text += ", design: " + list_of(*point.design_in_grid);
+  return text + " }\n";
+}
+
+// Digits that `extent` metres take.
+int digits_for(double extent, double resolution) {
+  return std::max(1, static_cast<int>(std::ceil(std::log10(extent / resolution + 2))));
+}
+
+}  // namespace
+
+std::string survey_to_edit(const std::string& name) {
+  return "# A survey to edit. Check it with `tagsmith validate`, look at it with `tagsmith draw`.\n"
+         "# Lengths are metres, angles degrees.\n"
+         "survey: " +
+         name +
+         "\n"
+         "grid: { x_axis: right }   # of +y, seen from above; left where your x grows to the left\n"
+         "tunnel:\n"
+         "  width: 3.0              # between the planes of the left and the right plates\n"
+         "  height: 2.8             # of the roof above the floor\n"
+         "  centerline:\n"
+         "    start: [0.0, 0.0, 0.0]   # on the floor, in the mine's grid\n"
+         "    heading: 0               # of the drive, degrees from +y towards +x\n"
+         "    elements:                # from the start on, joined without bends\n"
+         "      - { line: 20.0 }\n"
+         "      # - { arc: 15.0, turn: left, angle: 40, grade: 1.5 }   # radius, side, degrees, "
+         "rise in %\n"
+         "tags:\n"
+         "  template: tag-400x300   # the plate: own ones are tag-400x300 and tag-800x430\n"
+         "  height: 1.2             # of P, the upper left inner corner of the frame, above the "
+         "floor\n"
+         "  spacing: 1.0            # clear gap between neighbouring plates of one wall\n"
+         "  first: 1.0              # chainage of the first left P\n"
+         "  pairs: 10               # or to: CHAINAGE\n"
+         "  # theta: 6.5            # leave out: plates then face each other exactly\n"
+         "  sigma: 0.005            # how well a coordinate is surveyed, one standard deviation\n"
+         "code:\n"
+         "  check_digit: gs1        # gs1: any bar code scanner; sum10: that of Xu et al. 2017\n"
+         "  resolution: 0.01        # metres of the last digit\n"
+         "  digits: [4, 4, 3]       # for x, y and z, eleven in all\n"
+         "  origin: [-10, -10, -1]  # subtracted first: nothing negative can be coded\n"
+         "# Plates as they hang, measured; `digits` as printed on them.\n"
+         "# placed:\n"
+         "#   - { tag: 003R, side: right, p: [1.498, 5.551, 1.203], digits: \"114915552208\", "
+         "sigma: 0.002, date: 2026-03-31 }\n";
+}
+
+std::string rig_to_edit(const std::string& name) {
+  return "# A vehicle's cameras and range sensors, to edit. x forward, y left, z up from its "
+         "centre O.\n"
+         "rig: " +
+         name +
+         "\n"
+         "cameras:   # by name; alpha = degrees between the optical axis and the cross section, "
+         "forward\n"
+         "  left:  { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: "
+         "35, side: left }\n"
+         "  right: { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: "
+         "35, side: right }\n"
+         "  # a calibrated camera, mounted anywhere:\n"
+         "  # front: { image_size: [1280, 960], fx: 1600, fy: 1600, cx: 639.5, cy: 479.5,\n"
+         "  #          distortion: [0, 0, 0, 0, 0], yaw: 0, pitch: 0, roll: 0, position: [0.5, 0, "
+         "0.2] }\n"
+         "ranges:    # least horizontal distance from O to a wall\n"
+         "  d: { wall: left, min: 0.25, max: 5.0, sigma: 0.01 }\n"
+         "vehicle:\n"
+         "  height: 0.6       # of O above the floor\n"
+         "  roll_sigma: 2     # how far it leans, one standard deviation, degrees\n"
+         "  pitch_sigma: 2\n";
+}
+
+void number_tags(std::vector<SurveyedPoint>& points, const TunnelFit& fit) {
+  for (const Side side : {Side::left, Side::right}) {
+    std::set<int> taken;
+    std::vector<std::size_t> unnamed;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!is_tag(points[i]) || side_of(points[i]) != side) continue;
+      if (points[i].tag) {
+        taken.insert(points[i].tag->pair);
+      } else {
+        unnamed.push_back(i);
+      }
+    }
+    std::ranges::stable_sort(unnamed, {}, [&](std::size_t i) { return fit.residuals[i].chainage; });
+    int pair = 0;
+    for (const std::size_t i : unnamed) {
+      while (taken.contains(pair)) ++pair;
+      points[i].tag = TagName{pair++, side};
+    }
+  }
+}
+
+Result<PositionCode> code_for(const std::vector<SurveyedPoint>& points, CheckDigit check) {
+  Eigen::Vector3d low = points.front().in_grid;
+  Eigen::Vector3d high = low;
+  for (const SurveyedPoint& point : points) {
+    low = low.cwiseMin(point.in_grid);
+    high = high.cwiseMax(point.in_grid);
+  }
+  PositionCode code;
+  code.check = check;
+  Eigen::Vector3d origin = (low.array() - 1).floor();
+  for (const double resolution : {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0}) {
+    std::array<int, 3> counts{};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const auto index = static_cast<std::size_t>(axis);
+      counts[index] = digits_for(high[axis] - origin[axis], resolution);
+    }
+    const int spare = kPayloadDigits - std::accumulate(counts.begin(), counts.end(), 0);
+    if (spare < 0) continue;
+    for (int i = 0; i < spare; ++i) ++counts[static_cast<std::size_t>(i % 2)];
+    code.digit_counts = counts;
+    code.resolution = {resolution, resolution, resolution};
+    code.origin = {origin.x(), origin.y(), origin.z()};
+    return code;
+  }
+  return fail("the points lie too far apart for eleven digits: make several surveys of them");
+}
+
+std::string draft_survey(const SurveyDraft& draft) {
+  const PositionCode& code = draft.code;
+  std::string text = fmt::format(
+      "# Drafted from {}: {} points, {:.1f} mm rms across the tunnel, {:.1f} mm up and down.\n"
+      "# Check it with `tagsmith validate`, look at it with `tagsmith draw`.\n"
+      "survey: {}\n"
+      "grid: {{ x_axis: {} }}\n",
+      draft.source, draft.points.size(), draft.fit.rms_across * 1000, draft.fit.rms_up * 1000,
+      draft.name, draft.grid.x_axis_left ? "left" : "right");
+  text += tunnel_text(draft);
+  text += "tags: { template: " + draft.template_name + " }\n";
+  text += fmt::format("code: {{ check_digit: {}, resolution: {}, digits: {}, origin: {} }}\n",
+                      to_string(code.check), joined(code.resolution), joined(code.digit_counts),
+                      joined(code.origin));
+  text += "placed:   # P as surveyed\n";
+  std::vector<const SurveyedPoint*> tags;
+  for (const SurveyedPoint& point : draft.points) {
+    if (is_tag(point)) tags.push_back(&point);
+  }
+  std::ranges::sort(tags, {}, [](const SurveyedPoint* point) {
+    return std::pair(point->tag->pair, point->tag->side);
+  });
+  for (const SurveyedPoint* tag : tags) text += placed_text(*tag);
+  return text;
+}
+
+}  // namespace tagsmith

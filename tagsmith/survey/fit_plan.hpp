@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lines and arcs through points of walls and center line, seen from above. Internal to
+// tagsmith/survey.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/geometry/centerline.hpp"
+
+namespace tagsmith {
+
+// A point in the world, and where across the tunnel it lies: `side` tunnel half widths to the right
+// of the center line (-1, 0, 1).
+struct PlanPoint {
+  Eigen::Vector2d p{0, 0};
+  int side = 0;
+  double plate_half = 0;  // > 0: P of a plate, whose middle is on the wall; half of L_CI
+};
+
+struct PlanFit {
+  Centerline line;  // level; begins and ends beyond the points
+  double width = 0;
+  std::vector<double> residuals;  // metres to the right of where the fit has the point
+  std::vector<double> chainages;
+};
+
+// The fit with the fewest elements, up to `most_elements`, whose residuals are within the
+// tolerance; if there is none, the one that most points fit. Nothing when the points show no line:
+// fewer than two on the center line, or on either wall.
+std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
+                                int most_elements);
+
+}  // namespace tagsmith

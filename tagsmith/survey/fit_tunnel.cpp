@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/fit_tunnel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "tagsmith/survey/fit_plan.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+bool is_tag(PointKind kind) { return kind == PointKind::left_tag || kind == PointKind::right_tag; }
+
+// -1 left, 1 right, 0 middle; nothing for points that are anywhere across.
+std::optional<int> side_of(PointKind kind) {
+  switch (kind) {
+    case PointKind::left_tag:
+    case PointKind::left_wall:
+      return -1;
+    case PointKind::right_tag:
+    case PointKind::right_wall:
+      return 1;
+    case PointKind::centerline:
+      return 0;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string point_text(const SurveyedPoint& point) {
+  return fmt::format("line {}: point {} ({})", point.line, point.name, to_string(point.kind));
+}
+
+// ---- Floor and roof: heights over the chainage.
+
+struct HeightPoint {
+  double chainage = 0;
+  double z = 0;
+  std::size_t index = 0;  // of the point
+};
+
+std::vector<HeightPoint> floor_points(const std::vector<SurveyedPoint>& points,
+                                      const std::vector<double>& chainages,
+                                      const std::optional<double>& mount_height) {
+  std::vector<HeightPoint> floor;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const SurveyedPoint& point = points[i];
+    const double z = point.in_grid.z();
+    if (point.kind == PointKind::floor || point.kind == PointKind::centerline) {
+      floor.push_back({chainages[i], z, i});
+    } else if (is_tag(point.kind) && (point.height || mount_height)) {
+      floor.push_back({chainages[i], z - point.height.value_or(mount_height.value_or(0)), i});
+    }
+  }
+  return floor;
+}
+
+// The floor's height at the start, and a grade for each element.
+struct Profile {
+  double start = 0;
+  std::vector<double> grades;
+};
+
+// Length of each element before the chainage.
+VectorXd lengths_before(const std::vector<CenterlineElement>& elements, double chainage) {
+  VectorXd lengths = VectorXd::Zero(static_cast<Eigen::Index>(elements.size()));
+  double start = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const bool first = i == 0;
+    const bool last = i + 1 == elements.size();
+    const double low = first ? chainage : std::max(chainage, start);
+    const double within = low - start;
+    lengths[static_cast<Eigen::Index>(i)] = last ? within : std::min(within, elements[i].length);
+    start += elements[i].length;
+  }
+  return lengths;
+}
+
+Profile fit_profile(const std::vector<CenterlineElement>& elements,
+                    const std::vector<HeightPoint>& floor) {
+  const auto rows = static_cast<Eigen::Index>(floor.size());
+  const auto columns = static_cast<Eigen::Index>(elements.size()) + 1;
+  constexpr double kSmooth = 1e-6;  // elements without floor points go on as their neighbours do
+  MatrixXd a = MatrixXd::Zero(rows + columns - 1, columns);
+  VectorXd b = VectorXd::Zero(a.rows());
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const HeightPoint& point = floor[static_cast<std::size_t>(i)];
+    a(i, 0) = 1;
+    a.row(i).tail(columns - 1) = lengths_before(elements, point.chainage).transpose();
+    b[i] = point.z;
+  }
+  for (Eigen::Index i = 1; i < columns; ++i) {
+    a(rows + i - 1, i) = kSmooth;
+    if (i > 1) a(rows + i - 1, i - 1) = -kSmooth;
+  }
+  const VectorXd solution = a.colPivHouseholderQr().solve(b);
+  return {solution[0], {solution.data() + 1, solution.data() + solution.size()}};
+}
+
+double floor_at(const std::vector<CenterlineElement>& elements, const Profile& profile,
+                double chainage) {
+  const VectorXd lengths = lengths_before(elements, chainage);
+  return profile.start +
+         std::inner_product(profile.grades.begin(), profile.grades.end(), lengths.data(), 0.0);
+}
+
+double squares(const std::vector<CenterlineElement>& elements,
+               const std::vector<HeightPoint>& floor, const Profile& profile) {
+  return std::accumulate(floor.begin(), floor.end(), 0.0,
+                         [&](double sum, const HeightPoint& point) {
+                           const double up = point.z - floor_at(elements, profile, point.chainage);
+                           return sum + up * up;
+                         });
+}
+
+double worst(const std::vector<CenterlineElement>& elements, const std::vector<HeightPoint>& floor,
+             const Profile& profile) {
+  double most = 0;
+  for (const HeightPoint& point : floor) {
+    most = std::max(most, std::abs(point.z - floor_at(elements, profile, point.chainage)));
+  }
+  return most;
+}
+
+std::vector<CenterlineElement> split_at(const std::vector<CenterlineElement>& elements,
+                                        double chainage) {
+  std::vector<CenterlineElement> result;
+  double start = 0;
+  for (const CenterlineElement& element : elements) {
+    const double before = chainage - start;
+    start += element.length;
+    if (before <= 0.01 || before >= element.length - 0.01) {
+      result.push_back(element);
+      continue;
+    }
+    result.push_back({before, element.curvature, 0});
+    result.push_back({element.length - before, element.curvature, 0});
+  }
+  return result;
+}
+
+// Elements are cut where the grade changes, at one of at most 60 chainages of floor points, while
+// the floor is further off than the tolerance.
+std::vector<CenterlineElement> cut_for_grades(std::vector<CenterlineElement> elements,
+                                              const std::vector<HeightPoint>& floor,
+                                              double tolerance) {
+  constexpr std::size_t kMostTried = 60;
+  for (int cut = 0; cut < kMostFittedElements; ++cut) {
+    const Profile profile = fit_profile(elements, floor);
+    if (worst(elements, floor, profile) <= tolerance) break;
+    double least = squares(elements, floor, profile);
+    std::vector<CenterlineElement> best = elements;
+    const std::size_t step = std::max<std::size_t>(1, floor.size() / kMostTried);
+    for (std::size_t i = 0; i < floor.size(); i += step) {
+      std::vector<CenterlineElement> tried = split_at(elements, floor[i].chainage);
+      if (tried.size() == elements.size()) continue;
+      const double left = squares(tried, floor, fit_profile(tried, floor));
+      if (left >= least) continue;
+      least = left;
+      best = std::move(tried);
+    }
+    if (best.size() == elements.size()) break;
+    elements = std::move(best);
+  }
+  return elements;
+}
+
+// ---- Ends of the line.
+
+// Elements between two chainages; a line before the first element's start prolongs it.
+std::vector<CenterlineElement> trimmed(const std::vector<CenterlineElement>& elements, double from,
+                                       double to) {
+  std::vector<CenterlineElement> result;
+  double start = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const double end = start + elements[i].length;
+    const double low = i == 0 ? from : std::max(from, start);
+    const double high = i + 1 == elements.size() ? to : std::min(to, end);
+    start = end;
+    if (high - low > 1e-6) {
+      result.push_back(elements[i]);
+      result.back().length = high - low;
+    }
+  }
+  return result;
+}
+
+// Where the list has its chainage 0, in the fitted line's chainage.
+std::optional<double> listed_start(const std::vector<SurveyedPoint>& points,
+                                   const std::vector<double>& chainages) {
+  std::vector<double> starts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].chainage) starts.push_back(chainages[i] - *points[i].chainage);
+  }
+  if (starts.empty()) return std::nullopt;
+  const auto middle = starts.begin() + static_cast<std::ptrdiff_t>(starts.size() / 2);
+  std::ranges::nth_element(starts, middle);
+  return *middle;
+}
+
+// The same line from a plate's length before the first point to as much beyond the last.
+Centerline with_ends(const PlanFit& fit, const std::vector<SurveyedPoint>& points, double margin) {
+  const auto [least, most] = std::ranges::minmax(fit.chainages);
+  const bool straight = fit.line.elements().front().curvature == 0;
+  double from = least - margin;
+  if (const auto listed = listed_start(points, fit.chainages)) {
+    if (*listed >= 0 || straight) from = std::min(*listed, most - margin);
+  }
+  if (!straight) from = std::max(from, 0.0);
+  const CenterlinePoint start = fit.line.at(from);
+  return {start.position, start.heading, trimmed(fit.line.elements(), from, most + margin)};
+}
+
+// ---- What is said when it does not work.
+
+Error misfit_error(const std::vector<SurveyedPoint>& points, const PlanFit& fit, double tolerance) {
+  constexpr std::size_t kMostNamed = 10;
+  std::vector<std::size_t> off;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(fit.residuals[i]) > tolerance) off.push_back(i);
+  }
+  std::ranges::sort(off, std::greater{}, [&](std::size_t i) { return std::abs(fit.residuals[i]); });
+  std::string text = fmt::format(
+      "{} of {} points fit no tunnel of {} lines and arcs to {:.3f} m; the best fit, {:.3f} m "
+      "wide, "
+      "has them aside by:",
+      off.size(), points.size(), kMostFittedElements, tolerance, fit.width);
+  for (std::size_t i = 0; i < std::min(kMostNamed, off.size()); ++i) {
+    text += fmt::format("\n  {}: {:+.3f} m", point_text(points[off[i]]), fit.residuals[off[i]]);
+  }
+  if (off.size() > kMostNamed) text += fmt::format("\n  and {} more", off.size() - kMostNamed);
+  text += off.size() * 4 <= points.size()
+              ? "\nmeasure these again, or take them out"
+              : "\nlist the points of each kind along the drive; check their descriptions, the "
+                "order of the columns (--order) and the grid's handedness (--x-axis); rough walls "
+                "need a larger --tolerance";
+  return {text};
+}
+
+Result<void> check_sides(const std::vector<PlanPoint>& points, const PlanFit& fit) {
+  double apart = 0;  // right minus left
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    apart += points[i].side * (fit.residuals[i] + points[i].side * fit.width / 2);
+  }
+  if (apart > 0) return {};
+  return fail(
+      "the left points lie to the right of the right ones, along the order of the list: are left "
+      "and right exchanged, the points listed against the drive, east and north exchanged "
+      "(--order), "
+      "or does the grid's x grow to the left (--x-axis left)?");
+}
+
+double rms(const std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const double sum = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+// Points with a place across the tunnel, in the world, and which of the list they are.
+struct PlanInput {
+  std::vector<PlanPoint> points;
+  std::vector<SurveyedPoint> sources;
+  std::vector<std::size_t> indices;
+};
+
+PlanInput plan_input(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                     const TagTemplate& tag) {
+  PlanInput input;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::optional<int> side = side_of(points[i].kind);
+    if (!side) continue;
+    const Vector3d p = world_from_grid(grid, points[i].in_grid);
+    const double half = is_tag(points[i].kind) ? tag.frame_inner_length / 2 : 0;
+    input.points.push_back({p.head<2>(), *side, half});
+    input.sources.push_back(points[i]);
+    input.indices.push_back(i);
+  }
+  return input;
+}
+
+Result<PlanFit> fit_input(PlanInput input, double tolerance) {
+  if (input.points.empty()) return fail("no points of walls, center line or tags");
+  // National coordinates are long; near zero nothing of them is lost.
+  const Eigen::Vector2d shift = input.points.front().p;
+  for (PlanPoint& point : input.points) point.p -= shift;
+  const auto on_side = [&](int side) {
+    return std::ranges::any_of(input.points, [&](const PlanPoint& p) { return p.side == side; });
+  };
+  if (!on_side(-1) || !on_side(1)) {
+    return fail(std::string("no points on the ") + (on_side(-1) ? "right" : "left") +
+                " wall (TL, TR, WL, WR or names of tags): the width cannot be known");
+  }
+  std::optional<PlanFit> fit = fit_plan(input.points, tolerance, kMostFittedElements);
+  if (!fit) {
+    return fail("too few points: expected two along the center line (CL), or two on either wall");
+  }
+  if (auto sides = check_sides(input.points, *fit); !sides) return fail(sides.error().message);
+  const bool fits =
+      std::ranges::all_of(fit->residuals, [&](double r) { return std::abs(r) <= tolerance; });
+  if (!fits) return tl::unexpected(misfit_error(input.sources, *fit, tolerance));
+  const CenterlinePoint start = fit->line.at(0);
+  const Vector3d back(shift.x(), shift.y(), 0);
+  fit->line = Centerline(start.position + back, start.heading, fit->line.elements());
+  return *fit;
+}
+
+Result<double> roof_height(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                           const Centerline& line, const TunnelFitOptions& options) {
+  std::vector<double> heights;
+  for (const SurveyedPoint& point : points) {
+    if (point.kind != PointKind::roof) continue;
+    const Vector3d p = world_from_grid(grid, point.in_grid);
+    heights.push_back(p.z() - line.at(line.locate(p.head<2>()).chainage).position.z());
+  }
+  if (heights.empty() && options.roof_height) return *options.roof_height;
+  if (heights.empty()) return fail("no points of the roof (RF): give its height, --tunnel-height");
+  const double mean =
+      std::accumulate(heights.begin(), heights.end(), 0.0) / static_cast<double>(heights.size());
+  if (mean > 0) return std::round(mean * 1000) / 1000;
+  return fail("the points of the roof (RF) lie below the floor");
+}
+
+}  // namespace
+
+Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                             const TagTemplate& tag, const TunnelFitOptions& options) {
+  const PlanInput input = plan_input(points, grid, tag);
+  Result<PlanFit> plan = fit_input(input, options.tolerance);
+  if (!plan) return tl::unexpected(plan.error());
+  const Centerline level = with_ends(*plan, input.sources, tag.plate_length);
+
+  std::vector<double> chainages;
+  for (const SurveyedPoint& point : points) {
+    chainages.push_back(level.locate(world_from_grid(grid, point.in_grid).head<2>()).chainage);
+  }
+  const std::vector<HeightPoint> floor = floor_points(points, chainages, options.mount_height);
+  if (floor.empty()) {
+    return fail("no points of the floor (CL, FL): give the height of P above it, --mount-height");
+  }
+  std::vector<CenterlineElement> elements =
+      cut_for_grades(level.elements(), floor, options.tolerance);
+  const Profile profile = fit_profile(elements, floor);
+  constexpr double kLevel = 1e-6;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    elements[i].grade = std::abs(profile.grades[i]) > kLevel ? profile.grades[i] : 0;
+  }
+  Vector3d start = level.at(0).position;
+  start.z() = profile.start;
+
+  TunnelFit fit;
+  fit.tunnel.width = plan->width;
+  fit.tunnel.centerline = Centerline(start, level.at(0).heading, elements);
+  const Result<double> height = roof_height(points, grid, fit.tunnel.centerline, options);
+  if (!height) return tl::unexpected(height.error());
+  fit.tunnel.height = *height;
+
+  fit.residuals.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) fit.residuals[i].chainage = chainages[i];
+  for (std::size_t i = 0; i < input.indices.size(); ++i) {
+    fit.residuals[input.indices[i]].across = plan->residuals[i];
+  }
+  std::vector<double> ups;
+  for (const HeightPoint& point : floor) {
+    const double up = point.z - floor_at(elements, profile, point.chainage);
+    fit.residuals[point.index].up = up;
+    ups.push_back(up);
+    if (std::abs(up) <= options.floor_tolerance) continue;
+    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
+                            point_text(points[point.index]), up, options.floor_tolerance));
+  }
+  fit.rms_across = rms(plan->residuals);
+  fit.rms_up = rms(ups);
+  return fit;
+}
+
+}  // namespace tagsmith

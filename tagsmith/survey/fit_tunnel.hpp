@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tunnel that surveyed points speak of: a center line of lines and arcs, width, grades, height.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+struct TunnelFitOptions {
+  // A point further from where the fit has it does not fit, metres: across (walls and the plates on
+  // them), and up and down (floors of rock are rough).
+  double tolerance = 0.03;
+  double floor_tolerance = 0.25;
+  // H_P, where the list has no floor points: the floor is that far below each tag.
+  std::optional<double> mount_height;
+  std::optional<double> roof_height;  // of the roof above the floor, where there are no roof points
+};
+
+// How a point lies to the fitted tunnel, metres.
+struct PointResidual {
+  double chainage = 0;
+  std::optional<double> across;  // further to the right than fitted; nothing for floor and roof
+  std::optional<double> up;      // above the fitted floor or roof
+  bool fits = true;
+};
+
+struct TunnelFit {
+  Tunnel tunnel;
+  std::vector<PointResidual> residuals;  // of the points one by one
+  double rms_across = 0;
+  double rms_up = 0;
+};
+
+// Fits the fewest lines and arcs, joined without bends (at most kMostFittedElements), with which
+// every point is within the tolerances: plates are tangent to their wall at their middle, as a
+// survey places them. Points of one kind must be listed along the drive; a point or two aside from
+// the others are found and named. Where the list says chainages, the line starts where they do,
+// else a plate's length before the first point. Fails, naming the points, when some fit no tunnel,
+// when left and right are exchanged, and when something cannot be known (width, floor, roof).
+Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                             const TagTemplate& tag, const TunnelFitOptions& options);
+
+inline constexpr int kMostFittedElements = 12;
+
+}  // namespace tagsmith

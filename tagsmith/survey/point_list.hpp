@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists of surveyed points, as surveyors and `tagsmith export` write them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/base/diagnostic.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/place_tags.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+enum class PointKind {
+  left_tag,    // TL, or the name of a tag: corner P
+  right_tag,   // TR
+  left_wall,   // WL, on the plane of the plates
+  right_wall,  // WR
+  centerline,  // CL, on the floor below the middle of the tunnel
+  floor,       // FL
+  roof,        // RF
+};
+
+std::string to_string(PointKind kind);
+
+struct SurveyedPoint {
+  std::string name;
+  PointKind kind = PointKind::floor;
+  Eigen::Vector3d in_grid = Eigen::Vector3d::Zero();
+  int line = 0;                    // in the file
+  std::optional<TagName> tag;      // nothing: to be numbered along the drive
+  std::string digits;              // as printed; empty = not given
+  std::optional<double> height;    // above the floor, where the list says it
+  std::optional<double> chainage;  // where the list says it
+  std::optional<double> sigma;
+  std::string date;
+  std::optional<Eigen::Vector3d> design_in_grid;
+};
+
+// What a list of `tagsmith export` says of all its tags.
+struct ListedSurvey {
+  std::string tag_template;
+  PositionCode code;
+  Grid grid;
+  double tunnel_height = 0;
+};
+
+struct PointList {
+  std::vector<SurveyedPoint> points;
+  std::optional<ListedSurvey> survey;  // of an own list
+};
+
+// The columns of an own list.
+std::vector<std::string> own_columns();
+
+struct PointListOptions {
+  // Letters of the columns in the order of the file: P name, E or X, N or Y, Z, D description, `-`
+  // a column that is skipped; or `own`, the CSV of `tagsmith export`.
+  std::string order;
+  bool header = false;              // the first line names the columns (own lists always do)
+  std::vector<std::string> ignore;  // descriptions that are left out
+};
+
+struct PointListReading {
+  std::optional<PointList> list;  // there exactly when no finding is an error
+  std::vector<Diagnostic> diagnostics;
+};
+
+// Descriptions are compared by their first word, in any case of letters. Fails when the file cannot
+// be read, or the order names no usable columns.
+Result<PointListReading> read_point_list(const std::filesystem::path& path,
+                                         const PointListOptions& options);
+
+}  // namespace tagsmith

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surveys out to other programs and back from surveyed points.
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/tag_list.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/dxf.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/program.hpp"
+
+namespace fs = std::filesystem;
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+using doctest::Approx;
+
+namespace {
+
+std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+void write_text(const fs::path& path, const std::string& text) { REQUIRE(write_file(path, text)); }
+
+const char* kGradedSurvey = R"(survey: graded
+tunnel:
+  width: 4.2
+  height: 3.4
+  centerline:
+    start: [51200.0, 38100.0, -412.0]
+    heading: 35
+    elements:
+      - { line: 120.0, grade: 1.5 }
+      - { arc: 60.0, turn: left, angle: 70 }
+      - { line: 80.0, grade: -0.8 }
+      - { arc: 30.0, turn: right, angle: 120 }
+      - { line: 50.0 }
+tags: { template: tag-800x430, height: 1.5, spacing: 9.2, first: 5, to: 320, sigma: 0.003 }
+code: { check_digit: gs1, resolution: [0.1, 0.1, 0.1], digits: [4, 4, 3], origin: [50800, 37900, -420] }
+placed:
+  - { tag: 003R, side: right, p: [51224.113, 38126.402, -409.951], digits: "42412263110", sigma: 0.001, date: 2026-03-31 }
+  - { tag: 900L, side: left, p: [51201.2, 38105.37, -408.5], design: [51201.2, 38105.4, -408.5] }
+)";
+
+// A drift of 30 m, an arc of 25 m radius to the left over 60 degrees and 20 m more, 1.5 % up.
+const Centerline& drift() {
+  static const Centerline line(
+      {452310, 5411220, 312}, radians(20),
+      {{30, 0, 0.015}, {25 * radians(60), -1 / 25.0, 0.015}, {20, 0, 0.015}});
+  return line;
+}
+
+// Point lists of the drift, measured with `noise` metres; `order` as --order.
+class PointWriter {
+ public:
+  PointWriter(double noise, unsigned seed) : noise_(noise), random_(seed) {}
+
+  void add(double chainage, double offset, double height, const std::string& code) {
+    const CenterlinePoint at = drift().at(chainage);
+    Eigen::Vector3d p = at.position + offset * right_of(at.heading);
+    p.z() += height;
+    std::normal_distribution<double> error(0, noise_);
+    for (double& coordinate : p) coordinate += noise_ > 0 ? error(random_) : 0.0;
+    points.push_back({p, code});
+  }
+
+  std::string text(const std::string& order) const {
+    std::string csv;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto& [p, code] = points[i];
+      const std::map<char, std::string> fields{{'P', fmt::format("{}", i + 1)},
+                                               {'E', fmt::format("{:.3f}", p.x())},
+                                               {'N', fmt::format("{:.3f}", p.y())},
+                                               {'Z', fmt::format("{:.3f}", p.z())},
+                                               {'D', code}};
+      std::string row;
+      for (const char letter : order) row += (row.empty() ? "" : ",") + fields.at(letter);
+      csv += row + "\n";
+    }
+    return csv;
+  }
+
+  struct Point {
+    Eigen::Vector3d p;
+    std::string code;
+  };
+  std::vector<Point> points;
+
+ private:
+  double noise_;
+  std::mt19937 random_;
+};
+
+PointWriter surveyed_drift(double noise, unsigned seed = 1) {
+  PointWriter writer(noise, seed);
+  for (int i = 0; i < 24; ++i) writer.add(1 + 3 * i, -2.1, 1.3, "WL rib");
+  for (int i = 0; i < 24; ++i) writer.add(1.7 + 3 * i, 2.1, 1.3, "wr");
+  for (int i = 0; i < 12; ++i) writer.add(2 + 6 * i, 0.3, 0, "FL");
+  for (int i = 0; i < 4; ++i) writer.add(5 + 18 * i, 0, 3.1, "RF");
+  for (int i = 0; i < 3; ++i) writer.add(4 + 9 * i, -2.1, 1.4, "TL");
+  for (int i = 0; i < 3; ++i) writer.add(4.3 + 9 * i, 2.1, 1.4, "TR");
+  return writer;
+}
+
+ProgramOutput draft(const fs::path& folder, const std::string& csv, const std::string& arguments) {
+  write_text(folder / "points.csv", csv);
+  return run_tagsmith("new " + quoted(folder / "out") + " --from " + quoted(folder / "points.csv") +
+                      " " + arguments);
+}
+
+}  // namespace
+
+TEST_CASE("new writes a survey and a rig that read without findings, and never overwrites") {
+  const TemporaryFolder folder;
+  const fs::path drift_folder = folder.path() / "drift-7";
+  const ProgramOutput made = run_tagsmith("new " + quoted(drift_folder));
+  CHECK(made.exit_code == 0);
+  const ProgramOutput valid = run_tagsmith("validate " + quoted(drift_folder / "survey.yaml") +
+                                           " --rig " + quoted(drift_folder / "rig.yaml"));
+  CHECK(valid.err == "2 files: 0 errors, 0 warnings\n");
+  CHECK(load_survey(drift_folder / "survey.yaml").value().name == "drift-7");
+  const ProgramOutput again = run_tagsmith("new " + quoted(drift_folder));
+  CHECK(again.exit_code == 2);
+  CHECK(again.err.find("is there already") != std::string::npos);
+  CHECK(run_tagsmith("new 12").exit_code == 2);
+  CHECK_FALSE(fs::exists("12"));
+}
+
+TEST_CASE("export and new --from lose nothing of any tag") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "graded.yaml", kGradedSurvey);
+  for (const fs::path& file :
+       {fs::path("surveys/corridor/survey.yaml"), fs::path("surveys/corridor-table4/survey.yaml"),
+        fs::path("surveys/curved/survey.yaml"), folder.path() / "graded.yaml"}) {
+    CAPTURE(file.string());
+    const Survey before = load_survey(file).value();
+    const fs::path csv = folder.path() / (before.name + ".csv");
+    REQUIRE(run_tagsmith("export " + quoted(file) + " -o " + quoted(csv)).exit_code == 0);
+    const fs::path out = folder.path() / before.name;
+    // The plate 003R of the graded survey hangs 0.1 m off its wall.
+    const ProgramOutput made = run_tagsmith("new " + quoted(out) + " --from " + quoted(csv) +
+                                            " --order own --tolerance 150");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    const Survey after = load_survey(out / "survey.yaml").value();
+    CHECK(after.grid.x_axis_left == before.grid.x_axis_left);
+    CHECK(after.code.digit_counts == before.code.digit_counts);
+    CHECK(after.code.origin == before.code.origin);
+    CHECK(after.tunnel.width == Approx(before.tunnel.width).epsilon(0.002));
+    REQUIRE(after.tags.size() == before.tags.size());
+    for (std::size_t i = 0; i < after.tags.size(); ++i) {
+      const PlacedTag& a = before.tags[i];
+      const PlacedTag& b = after.tags[i];
+      CAPTURE(a.name);
+      CHECK(b.name == a.name);
+      CHECK(b.digits == a.digits);
+      CHECK(b.side == a.side);
+      CHECK((b.p_in_grid - a.p_in_grid).cwiseAbs().maxCoeff() < 1e-6);
+      CHECK((b.coded_in_grid - a.coded_in_grid).norm() < 1e-9);
+      CHECK(b.sigma == Approx(a.sigma));
+      CHECK(b.date == a.date);
+      CHECK(b.design_in_grid.has_value() == a.design_in_grid.has_value());
+      if (a.design_in_grid) CHECK((*b.design_in_grid - *a.design_in_grid).norm() < 2e-6);
+      CHECK((b.world_from_plate.rotation - a.world_from_plate.rotation).norm() < 0.02);
+    }
+  }
+}
+
+TEST_CASE("the center line of a list without noise is found again") {
+  const TemporaryFolder folder;
+  const fs::path csv = folder.path() / "c.csv";
+  REQUIRE(run_tagsmith("export surveys/curved/survey.yaml -o " + quoted(csv)).exit_code == 0);
+  REQUIRE(
+      run_tagsmith("new " + quoted(folder.path() / "c") + " --from " + quoted(csv) + " --order own")
+          .exit_code == 0);
+  const Survey before = load_survey("surveys/curved/survey.yaml").value();
+  const Survey after = load_survey(folder.path() / "c" / "survey.yaml").value();
+  const auto& elements = after.tunnel.centerline.elements();
+  REQUIRE(elements.size() == 2);
+  CHECK(elements[0].length == Approx(2).epsilon(1e-4));
+  CHECK(elements[0].curvature == 0);
+  CHECK(1 / elements[1].curvature == Approx(8).epsilon(1e-5));
+  for (std::size_t i = 0; i < after.tags.size(); ++i) {
+    CHECK(after.tags[i].chainage == Approx(before.tags[i].chainage).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("points of walls, floor, roof and tags with 5 mm of noise become the tunnel") {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    CAPTURE(seed);
+    const TemporaryFolder folder;
+    const PointWriter points = surveyed_drift(0.005, seed);
+    const ProgramOutput made = draft(folder.path(), points.text("PENZD"), "--order PENZD");
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    CHECK(made.out.find("70 points: tunnel 4.") != std::string::npos);
+    const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+    CHECK(std::abs(survey.tunnel.width - 4.2) < 0.005);
+    CHECK(std::abs(survey.tunnel.height - 3.1) < 0.01);
+    REQUIRE(survey.tags.size() == 6);
+    CHECK(survey.tags[5].name == "002R");
+    for (const CenterlineElement& element : survey.tunnel.centerline.elements()) {
+      CHECK(element.grade == Approx(0.015).epsilon(0.1));
+    }
+    for (double chainage = 3; chainage < 70; chainage += 5) {
+      const CenterlinePoint at = drift().at(chainage);
+      CHECK(std::abs(survey.tunnel.centerline.locate(at.position.head<2>()).offset) < 0.02);
+    }
+  }
+}
+
+TEST_CASE("the same points in another declared order give the same survey") {
+  const TemporaryFolder folder;
+  const PointWriter points = surveyed_drift(0);
+  REQUIRE(draft(folder.path(), points.text("PENZD"), "--order PENZD").exit_code == 0);
+  const std::string first = read_file(folder.path() / "out" / "survey.yaml").value();
+  fs::remove_all(folder.path() / "out");
+  REQUIRE(draft(folder.path(), points.text("DNEZP"), "--order DNEZP").exit_code == 0);
+  CHECK(read_file(folder.path() / "out" / "survey.yaml").value() == first);
+}
+
+TEST_CASE("what fits no tunnel is refused with its point and its line, and nothing is written") {
+  PointWriter good = surveyed_drift(0.003);
+  PointWriter jump = good;
+  jump.points[29].p.y() += 27;  // 147.19 for 174.19
+  PointWriter codes = good;
+  codes.points[3].code = "XX";
+  PointWriter one_wall = good;
+  std::erase_if(one_wall.points, [](const auto& point) { return point.code != "WL rib"; });
+  PointWriter no_floor = good;
+  std::erase_if(no_floor.points, [](const auto& point) { return point.code == "FL"; });
+  PointWriter no_roof = good;
+  std::erase_if(no_roof.points, [](const auto& point) { return point.code == "RF"; });
+  PointWriter floor_jump = good;
+  floor_jump.points[50].p.z() += 2;
+  struct Row {
+    const char* name;
+    std::string csv;
+    const char* order;
+    const char* message;
+  };
+  for (const Row& row :
+       {Row{"a wrong coordinate", jump.text("PENZD"), "PENZD", "line 30: point 30 (right wall)"},
+        Row{"east and north exchanged", good.text("PNEZD"), "PENZD",
+            "the left points lie to the right"},
+        Row{"an unknown description", codes.text("PENZD"), "PENZD",
+            "points.csv:4:5: error: point 4 has the description `XX`"},
+        Row{"one wall", one_wall.text("PENZD"), "PENZD", "no points on the right wall"},
+        Row{"no floor", no_floor.text("PENZD"), "PENZD", "--mount-height"},
+        Row{"no roof", no_roof.text("PENZD"), "PENZD", "--tunnel-height"},
+        Row{"a wrong floor height", floor_jump.text("PENZD"), "PENZD", "line 51: point 51 (floor)"},
+        Row{"a header", "point,east,north,z,code\n" + good.text("PENZD"), "PENZD", "--header"},
+        Row{"another separator", "1;2;3;4;WL\n", "PENZD", "1 fields, expected 5"},
+        Row{"nothing", "", "PENZD", "has no points"},
+        Row{"two points", "1,0,0,0,WL\n2,3,0,0,WR\n", "PENZD", "too few points"},
+        Row{"an order without heights", good.text("PENZD"), "PEND", "expected all of P"},
+        Row{"a list that is not ours", good.text("PENZD"), "own",
+            "not those of `tagsmith export`"}}) {
+    CAPTURE(row.name);
+    const TemporaryFolder folder;
+    const ProgramOutput refused =
+        draft(folder.path(), row.csv, std::string("--order ") + row.order);
+    CHECK(refused.exit_code == 2);
+    CHECK_MESSAGE(refused.err.find(row.message) != std::string::npos, refused.err);
+    CHECK_FALSE(fs::exists(folder.path() / "out"));
+  }
+}
+
+TEST_CASE("JSON says survey, code, tunnel and each tag, the field layout its poses") {
+  const Survey survey = load_survey("surveys/curved/survey.yaml").value();
+  const auto json = nlohmann::json::parse(tags_json(survey));
+  CHECK(json["survey"] == "curved");
+  CHECK(json["tags"].size() == 12);
+  CHECK(json["tags"][0]["digits"] == "001001920601");
+  CHECK(json["tags"][0]["facing_deg"].get<double>() == Approx(90));
+  CHECK(json["tunnel"]["centerline"]["elements"][1]["arc"] == 8);
+
+  const auto layout = nlohmann::json::parse(field_layout_json(survey));
+  for (const auto& tag : layout["tags"]) {
+    const PlacedTag& placed = survey.tags[tag["ID"].get<std::size_t>()];
+    const auto& turn = tag["pose"]["rotation"]["quaternion"];
+    const Eigen::Quaterniond q(turn["W"].get<double>(), turn["X"].get<double>(),
+                               turn["Y"].get<double>(), turn["Z"].get<double>());
+    const Eigen::Vector3d out = q * Eigen::Vector3d::UnitX();
+    CHECK((out + placed.world_from_plate.rotation.col(2)).norm() < 1e-9);
+    CHECK((q * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitZ()).norm() < 1e-9);
+    const auto& at = tag["pose"]["translation"];
+    CHECK(at["z"].get<double>() == Approx(0.6 - 0.325 / 2));
+    const Eigen::Vector2d middle(at["x"].get<double>(), at["y"].get<double>());
+    const double offset = survey.tunnel.centerline.locate(middle).offset;
+    CHECK(std::abs(offset) == Approx(1.9));
+  }
+}
+
+TEST_CASE("a DXF has metres, layers, and positions to the micrometre in a national grid") {
+  const TemporaryFolder folder;
+  write_text(folder.path() / "graded.yaml", kGradedSurvey);
+  const Survey survey = load_survey(folder.path() / "graded.yaml").value();
+  const std::string dxf = render_dxf(survey);
+  CHECK(dxf.find("$INSUNITS\n 70\n6\n") != std::string::npos);
+  const Eigen::Vector3d& p = survey.tags[0].p_in_grid;
+  CHECK(dxf.find(fmt::format(" 10\n{:.6f}\n 20\n{:.6f}\n 30\n{:.6f}\n", p.x(), p.y(), p.z())) !=
+        std::string::npos);
+  // Pairs of group code and value; every handle once; every layer that is used is declared.
+  const std::vector<std::string> lines = split(dxf, '\n');
+  std::map<std::string, int> handles;
+  std::map<std::string, int> declared;
+  std::string type;
+  for (std::size_t i = 0; i + 1 < lines.size(); i += 2) {
+    const auto code = parse_integer(trim(lines[i]));
+    REQUIRE_MESSAGE(code, "line " << i + 1);
+    const std::string& value = lines[i + 1];
+    if (*code == 0) type = value;
+    if (*code == 5 && type != "SECTION") ++handles[value];
+    if (*code == 2 && type == "LAYER") ++declared[value];
+    if (*code == 8) CHECK_MESSAGE(declared[value] == 1, value);
+  }
+  for (const auto& [handle, count] : handles) CHECK_MESSAGE(count == 1, handle);
+  CHECK(lines[lines.size() - 2] == "EOF");
+}
+
+TEST_CASE("export chooses by the name, prints to -, and refuses other names") {
+  const TemporaryFolder folder;
+  const std::string survey = "surveys/corridor/survey.yaml";
+  CHECK(run_tagsmith("export " + survey + " -o -").out.starts_with("tag,side,digits,x,y,z,"));
+  CHECK(run_tagsmith("export " + survey + " -o - --format wpilib").out.find("\"quaternion\"") !=
+        std::string::npos);
+  const ProgramOutput refused =
+      run_tagsmith("export " + survey + " -o " + quoted(folder.path() / "tags.xls"));
+  CHECK(refused.exit_code == 2);
+  CHECK(refused.err.find(".wpilib.json or .dxf, or --format") != std::string::npos);
+  CHECK(run_tagsmith("export absent.yaml -o -").exit_code == 2);
+}

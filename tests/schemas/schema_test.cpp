@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// The JSON Schemas that editors use and the parsers judge the structure of a file alike. Good
+// documents are changed in one place at a time; a JSON Schema validator and the parser must agree
+// on each. Rules of geometry and of meaning, which a schema cannot say, are left out of the
+// verdict.
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/read_template.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tests/support/program.hpp"
+
+namespace fs = std::filesystem;
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+using Json = nlohmann::json;
+
+namespace {
+
+const Json& good_survey() {
+  static const Json survey = Json::parse(R"({
+    "survey": "trial", "grid": { "x_axis": "right" },
+    "tunnel": { "width": 4.0, "height": 3.0, "centerline": { "start": [10.0, 20.0, 0.5],
+      "heading": 1.5, "elements": [ { "line": 12.0 },
+      { "arc": 20.0, "turn": "left", "angle": 30.5, "grade": 1.5 } ] } },
+    "tags": { "template": "tag-400x300", "height": 1.4, "spacing": 0.6, "first": 1.0, "pairs": 4,
+      "theta": 4.9, "sigma": 0.003 },
+    "code": { "check_digit": "gs1", "resolution": [0.01, 0.01, 0.01], "digits": [4, 4, 3],
+      "origin": [0.5, 0.5, -1.5] },
+    "placed": [ { "tag": "004L", "side": "left", "p": [8.5, 25.5, 1.4], "digits": "000000000017",
+      "sigma": 0.002, "date": "2026-03-31", "design": [8.5, 25.4, 1.4] } ] })");
+  return survey;
+}
+
+const Json& good_template() {
+  static const Json tag = Json::parse(R"({
+    "tag": "trial", "plate": [0.4, 0.3],
+    "feature_frame": { "inner": [0.343, 0.168], "stroke": 0.012, "offset": [0.001, 0.02] },
+    "symbol": { "quiet_zone": 9.5, "margin": 9.5 },
+    "label": { "shown": true, "text_height_mm": 8.5 } })");
+  return tag;
+}
+
+const Json& good_rig() {
+  static const Json rig = Json::parse(R"({
+    "rig": "trial",
+    "cameras": {
+      "left": { "image_size": [1280, 960], "focal_length_mm": 6.5, "sensor_mm": [4.8, 3.6],
+        "alpha": 35.5, "side": "left" },
+      "front": { "image_size": [1280, 960], "fx": 1600.5, "fy": 1601.5, "cx": 640.5, "cy": 480.5,
+        "distortion": [0.1, 0.1, 0.1, 0.1, 0.1], "yaw": 5.5, "pitch": -2.5, "roll": 0.5,
+        "position": [0.5, 0.1, 0.1], "exposure": 0.01, "blur_px": 0.5 } },
+    "ranges": { "d": { "wall": "left", "min": 0.25, "max": 5.5, "sigma": 0.01 } },
+    "vehicle": { "height": 0.24, "roll_sigma": 2.5, "pitch_sigma": 2.5,
+      "envelope": { "lateral": 0.4, "yaw": 8.5, "speed": 1.5 } } })");
+  return rig;
+}
+
+// Rules that look at more than the structure.
+bool is_structural(const Diagnostic& finding) {
+  static const std::set<std::string> meaning{"bad-digit-counts",    "calibration-file",
+                                             "coarse-code",         "code-collision",
+                                             "code-range",          "duplicate-tag",
+                                             "frame-outside-plate", "no-bars",
+                                             "no-template",         "off-wall",
+                                             "outside-tunnel",      "overlap",
+                                             "side-mismatch",       "theta",
+                                             "tight-arc",           "too-many-tags",
+                                             "wrong-check-digit",   "wrong-side"};
+  return finding.severity == Severity::error && !meaning.contains(finding.code);
+}
+
+struct Format {
+  std::string name;
+  std::vector<Diagnostic> (*read)(const fs::path&);
+  const Json& good;
+};
+
+const std::vector<Format>& formats() {
+  static const std::vector<Format> all{
+      {"survey", [](const fs::path& path) { return read_survey(path).value().diagnostics; },
+       good_survey()},
+      {"template", [](const fs::path& path) { return read_template(path).value().diagnostics; },
+       good_template()},
+      {"rig", [](const fs::path& path) { return read_rig(path).value().diagnostics; }, good_rig()}};
+  return all;
+}
+
+Json schema_json(const std::string& name) {
+  return Json::parse(read_file("docs/schemas/" + name + ".schema.json").value());
+}
+
+class SchemaJudge {
+ public:
+  explicit SchemaJudge(const Json& json) {
+    valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
+    parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(json), schema_);
+  }
+
+  bool accepts(const Json& document) {
+    valijson::Validator validator;
+    return validator.validate(schema_, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
+  }
+
+ private:
+  valijson::Schema schema_;
+};
+
+// JSON is YAML, as long as lines break.
+std::string parser_objection(const Format& format, const Json& document) {
+  static const TemporaryFolder folder;
+  const fs::path file = folder.path() / "document.yaml";
+  REQUIRE(write_file(file, document.dump(1)));
+  for (const Diagnostic& finding : format.read(file)) {
+    if (is_structural(finding)) return to_string(finding);
+  }
+  return {};
+}
+
+struct Change {
+  std::string what;
+  Json document;
+};
+
+std::vector<Json> replacements(const Json& value) {
+  std::vector<Json> all{"text",        true,           nullptr,
+                        Json::array(), Json::object(), Json::array({1.5, 2.5}),
+                        -1e9,          1e12,           ""};
+  if (value.is_number()) all.push_back(value.dump());  // a number in quotes
+  if (value.is_array() && !value.empty()) {
+    Json longer = value;
+    longer.push_back(value.back());
+    if (value.front().is_number()) all.push_back(longer);
+  }
+  return all;
+}
+
+void change_everywhere(const Json& root, const Json::json_pointer& at,
+                       std::vector<Change>& changes) {
+  const Json& value = root[at];
+  for (const Json& other : replacements(value)) {
+    if (other == value) continue;
+    Change change{at.to_string() + " = " + other.dump(), root};
+    change.document[at] = other;
+    changes.push_back(change);
+  }
+  if (value.is_object()) {
+    Change unknown{at.to_string() + " with an unknown key", root};
+    unknown.document[at / "colour"] = 1.5;
+    changes.push_back(unknown);
+    for (const auto& [key, item] : value.items()) {
+      Change without{at.to_string() + " without " + key, root};
+      without.document[at].erase(key);
+      changes.push_back(without);
+      change_everywhere(root, at / key, changes);
+    }
+  } else if (value.is_array()) {
+    for (std::size_t i = 0; i < value.size(); ++i) change_everywhere(root, at / i, changes);
+  }
+}
+
+// Descriptions of everything that a key may hold.
+void collect_undescribed(const Json& schema, const std::string& where,
+                         std::vector<std::string>& undescribed) {
+  if (schema.contains("properties")) {
+    for (const auto& [key, value] : schema["properties"].items()) {
+      const bool refines = !schema.contains("additionalProperties");
+      if (!refines && !value.contains("description")) undescribed.push_back(where + "." + key);
+      collect_undescribed(value, where + "." + key, undescribed);
+    }
+  }
+  for (const char* part : {"items", "additionalProperties"}) {
+    if (schema.contains(part) && schema[part].is_object()) {
+      collect_undescribed(schema[part], where + "[]", undescribed);
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("schema and parser give the same verdict on every changed document") {
+  for (const Format& format : formats()) {
+    SchemaJudge judge(schema_json(format.name));
+    CHECK(judge.accepts(format.good));
+    CHECK(parser_objection(format, format.good).empty());
+    std::vector<Change> changes;
+    change_everywhere(format.good, Json::json_pointer(), changes);
+    CHECK(changes.size() > 150);
+    for (const Change& change : changes) {
+      const std::string objection = parser_objection(format, change.document);
+      const bool accepted = judge.accepts(change.document);
+      CHECK_MESSAGE(accepted == objection.empty(), format.name << ": " << change.what << ": schema "
+                                                               << (accepted ? "accepts" : "refuses")
+                                                               << ", parser: " << objection);
+    }
+  }
+}
+
+TEST_CASE("schema and parser agree on keys that exclude or need each other") {
+  struct Row {
+    const char* format;
+    const char* patch;  // JSON Patch (RFC 6902)
+    bool good;
+  };
+  const std::vector<Row> rows{
+      {"survey", R"([{"op":"add","path":"/tags/to","value":5.0}])", false},
+      {"survey",
+       R"([{"op":"remove","path":"/tags/pairs"},{"op":"add","path":"/tags/to","value":5.0}])",
+       true},
+      {"survey", R"([{"op":"remove","path":"/tags/pairs"}])", true},
+      {"survey", R"([{"op":"remove","path":"/tags/pairs"},{"op":"remove","path":"/placed"}])",
+       false},
+      {"survey", R"([{"op":"remove","path":"/placed"}])", true},
+      {"survey", R"([{"op":"replace","path":"/code/resolution","value":0.02}])", true},
+      {"survey", R"([{"op":"add","path":"/tunnel/centerline/elements/0/arc","value":5.0}])", false},
+      {"survey", R"([{"op":"add","path":"/tunnel/centerline/elements/0/turn","value":"left"}])",
+       false},
+      {"survey", R"([{"op":"replace","path":"/placed/0/tag","value":"04L"}])", false},
+      {"survey", R"([{"op":"replace","path":"/placed/0/tag","value":"1004L"}])", true},
+      {"survey", R"([{"op":"replace","path":"/placed/0/date","value":"31.03.2026"}])", false},
+      {"survey", R"([{"op":"replace","path":"/survey","value":"a/b"}])", false},
+      {"survey", R"([{"op":"replace","path":"/survey","value":"Strecke \u00c4 7"}])", true},
+      {"survey", R"([{"op":"replace","path":"/survey","value":"\u00c4 7"}])", true},
+      {"rig", R"([{"op":"add","path":"/cameras/left/yaw","value":5.5}])", false},
+      {"rig", R"([{"op":"add","path":"/cameras/left/fx","value":5.5}])", false},
+      {"rig", R"([{"op":"add","path":"/cameras/left/distortion","value":[0.1,0.1,0.1,0.1,0.1]}])",
+       false},
+      {"rig", R"([{"op":"add","path":"/cameras/front/side","value":"left"}])", true},
+      {"rig", R"([{"op":"move","from":"/cameras/left","path":"/cameras/time"}])", false},
+      {"rig", R"([{"op":"move","from":"/cameras/left","path":"/cameras/7th"}])", false},
+      {"rig", R"([{"op":"remove","path":"/ranges"}])", true},
+      {"template", R"([{"op":"remove","path":"/label"}])", true},
+      {"template", R"([{"op":"replace","path":"/symbol/quiet_zone","value":8.5}])", false},
+  };
+  for (const Format& format : formats()) {
+    SchemaJudge judge(schema_json(format.name));
+    for (const Row& row : rows) {
+      if (row.format != format.name) continue;
+      CAPTURE(row.patch);
+      const Json document = format.good.patch(Json::parse(row.patch));
+      CHECK(judge.accepts(document) == row.good);
+      const std::string objection = parser_objection(format, document);
+      CAPTURE(objection);
+      CHECK(objection.empty() == row.good);
+    }
+  }
+}
+
+TEST_CASE("every key of a schema has a text to show in an editor") {
+  for (const Format& format : formats()) {
+    std::vector<std::string> undescribed;
+    collect_undescribed(schema_json(format.name), format.name, undescribed);
+    for (const std::string& key : undescribed) FAIL_CHECK(key << " has no description");
+  }
+}
