@@ -300,10 +300,9 @@ ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
     result.rejected.push_back({*reason, corners});
     return result;
   }
-  result.tags.push_back({reading->digits, reading->sum10_holds, reading->gs1_holds, corners,
-                         CornerCovariance::Zero(), reading->module_px,
-                         static_cast<double>(reading->rows_agreeing) / reading->rows_decoded,
-                         "paper"});
+  result.tags.push_back(
+      {reading->digits, reading->sum10_holds, reading->gs1_holds, corners, reading->module_px,
+       static_cast<double>(reading->rows_agreeing) / reading->rows_decoded, "paper"});
   return result;
 }
 
