@@ -2,6 +2,7 @@
 #include "decoder/cli/localize_command.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -14,20 +15,23 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "decoder/cli/fix_files.hpp"
+#include "decoder/cli/fix_json.hpp"
+#include "decoder/cli/follow.hpp"
 #include "decoder/cli/run_drawing.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
+#include "decoder/localize/residual_picture.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"
@@ -47,9 +51,13 @@ struct LocalizeOptions {
   std::filesystem::path csv;  // these three: empty = none
   std::filesystem::path tum;
   std::filesystem::path drawing;
+  std::filesystem::path pictures;  // folder, empty = none
   std::string method = "joint";
   std::string reader = "tagsmith";
   bool json = false;
+  bool explain = false;
+  bool unsurveyed = false;
+  bool follow = false;
   int jobs = 0;  // 0 = as many as the process may use
 };
 
@@ -64,99 +72,52 @@ Result<LocalizeInput> load(const LocalizeOptions& options) {
   if (!surveys) return fail(surveys.error().message);
   auto rig = load_rig(options.rig);
   if (!rig) return fail(rig.error().message);
+  if (options.follow) return LocalizeInput{std::move(*surveys), std::move(*rig), {}};
   auto run = load_run(options.run, *rig);
   if (!run) return fail(run.error().message);
   return LocalizeInput{std::move(*surveys), std::move(*rig), std::move(*run)};
 }
 
-ReaderChoice reader_named(const std::string& name) {
-  if (name == "paper") return {read_tags_paper, kOutlineCornerSigmaPx};
-  return {read_tags, kFittedCornerSigmaPx};
+ReaderChoice reader_for(const LocalizeOptions& options) {
+  if (options.reader == "paper") return {read_tags_paper, kOutlineCornerSigmaPx};
+  return {read_tags, kFittedCornerSigmaPx, options.unsurveyed};
 }
 
-std::vector<Fix> localize_all(const LocalizeInput& input, const ReaderChoice& reader,
-                              const std::string& method, int jobs) {
+// The fixes of all measurements by each method asked for, the one to rely on first.
+using Located = std::vector<std::vector<Fix>>;
+
+Located localize_all(const LocalizeInput& input, const LocalizeOptions& options) {
   const std::vector<Measurement>& measurements = input.run.measurements;
-  std::vector<Fix> fixes(measurements.size());
+  const ReaderChoice reader = reader_for(options);
+  std::vector<LocalizationMethod> methods;
+  if (options.method != "paper") methods.emplace_back(localize_jointly);
+  if (options.method != "joint") methods.emplace_back(localize_by_paper);
+  Located located(methods.size(), std::vector<Fix>(measurements.size()));
   ProgressBar progress("measurements", measurements.size());
-  run_in_order(measurements.size(), jobs, [&](std::size_t i) -> Delivery {
+  run_in_order(measurements.size(), options.jobs, [&](std::size_t i) -> Delivery {
     const Observation seen = observe(measurements[i], input.surveys, input.rig, reader);
-    fixes[i] = method == "paper" ? localize_by_paper(seen, input.surveys, input.rig)
-                                 : localize_jointly(seen, input.surveys, input.rig);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      located[m][i] = methods[m](seen, input.surveys, input.rig);
+    }
     return [&progress] { progress.advance([] {}); };
   });
-  return fixes;
+  return located;
 }
 
 // --- JSON ---
 
-using Json = nlohmann::ordered_json;
-
-Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
-Json json_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
-
-Json position_json(const Fix& fix) {
-  if (!fix.position_in_grid) return {};
-  const Eigen::Vector3d& position = *fix.position_in_grid;
-  return {position.x(), position.y(), position.z()};
-}
-
-Json covariance_json(const Fix& fix) {
-  if (!fix.covariance_in_grid) return {};
-  Json numbers = Json::array();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      numbers.push_back((*fix.covariance_in_grid)(row, column));
+void print_json(const Located& located, const std::vector<Measurement>& measurements,
+                bool explain) {
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    for (const std::vector<Fix>& fixes : located) {
+      fmt::print("{}\n", fix_json_line(fixes[i], measurements[i], explain));
     }
   }
-  return numbers;
-}
-
-std::optional<double> heading_deg(const Fix& fix) {
-  if (!fix.attitude) return std::nullopt;
-  return degrees(fix.attitude->heading);
-}
-
-Json fix_json(const Fix& fix, const Measurement& measurement) {
-  Json line{{"id", fix.id},
-            {"status", status_of(fix)},
-            {"method", fix.method},
-            {"survey", json_or_null(fix.survey)},
-            {"position", position_json(fix)},
-            {"heading_deg", json_or_null(heading_deg(fix))},
-            {"covariance", covariance_json(fix)},
-            {"tags", fix.tags},
-            {"reason", json_or_null(fix.reason)},
-            {"notes", fix.notes}};
-  if (const auto error = error_of(fix, measurement)) {
-    line["error_plane"] = error->plane;
-    line["error_z"] = error->height;
+  std::vector<FixSummary> summaries;
+  for (const std::vector<Fix>& fixes : located) {
+    summaries.push_back(summarize(fixes, measurements));
   }
-  return line;
-}
-
-Json summary_json(const FixSummary& summary) {
-  Json values{{"count", summary.count}, {"located", summary.located}};
-  if (summary.mean_error && summary.error95 && summary.max_error) {
-    values["mean_error_plane"] = summary.mean_error->plane;
-    values["mean_error_z"] = summary.mean_error->height;
-    values["error95_plane"] = summary.error95->plane;
-    values["error95_z"] = summary.error95->height;
-    values["max_error_plane"] = summary.max_error->plane;
-    values["max_error_z"] = summary.max_error->height;
-  }
-  return {{"summary", std::move(values)}};
-}
-
-// Ids and file names come from files and may not be UTF-8.
-void print_line(const Json& line) {
-  fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
-
-void print_json(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements) {
-  for (std::size_t i = 0; i < fixes.size(); ++i) print_line(fix_json(fixes[i], measurements[i]));
-  print_line(summary_json(summarize(fixes, measurements)));
+  fmt::print("{}\n", summary_json_line(summaries));
 }
 
 // --- table ---
@@ -178,6 +139,23 @@ std::string row_text(const Fix& fix, const Measurement& measurement) {
     row += fmt::format("  {:11.3f} {:7.3f}", error->plane, error->height);
   }
   return row;
+}
+
+// Where each position's uncertainty comes from, standard deviations in millimetres.
+void print_budgets(const std::vector<Fix>& fixes) {
+  for (const Fix& fix : fixes) {
+    if (!fix.budget) continue;
+    fmt::print("{}: heading {:.3f} deg, pitch {:.3f} deg, roll {:.3f} deg\n", fix.id,
+               degrees(fix.attitude->heading), degrees(fix.attitude->pitch),
+               degrees(fix.attitude->roll));
+    fmt::print("  {:<12} {:>8} {:>8} {:>8}\n", "sigma in mm", "x", "y", "z");
+    for (const auto& [source, covariance] : parts_of(*fix.budget)) {
+      const Eigen::Vector3d mm = 1000 * covariance.diagonal().cwiseMax(0).cwiseSqrt();
+      fmt::print("  {:<12} {:8.3f} {:8.3f} {:8.3f}\n", source, mm.x(), mm.y(), mm.z());
+    }
+    fmt::print("  residuals: chi-square {:.1f}, expected {}\n", fix.chi_square,
+               fix.degrees_of_freedom);
+  }
 }
 
 // Each note once, with the ids it is for.
@@ -223,6 +201,15 @@ void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& 
   print_summary(summary, published);
 }
 
+void print_tables(const Located& located, const LocalizeInput& input, bool explain) {
+  const PublishedErrors& published = published_errors_for(input.surveys.front().tunnel.centerline);
+  for (const std::vector<Fix>& fixes : located) {
+    if (located.size() > 1 && !fixes.empty()) fmt::print("method {}:\n", fixes.front().method);
+    print_table(fixes, input.run.measurements, published);
+    if (explain) print_budgets(fixes);
+  }
+}
+
 // --- files ---
 
 // Writes each file whole or not at all; none when one cannot be made.
@@ -250,8 +237,40 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
   return {};
 }
 
+// A picture of each measurement's residuals: NUMBER-ID.svg, all or none.
+Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
+                            const std::vector<Fix>& fixes) {
+  Result<StagedFiles> files = StagedFiles::begin(folder);
+  if (!files) return fail(files.error().message);
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    if (fixes[i].corners.empty()) continue;
+    std::string name = fmt::format("{:03}-{}.svg", i + 1, fixes[i].id.substr(0, 60));
+    std::ranges::replace_if(
+        name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '.' && c != '-'; }, '_');
+    const auto added = files->add(name, residual_picture(fixes[i], rig));
+    if (!added) return added;
+  }
+  return files->publish();
+}
+
 // What can be known to be wrong before the work.
 Result<void> check_options(const LocalizeOptions& options) {
+  if (options.follow == !options.run.empty()) {
+    return fail(options.follow
+                    ? "--follow reads measurements from standard input, expected no --run"
+                    : "expected --run RUN.csv, or --follow");
+  }
+  const bool files = !options.csv.empty() || !options.tum.empty() || !options.drawing.empty() ||
+                     !options.pictures.empty();
+  if (options.follow && (files || options.method == "both")) {
+    return fail("--follow answers on standard output alone, with one method");
+  }
+  if (options.unsurveyed && options.method == "paper") {
+    return fail("--unsurveyed needs --method joint");
+  }
+  if (options.unsurveyed && options.surveys.size() > 1) {
+    return fail("--unsurveyed: expected one survey, whose code and tunnel hold for all tags");
+  }
   if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
     return fail("--drawing " + options.drawing.string() +
                 ": expected a name that ends in .pdf, .svg or .png");
@@ -271,14 +290,26 @@ int run_localize(const LocalizeOptions& options) {
   }
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
+  if (options.follow) {
+    const LocalizationMethod method =
+        options.method == "paper" ? LocalizationMethod(localize_by_paper) : localize_jointly;
+    return follow({input->surveys, input->rig, reader_for(options), method, options.explain});
+  }
   const std::vector<Measurement>& measurements = input->run.measurements;
-  const std::vector<Fix> fixes =
-      localize_all(*input, reader_named(options.reader), options.method, options.jobs);
+  const Located located = localize_all(*input, options);
+  const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
     return report_failure(kName, written.error());
   }
-  const PublishedErrors& published = published_errors_for(input->surveys.front().tunnel.centerline);
-  options.json ? print_json(fixes, measurements) : print_table(fixes, measurements, published);
+  if (!options.pictures.empty()) {
+    const auto written = write_pictures(options.pictures, input->rig, fixes);
+    if (!written) return report_failure(kName, written.error());
+  }
+  if (options.json) {
+    print_json(located, measurements, options.explain);
+  } else {
+    print_tables(located, *input, options.explain);
+  }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
   return std::ranges::all_of(fixes, is_located) ? kExitOk : kExitFindings;
 }
@@ -296,17 +327,27 @@ Command localize_command(CLI::App& parent) {
       ->required()
       ->type_name("RIG");
   app->add_option("--run", options->run, "The measurements: images or distances, and ranges")
-      ->required()
       ->type_name("RUN.csv");
-  app->add_option("--method", options->method,
-                  "paper: closed form from a tag on each wall and the range to the left wall")
-      ->check(CLI::IsMember({"joint", "paper"}))
+  app->add_option(
+         "--method", options->method,
+         "joint: one fit to all tags, ranges and the rig's priors; paper: closed form from "
+         "a tag on each wall and the range to the left wall; both: compares")
+      ->check(CLI::IsMember({"joint", "paper", "both"}))
       ->capture_default_str();
   app->add_option("--reader", options->reader,
                   "What reads the images: this program's reader, or the paper's published pipeline")
       ->check(CLI::IsMember({"tagsmith", "paper"}))
       ->capture_default_str();
   app->add_flag("--json", options->json, "One JSON object a line, the summary last");
+  app->add_flag("--explain", options->explain,
+                "What survey, pixels, ranges and calibration contribute to each sigma");
+  app->add_option("--residuals", options->pictures,
+                  "Draw each measurement's residuals: seen against fitted corners")
+      ->type_name("DIR");
+  app->add_flag("--unsurveyed", options->unsurveyed,
+                "Use tags that are not in the survey too, at their coded positions");
+  app->add_flag("--follow", options->follow,
+                "Read measurements as JSON lines from standard input and answer each at once");
   app->add_option("-o,--output,--csv", options->csv, "Write the positions to this table too")
       ->type_name("FIXES.csv");
   app->add_option("--tum", options->tum,

@@ -48,6 +48,10 @@ SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
   plate.length = survey.tag_template.frame_inner_length;
   plate.height = survey.tag_template.frame_inner_height;
   plate.survey_variance.head<3>().setConstant(survey.sigma * survey.sigma);
+  for (Eigen::Index axis = 0; seen.at_coded_place && axis < 3; ++axis) {
+    const double resolution = survey.code.resolution[static_cast<std::size_t>(axis)];
+    plate.coding_variance[axis] = resolution * resolution / 12;  // rounding is uniform
+  }
   plate.survey_variance.tail<3>().setConstant(survey.angle_sigma * survey.angle_sigma);
   return plate;
 }
@@ -106,8 +110,10 @@ std::optional<std::array<VehiclePose, 2>> poses_from(const JointProblem& problem
   const SightedPlate& plate = problem.plates[sighting.plate];
   std::array<Vector3d, 4> rays;
   for (std::size_t i = 0; i < 4; ++i) {
-    rays[i] =
+    const auto ray =
         ray_through(camera.camera, sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)));
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
   }
   const auto camera_from_plate = plate_poses(rays, plate.length, plate.height);
   if (!camera_from_plate) return std::nullopt;

@@ -2,6 +2,7 @@
 #include "decoder/localize/observation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
@@ -9,6 +10,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/localize/lens_bend.hpp"
 #include "decoder/reader/survey_options.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith {
 namespace {
@@ -40,6 +42,35 @@ SeenCorners seen_corners(const Reading& reading, const ReaderChoice& reader) {
   return seen;
 }
 
+// A tag that no survey has, hung where its digits say: on the wall nearest to there. Nothing when
+// that is on no wall.
+std::optional<PlacedTag> at_coded_place(const Survey& survey, const Digits& digits) {
+  constexpr double kFromWall = 0.1;  // metres; coding rounds by less
+  const GridPoint coded = decode_position(survey.code, digits);
+  const Eigen::Vector3d p_in_grid(coded[0], coded[1], coded[2]);
+  const Eigen::Vector3d p = world_from_grid(survey.grid, p_in_grid);
+  const double offset = survey.tunnel.centerline.locate(p.head<2>()).offset;
+  if (std::abs(std::abs(offset) - survey.tunnel.width / 2) > kFromWall) return std::nullopt;
+  const Side side = offset < 0 ? Side::left : Side::right;
+  PlacedTag tag = with_digits(place_surveyed(survey, {0, side}, p_in_grid), survey.code, digits);
+  tag.name = to_string(digits);
+  tag.surveyed = false;
+  return tag;
+}
+
+void add_unsurveyed(Observation& observation, const RigCamera& camera, const Survey& survey,
+                    const Reading& reading, const ReaderChoice& reader) {
+  const std::optional<PlacedTag> tag = at_coded_place(survey, reading.digits);
+  if (!tag) {
+    observation.faults.push_back(
+        fmt::format("tag {} is not in the survey, and its coded position is on no wall",
+                    to_string(reading.digits)));
+    return;
+  }
+  observation.tags.push_back(
+      {camera.name, 0, *tag, seen_corners(reading, reader), std::nullopt, true});
+}
+
 void add_image(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
                const std::vector<Survey>& surveys, const ReaderChoice& reader) {
   const Result<GrayImage> image = load_gray_image(seen.image);
@@ -53,11 +84,17 @@ void add_image(Observation& observation, const RigCamera& camera, const CameraMe
         image->width, image->height, camera.camera.width, camera.camera.height, camera.name));
     return;
   }
-  const ReadResult result = reader.read(image->view(), read_options_for(surveys));
+  ReadOptions options = read_options_for(surveys);
+  if (reader.unsurveyed) options.code_book.clear();
+  const ReadResult result = reader.read(image->view(), options);
   if (result.tags.empty()) observation.faults.push_back(no_tag_read(seen.image, result));
   for (Reading reading : result.tags) {
     reading.corners = corners_of_bent_sides(camera.camera, reading.corners);
-    for (const auto& [survey, tag] : find_tags(surveys, reading.digits)) {
+    const auto found = find_tags(surveys, reading.digits);
+    if (found.empty() && reader.unsurveyed) {
+      add_unsurveyed(observation, camera, surveys.front(), reading, reader);
+    }
+    for (const auto& [survey, tag] : found) {
       observation.tags.push_back(
           {camera.name, survey, *tag, seen_corners(reading, reader), std::nullopt});
     }

@@ -31,6 +31,7 @@ struct SeenTag {
   PlacedTag tag;
   std::optional<SeenCorners> seen_corners;
   std::optional<double> distance;  // from the camera to corner P, metres
+  bool at_coded_place = false;     // in no survey: hangs where its digits say, to their rounding
 };
 
 struct Observation {
@@ -44,6 +45,8 @@ struct Observation {
 struct ReaderChoice {
   std::function<ReadResult(const GrayView&, const ReadOptions&)> read;
   double corner_sigma_px = 0;  // of corners that the reader gives no covariance of
+  // Tags that are in no survey are taken too, at their coded positions (one survey only).
+  bool unsurveyed = false;
 };
 
 // Standard deviations of corners. Fitted edges: on the safe side of what noise and lens blur leave;

@@ -69,8 +69,8 @@ CalibrationSigma read_calibration_sigma(const YamlNode* node, const std::string&
 RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::path& folder,
                       FindingLog& log) {
   std::vector<std::string> keys = intrinsics_keys();
-  keys.insert(keys.end(),
-              {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure", "blur_px", "sigma"});
+  keys.insert(keys.end(), {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure",
+                           "blur_px", "sigma"});
   const MapReader map(&node, "cameras." + name, keys, log);
   RigCamera camera;
   camera.name = name;

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/fix_json.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json covariance_json(const Fix& fix) {
+  if (!fix.covariance_in_grid) return {};
+  Json values = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      values.push_back((*fix.covariance_in_grid)(row, column));
+    }
+  }
+  return values;
+}
+
+void add_attitude(Json& line, const Fix& fix) {
+  line["heading_deg"] = fix.attitude ? Json(degrees(fix.attitude->heading)) : Json();
+  if (!fix.attitude || !fix.pose_covariance_in_grid) return;
+  line["pitch_deg"] = degrees(fix.attitude->pitch);
+  line["roll_deg"] = degrees(fix.attitude->roll);
+  const Eigen::Matrix<double, 6, 1> sigmas = fix.pose_covariance_in_grid->diagonal().cwiseSqrt();
+  line["heading_sigma_deg"] = degrees(sigmas[3]);
+  line["pitch_sigma_deg"] = degrees(sigmas[4]);
+  line["roll_sigma_deg"] = degrees(sigmas[5]);
+}
+
+Json dropped_json(const Fix& fix) {
+  Json all = Json::array();
+  for (const Dropped& dropped : fix.dropped) {
+    all.push_back({{"name", dropped.name},
+                   {"camera", json_or_null(dropped.camera)},
+                   {"reason", dropped.reason}});
+  }
+  return all;
+}
+
+// Standard deviations, metres.
+Json budget_json(const ErrorBudget& budget) {
+  Json parts;
+  for (const auto& [source, covariance] : parts_of(budget)) {
+    parts[source] = numbers(covariance.diagonal().cwiseMax(0).cwiseSqrt());
+  }
+  return parts;
+}
+
+Json residuals_json(const Fix& fix) {
+  Json all = Json::array();
+  for (const FittedCorners& corners : fix.corners) {
+    Json residuals = Json::array();
+    for (std::size_t i = 0; i < 4; ++i) {
+      const PixelPoint residual = corners.seen[i] - corners.fitted[i];
+      residuals.push_back({residual.x, residual.y});
+    }
+    all.push_back({{"camera", corners.camera},
+                   {"tag", corners.tag},
+                   {"used", corners.used},
+                   {"pixels", std::move(residuals)}});
+  }
+  return all;
+}
+
+// Ids and file names come from files and may not be UTF-8.
+std::string text_of(const Json& line) {
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json summary_values(const FixSummary& summary) {
+  Json values{{"count", summary.count}, {"located", summary.located}};
+  if (summary.mean_error && summary.error95 && summary.max_error) {
+    values["mean_error_plane"] = summary.mean_error->plane;
+    values["mean_error_z"] = summary.mean_error->height;
+    values["error95_plane"] = summary.error95->plane;
+    values["error95_z"] = summary.error95->height;
+    values["max_error_plane"] = summary.max_error->plane;
+    values["max_error_z"] = summary.max_error->height;
+  }
+  return values;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget& budget) {
+  return {{"pixels", budget.pixels},           {"survey", budget.survey},
+          {"coding", budget.coding},           {"ranges", budget.ranges},
+          {"calibration", budget.calibration}, {"vehicle", budget.vehicle}};
+}
+
+std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain) {
+  Json line{{"id", fix.id},
+            {"status", status_of(fix)},
+            {"method", fix.method},
+            {"survey", json_or_null(fix.survey)},
+            {"position", fix.position_in_grid ? numbers(*fix.position_in_grid) : Json()}};
+  add_attitude(line, fix);
+  line["covariance"] = covariance_json(fix);
+  line["tags"] = fix.tags;
+  line["ranges"] = fix.ranges;
+  line["dropped"] = dropped_json(fix);
+  line["reason"] = json_or_null(fix.reason);
+  line["notes"] = fix.notes;
+  if (fix.degrees_of_freedom > 0) {
+    line["chi_square"] = fix.chi_square;
+    line["degrees_of_freedom"] = fix.degrees_of_freedom;
+  }
+  if (explain && fix.budget) line["budget"] = budget_json(*fix.budget);
+  if (explain && fix.budget) line["residuals"] = residuals_json(fix);
+  if (const auto error = error_of(fix, measurement)) {
+    line["error_plane"] = error->plane;
+    line["error_z"] = error->height;
+  }
+  return text_of(line);
+}
+
+std::string summary_json_line(std::span<const FixSummary> summaries) {
+  Json values = summary_values(summaries.front());
+  if (summaries.size() > 1) values["paper"] = summary_values(summaries[1]);
+  return text_of({{"summary", std::move(values)}});
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fixes as JSON lines (docs/formats.md).
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/localize/fix.hpp"
+#include "tagsmith/survey/run.hpp"
+
+namespace tagsmith {
+
+// The budget's parts by their names in JSON and tables.
+std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget& budget);
+
+// `explain` adds the error budget and every corner's residual.
+std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain);
+
+// The summary of a run by the first method, and of each other under its name.
+std::string summary_json_line(std::span<const FixSummary> summaries);
+
+}  // namespace tagsmith

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/follow.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/cli/fix_json.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/command.hpp"
+#include "tagsmith/survey/run.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kLongestLine = 1 << 20;
+
+// The next line, at most kLongestLine bytes of it; false at the end.
+bool read_line(std::istream& in, std::string& line, bool& too_long) {
+  line.clear();
+  too_long = false;
+  for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
+    if (c == '\n') return true;
+    too_long = too_long || line.size() >= kLongestLine;
+    if (!too_long) line += static_cast<char>(c);
+  }
+  return !line.empty();
+}
+
+Result<void> take(Measurement& measurement, const Rig& rig, const std::string& key,
+                  const Json& value) {
+  if (key == "id") {
+    measurement.id = value.is_string() ? value.get<std::string>() : value.dump();
+    return {};
+  }
+  if (value.is_null()) return {};
+  if (key == "time") {
+    if (!value.is_number()) return fail("time is no number, expected seconds");
+    measurement.time = value.get<double>();
+    return {};
+  }
+  if (find_camera(rig, key) != nullptr) {
+    if (!value.is_string()) return fail(key + " is no text, expected an image's path");
+    measurement.cameras[key].image = value.get<std::string>();
+    return {};
+  }
+  for (const RigRange& range : rig.ranges) {
+    if (range.name != key) continue;
+    if (!value.is_number()) return fail(key + " is no number, expected metres");
+    measurement.ranges[key] = value.get<double>();
+    return {};
+  }
+  return fail("`" + key + "` is no camera or range of the rig, nor id or time");
+}
+
+Result<Measurement> parse_measurement(const std::string& line, const Rig& rig) {
+  const Json object = Json::parse(line, nullptr, false);
+  if (!object.is_object()) {
+    return fail("no JSON object, expected one like {\"id\": \"1\", \"left\": \"image.jpg\"}");
+  }
+  Measurement measurement;
+  for (const auto& [key, value] : object.items()) {
+    if (auto taken = take(measurement, rig, key, value); !taken) return fail(taken.error().message);
+  }
+  return measurement;
+}
+
+std::string error_line(int number, const std::string& message) {
+  const Json line{{"id", nullptr},
+                  {"status", "error"},
+                  {"reason", fmt::format("line {}: {}", number, message)}};
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+int follow(const FollowInput& input) {
+  bool all_located = true;
+  std::string line;
+  bool too_long = false;
+  for (int number = 1; read_line(std::cin, line, too_long); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const Result<Measurement> measurement =
+        too_long ? fail("longer than a mebibyte") : parse_measurement(line, input.rig);
+    std::string answer;
+    if (measurement) {
+      const Observation seen = observe(*measurement, input.surveys, input.rig, input.reader);
+      const Fix fix = input.method(seen, input.surveys, input.rig);
+      all_located = all_located && fix.position_in_grid.has_value();
+      answer = fix_json_line(fix, *measurement, input.explain);
+    } else {
+      all_located = false;
+      answer = error_line(number, measurement.error().message);
+    }
+    fmt::print("{}\n", answer);
+    std::fflush(stdout);
+  }
+  return all_located ? kExitOk : kExitFindings;
+}
+
+}  // namespace tagsmith
