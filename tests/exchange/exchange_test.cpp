@@ -51,7 +51,7 @@ tunnel:
 tags: { template: tag-800x430, height: 1.5, spacing: 9.2, first: 5, to: 320, sigma: 0.003 }
 code: { check_digit: gs1, resolution: [0.1, 0.1, 0.1], digits: [4, 4, 3], origin: [50800, 37900, -420] }
 placed:
-  - { tag: 003R, side: right, p: [51222.19, 38128.0, -409.95], digits: "42222280101", sigma: 0.001, date: 2026-03-31 }
+  - { tag: 003R, side: right, p: [51222.18, 38128.01, -409.95], digits: "42222280101", sigma: 0.001, date: 2026-03-31 }
   - { tag: 900L, side: left, p: [51201.15, 38105.3, -411.0], design: [51201.15, 38105.33, -411.0] }
 )";
 
