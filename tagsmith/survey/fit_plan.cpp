@@ -165,7 +165,8 @@ struct HeadingLine {
 // Sums that give the line over any run of steps at once.
 class HeadingSums {
  public:
-  explicit HeadingSums(const std::vector<HeadingStep>& steps) : sums_(steps.size() + 1) {
+  explicit HeadingSums(const std::vector<HeadingStep>& steps)
+      : sums_(steps.size() + 1, Sums::Zero()) {
     for (std::size_t i = 0; i < steps.size(); ++i) {
       const auto& [s, h, w] = steps[i];
       sums_[i + 1] = sums_[i] + w * Sums(1, s, h, s * s, s * h, h * h);

@@ -148,6 +148,23 @@ std::vector<CenterlineElement> split_at(const std::vector<CenterlineElement>& el
   return result;
 }
 
+// Every element between two cuts has three floor points or more: one wrong height is no hump.
+bool supported(const std::vector<CenterlineElement>& elements,
+               const std::vector<HeightPoint>& floor, double cut) {
+  constexpr double kSlack = 1e-6;
+  double start = 0;
+  for (const CenterlineElement& element : elements) {
+    const double end = start + element.length;
+    const bool beside = std::abs(start - cut) < kSlack || std::abs(end - cut) < kSlack;
+    const auto count = std::ranges::count_if(floor, [&](const HeightPoint& point) {
+      return point.chainage > start - kSlack && point.chainage < end + kSlack;
+    });
+    if (beside && count < 3) return false;
+    start = end;
+  }
+  return true;
+}
+
 // Elements are cut where the grade changes, at one of at most 60 chainages of floor points, while
 // the floor is further off than the tolerance.
 std::vector<CenterlineElement> cut_for_grades(std::vector<CenterlineElement> elements,
@@ -163,6 +180,7 @@ std::vector<CenterlineElement> cut_for_grades(std::vector<CenterlineElement> ele
     for (std::size_t i = 0; i < floor.size(); i += step) {
       std::vector<CenterlineElement> tried = split_at(elements, floor[i].chainage);
       if (tried.size() == elements.size()) continue;
+      if (!supported(tried, floor, floor[i].chainage)) continue;
       const double left = squares(tried, floor, fit_profile(tried, floor));
       if (left >= least) continue;
       least = left;
@@ -373,9 +391,12 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
     const double up = point.z - floor_at(elements, profile, point.chainage);
     fit.residuals[point.index].up = up;
     ups.push_back(up);
-    if (std::abs(up) <= options.floor_tolerance) continue;
+  }
+  const auto most = std::ranges::max_element(ups, {}, [](double up) { return std::abs(up); });
+  if (std::abs(*most) > options.floor_tolerance) {
+    const HeightPoint& point = floor[static_cast<std::size_t>(most - ups.begin())];
     return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
-                            point_text(points[point.index]), up, options.floor_tolerance));
+                            point_text(points[point.index]), *most, options.floor_tolerance));
   }
   fit.rms_across = rms(plan->residuals);
   fit.rms_up = rms(ups);

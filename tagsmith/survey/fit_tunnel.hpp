@@ -27,7 +27,6 @@ struct PointResidual {
   double chainage = 0;
   std::optional<double> across;  // further to the right than fitted; nothing for floor and roof
   std::optional<double> up;      // above the fitted floor or roof
-  bool fits = true;
 };
 
 struct TunnelFit {
