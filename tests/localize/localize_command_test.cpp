@@ -285,3 +285,97 @@ TEST_CASE("calibrated cameras, one a fisheye: what is simulated is read and loca
   CHECK(refused.exit_code == 1);
   CHECK(refused.out.find("1280 x 960 pixels, expected 640 x 480") != std::string::npos);
 }
+
+namespace {
+
+// The vehicle stands at the corridor's first point; then it sees nothing for a tenth of a second.
+std::string run_with_times() {
+  const std::string photos = fs::absolute("surveys/corridor/photos").string();
+  const std::string images = photos + "/corridor_01_left.jpg," + photos + "/corridor_01_right.jpg";
+  return "id,left,right,time,truth_x,truth_y,truth_z\na," + images + ",10.0,1.0,-0.5,0.24\nb," +
+         images + ",10.4,1.0,-0.5,0.24\nc,,,10.5,1.0,-0.5,0.24\n";
+}
+
+}  // namespace
+
+TEST_CASE("a run as trajectory, table and drawing") {
+  const TemporaryFolder folder;
+  const fs::path run = folder.path() / "run.csv";
+  file_with(run, run_with_times());
+  const std::string at = "'" + folder.path().string();
+  const ProgramOutput output =
+      run_tagsmith(on_survey("corridor", "'" + run.string() + "'") + " --csv " + at +
+                   "/fixes.csv' --tum " + at + "/run.tum' --drawing " + at + "/run.svg'");
+  CAPTURE(output.out + output.err);
+  CHECK(output.exit_code == 1);  // the last row has no position
+  CHECK(output.out.find("Xu et al. 2017, straight corridor") != std::string::npos);
+
+  std::istringstream tum(contents(folder.path() / "run.tum"));
+  std::string comment;
+  std::getline(tum, comment);
+  CHECK(comment.find("x is minus the grid's x") != std::string::npos);
+  double t = 0;
+  double x = 0;
+  double y = 0;
+  double z = 0;
+  double qx = 0;
+  double qy = 0;
+  double qz = 0;
+  double qw = 0;
+  int rows = 0;
+  while (tum >> t >> x >> y >> z >> qx >> qy >> qz >> qw) {
+    CHECK(t == doctest::Approx(rows == 0 ? 10.0 : 10.4));
+    CHECK(std::abs(x + 1.0) < 0.02);
+    CHECK(std::abs(y + 0.5) < 0.02);
+    CHECK(std::abs(z - 0.24) < 0.02);
+    CHECK(qx * qx + qy * qy + qz * qz + qw * qw == doctest::Approx(1));
+    // Its x axis looks along the drive, +y.
+    CHECK(2 * (qx * qy + qz * qw) > 0.98);
+    ++rows;
+  }
+  CHECK(rows == 2);
+
+  const std::string csv = contents(folder.path() / "fixes.csv");
+  CHECK(csv.find("id,time,status,method,survey,x,y,z,heading_deg,pitch_deg,roll_deg,") == 0);
+  CHECK(count_lines(csv) == 4);
+  const std::string svg = contents(folder.path() / "run.svg");
+  for (const char* layer : {"truth", "fixes", "ellipses", "errors", "walls", "summary"}) {
+    CHECK(svg.find("id=\"" + std::string(layer) + "\"") != std::string::npos);
+  }
+}
+
+TEST_CASE("what cannot be written is refused, and nothing is written") {
+  const TemporaryFolder folder;
+  const std::string at = "'" + folder.path().string();
+  const std::string table4 = on_survey("corridor-table4", "surveys/corridor-table4/run.csv");
+  const ProgramOutput no_heading = run_tagsmith(table4 + " --method paper --tum " + at +
+                                                "/run.tum' --csv " + at + "/fixes.csv'");
+  CHECK(no_heading.exit_code == 2);
+  CHECK(no_heading.err.find("the paper's method gives no heading") != std::string::npos);
+  const ProgramOutput format = run_tagsmith(table4 + " --drawing " + at + "/run.dwg'");
+  CHECK(format.exit_code == 2);
+  CHECK(format.err.find(".pdf, .svg or .png") != std::string::npos);
+  const ProgramOutput no_time =
+      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --smooth");
+  CHECK(no_time.exit_code == 2);
+  CHECK(no_time.err.find("run.csv:2: no time") != std::string::npos);
+  CHECK(fs::is_empty(folder.path()));
+}
+
+TEST_CASE("--smooth predicts what the cameras did not see") {
+  const TemporaryFolder folder;
+  const fs::path run = folder.path() / "run.csv";
+  file_with(run, run_with_times());
+  const ProgramOutput output =
+      run_tagsmith(on_survey("corridor", "'" + run.string() + "'") + " --smooth --json");
+  CAPTURE(output.out + output.err);
+  CHECK(output.exit_code == 0);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 4);
+  CHECK_FALSE(lines[0].contains("predicted"));
+  CHECK(lines[2].at("predicted") == true);
+  CHECK(lines[2].at("status") == "ok");
+  CHECK(lines[2].at("tags").empty());
+  CHECK(lines[2].at("covariance").at(4) > lines[1].at("covariance").at(4));
+  CHECK(lines[2].at("error_plane").get<double>() < 0.05);
+}
