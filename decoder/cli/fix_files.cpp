@@ -30,30 +30,33 @@ std::string csv_number(const std::optional<double>& value) {
   return value ? fmt::format("{}", *value) : std::string();
 }
 
-// Heading, pitch, roll and their standard deviations, degrees.
+std::string csv_degrees(const std::optional<double>& radian) {
+  return radian ? csv_number(degrees(*radian)) : std::string();
+}
+
+std::optional<double> sigma_of(const Fix& fix, int parameter) {
+  if (!fix.pose_covariance_in_grid) return std::nullopt;
+  return std::sqrt((*fix.pose_covariance_in_grid)(parameter, parameter));
+}
+
+// Pitch, roll and the standard deviations of the attitude, degrees.
 void add_attitude(std::vector<std::string>& fields, const Fix& fix) {
-  const auto add = [&](const std::optional<double>& radian) {
-    fields.push_back(radian ? csv_number(degrees(*radian)) : "");
-  };
   const std::optional<Attitude>& attitude = fix.attitude;
-  add(attitude ? std::optional(attitude->heading) : std::nullopt);
-  add(attitude ? std::optional(attitude->pitch) : std::nullopt);
-  add(attitude ? std::optional(attitude->roll) : std::nullopt);
+  fields.push_back(csv_degrees(attitude ? std::optional(attitude->pitch) : std::nullopt));
+  fields.push_back(csv_degrees(attitude ? std::optional(attitude->roll) : std::nullopt));
   for (const int parameter :
        {vehicle_parameter::kHeading, vehicle_parameter::kPitch, vehicle_parameter::kRoll}) {
-    add(fix.pose_covariance_in_grid
-            ? std::optional(std::sqrt((*fix.pose_covariance_in_grid)(parameter, parameter)))
-            : std::nullopt);
+    fields.push_back(csv_degrees(sigma_of(fix, parameter)));
   }
 }
 
 std::string csv_row(const Fix& fix, const Measurement& measurement) {
-  std::vector<std::string> fields{csv_field(fix.id), csv_number(measurement.time), status_of(fix),
-                                  fix.method, csv_field(fix.survey)};
+  std::vector<std::string> fields{csv_field(fix.id), status_of(fix), fix.method,
+                                  csv_field(fix.survey)};
   for (const int axis : {0, 1, 2}) {
     fields.push_back(fix.position_in_grid ? csv_number((*fix.position_in_grid)[axis]) : "");
   }
-  add_attitude(fields, fix);
+  fields.push_back(csv_degrees(fix.attitude ? std::optional(fix.attitude->heading) : std::nullopt));
   for (const int row : {0, 1, 2}) {
     for (int column = row; column < 3; ++column) {
       fields.push_back(fix.covariance_in_grid ? csv_number((*fix.covariance_in_grid)(row, column))
@@ -66,6 +69,8 @@ std::string csv_row(const Fix& fix, const Measurement& measurement) {
   fields.push_back(error ? csv_number(error->height) : "");
   fields.push_back(csv_field(fix.reason));
   fields.push_back(csv_field(fmt::format("{}", fmt::join(fix.notes, "; "))));
+  fields.push_back(csv_number(measurement.time));
+  add_attitude(fields, fix);
   return fmt::format("{}\n", fmt::join(fields, ","));
 }
 
@@ -89,9 +94,9 @@ std::string tum_row(const Fix& fix, double time, const Grid& grid) {
 
 std::string fixes_csv(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements) {
   std::string text =
-      "id,time,status,method,survey,x,y,z,heading_deg,pitch_deg,roll_deg,sigma_heading_deg,"
-      "sigma_pitch_deg,sigma_roll_deg,covariance_xx,covariance_xy,covariance_xz,covariance_yy,"
-      "covariance_yz,covariance_zz,tags,error_plane,error_z,reason,notes\n";
+      "id,status,method,survey,x,y,z,heading_deg,covariance_xx,covariance_xy,covariance_xz,"
+      "covariance_yy,covariance_yz,covariance_zz,tags,error_plane,error_z,reason,notes,time,"
+      "pitch_deg,roll_deg,sigma_heading_deg,sigma_pitch_deg,sigma_roll_deg\n";
   for (std::size_t i = 0; i < fixes.size(); ++i) text += csv_row(fixes[i], measurements[i]);
   return text;
 }

@@ -113,6 +113,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
   line["dropped"] = dropped_json(fix);
   line["reason"] = json_or_null(fix.reason);
   line["notes"] = fix.notes;
+  if (fix.predicted) line["predicted"] = true;
   if (fix.degrees_of_freedom > 0) {
     line["chi_square"] = fix.chi_square;
     line["degrees_of_freedom"] = fix.degrees_of_freedom;

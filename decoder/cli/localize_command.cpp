@@ -25,6 +25,7 @@
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/localize/residual_picture.hpp"
+#include "decoder/localize/smooth.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
@@ -54,6 +55,7 @@ struct LocalizeOptions {
   std::filesystem::path pictures;  // folder, empty = none
   std::string method = "joint";
   std::string reader = "tagsmith";
+  bool smooth = false;
   bool json = false;
   bool explain = false;
   bool unsurveyed = false;
@@ -265,6 +267,9 @@ Result<void> check_options(const LocalizeOptions& options) {
   if (options.follow && (files || options.method == "both")) {
     return fail("--follow answers on standard output alone, with one method");
   }
+  if (options.smooth && (options.follow || options.method == "paper")) {
+    return fail("--smooth needs a whole run (--run) and the headings of --method joint");
+  }
   if (options.unsurveyed && options.method == "paper") {
     return fail("--unsurveyed needs --method joint");
   }
@@ -296,7 +301,17 @@ int run_localize(const LocalizeOptions& options) {
     return follow({input->surveys, input->rig, reader_for(options), method, options.explain});
   }
   const std::vector<Measurement>& measurements = input->run.measurements;
-  const Located located = localize_all(*input, options);
+  if (options.smooth) {
+    if (const auto usable = check_times(input->run); !usable) {
+      return report_failure(kName, usable.error());
+    }
+  }
+  Located located = localize_all(*input, options);
+  if (options.smooth) {
+    auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
+    if (!smoothed) return report_failure(kName, smoothed.error());
+    located.front() = std::move(*smoothed);
+  }
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
     return report_failure(kName, written.error());
@@ -350,6 +365,8 @@ Command localize_command(CLI::App& parent) {
                 "Read measurements as JSON lines from standard input and answer each at once");
   app->add_option("-o,--output,--csv", options->csv, "Write the positions to this table too")
       ->type_name("FIXES.csv");
+  app->add_flag("--smooth", options->smooth,
+                "Fit a motion of steady velocity to the run, fill its gaps; needs the column time");
   app->add_option("--tum", options->tum,
                   "Write the trajectory (TUM format); needs the run's column time")
       ->type_name("FILE");

@@ -253,7 +253,7 @@ std::optional<DrawingView> error_chart(const std::vector<Mark>& marks) {
 
 std::string error_words(const char* name, const std::optional<FixError>& error) {
   if (!error) return {};
-  return fmt::format("{}: {:.1f} mm in the plane, {:.1f} mm in z", name, 1000 * error->plane,
+  return fmt::format("{}: {:.2f} mm in the plane, {:.2f} mm in z", name, 1000 * error->plane,
                      1000 * error->height);
 }
 

@@ -69,6 +69,7 @@ struct Fix {
   std::vector<FittedCorners> corners;  // with an attitude, of every tag that was looked at
   double chi_square = 0;               // of what the fix rests on, weighted residuals squared
   int degrees_of_freedom = 0;          // expectation of chi_square; 0 = nothing to check it by
+  bool predicted = false;              // from the run's motion: nothing of its own was used
   std::string reason;                  // why there is no position; empty with one
   std::vector<std::string> notes;      // what a user of the position should know
 };

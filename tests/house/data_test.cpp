@@ -33,6 +33,15 @@ std::vector<fs::path> data_files(const std::string& extension) {
   return files;
 }
 
+// A calibration is read with the rig that names it.
+bool is_named_by_a_rig(const fs::path& calibration) {
+  const std::string name = "calibration: " + calibration.filename().string();
+  return std::ranges::any_of(data_files(".yaml"), [&](const fs::path& file) {
+    return file.parent_path() == calibration.parent_path() &&
+           read_file(file)->find(name) != std::string::npos;
+  });
+}
+
 // The findings about a YAML file, by the key it begins with.
 std::string findings_of(const fs::path& file) {
   const std::string text = *read_file(file);
@@ -42,7 +51,10 @@ std::string findings_of(const fs::path& file) {
   if (has("survey:")) return to_string(read_survey(file)->diagnostics);
   if (has("rig:")) return to_string(read_rig(file)->diagnostics);
   if (has("tag:")) return to_string(read_template(file)->diagnostics);
-  return "is neither a survey nor a rig nor a template";
+  if (has("camera_matrix:")) {
+    return is_named_by_a_rig(file) ? "" : "is a calibration that no rig beside it names";
+  }
+  return "is neither a survey nor a rig nor a template nor a calibration";
 }
 
 }  // namespace

@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/smooth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <fmt/core.h>
+
+#include "decoder/localize/outside_tunnel.hpp"
+
+namespace tagsmith {
+namespace {
+
+// x, y, z, heading and their rates.
+using State = Eigen::Matrix<double, 8, 1>;
+using StateCovariance = Eigen::Matrix<double, 8, 8>;
+using Place = Eigen::Vector4d;
+using PlaceCovariance = Eigen::Matrix4d;
+
+// Chi-square of four degrees of freedom that one in 10,000 exceeds.
+constexpr double kGate = 23.51;
+constexpr int kContradictions = 3;  // in a row, after which the motion is doubted, not the fixes
+
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+// What a fix says of its place; the share of its covariance that its neighbours have in common.
+struct Measured {
+  Place place;
+  PlaceCovariance covariance;
+  double shared = 0;
+};
+
+double shared_part(const Fix& fix) {
+  if (!fix.budget) return 0;
+  const ErrorBudget& budget = *fix.budget;
+  const double shared =
+      (budget.survey + budget.coding + budget.calibration + budget.vehicle).trace();
+  constexpr double kMost = 0.9;  // a fix keeps some noise of its own, for the filter to weigh it by
+  return std::clamp(shared / fix.covariance_in_grid->trace(), 0.0, kMost);
+}
+
+std::optional<Measured> measured_by(const Fix& fix) {
+  if (!fix.position_in_grid) return std::nullopt;
+  Measured measured;
+  measured.place << *fix.position_in_grid, fix.attitude->heading;
+  measured.covariance = fix.pose_covariance_in_grid->topLeftCorner<4, 4>();
+  measured.shared = shared_part(fix);
+  return measured;
+}
+
+struct Estimate {
+  State mean = State::Zero();
+  StateCovariance covariance = StateCovariance::Zero();
+};
+
+// A row of the run in a track.
+struct Step {
+  std::size_t row = 0;
+  StateCovariance transition = StateCovariance::Identity();  // from the step before
+  Estimate predicted;
+  Estimate filtered;
+  bool used = false;      // its fix
+  double distance2 = -1;  // of its fix from the motion, chi-square; -1 = no fix
+};
+
+struct Track {
+  std::vector<Step> steps;
+  int used = 0;               // fixes
+  bool contradicted = false;  // by the track before or after it
+};
+
+StateCovariance transition_over(double dt) {
+  StateCovariance transition = StateCovariance::Identity();
+  transition.topRightCorner<4, 4>() = dt * Eigen::Matrix4d::Identity();
+  return transition;
+}
+
+// White acceleration (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to
+// tracking and navigation", 6.2.2).
+StateCovariance noise_over(double dt, const MotionModel& motion) {
+  const Eigen::Vector4d density =
+      Eigen::Vector4d(motion.acceleration, motion.acceleration, motion.climb, motion.turn)
+          .cwiseAbs2();
+  StateCovariance noise = StateCovariance::Zero();
+  noise.topLeftCorner<4, 4>() = (dt * dt * dt / 3 * density).asDiagonal();
+  noise.topRightCorner<4, 4>() = (dt * dt / 2 * density).asDiagonal();
+  noise.bottomLeftCorner<4, 4>() = noise.topRightCorner<4, 4>();
+  noise.bottomRightCorner<4, 4>() = (dt * density).asDiagonal();
+  return noise;
+}
+
+// Before the first fix: at that fix, give or take a hundred metres and all headings.
+Estimate prior_at(const Place& place, const MotionModel& motion) {
+  constexpr double kAnywhere = 100;
+  Estimate prior;
+  prior.mean.head<4>() = place;
+  State sigma;
+  sigma << kAnywhere, kAnywhere, kAnywhere, 2 * std::numbers::pi, motion.speed, motion.speed,
+      motion.speed, motion.turn_rate;
+  prior.covariance = sigma.cwiseAbs2().asDiagonal();
+  return prior;
+}
+
+// The filter's step: the fix is used when it agrees with the motion.
+void filter(Step& step, const std::optional<Measured>& measured) {
+  step.filtered = step.predicted;
+  if (!measured) return;
+  Place missing = measured->place - step.predicted.mean.head<4>();
+  missing[3] = wrapped(missing[3]);
+  const PlaceCovariance own = (1 - measured->shared) * measured->covariance;
+  const PlaceCovariance spread = step.predicted.covariance.topLeftCorner<4, 4>();
+  step.distance2 = missing.dot((spread + measured->covariance).ldlt().solve(missing));
+  if (!(step.distance2 <= kGate)) return;
+  step.used = true;
+  const PlaceCovariance innovation = spread + own;
+  const Eigen::Matrix<double, 8, 4> gain =
+      innovation.ldlt().solve(step.predicted.covariance.topRows<4>()).transpose();
+  step.filtered.mean += gain * missing;
+  // Joseph's form keeps it positive.
+  StateCovariance rest = StateCovariance::Identity();
+  rest.leftCols<4>() -= gain;
+  step.filtered.covariance =
+      rest * step.predicted.covariance * rest.transpose() + gain * own * gain.transpose();
+}
+
+Step next_step(const Step& before, std::size_t row, double dt, const MotionModel& motion) {
+  Step step;
+  step.row = row;
+  step.transition = transition_over(dt);
+  step.predicted.mean = step.transition * before.filtered.mean;
+  step.predicted.covariance =
+      step.transition * before.filtered.covariance * step.transition.transpose() +
+      noise_over(dt, motion);
+  return step;
+}
+
+// The track that begins at `row`. It ends with the run, or before the first of several fixes in a
+// row that contradict it.
+Track track_from(std::size_t row, const std::vector<std::optional<Measured>>& measured,
+                 const std::vector<double>& times, const MotionModel& motion) {
+  Track track;
+  const auto first = std::find_if(measured.begin() + static_cast<std::ptrdiff_t>(row),
+                                  measured.end(), [](const auto& fix) { return fix.has_value(); });
+  if (first == measured.end()) return track;
+  Step start;
+  start.row = row;
+  start.predicted = prior_at((*first)->place, motion);
+  int contradictions = 0;
+  std::size_t contradicted_from = 0;
+  for (; row < measured.size(); ++row) {
+    Step step = track.steps.empty()
+                    ? start
+                    : next_step(track.steps.back(), row, times[row] - times[row - 1], motion);
+    filter(step, measured[row]);
+    track.steps.push_back(step);
+    if (step.used) ++track.used;
+    if (step.used) contradictions = 0;
+    if (step.used || !measured[row]) continue;
+    if (contradictions++ == 0) contradicted_from = track.steps.size() - 1;
+    if (contradictions < kContradictions) continue;
+    track.steps.resize(contradicted_from);
+    track.contradicted = true;
+    break;
+  }
+  return track;
+}
+
+// Of a track that came to nothing only its first fix is to blame: the next begins right after it.
+void end_after_first_fix(Track& track) {
+  const auto first = std::ranges::find(track.steps, true, &Step::used);
+  track.steps.erase(first + 1, track.steps.end());
+  track.used = 1;
+}
+
+std::vector<Track> tracks_of(const std::vector<std::optional<Measured>>& measured,
+                             const std::vector<double>& times, const MotionModel& motion) {
+  std::vector<Track> tracks;
+  std::size_t row = 0;
+  while (row < measured.size()) {
+    Track track = track_from(row, measured, times, motion);
+    if (track.steps.empty()) break;
+    if (track.contradicted && track.used < kContradictions) end_after_first_fix(track);
+    if (!tracks.empty()) track.contradicted = true;
+    row = track.steps.back().row + 1;
+    tracks.push_back(std::move(track));
+  }
+  return tracks;
+}
+
+// Rauch, Tung and Striebel's backward pass, (3.29) to (3.31): the estimate of each step from all.
+std::vector<Estimate> smoothed(const Track& track) {
+  std::vector<Estimate> estimates(track.steps.size());
+  estimates.back() = track.steps.back().filtered;
+  for (std::size_t i = track.steps.size() - 1; i-- > 0;) {
+    const Step& step = track.steps[i];
+    const Step& next = track.steps[i + 1];
+    const StateCovariance gain = next.predicted.covariance.ldlt()
+                                     .solve(next.transition * step.filtered.covariance)
+                                     .transpose();
+    const Estimate& later = estimates[i + 1];
+    estimates[i].mean = step.filtered.mean + gain * (later.mean - next.predicted.mean);
+    estimates[i].covariance =
+        step.filtered.covariance +
+        gain * (later.covariance - next.predicted.covariance) * gain.transpose();
+  }
+  return estimates;
+}
+
+// The used step nearest in time; there is one in every track.
+const Step& nearest_used(const Track& track, std::size_t row, const std::vector<double>& times) {
+  const Step* nearest = nullptr;
+  for (const Step& step : track.steps) {
+    if (!step.used) continue;
+    const double gap = std::abs(times[step.row] - times[row]);
+    if (nearest == nullptr || gap < std::abs(times[nearest->row] - times[row])) nearest = &step;
+  }
+  return *nearest;
+}
+
+Fix without_position(Fix fix, std::string reason) {
+  fix.position_in_grid.reset();
+  fix.covariance_in_grid.reset();
+  fix.attitude.reset();
+  fix.pose_covariance_in_grid.reset();
+  fix.budget.reset();
+  fix.predicted = false;
+  fix.reason = std::move(reason);
+  return fix;
+}
+
+double worst_sigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
+}
+
+// The fix with the place that the whole track gives it.
+Fix with_place(Fix fix, const Place& place, const PlaceCovariance& covariance, const Rig& rig) {
+  const Attitude before = fix.attitude.value_or(Attitude{});
+  PoseCovariance pose = PoseCovariance::Zero();
+  pose.topLeftCorner<4, 4>() = covariance;
+  pose(4, 4) = rig.pitch_sigma * rig.pitch_sigma;
+  pose(5, 5) = rig.roll_sigma * rig.roll_sigma;
+  if (fix.pose_covariance_in_grid) {
+    pose.bottomRightCorner<2, 2>() = fix.pose_covariance_in_grid->bottomRightCorner<2, 2>();
+  }
+  fix.position_in_grid = place.head<3>();
+  fix.attitude = Attitude{wrapped(place[3]), before.pitch, before.roll};
+  fix.covariance_in_grid = covariance.topLeftCorner<3, 3>();
+  fix.pose_covariance_in_grid = pose;
+  fix.budget.reset();  // its parts no longer add up to the covariance
+  fix.reason.clear();
+  return fix;
+}
+
+// A gap's fix: a prediction, or why there is none.
+Fix predicted_fix(Fix fix, const Place& place, const PlaceCovariance& covariance, double gap,
+                  const Survey& survey, const Rig& rig, const MotionModel& motion) {
+  const std::string own =
+      fix.position_in_grid ? "its own position contradicts the motion" : fix.reason;
+  const double sigma = worst_sigma(covariance.topLeftCorner<3, 3>());
+  std::string refusal =
+      outside_tunnel(survey.tunnel, world_from_grid(survey.grid, place.head<3>()));
+  if (sigma > motion.largest_sigma) {
+    refusal = fmt::format("the motion predicts it to {:.2f} m only", sigma);
+  }
+  if (gap > motion.longest_gap) {
+    refusal = fmt::format("{:.1f} s from the nearest measured position", gap);
+  }
+  if (!refusal.empty()) return without_position(std::move(fix), own + "; " + refusal);
+  fix.attitude.reset();
+  fix.pose_covariance_in_grid.reset();
+  fix.tags.clear();
+  fix.ranges.clear();
+  fix = with_place(std::move(fix), place, covariance, rig);
+  fix.predicted = true;
+  fix.survey = survey.name;
+  fix.notes.push_back(fmt::format(
+      "predicted from the motion, {:.2f} s from the nearest measured position: {}", gap, own));
+  return fix;
+}
+
+const Survey& survey_named(const std::vector<Survey>& surveys, const std::string& name) {
+  const auto found = std::ranges::find(surveys, name, &Survey::name);
+  return found == surveys.end() ? surveys.front() : *found;
+}
+
+std::vector<double> times_of(const Run& run) {
+  std::vector<double> times;
+  for (const Measurement& measurement : run.measurements) times.push_back(*measurement.time);
+  return times;
+}
+
+Result<std::vector<std::optional<Measured>>> places_of(const std::vector<Fix>& fixes) {
+  std::vector<std::optional<Measured>> measured;
+  for (const Fix& fix : fixes) {
+    if (fix.position_in_grid && (!fix.attitude || !fix.pose_covariance_in_grid)) {
+      return fail(fmt::format(
+          "measurement {} has no heading with a covariance, which smoothing needs (the {} method "
+          "gives none)",
+          fix.id, fix.method));
+    }
+    measured.push_back(measured_by(fix));
+  }
+  return measured;
+}
+
+struct Job {
+  const std::vector<Fix>& fixes;
+  const std::vector<std::optional<Measured>>& measured;
+  const std::vector<double>& times;
+  const std::vector<Survey>& surveys;
+  const Rig& rig;
+  const MotionModel& motion;
+};
+
+// What the track makes of the fix of one of its rows.
+Fix fix_in_track(const Job& job, const Track& track, const Step& step, const Estimate& estimate) {
+  const Fix& fix = job.fixes[step.row];
+  if (track.contradicted && track.used < kContradictions) {
+    return without_position(
+        fix, fix.position_in_grid ? "contradicts the motion before or after it" : fix.reason);
+  }
+  const Step& nearest = step.used ? step : nearest_used(track, step.row, job.times);
+  const Measured& anchor = *job.measured[nearest.row];
+  const Place place = estimate.mean.head<4>();
+  const PlaceCovariance covariance =
+      estimate.covariance.topLeftCorner<4, 4>() + anchor.shared * anchor.covariance;
+  if (step.used) return with_place(fix, place, covariance, job.rig);
+  const double gap = std::abs(job.times[nearest.row] - job.times[step.row]);
+  const Survey& survey = survey_named(job.surveys, job.fixes[nearest.row].survey);
+  return predicted_fix(fix, place, covariance, gap, survey, job.rig, job.motion);
+}
+
+}  // namespace
+
+Result<void> check_times(const Run& run) {
+  std::optional<double> before;
+  for (const Measurement& measurement : run.measurements) {
+    const std::string place = fmt::format("{}:{}: ", run.file.string(), measurement.line);
+    if (!measurement.time) {
+      return fail(place +
+                  "no time, which smoothing needs in every row: add a column `time` in seconds");
+    }
+    if (before && !(*measurement.time > *before)) {
+      return fail(place + fmt::format("time {} is not after {}, expected rows in the order of time",
+                                      *measurement.time, *before));
+    }
+    before = measurement.time;
+  }
+  return {};
+}
+
+Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& run,
+                                      const std::vector<Survey>& surveys, const Rig& rig,
+                                      const MotionModel& motion) {
+  if (const auto usable = check_times(run); !usable) return tl::unexpected(usable.error());
+  const std::vector<double> times = times_of(run);
+  const auto measured = places_of(fixes);
+  if (!measured) return tl::unexpected(measured.error());
+  const Job job{fixes, *measured, times, surveys, rig, motion};
+  std::vector<Fix> result = fixes;
+  for (const Track& track : tracks_of(*measured, times, motion)) {
+    const std::vector<Estimate> estimates = smoothed(track);
+    for (std::size_t i = 0; i < track.steps.size(); ++i) {
+      const Step& step = track.steps[i];
+      result[step.row] = fix_in_track(job, track, step, estimates[i]);
+    }
+  }
+  return result;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run's fixes together: a vehicle neither jumps nor turns on the spot between two of them.
+#pragma once
+
+#include <vector>
+
+#include "decoder/localize/fix.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/run.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// How the vehicle moves. Accelerations are white noise: in one second they change a velocity by
+// this standard deviation, in t seconds by sqrt(t) times as much.
+struct MotionModel {
+  double acceleration = 0.5;   // along x and y, m/s^2: a crawler or loader that brakes and turns
+  double climb = 0.1;          // along z, m/s^2: floors are uneven
+  double turn = 0.2;           // of the heading, rad/s^2
+  double speed = 3;            // standard deviation before anything is known, m/s
+  double turn_rate = 0.5;      // likewise, rad/s
+  double longest_gap = 5;      // seconds from the nearest measured position; beyond: no position
+  double largest_sigma = 0.1;  // metres, of a predicted position in its worst direction; likewise
+};
+
+// Fails, naming the row, when one has no time or not a later one than the row before.
+Result<void> check_times(const Run& run);
+
+// The run's positions by a Kalman filter and the smoother of Rauch, Tung and Striebel 1965
+// ("Maximum likelihood estimates of linear dynamic systems") over constant velocities in x, y, z
+// and heading. `fixes[i]` belongs to `measurements[i]`, whose times must increase.
+//
+// - A fix that lies farther from the motion than one in 10,000 would (chi-square of four) is not
+//   used; its row is treated as a gap and says so. When three in a row contradict the motion, a new
+//   track begins with them; a track that the next one contradicts and that has fewer than three
+//   fixes of its own gives no positions.
+// - Rows without a fix of their own get the predicted position, `Fix::predicted`, with the
+//   covariance that grows with the distance from the fixes. No position where that is farther from
+//   a fix than `longest_gap`, less certain than `largest_sigma`, or in the rock.
+// - Errors that neighbouring fixes share (survey, coding, calibration, stance: by the fixes' error
+//   budgets) are not averaged away: that share of a fix's covariance is put back whole, to a gap
+//   that of the nearest fix.
+//
+// Pitch and roll stay those of the fix; in gaps they are level with the rig's standard deviations.
+// Fails as check_times does, and with fixes that have no attitude or covariance.
+Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& run,
+                                      const std::vector<Survey>& surveys, const Rig& rig,
+                                      const MotionModel& motion = {});
+
+}  // namespace tagsmith
