@@ -25,6 +25,10 @@ std::string on_survey(const std::string& name, const std::string& run) {
   return "localize " + folder + "/survey.yaml --rig " + folder + "/rig.yaml --run " + run;
 }
 
+std::string by_paper(const std::string& name, const std::string& run) {
+  return on_survey(name, run) + " --method paper";
+}
+
 std::vector<json> json_lines(const std::string& text) {
   std::vector<json> lines;
   std::istringstream stream(text);
@@ -51,7 +55,7 @@ std::size_t count_lines(const std::string& text) {
 
 TEST_CASE("Table 4 through the command line, with the d that its results imply") {
   const ProgramOutput output =
-      run_tagsmith(on_survey("corridor-table4", "surveys/corridor-table4/run.csv") + " --json");
+      run_tagsmith(by_paper("corridor-table4", "surveys/corridor-table4/run.csv") + " --json");
   CHECK(output.exit_code == 0);
   CHECK(output.err.empty());
   const std::vector<json> lines = json_lines(output.out);
@@ -80,9 +84,9 @@ TEST_CASE("Table 4 through the command line, with the d that its results imply")
 
 TEST_CASE("Table 4 with its printed d stays within the residuals of its rounding") {
   const ProgramOutput printed = run_tagsmith(
-      on_survey("corridor-table4", "surveys/corridor-table4/run-printed-d.csv") + " --json");
+      by_paper("corridor-table4", "surveys/corridor-table4/run-printed-d.csv") + " --json");
   const ProgramOutput implied =
-      run_tagsmith(on_survey("corridor-table4", "surveys/corridor-table4/run.csv") + " --json");
+      run_tagsmith(by_paper("corridor-table4", "surveys/corridor-table4/run.csv") + " --json");
   CHECK(printed.exit_code == 0);
   const std::vector<json> a = json_lines(printed.out);
   const std::vector<json> b = json_lines(implied.out);
@@ -104,7 +108,7 @@ TEST_CASE("Table 4 with its printed d stays within the residuals of its rounding
 
 TEST_CASE("the corridor photos: what is located is near the truth, the rest has its reason") {
   const ProgramOutput output =
-      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --json");
+      run_tagsmith(by_paper("corridor", "surveys/corridor/run.csv") + " --json");
   CHECK(output.exit_code == 1);
   const std::vector<json> lines = json_lines(output.out);
   REQUIRE(lines.size() == 11);
@@ -129,13 +133,13 @@ TEST_CASE("the corridor photos: what is located is near the truth, the rest has 
 }
 
 TEST_CASE("the number of jobs changes nothing in the output") {
-  const std::string arguments = on_survey("corridor", "surveys/corridor/run.csv") + " --json";
+  const std::string arguments = by_paper("corridor", "surveys/corridor/run.csv") + " --json";
   CHECK(run_tagsmith(arguments + " --jobs 1").out == run_tagsmith(arguments + " --jobs 3").out);
 }
 
 TEST_CASE("the paper's own pipeline can read the images") {
   const ProgramOutput output =
-      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --reader paper --json");
+      run_tagsmith(by_paper("corridor", "surveys/corridor/run.csv") + " --reader paper --json");
   CHECK(output.exit_code == 1);
   const std::vector<json> lines = json_lines(output.out);
   REQUIRE(lines.size() == 11);
@@ -147,7 +151,7 @@ TEST_CASE("the paper's own pipeline can read the images") {
 
 TEST_CASE("the table for people names the points, positions and errors") {
   const ProgramOutput output =
-      run_tagsmith(on_survey("corridor-table4", "surveys/corridor-table4/run.csv"));
+      run_tagsmith(by_paper("corridor-table4", "surveys/corridor-table4/run.csv"));
   CHECK(output.exit_code == 0);
   CHECK(output.out.find("000L 000R      0.980    -0.419     0.151") != std::string::npos);
   CHECK(output.out.find(
@@ -159,7 +163,7 @@ TEST_CASE("positions go to a file too") {
   const TemporaryFolder folder;
   const fs::path fixes = folder.path() / "fixes.csv";
   const ProgramOutput output = run_tagsmith(
-      on_survey("corridor-table4", "surveys/corridor-table4/run.csv") + " -o " + fixes.string());
+      by_paper("corridor-table4", "surveys/corridor-table4/run.csv") + " -o " + fixes.string());
   CHECK(output.exit_code == 0);
   const std::string text = contents(fixes);
   CHECK(text.starts_with("id,status,method,survey,x,y,z,"));
@@ -187,7 +191,7 @@ TEST_CASE("a missing or broken image costs its own row only") {
                                         ",7\n"
                                         "good," +
                                         good_left + "," + good_right + ",0.894\n");
-  const ProgramOutput output = run_tagsmith(on_survey("corridor", run) + " --json");
+  const ProgramOutput output = run_tagsmith(by_paper("corridor", run) + " --json");
   CHECK(output.exit_code == 1);
   const std::vector<json> lines = json_lines(output.out);
   REQUIRE(lines.size() == 6);
@@ -228,6 +232,90 @@ TEST_CASE("wrong use and unreadable input are exit code 2, on standard error") {
     CHECK(output.out.empty());
     CHECK_FALSE(output.err.empty());
   }
+}
+
+TEST_CASE("the joint fit locates the shipped photos to fractions of a millimetre") {
+  for (const std::string name : {"corridor", "curved"}) {
+    CAPTURE(name);
+    const ProgramOutput output =
+        run_tagsmith(on_survey(name, "surveys/" + name + "/run.csv") + " --json --explain");
+    CHECK(output.exit_code == 0);
+    const std::vector<json> lines = json_lines(output.out);
+    REQUIRE(lines.size() >= 7);
+    const json& summary = lines.back().at("summary");
+    CHECK(summary.at("located") == summary.at("count"));
+    CHECK(summary.at("mean_error_plane").get<double>() < 0.0005);
+    CHECK(summary.at("mean_error_z").get<double>() < 0.0005);
+    for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
+      CHECK(lines[i].at("method") == "joint");
+      CHECK(lines[i].at("heading_sigma_deg").get<double>() < 0.1);
+      double sum = 0;
+      for (const auto& [source, sigmas] : lines[i].at("budget").items()) {
+        sum += std::pow(sigmas.at(0).get<double>(), 2);
+      }
+      CHECK(sum == doctest::Approx(lines[i].at("covariance").at(0).get<double>()));
+    }
+  }
+}
+
+TEST_CASE("one camera is enough, a gross range is dropped and said, no tag has its reason") {
+  const TemporaryFolder folder;
+  const fs::path photos = fs::absolute("surveys/corridor/photos");
+  const std::string left = (photos / "corridor_05_left.jpg").string();
+  const std::string right = (photos / "corridor_05_right.jpg").string();
+  const std::string run = file_with(folder.path() / "run.csv",
+                                    "id,left,right,d,truth_x,truth_y,truth_z\n"
+                                    "one," +
+                                        left +
+                                        ",,,1,2,0.24\n"
+                                        "gross," +
+                                        left + "," + right +
+                                        ",2.5,1,2,0.24\n"
+                                        "none,,,0.9,1,2,0.24\n");
+  const ProgramOutput output = run_tagsmith(on_survey("corridor", run) + " --json");
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0].at("tags") == json({"003L"}));
+  CHECK(lines[0].at("error_plane").get<double>() < 0.001);
+  CHECK(lines[1].at("error_plane").get<double>() < 0.001);
+  REQUIRE(lines[1].at("dropped").size() == 1);
+  CHECK(lines[1].at("dropped")[0].at("name") == "d");
+  CHECK(lines[2].at("status") == "no_position");
+  CHECK(lines[2].at("reason") == "no tag was seen");
+}
+
+TEST_CASE("both methods stand beside each other, and residuals are drawn") {
+  const TemporaryFolder folder;
+  const fs::path pictures = folder.path() / "residuals";
+  const ProgramOutput output =
+      run_tagsmith(on_survey("curved", "surveys/curved/run.csv") +
+                   " --method both --json --residuals " + pictures.string());
+  CHECK(output.exit_code == 0);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 13);
+  CHECK(lines[0].at("method") == "joint");
+  CHECK(lines[1].at("method") == "paper");
+  CHECK(lines.back().at("summary").at("paper").at("located") == 0);
+  CHECK(contents(pictures / "001-1.svg").starts_with("<svg"));
+}
+
+TEST_CASE("live measurements are answered a line each") {
+  const TemporaryFolder folder;
+  const std::string input = file_with(
+      folder.path() / "input",
+      "{\"id\": \"a\", \"left\": \"surveys/corridor/photos/corridor_01_left.jpg\", \"d\": 0.9}\n"
+      "nonsense\n{\"lefd\": \"x.jpg\"}\n{\"id\": 4}");
+  const ProgramOutput output = run_tagsmith(
+      "localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --follow < " + input);
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0].at("status") == "ok");
+  CHECK(lines[0].at("id") == "a");
+  CHECK(lines[1].at("status") == "error");
+  CHECK(lines[2].at("reason").get<std::string>().find("line 3: `lefd`") == 0);
+  CHECK(lines[3].at("reason") == "no tag was seen");
 }
 
 TEST_CASE("the help has an example") {

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/joint_method.hpp"
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+#include "decoder/localize/plate_pose.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+using namespace tagsmith;
+using Eigen::Vector3d;
+
+namespace {
+
+struct Site {
+  Survey survey;
+  Rig rig;
+};
+
+Site site_named(const std::string& name) {
+  const auto survey = load_survey("surveys/" + name + "/survey.yaml");
+  REQUIRE(survey.has_value());
+  const auto rig = load_rig("surveys/" + name + "/rig.yaml");
+  REQUIRE(rig.has_value());
+  return {*survey, *rig};
+}
+
+// What all cameras see of the tags, exactly, stated to a fiftieth of a pixel.
+Observation observation_at(const Site& site, const VehiclePose& vehicle) {
+  const VehicleFrame frame = vehicle_frame(vehicle);
+  const double length = site.survey.tag_template.frame_inner_length;
+  const double height = site.survey.tag_template.frame_inner_height;
+  const Vector3d in_plate[] = {{0, 0, 0}, {length, 0, 0}, {length, height, 0}, {0, height, 0}};
+  Observation observation;
+  for (const RigCamera& camera : site.rig.cameras) {
+    for (const PlacedTag& tag : site.survey.tags) {
+      SeenCorners seen;
+      seen.covariance *= 0.02 * 0.02;
+      bool visible = true;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto point = observe_point(camera.camera, camera.vehicle_from_camera, frame,
+                                         tag.world_from_plate, in_plate[i]);
+        visible = visible && point && in_image(camera.camera, point->pixel);
+        if (visible) seen.corners[i] = {point->pixel.x(), point->pixel.y()};
+      }
+      if (visible) observation.tags.push_back({camera.name, 0, tag, seen, std::nullopt});
+    }
+  }
+  return observation;
+}
+
+VehiclePose pose_at(const Site& site, double chainage, double offset) {
+  const CenterlinePoint at = site.survey.tunnel.centerline.at(chainage);
+  VehiclePose pose;
+  pose.position =
+      at.position + offset * right_of(at.heading) + Vector3d(0, 0, site.rig.vehicle_height + 0.01);
+  pose.heading = at.heading + radians(4);
+  pose.pitch = radians(1.5);
+  pose.roll = radians(-1);
+  return pose;
+}
+
+double error_of(const Fix& fix, const Site& site, const VehiclePose& truth) {
+  REQUIRE_MESSAGE(fix.position_in_grid.has_value(), fix.reason);
+  return (*fix.position_in_grid - grid_from_world(site.survey.grid, truth.position)).norm();
+}
+
+}  // namespace
+
+TEST_CASE("exact corners give back the pose, straight and curved, in either grid") {
+  for (const std::string name : {"corridor", "curved"}) {
+    CAPTURE(name);
+    const Site site = site_named(name);
+    for (double chainage = 0; chainage < 5; chainage += 0.5) {
+      CAPTURE(chainage);
+      const VehiclePose truth = pose_at(site, chainage, 0.1);
+      const Fix fix = localize_jointly(observation_at(site, truth), {site.survey}, site.rig);
+      CHECK(error_of(fix, site, truth) < 1e-4);
+      CHECK(fix.attitude->pitch == doctest::Approx(truth.pitch).epsilon(1e-3));
+      CHECK(fix.attitude->roll == doctest::Approx(truth.roll).epsilon(1e-3));
+      CHECK(fix.attitude->heading ==
+            doctest::Approx(grid_heading_from_world(site.survey.grid, truth.heading)));
+      CHECK((fix.pose_covariance_in_grid->topLeftCorner<3, 3>() - *fix.covariance_in_grid).norm() ==
+            0);
+    }
+  }
+}
+
+TEST_CASE("two tags that contradict each other make no position, three outvote one") {
+  const Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 1.0, 0.0);
+  Observation two = observation_at(site, truth);
+  REQUIRE(two.tags.size() >= 2);
+  while (two.tags.size() > 2) two.tags.pop_back();
+  two.tags[0].tag.world_from_plate.translation.y() += 0.8;
+  const Fix none = localize_jointly(two, {site.survey}, site.rig);
+  CHECK_FALSE(none.position_in_grid.has_value());
+  CHECK(none.reason.find("contradict each other") != std::string::npos);
+
+  Site wide = site;  // a third and a fourth camera see more tags
+  for (const RigCamera& camera : site.rig.cameras) {
+    RigCamera ahead = camera;
+    ahead.name += "_ahead";
+    ahead.vehicle_from_camera =
+        vehicle_from_camera(camera.name == "left" ? radians(25) : radians(-25), 0, 0, {0, 0, 0});
+    wide.rig.cameras.push_back(ahead);
+  }
+  Observation many = observation_at(wide, truth);
+  REQUIRE(many.tags.size() >= 4);
+  const std::string wrong = many.tags[0].tag.name;
+  for (SeenTag& seen : many.tags) {
+    if (seen.tag.name == wrong) seen.tag.world_from_plate.translation.y() += 0.8;
+  }
+  const Fix fix = localize_jointly(many, {wide.survey}, wide.rig);
+  CHECK(error_of(fix, wide, truth) < 1e-3);
+  REQUIRE_FALSE(fix.dropped.empty());
+  CHECK(fix.dropped[0].name == wrong);
+}
+
+TEST_CASE("a frontal tag far away that allows two poses is called ambiguous") {
+  Site site = site_named("corridor");
+  Observation observation;
+  VehiclePose truth = pose_at(site, 2.0, 0.6);
+  site.rig.cameras.resize(1);
+  site.rig.cameras[0].vehicle_from_camera = vehicle_from_camera(radians(95), 0, 0, {0, 0, 0});
+  site.rig.cameras[0].camera.fx = site.rig.cameras[0].camera.fy = 250;
+  truth.heading += radians(3);
+  truth.position.y() = find_tag(site.survey, "002L")->p_in_grid.y();
+  observation = observation_at(site, truth);
+  std::erase_if(observation.tags, [](const SeenTag& seen) { return seen.tag.name != "002L"; });
+  REQUIRE(observation.tags.size() == 1);
+  observation.tags[0].seen_corners->covariance = CornerCovariance::Identity();
+  const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+  CHECK_FALSE(fix.position_in_grid.has_value());
+  CHECK(fix.reason.find("ambiguous") != std::string::npos);
+}
+
+TEST_CASE("both poses of a rectangle's picture are found, the right one among them") {
+  constexpr unsigned kSeed = 8;
+  CAPTURE(kSeed);
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Pose pose{
+        rotation_from_yaw_pitch_roll(unit(random), 0.8 * unit(random), 0.8 * unit(random)),
+        {0.5 * unit(random), 0.4 * unit(random), 2 + unit(random)}};
+    const Vector3d corners[] = {{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.2, 0}, {0, 0.2, 0}};
+    std::array<Vector3d, 4> rays;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Vector3d point = pose * corners[c];
+      rays[c] = point / point.z();
+    }
+    const auto poses = plate_poses(rays, 0.3, 0.2);
+    REQUIRE(poses.has_value());
+    double least = 1;
+    for (const Pose& found : *poses) {
+      least = std::min(least, (found.translation - pose.translation).norm() +
+                                  (found.rotation - pose.rotation).norm());
+    }
+    CHECK(least < 1e-6);
+  }
+}
