@@ -292,8 +292,13 @@ struct PlanInput {
 
 PlanInput plan_input(const std::vector<SurveyedPoint>& points, const Grid& grid,
                      const TagTemplate& tag) {
+  // Where the list says chainages, its order need not be that of the drive.
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {},
+                           [&](std::size_t i) { return points[i].chainage.value_or(0); });
   PlanInput input;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (const std::size_t i : order) {
     const std::optional<int> side = side_of(points[i].kind);
     if (!side) continue;
     const Vector3d p = world_from_grid(grid, points[i].in_grid);
