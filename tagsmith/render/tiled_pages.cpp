@@ -233,7 +233,9 @@ void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double
       }
       page.texts.push_back({.text = tile_address(column, row),
                             .x = (left + right) / 2,
-                            .y = (top + bottom) / 2,
+                            .y = row == 0               ? top + 0.008
+                                 : row + 1 == plan.rows ? bottom - 0.003
+                                                        : (top + bottom) / 2,
                             .height = 0.006,
                             .max_width = 0.03,
                             .centred = true});
