@@ -11,7 +11,9 @@
 #include "decoder/cli/read_command.hpp"
 #include "decoder/cli/simulate_command.hpp"
 #include "decoder/cli/verify_command.hpp"
+#include "decoder/verify/proof.hpp"
 #include "tagsmith/cli/command.hpp"
+#include "tagsmith/cli/diff_command.hpp"
 #include "tagsmith/cli/draw_command.hpp"
 #include "tagsmith/cli/export_command.hpp"
 #include "tagsmith/cli/new_command.hpp"
@@ -32,11 +34,17 @@ int run(int argc, char** argv) {
       "tagsmith: position tags for mine tunnels, from the survey to the vehicle's position"};
   app.require_subcommand(1);
   const std::vector<tagsmith::Command> commands{
-      tagsmith::new_command(app),      tagsmith::validate_command(app),
-      tagsmith::draw_command(app),     tagsmith::export_command(app),
-      tagsmith::print_command(app),    tagsmith::read_command(app),
-      tagsmith::verify_command(app),   tagsmith::localize_command(app),
-      tagsmith::simulate_command(app), tagsmith::demo_command(app),
+      tagsmith::new_command(app),
+      tagsmith::validate_command(app),
+      tagsmith::draw_command(app),
+      tagsmith::export_command(app),
+      tagsmith::print_command(app, tagsmith::prove_pages),
+      tagsmith::diff_command(app),
+      tagsmith::read_command(app),
+      tagsmith::verify_command(app),
+      tagsmith::localize_command(app),
+      tagsmith::simulate_command(app),
+      tagsmith::demo_command(app),
   };
   try {
     app.parse(argc, argv);

@@ -21,13 +21,11 @@
 #include "decoder/verify/verify_file.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/parallel.hpp"
-#include "tagsmith/cli/print_manifest.hpp"
-#include "tagsmith/cli/staged_files.hpp"
-#include "tagsmith/render/pdf.hpp"
-#include "tagsmith/render/svg.hpp"
-#include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/cli/print_job.hpp"
+#include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
+#include "tagsmith/survey/revision.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith {
@@ -82,31 +80,22 @@ Result<Demo> load_demo(const fs::path& output, int jobs) {
   return Demo{output, std::move(*survey), std::move(*rig), std::move(*run), jobs};
 }
 
-Result<void> add_tag(const Page& page, const PrintedTag& printed, const StagedFiles& files) {
-  const Result<std::string> pdf = render_pdf(std::span(&page, 1));
-  if (!pdf) return fail(pdf.error().message);
-  if (Result<void> added = files.add(printed.files[0], *pdf); !added) return added;
-  return files.add(printed.files[1], render_svg(page));
-}
-
 // PDF and SVG of every tag and their manifest. The PDFs' paths.
 Result<std::vector<fs::path>> print_tags(const Demo& demo) {
   const fs::path folder = demo.folder / "print";
-  Result<StagedFiles> files = StagedFiles::begin(folder);
-  if (!files) return fail(files.error().message);
-  std::vector<PrintedTag> printed;
+  std::vector<const PlacedTag*> tags;
   std::vector<fs::path> pdfs;
   for (const PlacedTag& tag : demo.survey.tags) {
-    printed.push_back({&tag, {tag.name + ".pdf", tag.name + ".svg"}});
-    pdfs.push_back(folder / printed.back().files[0]);
-    const Result<void> added = add_tag(tag_page(demo.survey, tag), printed.back(), *files);
-    if (!added) return fail(added.error().message);
+    tags.push_back(&tag);
+    pdfs.push_back(folder / (tag.name + ".pdf"));
   }
-  const Page page = tag_page(demo.survey, demo.survey.tags.front());
-  const Result<void> listed =
-      files->add("manifest.json", print_manifest_json(demo.survey, page, printed));
-  if (!listed) return fail(listed.error().message);
-  if (Result<void> published = files->publish(); !published) return fail(published.error().message);
+  PrintStyle style;
+  style.revision = survey_revision(demo.survey);
+  style.jobs = demo.jobs;
+  const Result<PrintJob> job = plan_print(demo.survey, tags, style);
+  if (!job) return fail(job.error().message);
+  const Result<PrintRecord> record = run_print(*job, folder);
+  if (!record) return fail(record.error().message);
   return pdfs;
 }
 
@@ -250,7 +239,8 @@ void show_files(const Demo& demo) {
   const std::string corridor = demo.survey.file.parent_path().string();
   fmt::print(
       "\nFiles in {}:\n"
-      "  print/           {} tags as PDF and SVG, true scale, and manifest.json\n"
+      "  print/           {} tags as PDF and SVG, true scale, manifest.json, and the\n"
+      "                   installer's setting-out.csv and setting-out.pdf\n"
       "  prints.jsonl     what was read from the PDFs\n"
       "  photos.jsonl     what was read in the photos\n"
       "  positions.txt    the table above, and why points have no position\n"

@@ -11,10 +11,10 @@ namespace tagsmith {
 namespace fs = std::filesystem;
 namespace {
 
-// PDF first, so that the pictures alone are the rest.
-constexpr std::array<std::string_view, 12> kExtensions{".pdf",  ".jpg", ".jpeg", ".png",
-                                                       ".webp", ".tif", ".tiff", ".bmp",
-                                                       ".pgm",  ".ppm", ".pnm",  ".jp2"};
+// Print files first, so that the pictures alone are the rest.
+constexpr std::array<std::string_view, 13> kExtensions{".pdf",  ".svg", ".jpg",  ".jpeg", ".png",
+                                                       ".webp", ".tif", ".tiff", ".bmp",  ".pgm",
+                                                       ".ppm",  ".pnm", ".jp2"};
 
 bool has_extension(const fs::path& path, std::span<const std::string_view> extensions) {
   std::string extension = path.extension().string();
@@ -60,7 +60,7 @@ Result<std::vector<fs::path>> files_from(std::istream& stream) {
 
 }  // namespace
 
-std::span<const std::string_view> image_extensions() { return std::span(kExtensions).subspan<1>(); }
+std::span<const std::string_view> image_extensions() { return std::span(kExtensions).subspan<2>(); }
 std::span<const std::string_view> image_and_pdf_extensions() { return kExtensions; }
 
 Result<std::vector<fs::path>> list_files(const std::vector<std::string>& arguments,

@@ -13,7 +13,7 @@
 
 namespace tagsmith {
 
-// Extensions of the pictures that load_gray_image reads, and those and PDF.
+// Extensions of the pictures that load_gray_image reads, and those, PDF and SVG.
 std::span<const std::string_view> image_extensions();
 std::span<const std::string_view> image_and_pdf_extensions();
 

@@ -117,6 +117,7 @@ std::string to_json_line(const FileReport& report) {
   for (const TagFinding& tag : report.tags) tags.push_back(to_json(tag));
   Json object{{"file", report.file.string()}, {"tags", tags}, {"findings", report.findings}};
   if (report.pages > 0) object["pages"] = report.pages;
+  if (report.stale) object["stale"] = true;
   return line_of(object);
 }
 
@@ -130,6 +131,7 @@ std::string to_json_line(const VerifySummary& summary) {
                     {"unreadable", summary.unreadable},
                     {"duplicate", summary.duplicate},
                     {"cut_off", summary.cut_off},
+                    {"stale", summary.stale},
                     {"missing", summary.missing}}}});
 }
 

@@ -59,6 +59,7 @@ void print_in_words(const VerifySummary& summary) {
       "duplicate, {} cut off\n",
       summary.files, summary.files == 1 ? "file" : "files", summary.files_with_findings, summary.ok,
       summary.unknown, summary.misprinted, summary.unreadable, summary.duplicate, summary.cut_off);
+  if (!summary.stale.empty()) fmt::print("print again: {}\n", joined(summary.stale));
   if (summary.missing.empty()) {
     fmt::print("every tag of the survey was seen\n");
   } else {
@@ -121,8 +122,9 @@ Command verify_command(CLI::App& parent) {
   CLI::App* app =
       parent.add_subcommand("verify", "Check print files and photos against the survey");
   app->add_option("survey", options->survey, "The survey")->required()->type_name("SURVEY");
-  app->add_option("file", options->files,
-                  "Pictures, PDFs, folders of them, or - for a list of files on standard input")
+  app->add_option(
+         "file", options->files,
+         "Pictures, PDFs, SVGs, folders of them, or - for a list of files on standard input")
       ->required()
       ->type_name("FILE");
   app->add_flag("--complete", options->complete,

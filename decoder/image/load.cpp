@@ -77,12 +77,16 @@ Result<GrayImage> decode(const std::string& bytes) {
 Result<GrayImage> load_gray_image(const std::filesystem::path& path) {
   const Result<std::string> bytes = read_file(path, kMaxFileBytes);
   if (!bytes) return fail(bytes.error().message);
-  if (bytes->empty()) return fail(path.string() + ": is empty, expected an image");
-  if (const auto header = check_header(*bytes); !header) {
-    return fail(path.string() + ": " + header.error().message);
+  return decode_gray_image(path.string(), *bytes);
+}
+
+Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes) {
+  if (bytes.empty()) return fail(name + ": is empty, expected an image");
+  if (const auto header = check_header(bytes); !header) {
+    return fail(name + ": " + header.error().message);
   }
-  Result<GrayImage> image = decode(*bytes);
-  if (!image) return fail(path.string() + ": " + image.error().message);
+  Result<GrayImage> image = decode(bytes);
+  if (!image) return fail(name + ": " + image.error().message);
   return image;
 }
 

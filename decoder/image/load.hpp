@@ -15,6 +15,9 @@ namespace tagsmith {
 // are truncated, or have more than 200 million pixels.
 Result<GrayImage> load_gray_image(const std::filesystem::path& path);
 
+// The same from an image file's bytes; `name` begins the message of an error.
+Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes);
+
 // The bytes of an image file of the format that the name's extension says (PNG, JPEG and others);
 // `jpeg_quality` 1 to 100 concerns JPEG only.
 Result<std::string> encode_gray_image(const std::filesystem::path& name, const GrayView& image,

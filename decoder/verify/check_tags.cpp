@@ -177,6 +177,7 @@ VerifySummary summarize(const Survey& survey, std::span<const FileReport> report
   for (const FileReport& report : reports) {
     ++summary.files;
     if (!report.findings.empty()) ++summary.files_with_findings;
+    if (report.stale) summary.stale.push_back(report.file.string());
     for (const TagFinding& tag : report.tags) {
       ++count(tag.status);
       if (tag.status == TagStatus::ok) seen.insert(tag.tag);

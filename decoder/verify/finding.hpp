@@ -41,6 +41,7 @@ struct FileReport {
   int pages = 0;  // 0 for a picture
   std::vector<TagFinding> tags;
   std::vector<std::string> findings;  // whatever is wrong, in words; empty = all well
+  bool stale = false;                 // printed from another state of the survey: print it again
 };
 
 // All files together.
@@ -53,6 +54,7 @@ struct VerifySummary {
   int unreadable = 0;
   int duplicate = 0;
   int cut_off = 0;
+  std::vector<std::string> stale;    // print files to print again
   std::vector<std::string> missing;  // names of the survey's tags that no file shows in order
 };
 

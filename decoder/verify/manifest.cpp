@@ -2,11 +2,15 @@
 #include "decoder/verify/manifest.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/compare.hpp"
 
 namespace tagsmith {
 namespace fs = std::filesystem;
@@ -22,6 +26,17 @@ std::optional<std::string> text_of(const json& object, const char* key) {
   return value->get<std::string>();
 }
 
+// The numbers of a list; empty when it is none, or holds anything else.
+std::vector<double> numbers_of(const json& list) {
+  std::vector<double> numbers;
+  if (!list.is_array()) return numbers;
+  for (const json& item : list) {
+    if (!item.is_number()) return {};
+    numbers.push_back(item.get<double>());
+  }
+  return numbers;
+}
+
 std::optional<ManifestTag> parse_tag(const json& object) {
   if (!object.is_object()) return std::nullopt;
   const std::optional<std::string> name = text_of(object, "tag");
@@ -31,6 +46,10 @@ std::optional<ManifestTag> parse_tag(const json& object) {
   const std::optional<Digits> parsed = parse_digits(*digits);
   if (!parsed) return std::nullopt;
   ManifestTag tag{*name, *parsed, {}};
+  if (const auto position = object.find("position"); position != object.end()) {
+    const std::vector<double> p = numbers_of(*position);
+    if (p.size() == 3) tag.p_in_grid = Eigen::Vector3d(p[0], p[1], p[2]);
+  }
   for (const json& file : *files) {
     if (!file.is_string()) return std::nullopt;
     tag.files.push_back(file.get<std::string>());
@@ -60,10 +79,74 @@ std::string outdated(const Survey& survey, const ManifestTag& printed) {
   if (placed == nullptr) {
     return fmt::format("{} was printed, but survey {} has no such tag", printed.name, survey.name);
   }
-  if (placed->digits == printed.digits) return {};
-  return fmt::format("{} was printed as {}, but survey {} now says {}: print it again",
-                     printed.name, to_string(printed.digits), survey.name,
-                     to_string(placed->digits));
+  if (placed->digits != printed.digits) {
+    return fmt::format("{} was printed as {}, but survey {} now says {}: print it again",
+                       printed.name, to_string(printed.digits), survey.name,
+                       to_string(placed->digits));
+  }
+  if (!printed.p_in_grid) return {};
+  const double distance = (placed->p_in_grid - *printed.p_in_grid).norm();
+  if (distance <= kSamePlace) return {};
+  return fmt::format(
+      "the label of {} says a place {} mm from where survey {} now has it: print it "
+      "again, or keep the plate and hang it by the new list",
+      printed.name, format_number(distance * 1e3, 1), survey.name);
+}
+
+// What the survey's template has otherwise than it was printed; empty when nothing.
+std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
+  struct Size {
+    const char* key;
+    const char* words;
+    double width;
+    double height;
+  };
+  const Size sizes[] = {
+      {"plate_mm", "a plate", tag.plate_length, tag.plate_height},
+      {"feature_frame_inner_mm", "a feature frame inside", tag.frame_inner_length,
+       tag.frame_inner_height},
+  };
+  constexpr double kSameSize = 0.001;  // mm
+  for (const Size& size : sizes) {
+    const auto printed = manifest.sizes.find(size.key);
+    if (printed == manifest.sizes.end() || printed->second.size() != 2) continue;
+    const double width = size.width * 1e3;
+    const double height = size.height * 1e3;
+    if (std::abs(printed->second[0] - width) < kSameSize &&
+        std::abs(printed->second[1] - height) < kSameSize) {
+      continue;
+    }
+    return fmt::format(
+        "it was printed with {} of {} x {} mm, but {} now has {} x {} mm: print it "
+        "again",
+        size.words, format_number(printed->second[0], 3), format_number(printed->second[1], 3),
+        tag.name, format_number(width, 3), format_number(height, 3));
+  }
+  return {};
+}
+
+// Fields that older manifests lack; whatever is not understood is left out.
+void read_details(const json& root, PrintManifest& manifest) {
+  for (const char* key : {"plate_mm", "feature_frame_inner_mm"}) {
+    if (root.contains(key)) manifest.sizes[key] = numbers_of(root[key]);
+  }
+  if (root.contains("documents") && root["documents"].is_array()) {
+    for (const json& file : root["documents"]) {
+      if (file.is_string()) manifest.documents.push_back(file.get<std::string>());
+    }
+  }
+  if (root.contains("sha256") && root["sha256"].is_object()) {
+    for (const auto& [file, hash] : root["sha256"].items()) {
+      if (hash.is_string()) manifest.sha256[file] = hash.get<std::string>();
+    }
+  }
+  manifest.tiled =
+      root.contains("tiled") && root["tiled"].is_boolean() && root["tiled"].get<bool>();
+  constexpr int kMostDotsPerInch = 10'000;
+  const auto dots = root.find("png_dots_per_inch");
+  if (dots == root.end() || !dots->is_number()) return;
+  const double value = dots->get<double>();
+  if (value >= 1 && value <= kMostDotsPerInch) manifest.dots_per_inch = static_cast<int>(value);
 }
 
 }  // namespace
@@ -89,11 +172,11 @@ Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
     }
     manifest.tags.push_back(std::move(*tag));
   }
+  read_details(root, manifest);
   return manifest;
 }
 
-FileReport check_against_manifest(const PrintManifest& manifest, const Survey& survey,
-                                  FileReport report) {
+FileReport check_against_manifest(const PrintManifest& manifest, FileReport report) {
   const std::vector<ManifestTag> expected = tags_of_file(manifest, report.file.filename().string());
   if (expected.empty()) return report;
   std::vector<bool> found(expected.size(), false);
@@ -113,8 +196,32 @@ FileReport check_against_manifest(const PrintManifest& manifest, const Survey& s
       report.findings.push_back(fmt::format("{} {} was not read, but manifest.json says it is here",
                                             expected[i].name, to_string(expected[i].digits)));
     }
-    const std::string old = outdated(survey, expected[i]);
-    if (!old.empty()) report.findings.push_back(old);
+  }
+  return report;
+}
+
+ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file) {
+  if (std::ranges::count(manifest.documents, file) > 0) return ManifestEntry::document;
+  if (tags_of_file(manifest, file).empty()) return ManifestEntry::stranger;
+  return manifest.tiled ? ManifestEntry::tiles : ManifestEntry::tags;
+}
+
+FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, FileReport report) {
+  const std::string file = report.file.filename().string();
+  const auto hash = manifest.sha256.find(file);
+  if (hash != manifest.sha256.end() && sha256_of_file(report.file) != hash->second) {
+    report.findings.emplace_back(
+        "it is not the file that was printed: its SHA-256 is not that of "
+        "manifest.json");
+  }
+  std::vector<std::string> reasons;
+  const std::vector<ManifestTag> tags = tags_of_file(manifest, file);
+  if (!tags.empty()) reasons.push_back(other_plate(manifest, survey.tag_template));
+  for (const ManifestTag& tag : tags) reasons.push_back(outdated(survey, tag));
+  for (const std::string& reason : reasons) {
+    if (reason.empty()) continue;
+    report.stale = true;
+    report.findings.push_back("stale: " + reason);
   }
   return report;
 }

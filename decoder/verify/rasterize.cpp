@@ -2,6 +2,7 @@
 #include "decoder/verify/rasterize.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "decoder/image/load.hpp"
 #include "decoder/verify/child_process.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -97,6 +99,13 @@ double dots_per_inch(const PageSize& size) {
 
 }  // namespace
 
+bool is_svg(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".svg";
+}
+
 bool is_pdf(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   std::string start(5, '\0');
@@ -140,6 +149,36 @@ Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
   std::optional<GrayImage> image = parse_pgm(*bytes);
   if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
   return PageImage{std::move(*image), kMetresPerInch / dpi};
+}
+
+Result<GrayImage> rasterize_region(const std::filesystem::path& path, int number,
+                                   double dots_per_inch, const PixelRegion& region) {
+  const std::string page = std::to_string(number);
+  const Result<std::string> bytes =
+      run_poppler(path, {"pdftoppm", "-gray", "-r", format_number(dots_per_inch, 6), "-x",
+                         std::to_string(region.x), "-y", std::to_string(region.y), "-W",
+                         std::to_string(region.width), "-H", std::to_string(region.height), "-f",
+                         page, "-l", page, argument_of(path)});
+  if (!bytes) return fail(bytes.error().message);
+  std::optional<GrayImage> image = parse_pgm(*bytes);
+  if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
+  return std::move(*image);
+}
+
+Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch) {
+  const std::string dpi = format_number(dots_per_inch, 6);
+  const Result<ProcessOutput> output =
+      run_process({"rsvg-convert", "--dpi-x", dpi, "--dpi-y", dpi, "--background-color", "white",
+                   argument_of(path)});
+  if (!output) {
+    return fail(path.string() + ": SVG files need librsvg2-bin: " + output.error().message);
+  }
+  if (output->exit_code != 0) {
+    return fail(path.string() + ": is no SVG that can be drawn: " + first_line(output->err));
+  }
+  Result<GrayImage> image = decode_gray_image(path.string(), output->out);
+  if (!image) return fail(image.error().message);
+  return PageImage{std::move(*image), kMetresPerInch / dots_per_inch};
 }
 
 }  // namespace tagsmith

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PDF pages as grey images, by the programs pdfinfo and pdftoppm of poppler-utils, which run as
-// processes of their own.
+// Print files as grey images: PDF by the programs pdfinfo and pdftoppm of poppler-utils, SVG by
+// rsvg-convert of librsvg2-bin, which run as processes of their own.
 #pragma once
 
 #include <filesystem>
@@ -25,6 +25,9 @@ struct PageImage {
 // True when the file begins as PDF files do.
 bool is_pdf(const std::filesystem::path& path);
 
+// True when the file is called .svg, in any case of letters.
+bool is_svg(const std::filesystem::path& path);
+
 // The pages' sizes. Fails when poppler-utils is not installed, the file is no readable PDF, or has
 // more than 1000 pages.
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path);
@@ -33,5 +36,21 @@ Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path);
 // Fails when the page takes longer than a minute.
 Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
                                  const PageSize& size);
+
+// A part of a page in whole pixels at some resolution, counted from the page's upper left corner.
+struct PixelRegion {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
+// That part of page `number` of a PDF. Fails as rasterize_page does.
+Result<GrayImage> rasterize_region(const std::filesystem::path& path, int number,
+                                   double dots_per_inch, const PixelRegion& region);
+
+// A whole SVG; 150 dpi serve for reading. Fails when rsvg-convert is not installed, the file is no
+// SVG, or the picture would have more than 200 million pixels.
+Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch = 150);
 
 }  // namespace tagsmith

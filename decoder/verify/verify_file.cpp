@@ -13,6 +13,7 @@
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/rasterize.hpp"
+#include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith {
 namespace {
@@ -51,19 +52,6 @@ void describe_tags(FileReport& report) {
   }
 }
 
-Result<FileReport> verify_picture(const Survey& survey, const std::filesystem::path& path) {
-  const Result<GrayImage> image = load_gray_image(path);
-  if (!image) return fail(image.error().message);
-  FileReport report;
-  report.file = path;
-  report.tags = check_tags(survey, read_for_survey(image->view(), survey),
-                           PictureSize{image->width, image->height});
-  const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
-  if (std::ranges::all_of(report.tags, is_cut_off))
-    report.findings.emplace_back("no tag was found");
-  return report;
-}
-
 std::vector<TagFinding> verify_page(const Survey& survey, const PageImage& page, int number) {
   std::vector<TagFinding> tags = check_tags(survey, read_for_survey(page.image.view(), survey));
   for (TagFinding& tag : tags) {
@@ -90,11 +78,46 @@ void find_repeats(std::vector<TagFinding>& tags) {
   }
 }
 
+Result<FileReport> verify_picture(const Survey& survey, const std::filesystem::path& path) {
+  const Result<GrayImage> image = load_gray_image(path);
+  if (!image) return fail(image.error().message);
+  FileReport report;
+  report.file = path;
+  report.tags = check_tags(survey, read_for_survey(image->view(), survey),
+                           PictureSize{image->width, image->height});
+  const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
+  if (std::ranges::all_of(report.tags, is_cut_off))
+    report.findings.emplace_back("no tag was found");
+  return report;
+}
+
+// A print file's page as one picture.
+Result<FileReport> verify_print_picture(const Survey& survey, const std::filesystem::path& path,
+                                        const PageImage& image) {
+  FileReport report;
+  report.file = path;
+  report.tags = verify_page(survey, image, 0);
+  if (report.tags.empty()) report.findings.emplace_back("no tag was found");
+  return report;
+}
+
+Result<FileReport> verify_svg(const Survey& survey, const std::filesystem::path& path) {
+  const Result<PageImage> page = rasterize_svg(path);
+  if (!page) return fail(page.error().message);
+  return verify_print_picture(survey, path, *page);
+}
+
+// A PNG that the manifest names has a resolution; any other picture is a photo.
+Result<FileReport> verify_png(const Survey& survey, const std::filesystem::path& path,
+                              int dots_per_inch) {
+  Result<GrayImage> image = load_gray_image(path);
+  if (!image) return fail(image.error().message);
+  return verify_print_picture(survey, path, {std::move(*image), kMetresPerInch / dots_per_inch});
+}
+
 Result<FileReport> verify_pdf(const Survey& survey, const std::filesystem::path& path) {
   const Result<std::vector<PageSize>> pages = pdf_pages(path);
   if (!pages) return fail(pages.error().message);
-  const Result<std::optional<PrintManifest>> manifest = find_manifest(path);
-  if (!manifest) return fail(manifest.error().message);
   FileReport report;
   report.file = path;
   report.pages = static_cast<int>(pages->size());
@@ -107,8 +130,27 @@ Result<FileReport> verify_pdf(const Survey& survey, const std::filesystem::path&
     std::ranges::copy(tags, std::back_inserter(report.tags));
   }
   find_repeats(report.tags);
-  if (*manifest) report = check_against_manifest(**manifest, survey, std::move(report));
   return report;
+}
+
+Result<FileReport> read_and_check(const Survey& survey, const std::filesystem::path& path,
+                                  int dots_per_inch) {
+  if (is_pdf(path)) return verify_pdf(survey, path);
+  if (is_svg(path)) return verify_svg(survey, path);
+  return dots_per_inch > 0 ? verify_png(survey, path, dots_per_inch) : verify_picture(survey, path);
+}
+
+// A file that `print` wrote: documents hold no tag, tiles none that could be read alone.
+Result<FileReport> verify_printed(const Survey& survey, const std::filesystem::path& path,
+                                  const PrintManifest& manifest, ManifestEntry entry) {
+  FileReport report;
+  report.file = path;
+  if (entry == ManifestEntry::tags) {
+    Result<FileReport> read = read_and_check(survey, path, manifest.dots_per_inch);
+    if (!read) return read;
+    report = check_against_manifest(manifest, std::move(*read));
+  }
+  return check_freshness(manifest, survey, std::move(report));
 }
 
 }  // namespace
@@ -134,8 +176,13 @@ ReadResult read_for_survey(const GrayView& image, const Survey& survey) {
 }
 
 Result<FileReport> verify_file(const Survey& survey, const std::filesystem::path& path) {
-  Result<FileReport> report =
-      is_pdf(path) ? verify_pdf(survey, path) : verify_picture(survey, path);
+  const Result<std::optional<PrintManifest>> manifest = find_manifest(path);
+  if (!manifest) return fail(manifest.error().message);
+  const ManifestEntry entry =
+      *manifest ? entry_of(**manifest, path.filename().string()) : ManifestEntry::stranger;
+  Result<FileReport> report = entry == ManifestEntry::stranger
+                                  ? read_and_check(survey, path, 0)
+                                  : verify_printed(survey, path, **manifest, entry);
   if (report) describe_tags(*report);
   return report;
 }

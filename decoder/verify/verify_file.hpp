@@ -21,8 +21,10 @@ ReadResult read_for_survey(const GrayView& image, const Survey& survey);
 // and a refusal that lies on any reading is dropped.
 ReadResult merge_readings(const ReadResult& first, const ReadResult& second);
 
-// Reads the file and checks its tags. In print files (PDF) every page must hold a tag, the printed
-// size must be the template's, and the content what the manifest beside the file says.
+// Reads the file and checks its tags. In print files (PDF, SVG, and PNG that the manifest beside it
+// names) every page must hold a tag, the printed size must be the template's, and the content what
+// the manifest says; the file must be the one that was printed, and not stale. Tiles and the
+// installer's documents are not read, the rest is checked.
 // Fails when the file cannot be read at all.
 Result<FileReport> verify_file(const Survey& survey, const std::filesystem::path& path);
 

@@ -3,217 +3,291 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/cli/print_manifest.hpp"
-#include "tagsmith/cli/staged_files.hpp"
-#include "tagsmith/render/pdf.hpp"
-#include "tagsmith/render/svg.hpp"
-#include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/cli/print_only.hpp"
+#include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith {
 namespace {
 
-constexpr const char* kSingleFile = "tags.pdf";
-
 struct PrintOptions {
   std::string survey;
   std::string folder;
-  std::string format = "both";
+  std::vector<std::string> formats{"both"};
   std::vector<std::string> tags;  // names; empty = all
+  std::string only;               // file that names tags; empty = none
+  std::string paper;
+  double bleed_mm = 3;
+  double overlap_mm = 10;
+  double bar_adjustment_mm = 0;
+  double tolerance_mm = 0;
+  std::string point_order = "PENZD";
+  int dots_per_inch = 0;
+  bool tiled = false;
   bool single = false;
+  bool no_setting_out = false;
+  bool proof = false;
   bool json = false;
   int jobs = 0;  // 0 = all cores
 
-  bool pdf() const { return format != "svg"; }
-  bool svg() const { return format != "pdf"; }
+  bool has(const char* format) const { return std::ranges::count(formats, format) > 0; }
 };
 
-Error unknown_tag(const Survey& survey, const std::string& name) {
+Error unknown_tag(const Survey& survey, const std::string& option, const std::string& name) {
   std::vector<std::string> names;
   for (const PlacedTag& tag : survey.tags) names.push_back(tag.name);
   const std::optional<std::string> meant = nearest_word(name, names);
-  return {fmt::format("--tags: survey {} has no tag \"{}\"{}", survey.name, name,
+  return {fmt::format("{}: survey {} has no tag \"{}\"{}", option, survey.name, name,
                       meant ? ", did you mean " + *meant + "?" : "")};
 }
 
-// In the survey's order, each once.
-Result<std::vector<const PlacedTag*>> select_tags(const Survey& survey,
-                                                  const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    if (find_tag(survey, name) == nullptr) return tl::unexpected(unknown_tag(survey, name));
+// In the survey's order, each once. `names`: those wanted; nothing = all.
+Result<std::vector<const PlacedTag*>> select_tags(
+    const Survey& survey, const std::string& option,
+    const std::optional<std::vector<std::string>>& names) {
+  std::set<std::string> wanted;
+  for (const std::string& name : names.value_or(std::vector<std::string>{})) {
+    if (find_tag(survey, name) == nullptr) return tl::unexpected(unknown_tag(survey, option, name));
+    wanted.insert(name);
   }
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : survey.tags) {
-    if (names.empty() || std::ranges::count(names, tag.name) > 0) tags.push_back(&tag);
+    if (!names || wanted.contains(tag.name)) tags.push_back(&tag);
   }
-  if (tags.empty()) return fail(survey.file.string() + ": has no tags to print");
   return tags;
 }
 
-// Tag names become file names.
-Result<void> check_file_names(const std::vector<const PlacedTag*>& tags) {
-  for (const PlacedTag* tag : tags) {
-    const bool usable = !tag->name.empty() && tag->name.front() != '.' &&
-                        tag->name.find('/') == std::string::npos && tag->name.size() < 200 &&
-                        printable_text(tag->name) == tag->name;
-    if (!usable) return fail("tag \"" + tag->name + "\": its name cannot be a file's name");
+Result<std::vector<const PlacedTag*>> chosen_tags(const Survey& survey,
+                                                  const PrintOptions& options) {
+  if (options.only.empty()) {
+    const auto names = options.tags.empty() ? std::nullopt : std::optional(options.tags);
+    return select_tags(survey, "--tags", names);
   }
-  return {};
+  const Result<std::vector<std::string>> names = read_tags_to_print(options.only, std::cin);
+  if (!names) return fail(names.error().message);
+  return select_tags(survey, options.only, *names);
 }
 
-std::vector<PrintedTag> plan_files(const std::vector<const PlacedTag*>& tags,
-                                   const PrintOptions& options) {
-  std::vector<PrintedTag> printed;
-  for (const PlacedTag* tag : tags) {
-    PrintedTag item{tag, {}};
-    if (options.pdf()) item.files.push_back(options.single ? kSingleFile : tag->name + ".pdf");
-    if (options.svg()) item.files.push_back(tag->name + ".svg");
-    printed.push_back(std::move(item));
+Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey) {
+  constexpr double kMillimetre = 1e-3;
+  PrintStyle style;
+  style.pdf = options.has("pdf") || options.has("both");
+  style.svg = options.has("svg") || options.has("both");
+  style.png = options.has("png");
+  style.single = options.single;
+  style.dots_per_inch = options.dots_per_inch;
+  style.bar_adjustment = kMillimetre * options.bar_adjustment_mm;
+  style.bleed = kMillimetre * options.bleed_mm;
+  style.tiled = options.tiled;
+  style.overlap = kMillimetre * options.overlap_mm;
+  style.revision = survey_revision(survey);
+  style.jobs = options.jobs;
+  if (options.single && !style.pdf) return fail("--single makes one PDF, but --format has no pdf");
+  if (options.tiled && options.paper.empty()) {
+    return fail("--tile needs the paper of the tiles: --paper A4");
   }
-  return printed;
+  if (options.paper.empty()) return style;
+  const Result<PrintPaper> paper = parse_print_paper(options.paper);
+  if (!paper) return fail(paper.error().message);
+  style.paper = *paper;
+  return style;
 }
 
-Result<void> write_tag(const Page& page, const std::string& name, const PrintOptions& options,
-                       const StagedFiles& files) {
-  if (options.pdf() && !options.single) {
-    const Result<std::string> pdf = render_pdf(std::span(&page, 1));
-    if (!pdf) return fail(pdf.error().message);
-    if (auto added = files.add(name + ".pdf", *pdf); !added) return added;
+// What the files lack, or readers must know, through no fault of the survey; on standard error.
+void warn(const PrintJob& job) {
+  const auto say = [](const std::string& text) {
+    fmt::print(stderr, "tagsmith print: warning: {}\n", text);
+  };
+  const TagTemplate& tag = job.printed;
+  if (tag.label.shown && printed_drawing(job, *job.units.front().tags.front()).label.empty()) {
+    say("template " + tag.name +
+        ": no room for a label below the feature frame, the plates carry none");
   }
-  return options.svg() ? files.add(name + ".svg", render_svg(page)) : Result<void>{};
-}
-
-Result<void> write_tags(const std::vector<Page>& pages, const std::vector<PrintedTag>& printed,
-                        const PrintOptions& options, const StagedFiles& files) {
-  std::vector<Result<void>> written(pages.size());
-  tbb::task_arena arena(options.jobs > 0 ? options.jobs : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, pages.size(), [&](std::size_t i) {
-      written[i] = write_tag(pages[i], printed[i].tag->name, options, files);
-    });
-  });
-  const auto failed = std::ranges::find_if(written, [](const auto& result) { return !result; });
-  return failed == written.end() ? Result<void>{} : *failed;
-}
-
-Result<void> write_single_pdf(const std::vector<Page>& pages, const Survey& survey,
-                              const StagedFiles& files) {
-  const PageNotes notes{survey.name, fmt::format("{} position tags, template {}", pages.size(),
-                                                 survey.tag_template.name)};
-  const Result<std::string> pdf = render_pdf(pages, notes);
-  return pdf ? files.add(kSingleFile, *pdf) : fail(pdf.error().message);
-}
-
-Result<void> write_manifests(const Survey& survey, const Page& page,
-                             const std::vector<PrintedTag>& printed, const StagedFiles& files) {
-  if (auto added = files.add("manifest.json", print_manifest_json(survey, page, printed)); !added) {
-    return added;
+  if (!has_glyphs(job.survey->name)) {
+    say("no font on this machine has every character of the survey's name " + job.survey->name +
+        ": install one, for example fonts-noto-cjk");
   }
-  return files.add("manifest.csv", print_manifest_csv(survey, page, printed));
-}
-
-// What the files lack through no fault of the survey, said on standard error.
-void warn(const Survey& survey, const Page& page) {
-  if (survey.tag_template.label.shown && page.tags[0].drawing.label.empty()) {
-    fmt::print(stderr,
-               "tagsmith print: warning: template {}: no room for a label below the feature frame, "
-               "the plates carry none\n",
-               survey.tag_template.name);
-  }
-  if (!has_glyphs(survey.name)) {
-    fmt::print(stderr,
-               "tagsmith print: warning: no font on this machine has every character of the "
-               "survey's name {}: install one, for example fonts-noto-cjk\n",
-               survey.name);
+  if (!job.rounding.empty()) {
+    say(fmt::format(
+        "{}. Cameras look for the bars where the template says: write dots_per_inch: {} "
+        "into symbol of template {}",
+        job.rounding, job.style.dots_per_inch, tag.name));
   }
 }
 
-void report(const std::vector<PrintedTag>& printed, const PrintOptions& options) {
+void report(const PrintRecord& record, const PrintOptions& options) {
   const std::string folder = (std::filesystem::path(options.folder) / "").string();
   std::vector<std::string> others;
-  if (options.pdf() && options.single) others.push_back(folder + kSingleFile);
-  others.insert(others.end(), {folder + "manifest.json", folder + "manifest.csv"});
-  for (const PrintedTag& item : printed) {
+  std::set<std::string> shown;
+  for (const PrintedTag& item : record.tags) {
     if (options.json) fmt::print("{}\n", printed_tag_json(item, folder));
     for (const std::string& file : item.files) {
-      if (!options.json && file != kSingleFile) fmt::print("{}\n", folder + file);
+      if (file == kSinglePdf && shown.insert(file).second) others.push_back(folder + file);
+      if (options.json || !shown.insert(file).second) continue;
+      fmt::print("{}\n", folder + file);
     }
   }
-  if (options.json) {
-    const nlohmann::json summary{{"summary", {{"count", printed.size()}, {"files", others}}}};
-    fmt::print("{}\n", summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-  } else {
+  for (const std::string& file : record.documents) others.push_back(folder + file);
+  others.insert(others.end(), {folder + "manifest.json", folder + "manifest.csv"});
+  if (!options.json) {
     for (const std::string& file : others) fmt::print("{}\n", file);
+    return;
   }
+  const nlohmann::json summary{{"summary", {{"count", record.tags.size()}, {"files", others}}}};
+  fmt::print("{}\n", summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-Result<void> print(const PrintOptions& options) {
-  if (options.single && !options.pdf()) return fail("--single makes one PDF, but --format is svg");
+void report_problems(const PrintRecord& record) {
+  int problems = 0;
+  for (const TagProof& proof : *record.proofs) {
+    if (proof.problem.empty()) continue;
+    ++problems;
+    fmt::print(stderr, "tagsmith print: proof: {} in {}: {}\n", proof.tag, proof.file,
+               proof.problem);
+  }
+  fmt::print(stderr, "tagsmith print: the proof found {} fault{}; nothing was written\n", problems,
+             problems == 1 ? "" : "s");
+}
+
+void report_proof(const PrintRecord& record) {
+  double farthest = 0;
+  int asked_zbar = 0;
+  for (const TagProof& proof : *record.proofs) {
+    farthest = std::max(farthest, proof.corner_error);
+    asked_zbar += proof.zbar.empty() ? 0 : 1;
+  }
+  fmt::print(stderr,
+             "tagsmith print: proof: {} tags read as the survey has them{}, corners within {} mm\n",
+             record.proofs->size(),
+             asked_zbar > 0 ? fmt::format(", {} of them by zbar too", asked_zbar) : "",
+             format_number(farthest * 1000, 3));
+}
+
+Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
-  const auto tags = select_tags(*survey, options.tags);
+  const Result<PrintStyle> style = style_of(options, *survey);
+  if (!style) return fail(style.error().message);
+  const auto tags = chosen_tags(*survey, options);
   if (!tags) return fail(tags.error().message);
-  if (auto usable = check_file_names(*tags); !usable) return usable;
-  const std::vector<PrintedTag> printed = plan_files(*tags, options);
-  std::vector<Page> pages;
-  for (const PlacedTag* tag : *tags) pages.push_back(tag_page(*survey, *tag));
+  if (tags->empty() && !options.only.empty()) {
+    fmt::print(stderr, "tagsmith print: {} names no tag to print\n", options.only);
+    return kExitOk;
+  }
+  const Result<PrintJob> job = plan_print(*survey, *tags, *style);
+  if (!job) return fail(job.error().message);
+  PrintExtras extras;
+  extras.setting_out = !options.no_setting_out;
+  extras.tolerance = options.tolerance_mm / 1000;
+  extras.northing_first = options.point_order == "PNEZD";
+  if (options.proof) extras.prove = prove;
+  const Result<PrintRecord> record = run_print(*job, options.folder, extras);
+  if (!record) return fail(record.error().message);
+  warn(*job);
+  if (has_problems(*record)) {
+    report_problems(*record);
+    return kExitFindings;
+  }
+  if (record->proofs) report_proof(*record);
+  report(*record, options);
+  return kExitOk;
+}
 
-  Result<StagedFiles> files = StagedFiles::begin(options.folder);
-  if (!files) return fail(files.error().message);
-  if (auto written = write_tags(pages, printed, options, *files); !written) return written;
-  if (options.pdf() && options.single) {
-    if (auto written = write_single_pdf(pages, *survey, *files); !written) return written;
-  }
-  if (auto written = write_manifests(*survey, pages.front(), printed, *files); !written) {
-    return written;
-  }
-  if (auto published = files->publish(); !published) return published;
-  warn(*survey, pages.front());
-  report(printed, options);
-  return {};
+void add_paper_options(CLI::App& app, PrintOptions& options) {
+  app.add_option("--paper", options.paper,
+                 "A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in mm: as many "
+                 "plates a page as it holds (default: the page is one plate with its margin)");
+  app.add_flag("--tile", options.tiled,
+               "Plates in pieces on several sheets of the paper, with an assembly sheet");
+  app.add_option("--overlap", options.overlap_mm, "Of neighbouring tiles, mm (default: 10)")
+      ->check(CLI::Range(5.0, 50.0));
+  app.add_option("--bleed", options.bleed_mm,
+                 "How far crop marks and bleed box stand off the plate, mm (default: 3)")
+      ->check(CLI::Range(0.0, 20.0));
+}
+
+void add_printer_options(CLI::App& app, PrintOptions& options) {
+  app.add_option("--dpi", options.dots_per_inch,
+                 "The printer's dots per inch: modules fill whole dots; also the resolution of PNG "
+                 "and of the proof (default: the template's dots_per_inch, else 300 for those)")
+      ->check(CLI::Range(50, 10'000));
+  app.add_option("--bar-adjust", options.bar_adjustment_mm,
+                 "Added to the width of every bar and of the frame, mm; -0.1 takes away what the "
+                 "ink adds (default: 0)")
+      ->check(CLI::Range(-1.0, 1.0));
+  app.add_flag("--proof", options.proof,
+               "Draw the files as pixels, read them, and write nothing unless digits, sizes and "
+               "corners are the survey's");
+}
+
+void add_installer_options(CLI::App& app, PrintOptions& options) {
+  app.add_flag("--no-setting-out", options.no_setting_out,
+               "Without the installer's setting-out.csv and setting-out.pdf");
+  app.add_option("--tolerance", options.tolerance_mm,
+                 "How far P may hang from its place, mm, for the setting-out list (default: twice "
+                 "the survey's sigma, at least 5)")
+      ->check(CLI::Range(0.1, 1000.0));
+  app.add_option("--point-order", options.point_order,
+                 "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)")
+      ->check(CLI::IsMember({"PENZD", "PNEZD"}));
 }
 
 }  // namespace
 
-Command print_command(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("print", "Print-ready PDF and SVG files of a survey's tags");
+Command print_command(CLI::App& parent, const ProvePages& prove) {
+  CLI::App* app = parent.add_subcommand(
+      "print", "Print-ready PDF, SVG and PNG files of a survey's tags, and the installer's lists");
   const auto options = std::make_shared<PrintOptions>();
   app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
   app->add_option("-o,--output", options->folder,
                   "Folder for the files and their manifest; made if missing")
       ->required();
-  app->add_option("--format", options->format, "pdf, svg or both (default: both)")
-      ->check(CLI::IsMember({"pdf", "svg", "both"}));
-  app->add_option("--tags", options->tags, "Only these tags, by name, separated by commas")
-      ->delimiter(',');
-  app->add_flag("--single", options->single, "All tags in one PDF, tags.pdf, a page each");
+  app->add_option("--format", options->formats,
+                  "pdf, svg, png, separated by commas, or both = pdf,svg (default: both)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"pdf", "svg", "png", "both"}));
+  CLI::Option* tags =
+      app->add_option("--tags", options->tags, "Only these tags, by name, separated by commas")
+          ->delimiter(',');
+  app->add_option("--only", options->only,
+                  "Only the tags that this file names, one a line; the output of `tagsmith diff` "
+                  "will do; - for standard input")
+      ->excludes(tags);
+  app->add_flag("--single", options->single, "All pages in one PDF, tags.pdf");
+  add_paper_options(*app, *options);
+  add_printer_options(*app, *options);
+  add_installer_options(*app, *options);
   app->add_option("--jobs", options->jobs, "Cores to use at most (default: all)")
       ->check(CLI::Range(1, 1024));
   app->add_flag("--json", options->json, "One JSON object a printed tag, then a summary");
   app->footer(
-      "Every page is the plate at true scale with crop marks, and a 100 mm scale bar in both\n"
-      "directions in the margin: print at 100 %, then measure both.\n\n"
+      "Every page is at true scale, with a 100 mm scale bar in both directions: print at 100 %,\n"
+      "then measure both. Exit: 0 printed, 1 the proof found a fault, 2 wrong use or unreadable\n"
+      "input; nothing is written with 1 and 2.\n\n"
       "Example:\n"
       "  tagsmith print surveys/corridor/survey.yaml -o out/print\n"
+      "  tagsmith print surveys/corridor/survey.yaml -o out/office --paper A4 --tile --format pdf\n"
       "  tagsmith print surveys/corridor/survey.yaml -o out/spares --format pdf --tags 000L,003R");
-  return {app, [options] {
-            const Result<void> printed = print(*options);
-            return printed ? kExitOk : report_failure("print", printed.error());
+  return {app, [options, prove] {
+            const Result<int> printed = print(*options, prove);
+            return printed ? *printed : report_failure("print", printed.error());
           }};
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include "tagsmith/cli/command.hpp"
+#include "tagsmith/cli/print_proof.hpp"
 
 namespace tagsmith {
 
-Command print_command(CLI::App& parent);
+// `prove` is what --proof runs.
+Command print_command(CLI::App& parent, const ProvePages& prove);
 
 }  // namespace tagsmith

@@ -7,6 +7,7 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/csv.hpp"
 #include "tagsmith/render/text.hpp"
 
 namespace tagsmith {
@@ -50,6 +51,22 @@ std::string joined(const std::vector<std::string>& files) {
   return text;
 }
 
+Json proofs_json(const std::vector<TagProof>& proofs) {
+  Json list = Json::array();
+  for (const TagProof& proof : proofs) {
+    list.push_back({{"tag", proof.tag},
+                    {"file", proof.file},
+                    {"dots_per_inch", std::round(proof.dots_per_inch * 100) / 100},
+                    {"digits", proof.digits},
+                    {"length_error_mm", mm(proof.length_error)},
+                    {"height_error_mm", mm(proof.height_error)},
+                    {"corner_error_mm", mm(proof.corner_error)},
+                    {"zbar", proof.zbar},
+                    {"problem", proof.problem}});
+  }
+  return list;
+}
+
 std::string mm_text(double metres) { return format_number(metres * 1000, 6); }
 
 }  // namespace
@@ -58,33 +75,55 @@ std::string printed_tag_json(const PrintedTag& printed, const std::string& folde
   return dump(tag_json(printed, folder), -1);
 }
 
-std::string print_manifest_json(const Survey& survey, const Page& page,
-                                const std::vector<PrintedTag>& printed) {
-  const TagTemplate& tag = survey.tag_template;
+std::vector<PrintedTag> printed_tags(const PrintJob& job) {
+  std::vector<PrintedTag> printed;
+  for (const PrintUnit& unit : job.units) {
+    const std::vector<std::string> files = files_of(job, unit);
+    for (const PlacedTag* tag : unit.tags) printed.push_back({tag, files});
+  }
+  return printed;
+}
+
+std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
+  const TagTemplate& tag = job.printed;
+  const Page page = pages_of(job, job.units.front()).back();
   Json tags = Json::array();
-  for (const PrintedTag& item : printed) tags.push_back(tag_json(item, {}));
-  const Json manifest{
-      {"survey", survey.name},
-      {"survey_file", survey.file.string()},
+  for (const PrintedTag& item : record.tags) tags.push_back(tag_json(item, {}));
+  Json manifest{
+      {"survey", job.survey->name},
+      {"survey_file", job.survey->file.string()},
+      {"revision", job.style.revision},
       {"template", tag.name},
-      {"check_digit", to_string(survey.code.check)},
+      {"check_digit", to_string(job.survey->code.check)},
       {"page_mm", {mm(page.width), mm(page.height)}},
       {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
       {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
       {"module_mm", mm(module_width(tag))},
-      {"tags", tags}};
+      {"quiet_zone_modules", micrometre(tag.quiet_zone_modules)},
+      {"dots_per_inch", job.dots_per_inch()},
+      {"png_dots_per_inch", job.png_dots_per_inch()},
+      {"tiled", job.style.tiled},
+      {"rounding", job.rounding},
+      {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
+      {"material", tag.material},
+      {"paper", job.style.paper ? job.style.paper->name : ""},
+      {"tags", tags},
+      {"documents", record.documents},
+      {"sha256", record.sha256}};
+  if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
   return dump(manifest, 2) + "\n";
 }
 
-std::string print_manifest_csv(const Survey& survey, const Page& page,
-                               const std::vector<PrintedTag>& printed) {
-  const TagTemplate& tag = survey.tag_template;
+std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
+  const TagTemplate& tag = job.printed;
+  const Survey& survey = *job.survey;
+  const Page page = pages_of(job, job.units.front()).back();
   std::string csv = csv_row(split(
       "survey,survey_file,tag,side,digits,x,y,z,coded_x,coded_y,coded_z,rounding_x,rounding_y,"
       "rounding_z,chainage,files,template,check_digit,page_width_mm,page_height_mm,plate_length_mm,"
-      "plate_height_mm,frame_inner_length_mm,frame_inner_height_mm,module_mm",
+      "plate_height_mm,frame_inner_length_mm,frame_inner_height_mm,module_mm,revision",
       ','));
-  for (const PrintedTag& item : printed) {
+  for (const PrintedTag& item : record.tags) {
     std::vector<std::string> fields{survey.name, survey.file.string(), item.tag->name,
                                     to_string(item.tag->side), to_string(item.tag->digits)};
     append_point(fields, item.tag->p_in_grid);
@@ -97,6 +136,7 @@ std::string print_manifest_csv(const Survey& survey, const Page& page,
           tag.frame_inner_height, module_width(tag)}) {
       fields.push_back(mm_text(length));
     }
+    fields.push_back(job.style.revision);
     csv += csv_row(fields);
   }
   return csv;

@@ -2,11 +2,13 @@
 // What was printed: the list that goes to the sign maker and the installer with the files.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "tagsmith/render/page.hpp"
-#include "tagsmith/survey/survey.hpp"
+#include "tagsmith/cli/print_job.hpp"
+#include "tagsmith/cli/print_proof.hpp"
 
 namespace tagsmith {
 
@@ -15,15 +17,25 @@ struct PrintedTag {
   std::vector<std::string> files;  // names in the output folder
 };
 
+// What becomes known while the files are made.
+struct PrintRecord {
+  std::vector<PrintedTag> tags;
+  std::vector<std::string> documents;           // files that hold no tag to hang
+  std::map<std::string, std::string> sha256{};  // by file
+  std::optional<std::vector<TagProof>> proofs{};
+};
+
+// The job's tags and the files that show them.
+std::vector<PrintedTag> printed_tags(const PrintJob& job);
+
 // One JSON object of a printed tag, on one line. `folder` is put before the files' names.
 std::string printed_tag_json(const PrintedTag& printed, const std::string& folder = {});
 
-// manifest.json: the survey, the sizes common to all tags, and each tag.
-std::string print_manifest_json(const Survey& survey, const Page& page,
-                                const std::vector<PrintedTag>& printed);
+// manifest.json: the survey and its revision, how it was printed, the sizes common to all tags,
+// each tag, each file's SHA-256, and the proof.
+std::string print_manifest_json(const PrintJob& job, const PrintRecord& record);
 
-// manifest.csv: the same, a tag a row (RFC 4180).
-std::string print_manifest_csv(const Survey& survey, const Page& page,
-                               const std::vector<PrintedTag>& printed);
+// manifest.csv: the tags, one a row (RFC 4180).
+std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record);
 
 }  // namespace tagsmith

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -202,6 +204,37 @@ DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side si
   if (dimensions) {
     const double left_end = std::min(wall.across(strip.from), wall.across(strip.to));
     draw_dimensions(view.sketch.layer("dimensions"), survey, wall, tags, left_end);
+  }
+  return view;
+}
+
+DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, Side side,
+                                  std::span<const SettingOut> places) {
+  DrawingView view = wall_elevation(survey, strip, side, false);
+  const Unrolled wall(survey, strip, side);
+  SketchLayer& layer = view.sketch.layer("dimensions");
+  std::optional<Vector2d> last;
+  for (const SettingOut& place : places) {
+    const bool inside = place.tag->chainage >= strip.from && place.tag->chainage < strip.to;
+    if (!inside || place.tag->side != side) continue;
+    const Vector2d p = wall.on_plate(*place.tag, 0, 0);
+    const Vector2d foot(p.x(), 0);
+    layer.add(
+        Dimension{.from = foot, .to = p, .offset = 0, .text = fmt::format("{:.3f}", place.height)});
+    layer.add(Polyline{{foot, {foot, Vector2d(0, -0.005)}}, {.width = kExtraNarrow}});
+    layer.add(Words{.text = fmt::format("{:.3f}", place.chainage + 0.0),
+                    .at = {foot, Vector2d(-0.0013, -0.0055)},
+                    .angle = std::numbers::pi / 2,
+                    .align = TextAlign::right,
+                    .level = TextLevel::middle});
+    if (last) {
+      const bool rightwards = foot.x() > last->x();
+      layer.add(Dimension{.from = rightwards ? *last : foot,
+                          .to = rightwards ? foot : *last,
+                          .offset = -0.020,
+                          .text = fmt::format("{:.3f}", std::abs(foot.x() - last->x()))});
+    }
+    last = foot;
   }
   return view;
 }

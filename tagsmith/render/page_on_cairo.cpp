@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/page_on_cairo.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cairo.h>
+#include <cmath>
 #include <numbers>
 
 #include "tagsmith/render/text.hpp"
@@ -99,16 +101,31 @@ void draw_tag_shapes(cairo_t* context, const PageTag& placed, bool with_contour)
   cairo_restore(context);
 }
 
-void stroke_lines(cairo_t* context, const Page& page, bool dashed) {
-  constexpr std::array<double, 2> kDashes{0.002, 0.001};
-  if (dashed) cairo_set_dash(context, kDashes.data(), kDashes.size(), 0);
+// Dashes one by one: Cairo's PDF cannot say dashes that are short in metres.
+void add_dashes(cairo_t* context, const PageLine& line) {
+  constexpr double kDash = 0.002;
+  constexpr double kPeriod = 0.003;
+  const double right = line.to.x - line.from.x;
+  const double down = line.to.y - line.from.y;
+  const double length = std::hypot(right, down);
+  for (double start = 0; start < length; start += kPeriod) {
+    const double end = std::min(start + kDash, length);
+    cairo_move_to(context, line.from.x + right * start / length,
+                  line.from.y + down * start / length);
+    cairo_line_to(context, line.from.x + right * end / length, line.from.y + down * end / length);
+  }
+}
+
+void stroke_lines(cairo_t* context, const Page& page) {
   for (const PageLine& line : page.lines) {
-    if (line.dashed != dashed) continue;
+    if (line.dashed) {
+      add_dashes(context, line);
+      continue;
+    }
     cairo_move_to(context, line.from.x, line.from.y);
     cairo_line_to(context, line.to.x, line.to.y);
   }
   cairo_stroke(context);
-  if (dashed) cairo_set_dash(context, nullptr, 0, 0);
 }
 
 }  // namespace
@@ -117,7 +134,7 @@ void draw_page(cairo_t* context, const Page& page, bool with_contour) {
   cairo_set_source_rgb(context, 0, 0, 0);
   cairo_set_line_width(context, page.line_width);
   for (const PageTag& tag : page.tags) draw_tag_shapes(context, tag, with_contour);
-  for (const bool dashed : {false, true}) stroke_lines(context, page, dashed);
+  stroke_lines(context, page);
   for (const TextItem& item : page.texts) show_text(context, item);
 }
 

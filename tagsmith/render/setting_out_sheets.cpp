@@ -8,7 +8,10 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith {
 namespace {
@@ -31,17 +34,17 @@ struct Column {
   double width;
 };
 
-constexpr std::array<Column, 11> kColumns{{{"tag", "", 0.016},
-                                           {"side", "", 0.012},
-                                           {"chainage", "m", 0.018},
-                                           {"offset", "m", 0.016},
-                                           {"height", "m", 0.015},
-                                           {"x", "m", 0.021},
-                                           {"y", "m", 0.021},
-                                           {"z", "m", 0.018},
-                                           {"tol.", "mm", 0.010},
-                                           {"digits", "", 0.030},
-                                           {"hung", "", 0.008}}};
+constexpr std::array<Column, 11> kColumns{{{"tag", "", 0.015},
+                                           {"side", "", 0.011},
+                                           {"chainage", "m", 0.021},
+                                           {"offset", "m", 0.017},
+                                           {"height", "m", 0.017},
+                                           {"x", "m", 0.019},
+                                           {"y", "m", 0.019},
+                                           {"z", "m", 0.017},
+                                           {"tol.", "mm", 0.014},
+                                           {"digits", "", 0.0265},
+                                           {"hung", "", 0.0085}}};
 
 constexpr auto kRowsAPage = static_cast<std::size_t>((kLastRowEnd - kHeadTop) / kRowHeight) - 1;
 
@@ -163,6 +166,29 @@ std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const Setti
     sheets.push_back(page.finished());
   }
   return sheets;
+}
+
+Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
+                                               std::span<const SettingOut> list,
+                                               const std::string& revision) {
+  const Rectangle plate = draw_tag(survey.tag_template, Digits{}).plate;
+  TitleBlock block{survey.name, "Setting-out of position tags", {}};
+  if (!revision.empty()) block.fields.push_back({"Revision", revision});
+  block.fields.push_back({"Plate", survey.tag_template.name});
+  block.fields.push_back(
+      {"P from its upper left corner", format_number(-plate.x * 1000, 1) + " right, " +
+                                           format_number(-plate.y * 1000, 1) + " down (mm)"});
+  const PlanStyle style{Paper::a3, false};
+  DrawingPart part{{}, {Paper::a3, coarsest_plan_scale(survey)}};
+  bool first = true;
+  for (const PlanStrip& strip : plan_strips(survey, style)) {
+    part.views.push_back(annotated_plan(survey, strip, style, first));
+    for (const Side side : {Side::left, Side::right}) {
+      part.views.push_back(setting_out_elevation(survey, strip, side, list));
+    }
+    first = false;
+  }
+  return lay_out_sheets(block, std::span(&part, 1));
 }
 
 }  // namespace tagsmith

@@ -17,4 +17,10 @@ namespace tagsmith {
 std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
                                      const std::string& revision);
 
+// A3 sheets: the plan and the elevation of each wall by strips, with the chainage, the height and
+// the distance from its neighbour of each place. Fails as lay_out_sheets does.
+Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
+                                               std::span<const SettingOut> list,
+                                               const std::string& revision);
+
 }  // namespace tagsmith

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/setting_out.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -23,6 +25,11 @@ DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, const P
 // spacing, plate length and tunnel height.
 DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side side,
                            bool dimensions);
+
+// As wall_elevation, with the chainage and the height of corner P of each of these places, and its
+// distance from the one before.
+DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, Side side,
+                                  std::span<const SettingOut> places);
 
 // A left and a right tag of one pair.
 struct TagPair {

@@ -68,8 +68,22 @@ Extents extents_of(PangoLayout* layout) {
           static_cast<double>(logical.width) / PANGO_SCALE};
 }
 
-struct SetText {
+// What every line of text begins with, made once a thread: it takes longer than setting the line.
+struct TextTools {
   Context context;
+  double capital = 0;  // height of a capital letter in layout units; 0 without any font
+};
+
+const TextTools& text_tools() {
+  thread_local const TextTools tools = [] {
+    TextTools made{make_context()};
+    made.capital = extents_of(make_layout(made.context.get(), "H").get()).ascent;
+    return made;
+  }();
+  return tools;
+}
+
+struct SetText {
   Layout layout;     // null when the machine has no font at all
   double scale = 0;  // metres of one layout unit
   double width = 0;  // layout units
@@ -87,10 +101,10 @@ void ellipsize(PangoLayout* layout, double width) {
 }
 
 SetText set_text(const TextItem& item) {
-  SetText set{make_context(), nullptr};
-  const double capital = extents_of(make_layout(set.context.get(), "H").get()).ascent;
+  SetText set;
+  const auto& [context, capital] = text_tools();
   if (capital <= 0) return set;
-  set.layout = make_layout(set.context.get(), printable_text(item.text));
+  set.layout = make_layout(context.get(), printable_text(item.text));
   const double scale = item.height / capital;
   double shrink = shrink_to(item.max_width / scale, extents_of(set.layout.get()).width);
   if (shrink < kLeastShrink) {

@@ -148,7 +148,7 @@ void add_tile_texts(Page& page, const std::string& name, const TagDrawing& tag,
                     const TilePlan& plan, int column, int row) {
   constexpr double kAddressHeight = 0.006;
   page.texts.push_back({.text = page.name,
-                        .x = plan.window.x,
+                        .x = plan.window.x + 0.003,
                         .y = 0.0125,
                         .height = kAddressHeight,
                         .max_width = 0.03});
@@ -232,10 +232,13 @@ void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double
         page.lines.push_back({corners[i], corners[(i + 1) % corners.size()], true});
       }
       page.texts.push_back({.text = tile_address(column, row),
-                            .x = left + 0.002,
-                            .y = top + 0.006,
-                            .height = 0.0035,
-                            .max_width = 0.02});
+                            .x = (left + right) / 2,
+                            .y = row == 0               ? top + 0.008
+                                 : row + 1 == plan.rows ? bottom - 0.003
+                                                        : (top + bottom) / 2,
+                            .height = 0.006,
+                            .max_width = 0.03,
+                            .centred = true});
     }
   }
 }
@@ -259,6 +262,8 @@ Page lay_out_assembly(const std::string& name, const TagDrawing& tag, const Page
                       area.y - scale * plan.first_in_plate.y};
   TagDrawing reduced = moved(tag, at.x, at.y, scale);
   reduced.cut_contour = false;
+  reduced.bars.clear();  // the addresses stand in their place
+  reduced.label.clear();
   add_plate_edge(page, reduced.plate, area);
   page.tags.push_back({name, std::move(reduced), std::nullopt, false});
   add_tile_map(page, plan, at, scale);

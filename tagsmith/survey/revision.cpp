@@ -2,10 +2,10 @@
 #include "tagsmith/survey/revision.hpp"
 
 #include <cmath>
-#include <glib.h>
-#include <memory>
 
 #include <fmt/format.h>
+
+#include "tagsmith/base/checksum.hpp"
 
 namespace tagsmith {
 namespace {
@@ -51,6 +51,14 @@ void add_template(Content& content, const TagTemplate& tag) {
         tag.margin_modules, tag.label.shown ? tag.label.text_height : -1.0}) {
     content.length(length);
   }
+  content.number(tag.dots_per_inch);
+  content.length(tag.patch_size);
+  content.number(static_cast<double>(tag.holes.size()));
+  for (const DrillHole& hole : tag.holes) {
+    for (const double length : {hole.right, hole.up, hole.diameter}) content.length(length);
+  }
+  content.length(tag.cut.contour ? tag.cut.corner_radius : -1.0);
+  content.text(tag.material);
 }
 
 void add_code(Content& content, const PositionCode& code) {
@@ -81,12 +89,7 @@ std::string survey_revision(const Survey& survey) {
   content.length(survey.sigma);
   add_code(content, survey.code);
   for (const PlacedTag& tag : survey.tags) add_tag(content, tag);
-  const std::string& bytes = content.bytes();
-  const std::unique_ptr<char, decltype(&g_free)> digest(
-      g_compute_checksum_for_data(G_CHECKSUM_SHA256, reinterpret_cast<const guchar*>(bytes.data()),
-                                  bytes.size()),
-      &g_free);
-  return std::string(digest.get()).substr(0, kShown);
+  return sha256(content.bytes()).substr(0, kShown);
 }
 
 }  // namespace tagsmith

@@ -51,13 +51,13 @@ TEST_CASE("the corridor prints 16 tags, each a PDF and an SVG, and two manifests
   REQUIRE(output.exit_code == 0);
   CHECK(output.err == "");
   const std::vector<std::string> names = names_in(folder.path());
-  CHECK(names.size() == 34);
+  CHECK(names.size() == 36);
   for (const char* name :
        {"000L.pdf", "000L.svg", "007R.pdf", "007R.svg", "manifest.csv", "manifest.json"}) {
     CHECK(std::ranges::count(names, name) == 1);
   }
   std::vector<std::string> listed = split(trim(output.out), '\n');
-  CHECK(listed.size() == 34);
+  CHECK(listed.size() == 36);
   for (const std::string& path : listed) CHECK(fs::is_regular_file(path));
 }
 
@@ -121,7 +121,8 @@ TEST_CASE("formats, chosen tags and one PDF of all") {
     const TemporaryFolder folder;
     REQUIRE(print(kCorridor, folder.path(), example.options).exit_code == 0);
     std::vector<std::string> expected = example.names;
-    expected.insert(expected.end(), {"manifest.csv", "manifest.json"});
+    expected.insert(expected.end(),
+                    {"manifest.csv", "manifest.json", "setting-out.csv", "setting-out.pdf"});
     std::ranges::sort(expected);
     CHECK(names_in(folder.path()) == expected);
   }
@@ -143,7 +144,7 @@ TEST_CASE("the same survey gives the same bytes, whatever the jobs, time zone an
   ::setenv("LC_ALL", "C.UTF-8", 1);
   ::setenv("LANG", "ja_JP.UTF-8", 1);
   REQUIRE(print("surveys/curved/survey.yaml", second.path(), "--jobs 4").exit_code == 0);
-  CHECK(names_in(first.path()).size() == 26);
+  CHECK(names_in(first.path()).size() == 28);
   CHECK((all_bytes(first.path()) == all_bytes(second.path())));
 }
 
@@ -170,7 +171,7 @@ TEST_CASE("wrong use says what is wrong and writes nothing") {
   const Case cases[] = {
       {survey + to_folder + "--tags 00L", "has no tag \"00L\", did you mean 000L?"},
       {survey + to_folder + "--tags xyzxyz", "has no tag \"xyzxyz\""},
-      {survey + to_folder + "--format png", "--format"},
+      {survey + to_folder + "--format gif", "--format"},
       {survey + to_folder + "--format svg --single", "--single"},
       {survey + to_folder + "--jobs 0", "--jobs"},
       {"missing.yaml" + to_folder, "missing.yaml: no such file"},

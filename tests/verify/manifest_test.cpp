@@ -33,7 +33,9 @@ FileReport report_of(const char* file, const char* digits) {
   FileReport report;
   report.file = file;
   report.tags = check_tags(survey_of_four(), {{reading_of(digits)}, {}});
-  return check_against_manifest(manifest_of(kManifest), survey_of_four(), report);
+  const PrintManifest manifest = manifest_of(kManifest);
+  return check_freshness(manifest, survey_of_four(),
+                         check_against_manifest(manifest, std::move(report)));
 }
 
 }  // namespace
@@ -93,12 +95,12 @@ TEST_CASE("another tag of the survey in a print file is misprinted") {
 
 TEST_CASE("a print from an older survey is found") {
   const FileReport moved = report_of("001L.pdf", "019000810403");
-  CHECK(moved.findings ==
-        std::vector<std::string>{"001L was printed as 019000810403, but survey little now says "
-                                 "019000800402: print it again"});
+  CHECK(moved.findings == std::vector<std::string>{
+                              "stale: 001L was printed as 019000810403, but survey little now says "
+                              "019000800402: print it again"});
   const FileReport removed = report_of("009L.pdf", "019009000403");
   CHECK(removed.findings ==
-        std::vector<std::string>{"009L was printed, but survey little has no such tag"});
+        std::vector<std::string>{"stale: 009L was printed, but survey little has no such tag"});
 }
 
 }  // namespace tagsmith

@@ -76,10 +76,10 @@ TEST_CASE("print files are read back and hold what their manifest says") {
       run_tagsmith("verify --json " + kSurvey + " '" + folder.path().string() + "'");
   CHECK_MESSAGE(output.exit_code == 0, output.out << output.err);
   const std::vector<json> lines = json_lines(output.out);
-  REQUIRE(lines.size() == 4);
+  REQUIRE(lines.size() == 5);  // three tags, the setting-out, the summary
   CHECK(lines[2]["tags"][0]["tag"] == "003L");
   CHECK(lines[2]["tags"][0]["page"] == 1);
-  CHECK(lines[3]["summary"]["missing"].size() == 13);
+  CHECK(lines[4]["summary"]["missing"].size() == 13);
 }
 
 TEST_CASE("print files that were mixed up are misprinted") {
@@ -92,7 +92,47 @@ TEST_CASE("print files that were mixed up are misprinted") {
   CHECK(output.exit_code == 1);
   const json line = json_lines(output.out).at(0);
   CHECK(line["tags"][0]["status"] == "misprinted");
-  CHECK(line["findings"].size() == 2);
+  CHECK(line["findings"].size() == 3);  // wrong tag, missing tag, other bytes
+}
+
+TEST_CASE("SVG, PNG and PDF of a print are read; documents and tiles are not") {
+  const TemporaryFolder folder;
+  const std::string path = "'" + folder.path().string() + "'";
+  REQUIRE(run_tagsmith("print " + kSurvey + " -o " + path +
+                       " --tags 000L --format pdf,svg,png --dpi 150")
+              .exit_code == 0);
+  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + path);
+  CHECK_MESSAGE(output.exit_code == 1, output.out << output.err);  // the fitted module is too small
+  CHECK(json_lines(output.out).size() == 5);
+  const TemporaryFolder plain;
+  const std::string other = "'" + plain.path().string() + "'";
+  REQUIRE(run_tagsmith("print " + kSurvey + " -o " + other + " --tags 000L --format both,png")
+              .exit_code == 0);
+  const std::vector<json> lines =
+      json_lines(run_tagsmith("verify --json " + kSurvey + " " + other).out);
+  REQUIRE(lines.size() == 5);
+  for (const std::size_t i : {0U, 1U, 2U}) CHECK(lines[i]["tags"][0]["status"] == "ok");
+  CHECK(lines[3]["tags"].empty());  // setting-out.pdf
+  CHECK(lines[4]["summary"]["files_with_findings"] == 0);
+}
+
+TEST_CASE("files are stale when the survey has moved a tag, changed its digits or its plate") {
+  const TemporaryFolder folder;
+  print_into(folder.path() / "print", "--tags 000L,001L");
+  std::string text = *read_file(kSurvey);
+  const auto verify = [&] {
+    const fs::path survey = folder.path() / "survey.yaml";
+    REQUIRE(write_file(survey, text).has_value());
+    const ProgramOutput output = run_tagsmith("verify --json '" + survey.string() + "' '" +
+                                              (folder.path() / "print").string() + "'");
+    return json_lines(output.out).back()["summary"]["stale"].size();
+  };
+  CHECK(verify() == 0);
+  text +=
+      "placed:\n  - { tag: 001L, side: left, p: [1.9, 0.807, 0.4], digits: \"019000800402\" }\n";
+  CHECK(verify() == 1);
+  text.replace(text.find("resolution: 0.01"), 16, "resolution: 0.02");
+  CHECK(verify() == 2);
 }
 
 TEST_CASE("a page that was fitted to A4 is misprinted") {

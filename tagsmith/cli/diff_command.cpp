@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/diff_command.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/survey/compare.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
+
+namespace tagsmith {
+namespace {
+
+struct DiffOptions {
+  std::string before;
+  std::string after;
+  bool json = false;
+};
+
+using Json = nlohmann::ordered_json;
+
+std::string dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
+  return std::ranges::count(differences, change, &TagDifference::change);
+}
+
+void print_json(const std::vector<TagDifference>& differences) {
+  for (const TagDifference& difference : differences) {
+    fmt::print("{}\n", dump({{"tag", difference.tag},
+                             {"change", to_string(difference.change)},
+                             {"distance", std::round(difference.distance * 1e6) / 1e6},
+                             {"reason", difference.reason}}));
+  }
+  fmt::print("{}\n", dump({{"summary",
+                            {{"print", count_of(differences, TagChange::print)},
+                             {"reprint", count_of(differences, TagChange::reprint)},
+                             {"move", count_of(differences, TagChange::move)},
+                             {"remove", count_of(differences, TagChange::remove)}}}}));
+}
+
+// Standard output is a list that `print --only` takes; the count goes to standard error.
+void print_words(const std::vector<TagDifference>& differences, const Survey& before,
+                 const Survey& after) {
+  for (const TagDifference& difference : differences) {
+    fmt::print("{:<7} {}  {}\n", to_string(difference.change), difference.tag, difference.reason);
+  }
+  fmt::print(stderr, "{} {} -> {}: {} to print, {} to reprint, {} to move, {} to remove\n",
+             after.name, survey_revision(before), survey_revision(after),
+             count_of(differences, TagChange::print), count_of(differences, TagChange::reprint),
+             count_of(differences, TagChange::move), count_of(differences, TagChange::remove));
+}
+
+int diff(const DiffOptions& options) {
+  const Result<Survey> before = load_survey(options.before);
+  if (!before) return report_failure("diff", before.error());
+  const Result<Survey> after = load_survey(options.after);
+  if (!after) return report_failure("diff", after.error());
+  const std::vector<TagDifference> differences = compare_surveys(*before, *after);
+  if (options.json) {
+    print_json(differences);
+  } else {
+    print_words(differences, *before, *after);
+  }
+  return differences.empty() ? kExitOk : kExitFindings;
+}
+
+}  // namespace
+
+Command diff_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand(
+      "diff", "What to print, reprint, move and remove when a survey changes");
+  const auto options = std::make_shared<DiffOptions>();
+  app->add_option("OLD", options->before, "The survey as the plates were made")->required();
+  app->add_option("NEW", options->after, "The survey as it is now")->required();
+  app->add_flag("--json", options->json, "One JSON object a tag that differs, then the summary");
+  app->footer(
+      "A line a tag: what to do, its name, why. `tagsmith print NEW --only FILE` prints what it "
+      "asks for.\n"
+      "Exit: 0 nothing to do, 1 something is, 2 a survey cannot be read.\n\n"
+      "Example:\n"
+      "  tagsmith diff old/survey.yaml survey.yaml > changes.txt\n"
+      "  tagsmith print survey.yaml -o out/changed --only changes.txt");
+  return {app, [options] { return diff(*options); }};
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/print_only.hpp"
+
+#include <istream>
+#include <iterator>
+#include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+// What a line asks for; a line that cannot be understood has no name.
+struct Wanted {
+  std::string name;
+  bool print = true;
+};
+
+bool asks_for_print(std::string_view change) { return change == "print" || change == "reprint"; }
+
+Wanted from_json(const std::string& line) {
+  const nlohmann::json object = nlohmann::json::parse(line, nullptr, false);
+  if (!object.is_object()) return {};
+  if (object.contains("summary")) return {"summary", false};
+  const auto tag = object.find("tag");
+  const auto change = object.find("change");
+  if (tag == object.end() || !tag->is_string()) return {};
+  if (change == object.end()) return {tag->get<std::string>()};
+  if (!change->is_string()) return {};
+  return {tag->get<std::string>(), asks_for_print(change->get<std::string>())};
+}
+
+Wanted from_words(const std::string& line) {
+  std::istringstream words(line);
+  std::string first;
+  std::string second;
+  words >> first >> second;
+  if (second.empty()) return {first};
+  const bool change = asks_for_print(first) || first == "move" || first == "remove";
+  return change ? Wanted{second, asks_for_print(first)} : Wanted{};
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> read_tags_to_print(const std::string& path,
+                                                    std::istream& standard_input) {
+  constexpr std::size_t kMostBytes = 64U << 20U;
+  std::string text;
+  if (path == "-") {
+    text.assign(std::istreambuf_iterator<char>(standard_input), {});
+  } else {
+    const Result<std::string> bytes = read_file(path, kMostBytes);
+    if (!bytes) return fail(bytes.error().message);
+    text = *bytes;
+  }
+  std::vector<std::string> names;
+  int number = 0;
+  for (const std::string& raw : split(text, '\n')) {
+    ++number;
+    const std::string line(trim(raw));
+    if (line.empty() || line.front() == '#') continue;
+    const Wanted wanted = line.front() == '{' ? from_json(line) : from_words(line);
+    if (wanted.name.empty()) {
+      return fail(
+          fmt::format("{}:{}: `{}` names no tag, expected a name, or `reprint NAME` as "
+                      "tagsmith diff writes it",
+                      path, number, line.substr(0, 60)));
+    }
+    if (wanted.print) names.push_back(wanted.name);
+  }
+  return names;
+}
+
+}  // namespace tagsmith

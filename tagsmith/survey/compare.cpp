@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/compare.hpp"
+
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+std::string place_text(const Eigen::Vector3d& p) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x() + 0.0, p.y() + 0.0, p.z() + 0.0);
+}
+
+// World positions are compared, so that a grid that was turned over counts.
+double distance_between(const PlacedTag& before, const PlacedTag& after) {
+  return (before.world_from_plate.translation - after.world_from_plate.translation).norm();
+}
+
+std::optional<TagDifference> compare(const PlacedTag& before, const PlacedTag& after,
+                                     const std::string& template_change) {
+  const double distance = distance_between(before, after);
+  const bool moved = distance > kSamePlace || before.side != after.side;
+  const std::string where =
+      moved ? fmt::format("{} mm, from {} to {}", format_number(distance * 1000, 1),
+                          place_text(before.p_in_grid), place_text(after.p_in_grid))
+            : "";
+  if (before.digits != after.digits) {
+    return TagDifference{after.name, TagChange::reprint, distance,
+                         "digits " + to_string(before.digits) + " become " +
+                             to_string(after.digits) + (moved ? "; moves by " + where : "")};
+  }
+  if (!template_change.empty()) {
+    return TagDifference{after.name, TagChange::reprint, distance,
+                         template_change + (moved ? "; moves by " + where : "")};
+  }
+  if (!moved) return std::nullopt;
+  return TagDifference{after.name, TagChange::move, distance, "by " + where};
+}
+
+}  // namespace
+
+std::string to_string(TagChange change) {
+  switch (change) {
+    case TagChange::print:
+      return "print";
+    case TagChange::reprint:
+      return "reprint";
+    case TagChange::move:
+      return "move";
+    case TagChange::remove:
+      break;
+  }
+  return "remove";
+}
+
+std::string describe_template_change(const TagTemplate& before, const TagTemplate& after) {
+  struct Length {
+    const char* name;
+    double before;
+    double after;
+  };
+  const Length lengths[] = {
+      {"plate length", before.plate_length, after.plate_length},
+      {"plate height", before.plate_height, after.plate_height},
+      {"frame's inner length", before.frame_inner_length, after.frame_inner_length},
+      {"frame's inner height", before.frame_inner_height, after.frame_inner_height},
+      {"frame's stroke", before.frame_stroke, after.frame_stroke},
+      {"frame's offset right", before.frame_offset_right, after.frame_offset_right},
+      {"frame's offset up", before.frame_offset_up, after.frame_offset_up},
+      {"module", module_width(before), module_width(after)},
+      {"bars' height", bar_height(before), bar_height(after)},
+  };
+  constexpr double kSameLength = 1e-6;
+  for (const Length& length : lengths) {
+    if (std::abs(length.before - length.after) < kSameLength) continue;
+    return fmt::format("the {} becomes {} mm (was {})", length.name,
+                       format_number(length.after * 1000, 3),
+                       format_number(length.before * 1000, 3));
+  }
+  return {};
+}
+
+std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& after) {
+  const std::string template_change =
+      describe_template_change(before.tag_template, after.tag_template);
+  std::map<std::string, const PlacedTag*> old_tags;
+  for (const PlacedTag& tag : before.tags) old_tags[tag.name] = &tag;
+  std::vector<TagDifference> differences;
+  for (const PlacedTag& tag : after.tags) {
+    const auto old = old_tags.find(tag.name);
+    if (old == old_tags.end()) {
+      differences.push_back(
+          {tag.name, TagChange::print, 0,
+           "new, digits " + to_string(tag.digits) + ", P at " + place_text(tag.p_in_grid)});
+      continue;
+    }
+    if (auto difference = compare(*old->second, tag, template_change)) {
+      differences.push_back(*difference);
+    }
+    old_tags.erase(old);
+  }
+  for (const PlacedTag& tag : before.tags) {
+    if (!old_tags.contains(tag.name)) continue;
+    differences.push_back({tag.name, TagChange::remove, 0,
+                           "no longer in the survey; it hangs at " + place_text(tag.p_in_grid)});
+  }
+  return differences;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of the plates when a survey changes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+enum class TagChange {
+  print,    // a new tag
+  reprint,  // its plate says or looks otherwise
+  move,     // the same plate hangs elsewhere
+  remove,   // the tag is gone: an old plate gives a wrong position
+};
+
+std::string to_string(TagChange change);
+
+struct TagDifference {
+  std::string tag;
+  TagChange change = TagChange::print;
+  double distance =
+      0;               // between the old and the new place of P, metres; 0 for new and removed tags
+  std::string reason;  // in words
+};
+
+// Places nearer to each other than this are the same, metres.
+inline constexpr double kSamePlace = 0.0005;
+
+// What there is to do, in the order of the new survey, then the removed tags. Labels count only
+// where the plate is printed anew anyway: the code identifies a plate.
+std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& after);
+
+// What differs between two templates in what is printed, in words; empty when nothing does.
+std::string describe_template_change(const TagTemplate& before, const TagTemplate& after);
+
+}  // namespace tagsmith

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tagsmith print` onto paper, for printers, with proof; `tagsmith diff` and what it hands to
+// print.
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/base/checksum.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tests/support/program.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kCorridor = "surveys/corridor/survey.yaml";
+
+ProgramOutput print(const std::string& survey, const fs::path& folder, const std::string& options) {
+  return run_tagsmith("print '" + survey + "' -o '" + folder.string() + "' " + options);
+}
+
+json manifest_in(const fs::path& folder) {
+  return json::parse(read_file(folder / "manifest.json").value());
+}
+
+// The corridor with standard check digits, so that zbar is asked, and another template.
+std::string gs1_survey(const fs::path& folder, const std::string& tag) {
+  std::string text = read_file(kCorridor).value();
+  text.replace(text.find("sum10"), 5, "gs1");
+  text.replace(text.find("tag-400x300"), 11, tag);
+  const fs::path path = folder / "survey.yaml";
+  REQUIRE(write_file(path, text));
+  return path.string();
+}
+
+}  // namespace
+
+TEST_CASE("tiles on A4 are put together and read by the proof") {
+  const TemporaryFolder folder;
+  const ProgramOutput output =
+      print(kCorridor, folder.path(), "--paper A4 --tile --tags 000L --proof --format both");
+  REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+  const json manifest = manifest_in(folder.path());
+  REQUIRE(manifest["proof"].size() == 2);  // PDF and SVG
+  for (const json& proof : manifest["proof"]) {
+    CHECK(proof["digits"] == "019000000404");
+    CHECK(proof["problem"] == "");
+    CHECK(proof["corner_error_mm"].get<double>() < 0.1);
+  }
+  CHECK(fs::exists(folder.path() / "000L-A1.svg"));
+  CHECK(fs::exists(folder.path() / "000L-assembly.svg"));
+  const ProgramOutput info = run_shell("pdfinfo '" + (folder.path() / "000L.pdf").string() + "'");
+  CHECK(info.out.find("Pages:           5\n") != std::string::npos);
+  CHECK(info.out.find("841.89 x 595.276 pts (A4)") != std::string::npos);
+  CHECK(run_tagsmith(std::string("verify ") + kCorridor + " '" + folder.path().string() + "'")
+            .exit_code == 0);
+}
+
+TEST_CASE("the office template nests on A4 and Letter; zbar reads gs1 codes; hashes are right") {
+  const TemporaryFolder folder;
+  const std::string survey = gs1_survey(folder.path(), "tag-a4");
+  for (const char* paper : {"A4", "Letter"}) {
+    CAPTURE(paper);
+    const fs::path out = folder.path() / paper;
+    const ProgramOutput output =
+        print(survey, out, std::string("--tags 000L,001R --format pdf --proof --paper ") + paper);
+    REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+    const json manifest = manifest_in(out);
+    REQUIRE(manifest["proof"].size() == 2);
+    CHECK(manifest["proof"][0]["zbar"].get<std::string>().size() == 13);
+    CHECK(manifest["dots_per_inch"] == 300);
+    CHECK(manifest["rounding"] == "");
+    for (const auto& [file, hash] : manifest["sha256"].items()) {
+      CHECK(hash == sha256(read_file(out / file).value()));
+    }
+    CHECK(manifest["sha256"].contains("sheet-001.pdf"));
+  }
+}
+
+TEST_CASE("a proof that fails writes nothing and tells why") {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  const ProgramOutput output = print(kCorridor, out, "--tags 000L --format pdf --dpi 150 --proof");
+  CHECK(output.exit_code == 1);  // the module of whole dots is not where the template says
+  CHECK(output.err.find("proof: 000L in 000L.pdf: was not read") != std::string::npos);
+  CHECK(output.err.find("write dots_per_inch: 150 into symbol of template tag-400x300") !=
+        std::string::npos);
+  CHECK_FALSE(fs::exists(out));
+}
+
+TEST_CASE("papers that cannot carry a plate, and options that make no sense, are refused") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& options) {
+    const ProgramOutput output = print(kCorridor, folder.path() / "out", options);
+    CHECK(output.exit_code == 2);
+    CHECK_FALSE(fs::exists(folder.path() / "out"));
+    return output.err;
+  };
+  CHECK(error("--paper A3").find("A2, A1, A0 or a roll of 339 mm can, or --tile: 2 sheets") !=
+        std::string::npos);
+  CHECK(error("--tile").find("--tile needs the paper") != std::string::npos);
+  CHECK(error("--paper B17").find("expected A4, A3") != std::string::npos);
+  CHECK(error("--format png --single").find("--format has no pdf") != std::string::npos);
+  error("--dpi 3");
+  error("--tags 000L --only x");
+}
+
+TEST_CASE("the installer's list declares its columns in the order asked for") {
+  const TemporaryFolder folder;
+  REQUIRE(
+      print(kCorridor, folder.path(), "--tags 000R --format pdf --point-order PNEZD").exit_code ==
+      0);
+  const std::string csv = read_file(folder.path() / "setting-out.csv").value();
+  CHECK(csv ==
+        "tag,y,x,z,description,side,chainage,offset,height,tolerance,digits,survey\r\n"
+        "000R,0.3430,0.0000,0.4000,corner P,right,0.3430,0.9500,0.4000,0.0050,000000340401,"
+        "corridor\r\n");
+  const ProgramOutput text =
+      run_shell("pdftotext -layout '" + (folder.path() / "setting-out.pdf").string() + "' -");
+  CHECK(text.out.find("negative = left of the drive") != std::string::npos);
+  CHECK(text.out.find("Right wall, seen facing it") != std::string::npos);
+}
+
+TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
+  const TemporaryFolder folder;
+  std::string text = read_file(kCorridor).value();
+  text.replace(text.find("pairs: 8"), 8, "pairs: 7");
+  text +=
+      "placed:\n  - { tag: 002L, side: left, p: [1.9, 1.65, 0.4] }\n"
+      "  - { tag: 003L, side: left, p: [1.9, 2.45, 0.4], digits: \"019002400400\" }\n";
+  const fs::path survey = folder.path() / "new.yaml";
+  REQUIRE(write_file(survey, text));
+  const std::string surveys = std::string(kCorridor) + " '" + survey.string() + "'";
+  const ProgramOutput words = run_tagsmith("diff " + surveys);
+  CHECK(words.exit_code == 1);
+  CHECK(words.out.find("reprint 002L  digits 019001600401 become 019001650406") == 0);
+  CHECK(words.out.find("move    003L  by 50 mm") != std::string::npos);
+  CHECK(words.out.find("remove  007R") != std::string::npos);
+  for (const char* form : {"", "--json "}) {
+    const ProgramOutput diff = run_tagsmith("diff " + std::string(form) + surveys);
+    const fs::path list = folder.path() / "changes.txt";
+    REQUIRE(write_file(list, diff.out));
+    const fs::path out = folder.path() / "out";
+    const ProgramOutput printed =
+        print(survey.string(), out, "--format pdf --only '" + list.string() + "'");
+    REQUIRE_MESSAGE(printed.exit_code == 0, printed.err);
+    CHECK(manifest_in(out)["tags"].size() == 1);
+    CHECK(fs::exists(out / "002L.pdf"));
+    fs::remove_all(out);
+  }
+  CHECK(run_tagsmith(std::string("diff ") + kCorridor + " " + kCorridor).exit_code == 0);
+  REQUIRE(write_file(folder.path() / "bad.txt", "please print all\n"));
+  const ProgramOutput bad = print(survey.string(), folder.path() / "out",
+                                  "--only '" + (folder.path() / "bad.txt").string() + "'");
+  CHECK(bad.exit_code == 2);
+  CHECK(bad.err.find("bad.txt:1: `please print all` names no tag") != std::string::npos);
+}
+
+TEST_CASE("a sign maker's PDF has trim, bleed and the cut contour as a spot colour") {
+  const TemporaryFolder folder;
+  const std::string survey = gs1_survey(folder.path(), "tag-a4");
+  std::string tag = read_file("templates/tag-a4.yaml").value();
+  tag += "cut: { contour: true, corner_radius_mm: 4 }\n";
+  REQUIRE(write_file(folder.path() / "tag-a4.yaml", tag));
+  const fs::path out = folder.path() / "out";
+  REQUIRE(print(survey, out, "--tags 000L").exit_code == 0);
+  const std::string plain = run_shell("qpdf --qdf --object-streams=disable '" +
+                                      (out / "000L.pdf").string() + "' - | strings")
+                                .out;
+  for (const char* part : {"/TrimBox", "/BleedBox", "/Separation", "/CutContour CS 1 SCN",
+                           "/PrintScaling /None", "survey corridor revision"}) {
+    CHECK_MESSAGE(plain.find(part) != std::string::npos, part);
+  }
+  CHECK(plain.find("1 0 1 RG") == std::string::npos);
+  CHECK(read_file(out / "000L.svg").value().find("id=\"CutContour\"") != std::string::npos);
+}

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/compare.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/setting_out.hpp"
+#include "tests/support/program.hpp"
+#include "tests/survey/files.hpp"
+
+namespace tagsmith::test {
+namespace {
+
+Survey survey_of(const std::string& text) {
+  const TemporaryFolder folder;
+  return load_survey(write_text(folder.path() / "s.yaml", text)).value();
+}
+
+}  // namespace
+
+TEST_CASE("an unchanged survey leaves nothing to do") {
+  CHECK(compare_surveys(survey_of(right_survey()), survey_of(right_survey())).empty());
+}
+
+TEST_CASE("fewer pairs remove plates, more print new ones") {
+  const Survey four = survey_of(right_survey());
+  const Survey three = survey_of(replaced(right_survey(), "pairs: 4", "pairs: 3"));
+  const std::vector<TagDifference> removed = compare_surveys(four, three);
+  REQUIRE(removed.size() == 2);
+  CHECK(removed[0].tag == "003L");
+  CHECK(removed[0].change == TagChange::remove);
+  const std::vector<TagDifference> added = compare_surveys(three, four);
+  REQUIRE(added.size() == 2);
+  CHECK(added[1].tag == "003R");
+  CHECK(added[1].change == TagChange::print);
+}
+
+TEST_CASE("other digits reprint, other places with the same digits move, other plates reprint") {
+  const Survey before = survey_of(right_survey());
+  const PlacedTag& tag = before.tags[2];
+  const auto with_p = [&](double shift, const std::string& digits) {
+    return survey_of(replaced(right_survey(), "placed:\n",
+                              "placed:\n  - { tag: " + tag.name + ", side: left, p: [" +
+                                  std::to_string(tag.p_in_grid.x()) + ", " +
+                                  std::to_string(tag.p_in_grid.y() + shift) + ", " +
+                                  std::to_string(tag.p_in_grid.z()) + "]" + digits + " }\n"));
+  };
+  const std::string same = ", digits: \"" + to_string(tag.digits) + "\"";
+  CHECK(compare_surveys(before, with_p(0.0001, same)).empty());
+  const std::vector<TagDifference> moved = compare_surveys(before, with_p(0.03, same));
+  REQUIRE(moved.size() == 1);
+  CHECK(moved[0].change == TagChange::move);
+  CHECK(moved[0].distance == doctest::Approx(0.03));
+  const std::vector<TagDifference> recoded = compare_surveys(before, with_p(0.03, ""));
+  REQUIRE(recoded.size() == 1);
+  CHECK(recoded[0].change == TagChange::reprint);
+  Survey other_plate = before;
+  other_plate.tag_template.frame_stroke += 0.001;
+  const std::vector<TagDifference> all = compare_surveys(before, other_plate);
+  CHECK(all.size() == before.tags.size());
+  CHECK(all[0].reason == "the frame's stroke becomes 13 mm (was 12)");
+}
+
+TEST_CASE("setting-out: offsets are negative on the left, heights count from the floor there") {
+  const Survey survey = survey_of(right_survey());
+  std::vector<const PlacedTag*> tags;
+  for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
+  for (const SettingOut& place : setting_out(survey, tags, usual_tolerance(survey))) {
+    CAPTURE(place.tag->name);
+    CHECK(place.height == doctest::Approx(1.4));
+    const double side = place.tag->side == Side::left ? -1 : 1;
+    CHECK(side * place.offset == doctest::Approx(2.0).epsilon(0.01));
+    CHECK(place.chainage == doctest::Approx(place.tag->chainage));
+    CHECK(place.tolerance == doctest::Approx(0.006));
+  }
+}
+
+}  // namespace tagsmith::test
