@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/simulate/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
 
 #include <algorithm>
 #include <cmath>
