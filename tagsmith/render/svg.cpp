@@ -2,42 +2,17 @@
 #include "tagsmith/render/svg.hpp"
 
 #include <span>
-#include <string_view>
 
-#include "tagsmith/base/text.hpp"
-#include "tagsmith/render/text.hpp"
+#include "tagsmith/render/svg_elements.hpp"
 
 namespace tagsmith {
 namespace {
 
-// Millimetres to the nanometre.
-std::string mm(double metres) { return format_number(metres * 1000, 6); }
-
-std::string point(double x, double y) { return mm(x) + " " + mm(y); }
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char character : printable_text(text)) {
-    switch (character) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      default:
-        result += character;
-    }
-  }
-  return result;
-}
+std::string point(double x, double y) { return svg_mm(x) + " " + svg_mm(y); }
 
 std::string rectangle_path(const Rectangle& rectangle) {
-  return "M" + point(rectangle.x, rectangle.y) + "H" + mm(rectangle.x + rectangle.width) + "V" +
-         mm(rectangle.y + rectangle.height) + "H" + mm(rectangle.x) + "Z";
+  return "M" + point(rectangle.x, rectangle.y) + "H" + svg_mm(rectangle.x + rectangle.width) + "V" +
+         svg_mm(rectangle.y + rectangle.height) + "H" + svg_mm(rectangle.x) + "Z";
 }
 
 std::string arrow_path(const UpArrow& arrow) {
@@ -48,32 +23,6 @@ std::string arrow_path(const UpArrow& arrow) {
   return path + "Z";
 }
 
-std::string text_path(const TextItem& item) {
-  // Finer than a printer's dot by far; nanometres would only swell the file.
-  const auto coarse = [](const PlatePoint& p) {
-    return format_number(p.x * 1000, 4) + " " + format_number(p.y * 1000, 4);
-  };
-  std::string path;
-  for (const PathSegment& segment : text_outline(item)) {
-    const auto& [a, b, c] = segment.points;
-    switch (segment.verb) {
-      case PathVerb::move:
-        path += "M" + coarse(a);
-        break;
-      case PathVerb::line:
-        path += "L" + coarse(a);
-        break;
-      case PathVerb::curve:
-        path += "C" + coarse(a) + " " + coarse(b) + " " + coarse(c);
-        break;
-      case PathVerb::close:
-        path += "Z";
-        break;
-    }
-  }
-  return path;
-}
-
 std::string element(const std::string& id, const std::string& path) {
   return "<path id=\"" + id + "\" d=\"" + path + "\"/>\n";
 }
@@ -82,8 +31,8 @@ std::string element(const std::string& id, const std::string& path) {
 std::string text_group(const std::string& id, std::span<const TextItem> items) {
   std::string group = "<g id=\"" + id + "\">\n";
   for (const TextItem& item : items) {
-    group +=
-        "<path d=\"" + text_path(item) + "\"><title>" + escaped(item.text) + "</title></path>\n";
+    group += "<path d=\"" + svg_outline(item) + "\"><title>" + svg_escaped(item.text) +
+             "</title></path>\n";
   }
   return group + "</g>\n";
 }
@@ -107,19 +56,19 @@ std::string mark_elements(const Page& page) {
     path += "M" + point(line.from.x, line.from.y) + "L" + point(line.to.x, line.to.y);
   }
   return "<path id=\"marks\" fill=\"none\" stroke=\"#000000\" stroke-width=\"" +
-         mm(page.line_width) + "\" d=\"" + path + "\"/>\n" + text_group("notes", page.texts);
+         svg_mm(page.line_width) + "\" d=\"" + path + "\"/>\n" + text_group("notes", page.texts);
 }
 
 }  // namespace
 
 std::string render_svg(const Page& page) {
-  const std::string width = mm(page.width);
-  const std::string height = mm(page.height);
+  const std::string width = svg_mm(page.width);
+  const std::string height = svg_mm(page.height);
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" +
          width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height +
-         "\" fill=\"#000000\">\n<title>" + escaped(page.notes.title) + "</title>\n<desc>" +
-         escaped(page.notes.subject) + "</desc>\n<rect id=\"page\" width=\"" + width +
+         "\" fill=\"#000000\">\n<title>" + svg_escaped(page.notes.title) + "</title>\n<desc>" +
+         svg_escaped(page.notes.subject) + "</desc>\n<rect id=\"page\" width=\"" + width +
          "\" height=\"" + height + "\" fill=\"#ffffff\"/>\n" + tag_elements(page.tag) +
          mark_elements(page) + "</svg>\n";
 }

@@ -166,6 +166,14 @@ bool has_glyphs(const std::string& text) {
   return pango_layout_get_unknown_glyphs_count(layout.get()) == 0;
 }
 
+double text_width(const std::string& text, double height) {
+  const Context context = make_context();
+  const double capital = extents_of(make_layout(context.get(), "H").get()).ascent;
+  if (capital <= 0) return 0;
+  const Layout layout = make_layout(context.get(), printable_text(text));
+  return extents_of(layout.get()).width * height / capital;
+}
+
 void show_text(cairo_t* context, const TextItem& item) {
   const SetText set = set_text(item);
   if (set.layout == nullptr) return;

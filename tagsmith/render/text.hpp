@@ -20,6 +20,9 @@ std::string printable_text(std::string_view text);
 // True when the machine's fonts have every character of the text; what none has prints as a box.
 bool has_glyphs(const std::string& text);
 
+// Length of the text, set with capital letters of this height, metres; 0 without any font.
+double text_width(const std::string& text, double height);
+
 enum class PathVerb { move, line, curve, close };
 
 // `points` holds one point for a move or a line, three for a Bezier curve, none for a close.

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/sheet_files.hpp"
+
+#include <algorithm>
+#include <cairo-pdf.h>
+#include <cairo.h>
+#include <cctype>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/print_settings.hpp"
+#include "tagsmith/render/svg_elements.hpp"
+#include "tagsmith/render/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr double kInch = 0.0254;
+constexpr double kPointsPerMetre = 72 / kInch;
+
+struct Destroy {
+  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+  void operator()(cairo_t* context) const { cairo_destroy(context); }
+};
+using Surface = std::unique_ptr<cairo_surface_t, Destroy>;
+using Context = std::unique_ptr<cairo_t, Destroy>;
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+TextItem at_origin(const SheetText& text) {
+  return {.text = text.text, .height = text.height, .max_width = text.max_width};
+}
+
+// Draws items on a context whose user space is the sheet's frame.
+class Painter {
+ public:
+  explicit Painter(cairo_t* context) : context_(context) {
+    cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_cap(context, CAIRO_LINE_CAP_BUTT);
+  }
+
+  void operator()(const SheetLine& line) {
+    set_colour(line.line.colour);
+    cairo_set_line_width(context_, line.line.width);
+    cairo_set_dash(context_, line.line.dashes.data(), static_cast<int>(line.line.dashes.size()), 0);
+    trace(line.points);
+    if (line.closed) cairo_close_path(context_);
+    cairo_stroke(context_);
+  }
+
+  void operator()(const SheetArea& area) {
+    set_colour(area.fill);
+    trace(area.points);
+    cairo_close_path(context_);
+    cairo_fill(context_);
+  }
+
+  void operator()(const SheetText& text) {
+    cairo_save(context_);
+    set_colour(text.colour);
+    cairo_translate(context_, text.at.x(), text.at.y());
+    cairo_rotate(context_, -text.angle);
+    show_text(context_, at_origin(text));
+    cairo_restore(context_);
+  }
+
+ private:
+  void set_colour(const Colour& colour) {
+    cairo_set_source_rgb(context_, colour.red, colour.green, colour.blue);
+  }
+  void trace(const std::vector<Eigen::Vector2d>& points) {
+    cairo_new_path(context_);
+    for (const Eigen::Vector2d& point : points) cairo_line_to(context_, point.x(), point.y());
+  }
+
+  cairo_t* context_;
+};
+
+void paint(cairo_t* context, const Sheet& sheet, double units_per_metre) {
+  cairo_save(context);
+  cairo_scale(context, units_per_metre, units_per_metre);
+  Painter painter(context);
+  for (const SheetLayer& layer : sheet.layers) {
+    for (const SheetItem& item : layer.items) std::visit(painter, item);
+  }
+  cairo_restore(context);
+}
+
+std::string hex(const Colour& colour) {
+  constexpr std::string_view kHex = "0123456789abcdef";
+  std::string text = "#";
+  for (const double share : {colour.red, colour.green, colour.blue}) {
+    const auto level = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255));
+    text += {kHex[level / 16], kHex[level % 16]};
+  }
+  return text;
+}
+
+// Ten nanometres are finer than any plotter, and keep files small.
+std::string coarse_mm(double metres) { return format_number(metres * 1000, 5); }
+
+std::string svg_points(const std::vector<Eigen::Vector2d>& points, bool closed) {
+  std::string path;
+  for (const Eigen::Vector2d& point : points) {
+    path += (path.empty() ? "M" : "L") + coarse_mm(point.x()) + " " + coarse_mm(point.y());
+  }
+  return path + (closed ? "Z" : "");
+}
+
+std::string svg_item(const SheetLine& line) {
+  std::string dashes;
+  for (const double dash : line.line.dashes) dashes += (dashes.empty() ? "" : " ") + svg_mm(dash);
+  return "<path fill=\"none\" stroke=\"" + hex(line.line.colour) + "\" stroke-width=\"" +
+         svg_mm(line.line.width) + "\" stroke-linejoin=\"round\"" +
+         (dashes.empty() ? "" : " stroke-dasharray=\"" + dashes + "\"") + " d=\"" +
+         svg_points(line.points, line.closed) + "\"/>\n";
+}
+
+std::string svg_item(const SheetArea& area) {
+  return "<path fill=\"" + hex(area.fill) + "\" d=\"" + svg_points(area.points, true) + "\"/>\n";
+}
+
+std::string svg_item(const SheetText& text) {
+  const std::string turn =
+      text.angle == 0 ? "" : " rotate(" + format_number(-degrees(text.angle), 6) + ")";
+  return "<path fill=\"" + hex(text.colour) + "\" transform=\"translate(" + coarse_mm(text.at.x()) +
+         " " + coarse_mm(text.at.y()) + ")" + turn + "\" d=\"" + svg_outline(at_origin(text)) +
+         "\"><title>" + svg_escaped(text.text) + "</title></path>\n";
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+Error cairo_error(const std::string& format, cairo_status_t status) {
+  return {format + ": " + cairo_status_to_string(status)};
+}
+
+Result<std::string> render_sheet(const Sheet& sheet, SheetFormat format) {
+  return format == SheetFormat::svg ? render_sheet_svg(sheet) : render_sheet_png(sheet);
+}
+
+std::filesystem::path numbered(const std::filesystem::path& path, std::size_t number) {
+  return path.parent_path() /
+         (path.stem().string() + "-" + std::to_string(number) + path.extension().string());
+}
+
+}  // namespace
+
+std::optional<SheetFormat> sheet_format_of(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".pdf") return SheetFormat::pdf;
+  if (extension == ".svg") return SheetFormat::svg;
+  if (extension == ".png") return SheetFormat::png;
+  return std::nullopt;
+}
+
+Result<std::string> render_sheets_pdf(std::span<const Sheet> sheets) {
+  if (sheets.empty()) return fail("PDF: no sheet to draw, expected at least one");
+  std::string bytes;
+  const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, 0, 0));
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE,
+                                 printable_text(sheets.front().title).c_str());
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_SUBJECT,
+                                 printable_text(sheets.front().subject).c_str());
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "tagsmith");
+  Context context(cairo_create(surface.get()));
+  for (const Sheet& sheet : sheets) {
+    cairo_pdf_surface_set_size(surface.get(), sheet.width * kPointsPerMetre,
+                               sheet.height * kPointsPerMetre);
+    paint(context.get(), sheet, kPointsPerMetre);
+    cairo_show_page(context.get());
+  }
+  const cairo_status_t drawn = cairo_status(context.get());
+  context.reset();
+  cairo_surface_finish(surface.get());
+  const cairo_status_t finished = drawn ? drawn : cairo_surface_status(surface.get());
+  if (finished) return tl::unexpected(cairo_error("PDF", finished));
+  return with_print_settings(bytes);
+}
+
+std::string render_sheet_svg(const Sheet& sheet) {
+  const std::string width = svg_mm(sheet.width);
+  const std::string height = svg_mm(sheet.height);
+  std::string svg =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" +
+      width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height +
+      "\">\n<title>" + svg_escaped(sheet.title) + "</title>\n<desc>" + svg_escaped(sheet.subject) +
+      "</desc>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#ffffff\"/>\n";
+  for (const SheetLayer& layer : sheet.layers) {
+    svg += "<g id=\"" + svg_escaped(layer.name) + "\">\n";
+    for (const SheetItem& item : layer.items) {
+      svg += std::visit([](const auto& value) { return svg_item(value); }, item);
+    }
+    svg += "</g>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+Result<std::string> render_sheet_png(const Sheet& sheet, double dots_per_inch) {
+  const double dots_per_metre = dots_per_inch / kInch;
+  const auto dots = [&](double metres) {
+    return static_cast<int>(std::lround(metres * dots_per_metre));
+  };
+  const Surface surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, dots(sheet.width), dots(sheet.height)));
+  const Context context(cairo_create(surface.get()));
+  cairo_set_source_rgb(context.get(), 1, 1, 1);
+  cairo_paint(context.get());
+  paint(context.get(), sheet, dots_per_metre);
+  std::string bytes;
+  cairo_status_t status = cairo_status(context.get());
+  if (!status) status = cairo_surface_write_to_png_stream(surface.get(), append, &bytes);
+  if (status) return tl::unexpected(cairo_error("PNG", status));
+  return bytes;
+}
+
+Result<std::vector<SheetFile>> render_sheets(std::span<const Sheet> sheets,
+                                             const std::filesystem::path& path) {
+  const std::optional<SheetFormat> format = sheet_format_of(path);
+  if (!format) {
+    return fail(path.string() + ": expected a file name that ends in .pdf, .svg or .png");
+  }
+  std::vector<SheetFile> files;
+  if (*format == SheetFormat::pdf) {
+    Result<std::string> bytes = render_sheets_pdf(sheets);
+    if (!bytes) return tl::unexpected(bytes.error());
+    files.push_back({path, std::move(*bytes)});
+    return files;
+  }
+  if (sheets.empty()) return fail(path.string() + ": no sheet to draw, expected at least one");
+  for (const Sheet& sheet : sheets) {
+    Result<std::string> bytes = render_sheet(sheet, *format);
+    if (!bytes) return tl::unexpected(bytes.error());
+    files.push_back(
+        {sheets.size() > 1 ? numbered(path, files.size() + 1) : path, std::move(*bytes)});
+  }
+  return files;
+}
+
+}  // namespace tagsmith

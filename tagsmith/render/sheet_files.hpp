@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sheets as PDF, SVG and PNG.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/render/sheet.hpp"
+
+namespace tagsmith {
+
+enum class SheetFormat { pdf, svg, png };
+
+// By the file's extension, in any case of letters; nothing for other extensions.
+std::optional<SheetFormat> sheet_format_of(const std::filesystem::path& path);
+
+// A PDF of all sheets at true scale, fonts embedded, told to print unscaled.
+Result<std::string> render_sheets_pdf(std::span<const Sheet> sheets);
+
+// SVG 1.1 in millimetres, a group for each layer (`id` = its name), text as outlines with the words
+// as their title.
+std::string render_sheet_svg(const Sheet& sheet);
+
+// An RGB picture on white.
+Result<std::string> render_sheet_png(const Sheet& sheet, double dots_per_inch = 150);
+
+struct SheetFile {
+  std::filesystem::path path;
+  std::string bytes;
+};
+
+// The sheets in the format of the path's extension. A PDF is one file; of the other formats each
+// sheet is a file, several as NAME-1.svg, NAME-2.svg ... Equal sheets give equal bytes. Fails on
+// other extensions and without sheets.
+Result<std::vector<SheetFile>> render_sheets(std::span<const Sheet> sheets,
+                                             const std::filesystem::path& path);
+
+}  // namespace tagsmith

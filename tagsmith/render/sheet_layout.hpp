@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sketches on sheets: chosen scale, drawing border, title block, scale bars, axes of the grid.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/render/sheet.hpp"
+#include "tagsmith/render/sketch.hpp"
+
+namespace tagsmith {
+
+enum class Paper { a4, a3 };  // landscape
+
+// Directions of the grid's axes in a view, as sketched (x right, y up); unit vectors.
+struct ViewAxes {
+  Eigen::Vector2d x{1, 0};
+  Eigen::Vector2d y{0, 1};
+  std::string x_name = "x";
+  std::string y_name = "y";
+};
+
+// One picture of a drawing. Views follow each other in rows, like words.
+struct DrawingView {
+  std::string title;
+  Sketch sketch;
+  std::optional<ViewAxes> axes{};
+  std::optional<double> scale{};  // denominator of its own scale; none = the drawing's
+  bool new_row = false;           // begins a row
+};
+
+struct TitleField {
+  std::string name;
+  std::string value;
+};
+
+// The block at the lower right (ISO 7200). Scale, unit and sheet number are added.
+struct TitleBlock {
+  std::string title;
+  std::string subject;
+  std::vector<TitleField> fields{};
+};
+
+struct DrawingStyle {
+  Paper paper = Paper::a3;
+  // Denominator of the least scale at which the sketches can be read. The drawing has the greatest
+  // round scale with which all views share one sheet; where that would be less than this, it has
+  // this one and as many sheets as that takes. A view larger than a sheet makes the scale less.
+  double coarsest_scale = 1e9;
+};
+
+// The room for views on a sheet, metres on paper.
+Eigen::Vector2d drawing_area(Paper paper);
+
+// The greatest round scale not above 1:denominator: 1, 2, 2.5 or 5 times a power of ten (ISO 5455,
+// and 1:25, 1:250 as mines use them).
+double round_scale(double denominator);
+
+// "1 : 50", "2 : 1".
+std::string scale_text(double denominator);
+
+// Fails when there is nothing to draw, or points that are not finite.
+Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
+                                          std::span<const DrawingView> views,
+                                          const DrawingStyle& style = {});
+
+}  // namespace tagsmith

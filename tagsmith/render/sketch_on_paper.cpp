@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/sketch_on_paper.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "tagsmith/render/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kCircleSides = 72;
+
+// On paper y grows downwards.
+Vector2d turned_left(const Vector2d& direction) { return {direction.y(), -direction.x()}; }
+Vector2d direction_at(double angle) { return {std::cos(angle), -std::sin(angle)}; }
+
+// The angle of a line of text along this direction that is not upside down: above -90 degrees, at
+// most 90 (ISO 129-1: read from below or from the right).
+double reading_angle(const Vector2d& direction) {
+  constexpr double kSlack = 1e-6;
+  const double angle = std::atan2(-direction.y(), direction.x());
+  if (angle > kPi / 2 + kSlack) return angle - kPi;
+  if (angle <= -kPi / 2 + kSlack) return angle + kPi;
+  return angle;
+}
+
+class Drafter {
+ public:
+  Drafter(double scale_denominator, const TextWidths& widths)
+      : scale_(1 / scale_denominator), widths_(widths) {}
+
+  SketchOnPaper take() && { return std::move(result_); }
+
+  void begin_layer(const std::string& name) { result_.layers.push_back({name, {}}); }
+
+  void operator()(const Area& area) { add_area(on_paper(area.points), area.fill); }
+
+  void operator()(const Polyline& line) { add_line(on_paper(line.points), line.line, line.closed); }
+
+  void operator()(const Ellipse& ellipse) {
+    const Vector2d axes = ellipse.semi_axes * (ellipse.on_paper ? 1 : scale_);
+    add_line(oval(on_paper(ellipse.centre), axes, ellipse.angle), ellipse.line, true);
+  }
+
+  void operator()(const Dot& dot) {
+    add_area(oval(on_paper(dot.centre), {dot.radius, dot.radius}, 0), dot.fill);
+  }
+
+  void operator()(const Arrow& arrow) {
+    add_arrow(on_paper(arrow.from), on_paper(arrow.to), arrow.line, arrow.head);
+  }
+
+  void operator()(const Words& words) {
+    add_words(words.text, on_paper(words.at), words.height, words.angle, words.align, words.level,
+              words.colour);
+  }
+
+  void operator()(const Dimension& dimension) {
+    const Vector2d from = on_paper(dimension.from);
+    const Vector2d to = on_paper(dimension.to);
+    const double length = (to - from).norm();
+    if (length <= 0) return;
+    const Vector2d along = (to - from) / length;
+    const Vector2d across = turned_left(along) * (dimension.offset < 0 ? -1 : 1);
+    const double offset = std::abs(dimension.offset);
+    const LineStyle line{dimension.colour, kNarrow, {}};
+    for (const Vector2d& end : {from, to}) {
+      add_line({end + across * kExtensionGap, end + across * (offset + kExtensionOver)}, line);
+    }
+    const Vector2d shift = across * offset;
+    const bool room = length >= 3 * kHead;
+    if (room) {
+      add_arrow(from + shift, to + shift, line, kHead);
+      add_head(to + shift, from + shift, dimension.colour, kHead);
+    } else {
+      add_line({from + shift, to + shift}, line);
+      add_arrow(from + shift - along * 2.2 * kHead, from + shift, line, kHead);
+      add_arrow(to + shift + along * 2.2 * kHead, to + shift, line, kHead);
+    }
+    add_dimension_text(dimension, from + shift, to + shift, room);
+  }
+
+ private:
+  static constexpr double kHead = 0.0025;
+  static constexpr double kExtensionGap = 0.001;
+  static constexpr double kExtensionOver = 0.0015;
+  static constexpr double kDimensionText = 0.0018;
+
+  // Above the line's middle; beyond its end where that is too short.
+  void add_dimension_text(const Dimension& dimension, const Vector2d& from, const Vector2d& to,
+                          bool arrows_inside) {
+    const double angle = reading_angle(to - from);
+    const Vector2d reading = direction_at(angle);
+    const Vector2d up = turned_left(reading);
+    const double length = (to - from).norm();
+    if (widths_(dimension.text, kDimensionText) <= length) {
+      add_words(dimension.text, (from + to) / 2 + up * 0.0007, kDimensionText, angle,
+                TextAlign::centre, TextLevel::baseline, dimension.colour);
+      return;
+    }
+    const Vector2d last = (to - from).dot(reading) > 0 ? to : from;
+    const double clear = arrows_inside ? 0.0015 : 2.6 * kHead;
+    add_words(dimension.text, last + reading * clear, kDimensionText, angle, TextAlign::left,
+              TextLevel::middle, dimension.colour);
+  }
+
+  Vector2d on_paper(const SketchPoint& point) const {
+    const Vector2d up = point.model * scale_ + point.paper;
+    return {up.x(), -up.y()};
+  }
+
+  std::vector<Vector2d> on_paper(const std::vector<SketchPoint>& points) const {
+    std::vector<Vector2d> result;
+    result.reserve(points.size());
+    for (const SketchPoint& point : points) result.push_back(on_paper(point));
+    return result;
+  }
+
+  static std::vector<Vector2d> oval(const Vector2d& centre, const Vector2d& axes, double angle) {
+    std::vector<Vector2d> points;
+    const Vector2d first = direction_at(angle) * axes.x();
+    const Vector2d second = direction_at(angle + kPi / 2) * axes.y();
+    for (int i = 0; i < kCircleSides; ++i) {
+      const double turn = 2 * kPi * i / kCircleSides;
+      points.push_back(centre + std::cos(turn) * first + std::sin(turn) * second);
+    }
+    return points;
+  }
+
+  void add_arrow(const Vector2d& from, const Vector2d& to, const LineStyle& line, double head) {
+    const double length = (to - from).norm();
+    if (length <= 0) return;
+    // The line ends inside the head, whose tip stays sharp.
+    add_line({from, to - (to - from) / length * std::min(length, head * 0.6)}, line);
+    add_head(from, to, line.colour, head);
+  }
+
+  void add_head(const Vector2d& from, const Vector2d& tip, const Colour& colour, double head) {
+    const Vector2d along = (tip - from).normalized();
+    const Vector2d across = turned_left(along);
+    add_area({tip, tip - along * head + across * head / 6, tip - along * head - across * head / 6},
+             colour);
+  }
+
+  void add_words(const std::string& text, const Vector2d& at, double height, double angle,
+                 TextAlign align, TextLevel level, const Colour& colour) {
+    const double width = widths_(text, height);
+    const Vector2d reading = direction_at(angle);
+    const Vector2d down = -turned_left(reading);
+    const double back = align == TextAlign::left ? 0 : align == TextAlign::centre ? 0.5 : 1;
+    const double drop = level == TextLevel::baseline ? 0 : level == TextLevel::middle ? 0.5 : 1;
+    const Vector2d start = at - reading * (width * back) + down * (height * drop);
+    for (const double along : {0.0, width}) {
+      for (const double below : {-kTextAscent, kTextDescent}) {
+        result_.bounds.extend(start + reading * along + down * (height * below));
+      }
+    }
+    result_.layers.back().items.push_back(
+        SheetText{text, start, height, angle, width * 1.001, colour});
+  }
+
+  void add_line(std::vector<Vector2d> points, const LineStyle& line, bool closed = false) {
+    extend(points);
+    result_.layers.back().items.push_back(SheetLine{std::move(points), line, closed});
+  }
+
+  void add_area(std::vector<Vector2d> points, const Colour& fill) {
+    extend(points);
+    result_.layers.back().items.push_back(SheetArea{std::move(points), fill});
+  }
+
+  void extend(const std::vector<Vector2d>& points) {
+    for (const Vector2d& point : points) result_.bounds.extend(point);
+  }
+
+  double scale_;
+  const TextWidths& widths_;
+  SketchOnPaper result_;
+};
+
+struct ModelBounds {
+  AlignedBox2d box;
+  bool finite = true;
+
+  void add(const SketchPoint& point, const Vector2d& reach = {0, 0}) {
+    finite = finite && point.model.allFinite() && point.paper.allFinite();
+    box.extend(Vector2d(point.model - reach));
+    box.extend(Vector2d(point.model + reach));
+  }
+  void operator()(const Area& area) {
+    for (const SketchPoint& point : area.points) add(point);
+  }
+  void operator()(const Polyline& line) {
+    for (const SketchPoint& point : line.points) add(point);
+  }
+  void operator()(const Ellipse& ellipse) {
+    const double reach = ellipse.on_paper ? 0 : ellipse.semi_axes.minCoeff();
+    add(ellipse.centre, {reach, reach});
+  }
+  void operator()(const Dot& dot) { add(dot.centre); }
+  void operator()(const Arrow& arrow) {
+    add(arrow.from);
+    add(arrow.to);
+  }
+  void operator()(const Words& words) { add(words.at); }
+  void operator()(const Dimension& dimension) {
+    add(dimension.from);
+    add(dimension.to);
+  }
+};
+
+}  // namespace
+
+double TextWidths::operator()(const std::string& text, double height) const {
+  const auto [entry, is_new] = widths_.emplace(text, 0);
+  if (is_new) entry->second = text_width(text, 1);
+  return entry->second * height;
+}
+
+SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator,
+                              const TextWidths& widths) {
+  Drafter drafter(scale_denominator, widths);
+  for (const SketchLayer& layer : sketch.layers) {
+    drafter.begin_layer(layer.name);
+    for (const SketchItem& item : layer.items) std::visit(drafter, item);
+  }
+  return std::move(drafter).take();
+}
+
+std::optional<Vector2d> model_extent(const Sketch& sketch) {
+  ModelBounds bounds;
+  for (const SketchLayer& layer : sketch.layers) {
+    for (const SketchItem& item : layer.items) std::visit(bounds, item);
+  }
+  if (!bounds.finite) return std::nullopt;
+  return bounds.box.isEmpty() ? Vector2d(0, 0) : Vector2d(bounds.box.sizes());
+}
+
+}  // namespace tagsmith

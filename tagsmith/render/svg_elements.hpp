@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pieces that every SVG of the program is made of. Its user unit is one millimetre.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "tagsmith/tag/drawing.hpp"
+
+namespace tagsmith {
+
+// Metres as millimetres, to the nanometre.
+std::string svg_mm(double metres);
+
+// Text between elements: printable, with < > & escaped.
+std::string svg_escaped(std::string_view text);
+
+// The text's glyphs as path data, in the item's frame.
+std::string svg_outline(const TextItem& item);
+
+}  // namespace tagsmith

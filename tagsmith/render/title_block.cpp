@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/title_block.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+
+constexpr double kBlockWidth = 0.180;  // ISO 7200
+constexpr double kBlockHeight = 0.020;
+constexpr double kTitleWidth = 0.074;
+constexpr double kPadding = 0.002;
+constexpr double kValueHeight = 0.0020;
+constexpr double kNameHeight = 0.0014;
+
+std::vector<Vector2d> corners(const AlignedBox2d& box) {
+  return {box.min(), {box.max().x(), box.min().y()}, box.max(), {box.min().x(), box.max().y()}};
+}
+
+std::vector<TitleField> all_fields(const TitleBlock& block, const SheetNumber& number,
+                                   std::optional<double> scale) {
+  std::vector<TitleField> fields = block.fields;
+  if (scale) fields.push_back({"Scale", scale_text(*scale)});
+  fields.push_back({"Unit", "metre"});
+  fields.push_back(
+      {"Sheet", std::to_string(number.number) + " of " + std::to_string(number.count)});
+  return fields;
+}
+
+// Two rows of cells.
+void add_fields(SheetLayer& layer, const std::vector<TitleField>& fields, const AlignedBox2d& box) {
+  const std::size_t columns = (fields.size() + 1) / 2;
+  const Vector2d cell(box.sizes().x() / static_cast<double>(columns), box.sizes().y() / 2);
+  const LineStyle line{.width = kNarrow};
+  const double middle = box.center().y();
+  layer.items.push_back(SheetLine{{{box.min().x(), middle}, {box.max().x(), middle}}, line});
+  for (std::size_t column = 0; column < columns; ++column) {
+    const double x = box.min().x() + static_cast<double>(column) * cell.x();
+    layer.items.push_back(SheetLine{{{x, box.min().y()}, {x, box.max().y()}}, line});
+  }
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const Vector2d corner = box.min() + Vector2d(static_cast<double>(i % columns) * cell.x(),
+                                                 static_cast<double>(i / columns) * cell.y());
+    const double width = cell.x() - kPadding;
+    layer.items.push_back(SheetText{.text = fields[i].name,
+                                    .at = corner + Vector2d(kPadding / 2, 0.0028),
+                                    .height = kNameHeight,
+                                    .max_width = width,
+                                    .colour = colours::kGrey});
+    layer.items.push_back(SheetText{.text = fields[i].value,
+                                    .at = corner + Vector2d(kPadding / 2, 0.0075),
+                                    .height = kValueHeight,
+                                    .max_width = width});
+  }
+}
+
+// A round length on the ground of 25 to 60 mm on paper.
+double scale_bar_length(double scale) {
+  constexpr double kLeast = 0.025;
+  double length = std::pow(10, std::floor(std::log10(kLeast * scale)));
+  for (const double step : {1.0, 2.0, 5.0, 10.0}) {
+    if (length * step / scale >= kLeast) return length * step;
+  }
+  return length * 10;
+}
+
+void add_scale_bar(SheetLayer& layer, double scale, const Vector2d& left_end,
+                   const TextWidths& widths) {
+  constexpr int kParts = 4;
+  constexpr double kThickness = 0.0015;
+  constexpr double kTextHeight = 0.0018;
+  const double ground = scale_bar_length(scale);
+  const double part = ground / scale / kParts;
+  const LineStyle line{.width = kNarrow};
+  for (int i = 0; i < kParts; ++i) {
+    const Vector2d corner = left_end + Vector2d(i * part, 0);
+    const std::vector<Vector2d> box =
+        corners({corner, Vector2d(corner + Vector2d(part, kThickness))});
+    if (i % 2 == 0) layer.items.push_back(SheetArea{box, colours::kBlack});
+    layer.items.push_back(SheetLine{box, line, true});
+  }
+  for (const int tick : {0, kParts / 2, kParts}) {
+    const std::string text =
+        format_number(ground * tick / kParts, 6) + (tick == kParts ? " m" : "");
+    const double width = widths(text, kTextHeight);
+    const double centred = left_end.x() + tick * part -
+                           widths(format_number(ground * tick / kParts, 6), kTextHeight) / 2;
+    layer.items.push_back(SheetText{.text = text,
+                                    .at = {centred, left_end.y() - 0.0012},
+                                    .height = kTextHeight,
+                                    .max_width = width * 1.001});
+  }
+  const std::string text = scale_text(scale);
+  layer.items.push_back(SheetText{.text = text,
+                                  .at = left_end + Vector2d(0, 0.0055),
+                                  .height = 0.0025,
+                                  .max_width = widths(text, 0.0025) * 1.001});
+}
+
+}  // namespace
+
+SheetFrame sheet_frame(Paper paper) {
+  constexpr double kFiling = 0.020;
+  constexpr double kMargin = 0.010;
+  constexpr double kInset = 0.005;
+  SheetFrame frame;
+  frame.paper = paper == Paper::a4 ? Vector2d(0.297, 0.210) : Vector2d(0.420, 0.297);
+  frame.border =
+      AlignedBox2d(Vector2d(kFiling, kMargin), Vector2d(frame.paper - Vector2d(kMargin, kMargin)));
+  const Vector2d corner = frame.border.max();
+  frame.block = AlignedBox2d(Vector2d(corner - Vector2d(kBlockWidth, kBlockHeight)), corner);
+  frame.views = AlignedBox2d(Vector2d(frame.border.min() + Vector2d(kInset, kInset)),
+                             Vector2d(corner.x() - kInset, frame.block.min().y() - kInset));
+  return frame;
+}
+
+void add_title_block(Sheet& sheet, const TitleBlock& block, const SheetNumber& number,
+                     std::optional<double> scale_denominator, const SheetFrame& frame,
+                     const TextWidths& widths) {
+  SheetLayer layer{"title-block", {}};
+  layer.items.push_back(SheetLine{corners(frame.border), {.width = 0.0007}, true});
+  layer.items.push_back(SheetLine{corners(frame.block), {.width = kWide}, true});
+  const Vector2d corner = frame.block.min();
+  layer.items.push_back(SheetText{.text = block.title,
+                                  .at = corner + Vector2d(kPadding, 0.0075),
+                                  .height = 0.0035,
+                                  .max_width = kTitleWidth - 2 * kPadding});
+  layer.items.push_back(SheetText{.text = block.subject,
+                                  .at = corner + Vector2d(kPadding, 0.0135),
+                                  .height = 0.0022,
+                                  .max_width = kTitleWidth - 2 * kPadding});
+  layer.items.push_back(SheetText{.text = "tagsmith",
+                                  .at = corner + Vector2d(kPadding, 0.0180),
+                                  .height = kNameHeight,
+                                  .max_width = kTitleWidth - 2 * kPadding,
+                                  .colour = colours::kGrey});
+  add_fields(layer, all_fields(block, number, scale_denominator),
+             {Vector2d(corner + Vector2d(kTitleWidth, 0)), frame.block.max()});
+  if (scale_denominator) {
+    add_scale_bar(layer, *scale_denominator,
+                  {frame.border.min().x() + 0.006, frame.border.max().y() - 0.010}, widths);
+  }
+  sheet.layers.push_back(std::move(layer));
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/tunnel_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/tag_text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+
+// On paper, metres.
+constexpr double kNameHeight = 0.0018;
+constexpr double kNamePitch = 0.0030;   // of names beside each other
+constexpr double kLeastDrive = 0.0060;  // between the walls
+constexpr double kPlateThickness = 0.0007;
+constexpr double kNameClear = 0.0022;       // between wall and name
+constexpr double kStripOverhead = 0.032;    // names on both sides of the walls, title
+constexpr double kAxesOverhead = 0.030;     // axes beside the strip, names that stand over its ends
+constexpr double kMostTurn = radians(150);  // of one strip: a tighter one would run into itself
+
+Vector2d in_view(const PlanStrip& strip, const Eigen::Vector3d& point_in_world) {
+  return strip.view_from_world * Vector2d(point_in_world.head<2>());
+}
+
+Vector2d turned_to_view(const PlanStrip& strip, const Eigen::Vector3d& direction_in_world) {
+  return strip.view_from_world.linear() * Vector2d(direction_in_world.head<2>());
+}
+
+// Chainages from `from` to `to` between which the line is as good as straight.
+std::vector<double> polyline_chainages(const Centerline& line, double from, double to) {
+  constexpr double kSagitta = 0.0005;
+  constexpr double kMostSteps = 720;  // of one element
+  std::vector<double> chainages{from};
+  double start = 0;
+  for (const CenterlineElement& element : line.elements()) {
+    const double low = std::max(from, start);
+    const double high = std::min(to, start + element.length);
+    start += element.length;
+    if (low >= high) continue;
+    chainages.push_back(low);
+    if (element.curvature == 0) continue;
+    const double step = std::sqrt(8 * kSagitta / std::abs(element.curvature));
+    const double count = std::clamp(std::ceil((high - low) / step), 1.0, kMostSteps);
+    for (int i = 1; i < count; ++i) chainages.push_back(low + (high - low) * i / count);
+  }
+  chainages.push_back(std::clamp(line.length(), from, to));
+  chainages.push_back(to);
+  const auto [last, end] = std::ranges::unique(chainages);
+  chainages.erase(last, end);
+  return chainages;
+}
+
+// A line beside the center line, `offset` metres to the right of the drive, in the world.
+std::vector<Eigen::Vector3d> parallel_line(const Centerline& line, double from, double to,
+                                           double offset) {
+  std::vector<Eigen::Vector3d> points;
+  for (const double chainage : polyline_chainages(line, from, to)) {
+    const CenterlinePoint point = line.at(chainage);
+    points.push_back(point.position + offset * right_of(point.heading));
+  }
+  return points;
+}
+
+std::vector<SketchPoint> in_view(const PlanStrip& strip, const std::vector<Eigen::Vector3d>& line) {
+  std::vector<SketchPoint> points;
+  for (const Eigen::Vector3d& point : line) points.emplace_back(in_view(strip, point));
+  return points;
+}
+
+PlanStrip make_strip(const Centerline& line, double from, double to) {
+  PlanStrip strip{from, to};
+  const CenterlinePoint start = line.at(from);
+  Vector2d along = (line.at(to).position - start.position).head<2>();
+  if (along.norm() < 1e-6 * (to - from)) along = direction_of(start.heading).head<2>();
+  const double turn = -std::atan2(along.y(), along.x());
+  strip.view_from_world =
+      Eigen::Rotation2Dd(turn) * Eigen::Translation2d(Vector2d(-start.position.head<2>()));
+  return strip;
+}
+
+// Width and height of the walls in the strip's view, metres on the ground.
+Vector2d extent_of(const Survey& survey, const PlanStrip& strip) {
+  Eigen::AlignedBox2d box;
+  for (const double side : {-0.5, 0.5}) {
+    for (const Eigen::Vector3d& point : parallel_line(survey.tunnel.centerline, strip.from,
+                                                      strip.to, side * survey.tunnel.width)) {
+      box.extend(in_view(strip, point));
+    }
+  }
+  return box.sizes();
+}
+
+double turn_of(const Centerline& line, const PlanStrip& strip) {
+  double turn = 0;
+  double start = 0;
+  for (const CenterlineElement& element : line.elements()) {
+    const double length = std::min(strip.to, start + element.length) - std::max(strip.from, start);
+    if (length > 0) turn += std::abs(element.curvature) * length;
+    start += element.length;
+  }
+  return turn;
+}
+
+// Where the tunnel is drawn: all of it, and where tags hang before its start or beyond its end.
+std::pair<double, double> drawn_chainages(const Survey& survey) {
+  double from = 0;
+  double to = survey.tunnel.centerline.length();
+  for (const PlacedTag& tag : survey.tags) {
+    from = std::min(from, tag.chainage - survey.tag_template.plate_length);
+    to = std::max(to, tag.chainage + survey.tag_template.plate_length);
+  }
+  return {from, to};
+}
+
+Vector2d room_for_strips(Paper paper) {
+  return drawing_area(paper) - Vector2d(kAxesOverhead, kStripOverhead);
+}
+
+// 1, 2 or 5 times a power of ten, at least `least`.
+double round_step(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (step * power >= least * (1 - 1e-9)) return step * power;
+  }
+  return 10 * power;
+}
+
+// The longest strip from here on that fits the room, ending at a multiple of the step.
+PlanStrip longest_strip(const Survey& survey, double from, double to, const Vector2d& room,
+                        double step) {
+  const Centerline& line = survey.tunnel.centerline;
+  const auto fits = [&](const PlanStrip& strip) {
+    return (extent_of(survey, strip).array() <= room.array()).all() &&
+           turn_of(line, strip) <= kMostTurn;
+  };
+  double count = std::floor(room.x() / step);
+  const double first = std::floor(from / step + 1e-9) * step;
+  while (true) {
+    const PlanStrip strip = make_strip(line, from, std::min(to, first + count * step));
+    if (count <= 1 || fits(strip)) return strip;
+    --count;
+  }
+}
+
+std::vector<PlanStrip> cut_into_strips(const Survey& survey, double from, double to,
+                                       const Vector2d& room) {
+  const double step = round_step(room.x() / 20);
+  std::vector<PlanStrip> strips;
+  while (from < to - 1e-9) {
+    strips.push_back(longest_strip(survey, from, to, room, step));
+    from = strips.back().to;
+  }
+  return strips;
+}
+
+void draw_tunnel(Sketch& sketch, const Survey& survey, const PlanStrip& strip) {
+  const Centerline& line = survey.tunnel.centerline;
+  const double half = survey.tunnel.width / 2;
+  const auto left = in_view(strip, parallel_line(line, strip.from, strip.to, -half));
+  const auto right = in_view(strip, parallel_line(line, strip.from, strip.to, half));
+  std::vector<SketchPoint> floor = left;
+  floor.insert(floor.end(), right.rbegin(), right.rend());
+  sketch.layer("floor").add(Area{floor, {0.95, 0.95, 0.93}});
+  for (const auto& wall : {left, right}) {
+    sketch.layer("walls").add(Polyline{wall, {.width = kWide}});
+  }
+  sketch.layer("centerline")
+      .add(Polyline{in_view(strip, parallel_line(line, strip.from, strip.to, 0)),
+                    {colours::kGrey, kNarrow, long_dashed_dotted()}});
+}
+
+void draw_chainages(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
+  const double step = round_step((strip.to - strip.from) / 20);
+  const double first = std::ceil(strip.from / step - 1e-9);
+  for (int i = 0; (first + i) * step <= strip.to + step * 1e-9; ++i) {
+    const double chainage = (first + i) * step;
+    const CenterlinePoint point = survey.tunnel.centerline.at(chainage);
+    const Vector2d at = in_view(strip, point.position);
+    const Vector2d across = turned_to_view(strip, right_of(point.heading));
+    const Vector2d along = turned_to_view(strip, direction_of(point.heading));
+    layer.add(
+        Polyline{{{at, across * 0.001}, {at, across * -0.001}}, {colours::kBlue, kNarrow, {}}});
+    layer.add(Words{.text = format_number(chainage, 3),
+                    .at = {at, along * 0.0006 - across * 0.0007},
+                    .height = 0.0014,
+                    .angle = std::atan2(along.y(), along.x()),
+                    .colour = colours::kBlue});
+  }
+}
+
+// Ends of the plate along its length, from P, metres.
+std::pair<double, double> plate_ends(const TagTemplate& tag) {
+  const double left = -(tag.plate_length - tag.frame_inner_length) / 2 - tag.frame_offset_right;
+  return {left, left + tag.plate_length};
+}
+
+void draw_plate(SketchLayer& layer, const Survey& survey, const PlanStrip& strip,
+                const PlacedTag& tag) {
+  const Pose& pose = tag.world_from_plate;
+  const auto [left, right] = plate_ends(survey.tag_template);
+  const Vector2d from = in_view(strip, pose * Eigen::Vector3d(left, 0, 0));
+  const Vector2d to = in_view(strip, pose * Eigen::Vector3d(right, 0, 0));
+  const Vector2d middle = (from + to) / 2;
+  const Vector2d along = turned_to_view(strip, pose.rotation.col(0));
+  const Vector2d into_rock = turned_to_view(strip, pose.rotation.col(2));
+  const Vector2d back = into_rock * kPlateThickness;
+  layer.add(Area{{from, to, {to, back}, {from, back}}, colours::kBlack});
+  // Points the way the plate faces.
+  layer.add(
+      Area{{{middle, along * 0.0007}, {middle, along * -0.0007}, {middle, into_rock * -0.0016}},
+           colours::kOrange});
+  layer.add(Dot{in_view(strip, pose.translation), 0.0004, colours::kRed});
+}
+
+Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag, bool digits) {
+  const Pose& pose = tag.world_from_plate;
+  const auto [left, right] = plate_ends(survey.tag_template);
+  const Vector2d middle = in_view(strip, pose * Eigen::Vector3d((left + right) / 2, 0, 0));
+  const Vector2d outward = turned_to_view(strip, pose.rotation.col(2)).normalized();
+  const double angle = std::atan2(outward.y(), outward.x());
+  constexpr double kQuarter = std::numbers::pi / 2 + 1e-6;
+  const bool upside_down = angle > kQuarter || angle <= -kQuarter + 2e-6;
+  Words words;
+  words.text = tag.name;
+  if (digits) words.text += "  " + grouped_digits(survey.code, tag.digits);
+  words.at = {middle, outward * kNameClear};
+  words.height = kNameHeight;
+  words.angle = upside_down ? angle + std::numbers::pi : angle;
+  words.align = upside_down ? TextAlign::right : TextAlign::left;
+  words.level = TextLevel::middle;
+  return words;
+}
+
+// The gap that a tenth of the gaps between neighbours on one wall are shorter than; infinity
+// without neighbours.
+double tight_gap(const Survey& survey) {
+  std::vector<double> gaps;
+  for (const Side side : {Side::left, Side::right}) {
+    std::vector<double> chainages;
+    for (const PlacedTag& tag : survey.tags) {
+      if (tag.side == side) chainages.push_back(tag.chainage);
+    }
+    std::ranges::sort(chainages);
+    for (std::size_t i = 1; i < chainages.size(); ++i) {
+      gaps.push_back(chainages[i] - chainages[i - 1]);
+    }
+  }
+  if (gaps.empty()) return 1e9;
+  const auto tenth = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 10);
+  std::ranges::nth_element(gaps, tenth);
+  return std::max(*tenth, 0.1 * survey.tag_template.plate_length);
+}
+
+}  // namespace
+
+double coarsest_plan_scale(const Survey& survey) {
+  const double by_names = tight_gap(survey) / kNamePitch;
+  const double by_walls = survey.tunnel.width / kLeastDrive;
+  // round_scale goes to the next coarser one; the one before it is wanted.
+  const double most = std::min(by_names, by_walls);
+  double scale = round_scale(most / 2.6);
+  while (round_scale(scale * 1.01) <= most) scale = round_scale(scale * 1.01);
+  return scale;
+}
+
+std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style) {
+  const auto [from, to] = drawn_chainages(survey);
+  const Vector2d room = room_for_strips(style.paper);
+  const PlanStrip whole = make_strip(survey.tunnel.centerline, from, to);
+  const double needed = (extent_of(survey, whole).array() / room.array()).maxCoeff();
+  double scale = coarsest_plan_scale(survey);
+  if (needed <= scale) return {whole};
+  const double least = (to - from) / (kMostStrips / 2 * room.x());
+  scale = round_scale(std::max(scale, least));
+  return cut_into_strips(survey, from, to, room * scale);
+}
+
+Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style) {
+  Sketch sketch;
+  draw_tunnel(sketch, survey, strip);
+  draw_chainages(sketch.layer("centerline"), survey, strip);
+  for (const PlacedTag& tag : survey.tags) {
+    const bool inside = tag.chainage >= strip.from && tag.chainage < strip.to;
+    if (!inside) continue;
+    draw_plate(sketch.layer("tags"), survey, strip, tag);
+    sketch.layer("names").add(name_of(survey, strip, tag, style.digits));
+  }
+  return sketch;
+}
+
+ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip) {
+  ViewAxes axes;
+  axes.x = turned_to_view(strip, world_from_grid(survey.grid, {1, 0, 0}));
+  axes.y = turned_to_view(strip, world_from_grid(survey.grid, {0, 1, 0}));
+  return axes;
+}
+
+DrawingView plan_view(const Survey& survey, const PlanStrip& strip, const PlanStyle& style) {
+  DrawingView view;
+  view.title =
+      "Plan, chainage " + format_number(strip.from, 1) + " to " + format_number(strip.to, 1) + " m";
+  view.sketch = tunnel_plan(survey, strip, style);
+  view.axes = plan_axes(survey, strip);
+  view.new_row = true;
+  return view;
+}
+
+}  // namespace tagsmith

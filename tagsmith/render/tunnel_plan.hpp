@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tunnel and its tags seen from above: the base that plans, run drawings and maps draw on.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/sketch.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// A piece of the tunnel that is drawn in one view, turned so that the drive runs from left to
+// right. The view is never mirrored: a grid with x to the left shows as its axes.
+struct PlanStrip {
+  double from = 0;  // chainage
+  double to = 0;
+  Eigen::Isometry2d view_from_world = Eigen::Isometry2d::Identity();
+};
+
+struct PlanStyle {
+  Paper paper = Paper::a3;
+  bool digits = false;  // the tags' codes beside their names
+};
+
+// The least scale (its denominator) at which the tags' names do not run into each other and the
+// walls can be told apart.
+double coarsest_plan_scale(const Survey& survey);
+
+inline constexpr int kMostStrips = 400;
+
+// The tunnel, and its ends beyond where tags hang there, in as few strips as can be read: one when
+// it fits the paper at coarsest_plan_scale or better, else pieces of a sheet's width that end at
+// round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
+std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style = {});
+
+// Layers `rock` (the drive's floor), `walls`, `centerline` (with chainage ticks), `tags` (plates,
+// corner P as a dot, an arrow for the way they face) and `names`. Points are in the strip's view:
+// view_from_world * point. Tags with a chainage outside the strip are left out.
+Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style = {});
+
+// The grid's axes as the strip's view shows them.
+ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip);
+
+// The strip's plan as a view of a drawing, titled with its chainages. Who draws more onto it adds
+// to its sketch, with points as strip.view_from_world has them.
+DrawingView plan_view(const Survey& survey, const PlanStrip& strip, const PlanStyle& style = {});
+
+}  // namespace tagsmith
