@@ -12,6 +12,7 @@
 #include "decoder/cli/simulate_command.hpp"
 #include "decoder/cli/verify_command.hpp"
 #include "tagsmith/cli/command.hpp"
+#include "tagsmith/cli/plan_command.hpp"
 #include "tagsmith/cli/print_command.hpp"
 #include "tagsmith/cli/validate_command.hpp"
 
@@ -29,10 +30,10 @@ int run(int argc, char** argv) {
       "tagsmith: position tags for mine tunnels, from the survey to the vehicle's position"};
   app.require_subcommand(1);
   const std::vector<tagsmith::Command> commands{
-      tagsmith::validate_command(app), tagsmith::print_command(app),
-      tagsmith::read_command(app),     tagsmith::verify_command(app),
-      tagsmith::localize_command(app), tagsmith::simulate_command(app),
-      tagsmith::demo_command(app),
+      tagsmith::validate_command(app), tagsmith::plan_command(app),
+      tagsmith::print_command(app),    tagsmith::read_command(app),
+      tagsmith::verify_command(app),   tagsmith::localize_command(app),
+      tagsmith::simulate_command(app), tagsmith::demo_command(app),
   };
   try {
     app.parse(argc, argv);

@@ -132,12 +132,22 @@ std::optional<double> read_optional(const MapReader& map, const char* key,
   return read_number(map.find(key), map.name_of(key), range, map.log());
 }
 
+// Depth of field: a focus says nothing without the lens opening, nor the other way round.
+void read_focus(const MapReader& map, RigCamera& camera) {
+  camera.focus = read_optional(map, "focus", above_zero(10'000, "m"));
+  const auto aperture = read_optional(map, "aperture_mm", above_zero(1000, "mm"));
+  if (aperture) camera.aperture = *aperture / 1000;
+  if (map.has("focus") == map.has("aperture_mm")) return;
+  map.need(map.has("focus") ? "aperture_mm" : "focus",
+           "focus (m) and aperture_mm (focal length / f-number) belong together");
+}
+
 RigCamera read_camera(const YamlNode& node, const std::string& name, FindingLog& log) {
-  const MapReader map(
-      &node, "cameras." + name,
-      {"image_size", "focal_length_mm", "sensor_mm", "fx", "fy", "cx", "cy", "distortion",
-       "calibration", "alpha", "side", "yaw", "pitch", "roll", "position", "exposure", "blur_px"},
-      log);
+  const MapReader map(&node, "cameras." + name,
+                      {"image_size", "focal_length_mm", "sensor_mm", "fx", "fy", "cx", "cy",
+                       "distortion", "calibration", "alpha", "side", "yaw", "pitch", "roll",
+                       "position", "exposure", "blur_px", "focus", "aperture_mm"},
+                      log);
   RigCamera camera;
   camera.name = name;
   camera.camera = read_intrinsics(map).value_or(Camera{});
@@ -145,6 +155,7 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, FindingLog&
   camera.vehicle_from_camera = read_mounting(map, camera.side);
   camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));
   camera.blur_px = read_optional(map, "blur_px", between(0, 100, "pixels"));
+  read_focus(map, camera);
   return camera;
 }
 
@@ -226,11 +237,13 @@ void check_columns(const Rig& rig, const MapReader& file) {
 }
 
 VehicleEnvelope read_envelope(const YamlNode* node, FindingLog& log) {
-  const MapReader map(node, "vehicle.envelope", {"lateral", "yaw", "speed"}, log);
+  const MapReader map(node, "vehicle.envelope", {"lateral", "yaw", "speed", "roll", "pitch"}, log);
   VehicleEnvelope envelope;
   envelope.lateral = map.number("lateral", between(0, kLargestVehicle, "m")).value_or(0);
   envelope.yaw = radians(map.number("yaw", between(0, 90, "degrees")).value_or(0));
   envelope.speed = map.number("speed", between(0, 100, "m/s")).value_or(0);
+  envelope.roll = radians(map.number_or("roll", 0, between(0, 45, "degrees")));
+  envelope.pitch = radians(map.number_or("pitch", 0, between(0, 45, "degrees")));
   return envelope;
 }
 
@@ -274,17 +287,21 @@ Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
 
 }  // namespace
 
-Result<RigReading> read_rig(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
+RigReading read_rig_text(const fs::path& path, std::string_view text) {
   FindingLog log(path.string());
   RigReading reading;
-  if (const std::optional<YamlNode> root = parse_yaml(*text, log)) {
+  if (const std::optional<YamlNode> root = parse_yaml(text, log)) {
     reading.rig = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.rig.reset();
   reading.diagnostics = log.sorted();
   return reading;
+}
+
+Result<RigReading> read_rig(const fs::path& path) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return read_rig_text(path, *text);
 }
 
 Result<Rig> load_rig(const fs::path& path) {
