@@ -17,6 +17,7 @@
 #include "tagsmith/cli/draw_command.hpp"
 #include "tagsmith/cli/export_command.hpp"
 #include "tagsmith/cli/new_command.hpp"
+#include "tagsmith/cli/plan_command.hpp"
 #include "tagsmith/cli/print_command.hpp"
 #include "tagsmith/cli/validate_command.hpp"
 
@@ -37,6 +38,7 @@ int run(int argc, char** argv) {
       tagsmith::new_command(app),
       tagsmith::validate_command(app),
       tagsmith::draw_command(app),
+      tagsmith::plan_command(app),
       tagsmith::export_command(app),
       tagsmith::print_command(app, tagsmith::prove_pages),
       tagsmith::diff_command(app),

@@ -8,8 +8,8 @@
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/plate_outline.hpp"
 #include "decoder/simulate/tunnel_backdrop.hpp"
-#include "decoder/simulate/tunnel_walls.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
 
 namespace tagsmith {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "decoder/simulate/noise.hpp"
-#include "decoder/simulate/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
 
 namespace tagsmith {
 namespace {

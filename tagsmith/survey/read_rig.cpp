@@ -66,11 +66,21 @@ CalibrationSigma read_calibration_sigma(const YamlNode* node, const std::string&
   return sigma;
 }
 
+// Depth of field: a focus says nothing without the lens opening, nor the other way round.
+void read_focus(const MapReader& map, RigCamera& camera) {
+  camera.focus = read_optional(map, "focus", above_zero(10'000, "m"));
+  const auto aperture = read_optional(map, "aperture_mm", above_zero(1000, "mm"));
+  if (aperture) camera.aperture = *aperture / 1000;
+  if (map.has("focus") == map.has("aperture_mm")) return;
+  map.need(map.has("focus") ? "aperture_mm" : "focus",
+           "focus (m) and aperture_mm (focal length / f-number) belong together");
+}
+
 RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::path& folder,
                       FindingLog& log) {
   std::vector<std::string> keys = intrinsics_keys();
   keys.insert(keys.end(), {"alpha", "side", "yaw", "pitch", "roll", "position", "exposure",
-                           "blur_px", "sigma"});
+                           "blur_px", "focus", "aperture_mm", "sigma"});
   const MapReader map(&node, "cameras." + name, keys, log);
   RigCamera camera;
   camera.name = name;
@@ -82,6 +92,7 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   if (map.has("sigma")) {
     camera.calibration_sigma = read_calibration_sigma(map.find("sigma"), map.name_of("sigma"), log);
   }
+  read_focus(map, camera);
   return camera;
 }
 
@@ -163,11 +174,13 @@ void check_columns(const Rig& rig, const MapReader& file) {
 }
 
 VehicleEnvelope read_envelope(const YamlNode* node, FindingLog& log) {
-  const MapReader map(node, "vehicle.envelope", {"lateral", "yaw", "speed"}, log);
+  const MapReader map(node, "vehicle.envelope", {"lateral", "yaw", "speed", "roll", "pitch"}, log);
   VehicleEnvelope envelope;
   envelope.lateral = map.number("lateral", between(0, kLargestVehicle, "m")).value_or(0);
   envelope.yaw = radians(map.number("yaw", between(0, 90, "degrees")).value_or(0));
   envelope.speed = map.number("speed", between(0, 100, "m/s")).value_or(0);
+  envelope.roll = radians(map.number_or("roll", 0, between(0, 45, "degrees")));
+  envelope.pitch = radians(map.number_or("pitch", 0, between(0, 45, "degrees")));
   return envelope;
 }
 
@@ -212,17 +225,21 @@ Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
 
 }  // namespace
 
-Result<RigReading> read_rig(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
+RigReading read_rig_text(const fs::path& path, std::string_view text) {
   FindingLog log(path.string());
   RigReading reading;
-  if (const std::optional<YamlNode> root = parse_yaml(*text, log)) {
+  if (const std::optional<YamlNode> root = parse_yaml(text, log)) {
     reading.rig = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.rig.reset();
   reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
   return reading;
+}
+
+Result<RigReading> read_rig(const fs::path& path) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return read_rig_text(path, *text);
 }
 
 Result<Rig> load_rig(const fs::path& path) {

@@ -295,17 +295,21 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
 
 }  // namespace
 
-Result<SurveyReading> read_survey(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
+SurveyReading read_survey_text(const fs::path& path, std::string_view text) {
   FindingLog log(path.string());
   SurveyReading reading;
-  if (const std::optional<YamlNode> root = parse_yaml(*text, log)) {
+  if (const std::optional<YamlNode> root = parse_yaml(text, log)) {
     reading.survey = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.survey.reset();
   reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
   return reading;
+}
+
+Result<SurveyReading> read_survey(const fs::path& path) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  return read_survey_text(path, *text);
 }
 
 Result<Survey> load_survey(const fs::path& path) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tagsmith/base/diagnostic.hpp"
@@ -22,6 +23,9 @@ struct SurveyReading {
 // Fails only when the file cannot be read at all; whatever is wrong inside it is a diagnostic.
 // Templates are looked for beside the survey, then among the tool's own, or are a path.
 Result<SurveyReading> read_survey(const std::filesystem::path& path);
+
+// The same for text that is or will be the file at `path`.
+SurveyReading read_survey_text(const std::filesystem::path& path, std::string_view text);
 
 // For commands that need a valid survey: the survey, or all its errors in one message.
 Result<Survey> load_survey(const std::filesystem::path& path);

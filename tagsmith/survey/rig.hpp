@@ -33,6 +33,9 @@ struct RigCamera {
   std::optional<double> exposure;  // seconds
   std::optional<double> blur_px;   // standard deviation of its point spread, pixels
   CalibrationSigma calibration_sigma{};
+  // Depth of field; both or neither. Without them everything is in focus.
+  std::optional<double> focus;     // distance of sharp focus, metres
+  std::optional<double> aperture;  // diameter of the lens opening, metres
 };
 
 struct RigRange {
@@ -48,6 +51,8 @@ struct VehicleEnvelope {
   double lateral = 0;  // metres to either side
   double yaw = 0;      // radians to either side
   double speed = 0;    // metres a second
+  double roll = 0;     // radians to either side
+  double pitch = 0;
 };
 
 struct Rig {
@@ -83,6 +88,9 @@ struct RigReading {
 
 // Fails only when the file cannot be read at all.
 Result<RigReading> read_rig(const std::filesystem::path& path);
+
+// The same for text that is or will be the file at `path`.
+RigReading read_rig_text(const std::filesystem::path& path, std::string_view text);
 
 // The rig, or all its errors in one message.
 Result<Rig> load_rig(const std::filesystem::path& path);

@@ -8,8 +8,8 @@
 
 #include "decoder/simulate/survey_view.hpp"
 #include "decoder/simulate/tunnel_backdrop.hpp"
-#include "decoder/simulate/tunnel_walls.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
 
 namespace tagsmith {
 namespace {

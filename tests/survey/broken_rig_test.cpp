@@ -37,6 +37,9 @@ const Breakage kErrors[] = {
     {"four distortions", "[0.1, 0, 0, 0, 0]", "[0.1, 0, 0, 0]", "wrong-length", 9},
     {"negative exposure", "exposure: 0.01", "exposure: -1", "out-of-range", 9},
     {"negative blur", "blur_px: 0.5", "blur_px: -1", "out-of-range", 9},
+    {"focus without aperture", ", aperture_mm: 2", "", "missing-key", 9},
+    {"aperture without focus", "focus: 3, ", "", "missing-key", 9},
+    {"aperture of nothing", "aperture_mm: 2", "aperture_mm: 0", "out-of-range", 9},
     {"a wall that is none", "wall: left", "wall: roof", "bad-choice", 11},
     {"range upside down", "max: 5.0", "max: 0.1", "out-of-range", 11},
     {"no sigma", ", sigma: 0.01", "", "missing-key", 11},
@@ -46,6 +49,7 @@ const Breakage kErrors[] = {
     {"a camera twice", "  front:", "  left:", "duplicate-key", 9},
     {"no vehicle height", "height: 0.24, ", "", "missing-key", 12},
     {"envelope without speed", ", speed: 1.5", "", "missing-key", 12},
+    {"envelope of negative pitch", "pitch: 2 }", "pitch: -2 }", "out-of-range", 12},
     {"attitude of nothing", "roll_sigma: 2", "roll_sigma: 0", "out-of-range", 12},
 };
 
@@ -65,11 +69,16 @@ TEST_CASE("the rig that the others break is right, and says what it says") {
   CHECK(rig.cameras[1].vehicle_from_camera.translation == Eigen::Vector3d(0.5, 0, 0.1));
   CHECK(rig.cameras[1].exposure == 0.01);
   CHECK(rig.cameras[1].blur_px == 0.5);
+  CHECK(rig.cameras[1].focus == 3.0);
+  CHECK(rig.cameras[1].aperture == 0.002);
+  CHECK_FALSE(rig.cameras[0].focus.has_value());
   REQUIRE(rig.ranges.size() == 1);
   CHECK(rig.ranges[0].sigma == 0.01);
   CHECK(rig.roll_sigma == doctest::Approx(radians(2)));
   REQUIRE(rig.envelope.has_value());
   CHECK(rig.envelope->yaw == doctest::Approx(radians(8)));
+  CHECK(rig.envelope->pitch == doctest::Approx(radians(2)));
+  CHECK(rig.envelope->roll == 0);
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {

@@ -43,10 +43,10 @@ cameras:
     sensor_mm: [4.8, 3.6]
     alpha: 35
     side: left
-  front: { image_size: [1280, 960], fx: 1600, fy: 1601, cx: 640, cy: 480, distortion: [0.1, 0, 0, 0, 0], yaw: 5, pitch: -2, position: [0.5, 0, 0.1], exposure: 0.01, blur_px: 0.5 }
+  front: { image_size: [1280, 960], fx: 1600, fy: 1601, cx: 640, cy: 480, distortion: [0.1, 0, 0, 0, 0], yaw: 5, pitch: -2, position: [0.5, 0, 0.1], exposure: 0.01, blur_px: 0.5, focus: 3, aperture_mm: 2 }
 ranges:
   d: { wall: left, min: 0.25, max: 5.0, sigma: 0.01 }
-vehicle: { height: 0.24, roll_sigma: 2, pitch_sigma: 2, envelope: { lateral: 0.4, yaw: 8, speed: 1.5 } }
+vehicle: { height: 0.24, roll_sigma: 2, pitch_sigma: 2, envelope: { lateral: 0.4, yaw: 8, speed: 1.5, pitch: 2 } }
 )";
 }
 

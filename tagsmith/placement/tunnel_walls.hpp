@@ -67,4 +67,7 @@ class TunnelWalls {
 // 0.5 m.
 double wall_standoff(const Survey& survey, double chainage, double reach = 60);
 
+// The same for plates of which the farthest corner lies `farthest` metres behind the planes.
+double standoff_behind(double farthest);
+
 }  // namespace tagsmith

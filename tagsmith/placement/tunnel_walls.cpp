@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/simulate/tunnel_walls.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -98,8 +98,6 @@ std::optional<WallHit> TunnelWalls::first_hit(const Vector2d& origin,
 }
 
 double wall_standoff(const Survey& survey, double chainage, double reach) {
-  constexpr double kGap = 0.010;
-  constexpr double kMost = 0.5;
   const TagTemplate& tag = survey.tag_template;
   const double left = (tag.frame_inner_length - tag.plate_length) / 2 - tag.frame_offset_right;
   double farthest = 0;
@@ -111,7 +109,13 @@ double wall_standoff(const Survey& survey, double chainage, double reach) {
       farthest = std::max(farthest, std::abs(offset) - survey.tunnel.width / 2);
     }
   }
-  return std::min(farthest + kGap, kMost);
+  return standoff_behind(farthest);
+}
+
+double standoff_behind(double farthest) {
+  constexpr double kGap = 0.010;
+  constexpr double kMost = 0.5;
+  return std::min(std::max(farthest, 0.0) + kGap, kMost);
 }
 
 }  // namespace tagsmith

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/cli/plan_command.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "tagsmith/cli/plan_optimise.hpp"
+#include "tagsmith/cli/plan_page.hpp"
+#include "tagsmith/cli/plan_report.hpp"
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/placement/drive_plan.hpp"
+#include "tagsmith/placement/plan_summary.hpp"
+#include "tagsmith/render/plan_drawing.hpp"
+#include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr const char* kName = "plan";
+
+struct PlanCommandOptions {
+  std::string survey;
+  std::string rig;
+  std::string folder;
+  PlanOptions plan;
+  bool optimise = false;
+  OptimiseOptions optimisation;
+  bool json = false;
+};
+
+// What is planned: the files as given, or the better layout of them.
+struct Subject {
+  Survey survey;
+  Rig rig;
+  std::optional<OptimisedDrive> better;
+};
+
+Result<Subject> load(const PlanCommandOptions& options) {
+  Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
+  Result<Rig> rig = load_rig(options.rig);
+  if (!rig) return fail(rig.error().message);
+  Subject subject{std::move(*survey), std::move(*rig), std::nullopt};
+  if (!options.optimise) return subject;
+  auto better = optimise_drive(subject.survey, subject.rig, options.optimisation, options.plan);
+  if (!better) return fail(better.error().message);
+  subject.survey = better->survey;
+  subject.rig = better->rig;
+  subject.better = std::move(*better);
+  return subject;
+}
+
+std::string as_json(const PlannedDrive& drive, const Subject& subject) {
+  std::string object = plan_json(drive);
+  if (!subject.better) return object + "\n";
+  object.pop_back();
+  return object + ",\"optimisation\":" + optimisation_json(subject.better->optimisation) + "}\n";
+}
+
+std::string as_text(const PlannedDrive& drive, const Subject& subject,
+                    const PlanCommandOptions& options) {
+  const std::string report = plan_report(drive);
+  if (!subject.better) return report;
+  return optimisation_report(subject.better->optimisation, options.optimisation) +
+         "\nThe chosen layout, planned again from its files:\n" + report;
+}
+
+Result<void> add_drawings(const PlannedDrive& drive, const StagedFiles& files) {
+  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan);
+  if (!sheets) return fail(sheets.error().message);
+  for (const char* name : {"plan.pdf", "plan.svg"}) {
+    const auto rendered = render_sheets(*sheets, name);
+    if (!rendered) return fail(rendered.error().message);
+    for (const SheetFile& file : *rendered) {
+      if (auto added = files.add(file.path, file.bytes); !added) return added;
+    }
+  }
+  return {};
+}
+
+Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
+                         const PlanCommandOptions& options) {
+  if (options.folder.empty()) return {};
+  Result<StagedFiles> files = StagedFiles::begin(options.folder);
+  if (!files) return fail(files.error().message);
+  if (subject.better) {
+    for (const LayoutFile& file : subject.better->files) {
+      if (auto added = files->add(file.name, file.bytes); !added) return added;
+    }
+  }
+  if (auto added = files->add("plan.json", as_json(drive, subject)); !added) return added;
+  if (auto added = files->add("plan.html", plan_page(drive)); !added) return added;
+  if (auto added = add_drawings(drive, *files); !added) return added;
+  return files->publish();
+}
+
+// True when every pose has a position.
+Result<bool> plan(const PlanCommandOptions& options) {
+  const Result<Subject> subject = load(options);
+  if (!subject) return fail(subject.error().message);
+  const Result<DrivePlan> drive_plan = plan_drive(subject->survey, subject->rig, options.plan);
+  if (!drive_plan) return fail(drive_plan.error().message);
+  const PlanSummary summary = summarize(*drive_plan);
+  const PlannedDrive drive{subject->survey, subject->rig, *drive_plan, summary};
+  if (auto written = write_files(drive, *subject, options); !written) {
+    return fail(written.error().message);
+  }
+  fmt::print("{}", options.json ? as_json(drive, *subject) : as_text(drive, *subject, options));
+  return summary.gaps.empty();
+}
+
+void add_drive_options(CLI::App& app, PlanOptions& options) {
+  app.add_option("--from", options.from, "Chainage of the plan's start, m (default: 0)");
+  app.add_option("--to", options.to, "Chainage of its end, m (default: the center line's end)");
+  app.add_option("--step", options.step, "Step of the chainage, m (default: 0.05)")
+      ->check(CLI::Range(1e-4, 1000.0));
+  app.add_option("--offsets", options.lateral_offsets,
+                 "Lateral offsets over the envelope, odd (default: 5)")
+      ->check(CLI::Range(1, 101));
+  app.add_option("--headings", options.headings, "Headings over the envelope, odd (default: 5)")
+      ->check(CLI::Range(1, 101));
+  app.add_option("--speed", options.speed, "Speed in m/s instead of the envelope's")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--corner-sigma", options.corner_sigma_px,
+                 "Standard deviation of a corner's coordinate, pixels (default: as measured)")
+      ->check(CLI::Range(1e-4, 100.0));
+  app.add_option("--jobs", options.jobs, "Cores to use at most (default: all)")
+      ->check(CLI::Range(1, 1024));
+}
+
+void add_optimise_options(CLI::App& app, PlanCommandOptions& options) {
+  app.add_flag("--optimise", options.optimise,
+               "Look for the cheapest layout that keeps the promise below; -o writes its survey");
+  app.add_option_function<double>(
+         "--plane-sigma",
+         [&options](double mm) { options.optimisation.requirement.plane_sigma = mm / 1000; },
+         "Greatest sigma in the plane at any pose, mm (default: 20)")
+      ->check(CLI::Range(1e-3, 1e5));
+  app.add_option("--tags-lost", options.optimisation.requirement.tags_lost,
+                 "Tags that may be unreadable, 0 or 1 (default: 0)")
+      ->check(CLI::Range(0, 1));
+  app.add_option_function<std::string>(
+         "--least",
+         [&options](const std::string& what) {
+           options.optimisation.order = what == "plate" ? CostOrder::plate : CostOrder::tags;
+         },
+         "tags: fewest tags, that is the widest spacing; plate: smallest plate (default: tags)")
+      ->check(CLI::IsMember({"tags", "plate"}));
+  app.add_option("--vary", options.optimisation.vary,
+                 "What may change besides the spacing, by commas (default: all of "
+                 "height,plate,stagger,alpha; none: nothing else)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"height", "plate", "stagger", "alpha", "none"}));
+}
+
+}  // namespace
+
+Command plan_command(CLI::App& parent) {
+  CLI::App* app = parent.add_subcommand(
+      kName,
+      "What the cameras will see along the drive, and how well the vehicle will know its place");
+  const auto options = std::make_shared<PlanCommandOptions>();
+  app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
+  app->add_option("--rig", options->rig, "Rig file (YAML); vehicle.envelope says how far it strays")
+      ->required();
+  add_drive_options(*app, options->plan);
+  app->add_option("-o,--output", options->folder,
+                  "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with --optimise, the "
+                  "chosen survey; made if missing");
+  add_optimise_options(*app, *options);
+  app->add_flag("--json", options->json, "One JSON object instead of the report");
+  app->footer(
+      "Example:\n"
+      "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5\n"
+      "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5 \\\n"
+      "    --optimise --plane-sigma 5 --tags-lost 1 -o out/better\n"
+      "Exit code: 0 every pose has a position, 1 some have none, 2 a file cannot be read.");
+  return {app, [options] {
+            const Result<bool> covered = plan(*options);
+            if (!covered) return report_failure(kName, covered.error());
+            return *covered ? kExitOk : kExitFindings;
+          }};
+}
+
+}  // namespace tagsmith

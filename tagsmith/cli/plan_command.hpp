@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tagsmith plan`: what the cameras will see along the drive, and how well the vehicle will know
+// its place.
+#pragma once
+
+#include "tagsmith/cli/command.hpp"
+
+namespace tagsmith {
+
+Command plan_command(CLI::App& parent);
+
+}  // namespace tagsmith

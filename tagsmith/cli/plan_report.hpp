@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plan in words and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/placement/drive_plan.hpp"
+#include "tagsmith/placement/plan_summary.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// A plan with what it is of.
+struct PlannedDrive {
+  const Survey& survey;
+  const Rig& rig;
+  const DrivePlan& plan;
+  const PlanSummary& summary;
+};
+
+// A finding: what is asked, what the plan answers.
+struct PlanAnswer {
+  std::string question;
+  std::string answer;
+};
+
+// The answers in the order in which people ask, for the report and the page.
+std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive);
+
+// What was planned: drive, envelope, speed, number of poses.
+std::string plan_heading(const PlannedDrive& drive);
+
+// Several lines, ended by a line feed.
+std::string plan_report(const PlannedDrive& drive);
+
+// One JSON object on one line (docs/formats.md).
+std::string plan_json(const PlannedDrive& drive);
+
+}  // namespace tagsmith

@@ -1,0 +1,511 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/placement/drive_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Stretches of the drive that share one list of plates that may be seen.
+constexpr double kBlockLength = 0.25;  // metres
+constexpr std::size_t kMostInBlock = 256;
+
+// How the vehicle deviates from the nominal pose.
+struct Stray {
+  double lateral = 0;  // to the right
+  double yaw = 0;      // to the right
+  double roll = 0;
+  double pitch = 0;
+
+  bool is_nominal() const { return lateral == 0 && yaw == 0 && roll == 0 && pitch == 0; }
+};
+
+// Deviations that share one attitude share the list of candidates.
+struct Attitude {
+  double yaw = 0;
+  double roll = 0;
+  double pitch = 0;
+  std::vector<Stray> strays;
+};
+
+// `count` values from -most to most, 0 among them.
+std::vector<double> spread(double most, int count) {
+  if (most == 0 || count == 1) return {0};
+  std::vector<double> values;
+  const int half = count / 2;
+  for (int i = -half; i <= half; ++i) values.push_back(most * i / half);
+  return values;
+}
+
+std::vector<Attitude> attitudes(const VehicleEnvelope& envelope, const PlanOptions& options) {
+  std::vector<std::pair<double, double>> tilts{{0, 0}};  // roll, pitch
+  for (const double side : {-1.0, 1.0}) {
+    if (envelope.roll > 0) tilts.emplace_back(side * envelope.roll, 0);
+    if (envelope.pitch > 0) tilts.emplace_back(0, side * envelope.pitch);
+  }
+  std::vector<Attitude> all;
+  for (const double yaw : spread(envelope.yaw, options.headings)) {
+    for (const auto& [roll, pitch] : tilts) {
+      Attitude attitude{yaw, roll, pitch, {}};
+      for (const double lateral : spread(envelope.lateral, options.lateral_offsets)) {
+        attitude.strays.push_back({lateral, yaw, roll, pitch});
+      }
+      all.push_back(std::move(attitude));
+    }
+  }
+  return all;
+}
+
+VehiclePose strayed(const CenterlinePoint& point, double vehicle_height, const Stray& stray) {
+  VehiclePose pose;
+  pose.position =
+      point.position + stray.lateral * right_of(point.heading) + vehicle_height * Vector3d::UnitZ();
+  pose.heading = point.heading + stray.yaw;
+  pose.pitch = stray.pitch;
+  pose.roll = stray.roll;
+  return pose;
+}
+
+ColumnSigma sigmas_along(const Eigen::Matrix3d& covariance, double heading) {
+  const Vector3d along = direction_of(heading);
+  const Vector3d across = right_of(heading);
+  ColumnSigma sigma;
+  sigma.along = std::sqrt(along.dot(covariance * along));
+  sigma.across = std::sqrt(across.dot(covariance * across));
+  sigma.plane = std::hypot(sigma.along, sigma.across);
+  sigma.height = std::sqrt(covariance(2, 2));
+  return sigma;
+}
+
+ColumnSigma sigmas_along(const VehicleCovariance& covariance, double heading) {
+  ColumnSigma sigma = sigmas_along(Eigen::Matrix3d(covariance.topLeftCorner<3, 3>()), heading);
+  sigma.heading = std::sqrt(covariance(vehicle_parameter::kHeading, vehicle_parameter::kHeading));
+  return sigma;
+}
+
+// Takes over whatever is greater; infinite values, which mean no position, are left out.
+void raise(ColumnSigma& most, const ColumnSigma& sigma) {
+  const auto take = [](double& value, double other) {
+    if (!std::isfinite(value) || other > value) value = other;
+  };
+  if (!std::isfinite(sigma.plane)) return;
+  take(most.plane, sigma.plane);
+  take(most.along, sigma.along);
+  take(most.across, sigma.across);
+  take(most.height, sigma.height);
+  take(most.heading, sigma.heading);
+}
+
+// Tags that a pose reads, by wall.
+struct Walls {
+  bool left = false;
+  bool right = false;
+
+  void add(Side side) { (side == Side::left ? left : right) = true; }
+  void count(WallCount& counts) const {
+    if (left && right) {
+      ++counts.both;
+    } else if (left || right) {
+      ++counts.one;
+    }
+  }
+};
+
+// What a tag tells about the pose, by all cameras that read it.
+struct TagInformation {
+  std::size_t tag = 0;
+  VehicleCovariance information;
+};
+
+// A worker's own, kept from pose to pose so that nothing is allocated for one.
+struct Scratch {
+  std::vector<std::vector<std::size_t>> candidates;  // by attitude and camera
+  std::vector<PlateSight> sights;
+  std::vector<PlateSight> read;
+  std::vector<std::size_t> read_tags;
+  std::vector<TagInformation> tags;
+  LogHistogram travels;
+  LogHistogram speeds;
+};
+
+// What one block adds to the plan.
+struct BlockResult {
+  std::vector<SoleTag> sole_tags;
+  std::vector<std::pair<std::size_t, TagUse>> uses;
+};
+
+class Sweep {
+ public:
+  Sweep(const Survey& survey, const Rig& rig, const PlanOptions& options, DrivePlan& plan)
+      : survey_(survey),
+        rig_(rig),
+        options_(options),
+        plan_(plan),
+        model_(survey, rig),
+        attitudes_(attitudes(rig.envelope.value_or(VehicleEnvelope{}), options)) {
+    for (const RigCamera& camera : rig.cameras) {
+      moved_.push_back(plan.speed * camera.exposure.value_or(0));
+    }
+    for (const Attitude& attitude : attitudes_) {
+      plan.poses_per_column += static_cast<int>(attitude.strays.size());
+    }
+  }
+
+  // Columns [begin, end) of the plan.
+  BlockResult run(std::size_t begin, std::size_t end, Scratch& scratch) const {
+    BlockResult result;
+    const double first = plan_.columns[begin].chainage;
+    const double last = plan_.columns[end - 1].chainage;
+    gather_candidates(first, last, scratch);
+    const std::unique_ptr<TunnelWalls> walls = walls_near(first, last);
+    for (std::size_t i = begin; i < end; ++i) assess(i, walls.get(), scratch, result);
+    return result;
+  }
+
+ private:
+  std::unique_ptr<TunnelWalls> walls_near(double first, double last) const {
+    const double reach = model_.reach() + (last - first);
+    if (!model_.bends_between(first - reach, last + reach)) return nullptr;
+    const double standoff = model_.standoff_between(first - reach, last + reach);
+    return std::make_unique<TunnelWalls>(survey_.tunnel, standoff, (first + last) / 2, reach);
+  }
+
+  void gather_candidates(double first, double last, Scratch& scratch) const {
+    const CenterlinePoint middle = survey_.tunnel.centerline.at((first + last) / 2);
+    const CenterlinePoint start = survey_.tunnel.centerline.at(first);
+    const CenterlinePoint end = survey_.tunnel.centerline.at(last);
+    const double turn =
+        std::max(std::abs(start.heading - middle.heading), std::abs(end.heading - middle.heading));
+    const double half = std::max((start.position - middle.position).norm(),
+                                 (end.position - middle.position).norm());
+    const double lateral = rig_.envelope ? rig_.envelope->lateral : 0;
+    const double slack = std::hypot(half, lateral) + turn * arm_length();
+    const double reach = model_.reach() + slack;
+    const auto [from, to] = model_.tags_between(first - reach, last + reach);
+    scratch.candidates.resize(attitudes_.size() * rig_.cameras.size());
+    std::size_t list = 0;
+    for (const Attitude& attitude : attitudes_) {
+      const Stray stray{0, attitude.yaw, attitude.roll, attitude.pitch};
+      const Pose pose = world_from_vehicle(strayed(middle, rig_.vehicle_height, stray));
+      for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera, ++list) {
+        const CameraStand stand = model_.stand(camera, pose, middle.curvature);
+        scratch.candidates[list].clear();
+        for (std::size_t i = from; i < to; ++i) {
+          const std::size_t tag = model_.tags_by_chainage()[i];
+          if (model_.may_see(camera, stand, tag, slack, turn)) {
+            scratch.candidates[list].push_back(tag);
+          }
+        }
+      }
+    }
+  }
+
+  double arm_length() const {
+    double longest = 0;
+    for (const RigCamera& camera : rig_.cameras) {
+      longest = std::max(longest, camera.vehicle_from_camera.translation.norm());
+    }
+    return longest;
+  }
+
+  void assess(std::size_t index, const TunnelWalls* walls, Scratch& scratch,
+              BlockResult& result) const {
+    PlanColumn& column = plan_.columns[index];
+    const CenterlinePoint point = survey_.tunnel.centerline.at(column.chainage);
+    column.least_tags = std::numeric_limits<int>::max();
+    const std::size_t first_sole = result.sole_tags.size();
+    for (std::size_t a = 0; a < attitudes_.size(); ++a) {
+      for (const Stray& stray : attitudes_[a].strays) {
+        const VehicleFrame vehicle = vehicle_frame(strayed(point, rig_.vehicle_height, stray));
+        look(vehicle.world_from_vehicle, point.curvature, a, walls, scratch);
+        count_sights(column, scratch);
+        note_sole_tag(index, first_sole, scratch, result);
+        if (stray.is_nominal()) note_uses(column.chainage, scratch, result);
+        if (options_.accuracy) expect(column, point, stray, vehicle, scratch);
+      }
+    }
+  }
+
+  // All that the pose sees into scratch.sights, what it reads at the planned speed into
+  // scratch.read, and those tags, each once, into scratch.read_tags.
+  void look(const Pose& vehicle, double curvature, std::size_t attitude, const TunnelWalls* walls,
+            Scratch& scratch) const {
+    scratch.sights.clear();
+    scratch.read.clear();
+    scratch.read_tags.clear();
+    for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
+      const auto& candidates = scratch.candidates[attitude * rig_.cameras.size() + camera];
+      if (candidates.empty()) continue;
+      const CameraStand stand = model_.stand(camera, vehicle, curvature);
+      for (const std::size_t tag : candidates) {
+        const std::optional<PlateSight> sight = model_.look(camera, stand, tag, walls);
+        if (!sight) continue;
+        scratch.sights.push_back(*sight);
+        if (sight->travel_book < moved_[camera]) continue;
+        scratch.read.push_back(*sight);
+        if (std::ranges::find(scratch.read_tags, tag) == scratch.read_tags.end()) {
+          scratch.read_tags.push_back(tag);
+        }
+      }
+    }
+  }
+
+  void count_sights(PlanColumn& column, Scratch& scratch) const {
+    Walls seen;
+    Walls plain;
+    Walls read;
+    double travel = -1;
+    double speed = -1;
+    for (const PlateSight& sight : scratch.sights) {
+      const Side side = survey_.tags[sight.tag].side;
+      const double moved = moved_[sight.camera];
+      seen.add(side);
+      if (sight.travel_plain >= moved) plain.add(side);
+      if (sight.travel_book >= moved) read.add(side);
+      travel = std::max(travel, sight.travel_book);
+      const std::optional<double> exposure = rig_.cameras[sight.camera].exposure;
+      if (sight.travel_book >= 0) {
+        speed = std::max(speed, exposure ? sight.travel_book / *exposure : kInfinity);
+      }
+    }
+    seen.count(column.seen);
+    plain.count(column.read_plain);
+    read.count(column.read);
+    column.least_tags = std::min(column.least_tags, static_cast<int>(scratch.read_tags.size()));
+    if (travel < 0) return;
+    column.travel = std::min(column.travel, travel);
+    column.speed = std::min(column.speed, speed);
+    scratch.travels.add(travel);
+    scratch.speeds.add(speed);
+  }
+
+  static void note_sole_tag(std::size_t column, std::size_t first, const Scratch& scratch,
+                            BlockResult& result) {
+    if (scratch.read_tags.size() != 1) return;
+    const std::size_t tag = scratch.read_tags.front();
+    for (std::size_t i = first; i < result.sole_tags.size(); ++i) {
+      if (result.sole_tags[i].tag == tag) return;
+    }
+    result.sole_tags.push_back({column, tag});
+  }
+
+  static void note_uses(double chainage, const Scratch& scratch, BlockResult& result) {
+    for (const PlateSight& sight : scratch.read) {
+      const auto known =
+          std::ranges::find(result.uses, sight.tag, [](const auto& use) { return use.first; });
+      if (known == result.uses.end()) {
+        result.uses.emplace_back(sight.tag, TagUse{true, chainage, chainage, sight.distance});
+      } else {
+        known->second.last = chainage;
+      }
+    }
+  }
+
+  AccuracyOptions accuracy_options(std::size_t camera) const {
+    return {options_.corner_sigma_px, moved_[camera]};
+  }
+
+  void gather_information(const VehicleFrame& vehicle, Scratch& scratch) const {
+    scratch.tags.clear();
+    for (const PlateSight& sight : scratch.read) {
+      const VehicleCovariance information =
+          corner_information(survey_, rig_, vehicle, sight, accuracy_options(sight.camera));
+      const auto known = std::ranges::find(scratch.tags, sight.tag, &TagInformation::tag);
+      if (known == scratch.tags.end()) {
+        scratch.tags.push_back({sight.tag, information});
+      } else {
+        known->information += information;
+      }
+    }
+    for (TagInformation& tag : scratch.tags) {
+      tag.information = with_survey_error(tag.information, survey_.sigma);
+    }
+  }
+
+  void expect(PlanColumn& column, const CenterlinePoint& point, const Stray& stray,
+              const VehicleFrame& vehicle, Scratch& scratch) const {
+    if (scratch.read.empty()) return;
+    gather_information(vehicle, scratch);
+    const VehiclePose pose = strayed(point, rig_.vehicle_height, stray);
+    VehicleCovariance information = rig_information(survey_, rig_, pose);
+    for (const TagInformation& tag : scratch.tags) information += tag.information;
+    const std::optional<VehicleCovariance> covariance = covariance_from(information);
+    if (!covariance) return;
+    const ColumnSigma sigma = sigmas_along(*covariance, point.heading);
+    raise(column.worst, sigma);
+    if (!stray.is_nominal()) return;
+    column.nominal = sigma;
+    if (scratch.tags.size() > 1) column.nominal_one_lost = one_lost(information, point, scratch);
+    expect_paper(column, point, pose, scratch);
+  }
+
+  // The plane's sigma when the tag that costs most is lost.
+  static double one_lost(const VehicleCovariance& information, const CenterlinePoint& point,
+                         const Scratch& scratch) {
+    double most = 0;
+    for (const TagInformation& tag : scratch.tags) {
+      const auto covariance = covariance_from(information - tag.information);
+      most =
+          std::max(most, covariance ? sigmas_along(*covariance, point.heading).plane : kInfinity);
+    }
+    return most;
+  }
+
+  void expect_paper(PlanColumn& column, const CenterlinePoint& point, const VehiclePose& pose,
+                    const Scratch& scratch) const {
+    const auto expected = expect_by_paper(survey_, rig_, pose, scratch.read, accuracy_options(0));
+    if (!expected) return;
+    column.paper.sigma = sigmas_along(expected->covariance, point.heading);
+    column.paper.magnification = expected->magnification;
+    column.paper.no_solution_share = expected->no_solution_share;
+  }
+
+  const Survey& survey_;
+  const Rig& rig_;
+  const PlanOptions& options_;
+  DrivePlan& plan_;
+  SightModel model_;
+  std::vector<Attitude> attitudes_;
+  std::vector<double> moved_;  // by camera: metres during the exposure at the planned speed
+};
+
+// A tag's uses in neighbouring blocks, in the order of the drive.
+void merge(TagUse& use, const TagUse& next) {
+  if (!use.is_read) {
+    use = next;
+  } else {
+    use.last = next.last;
+  }
+}
+
+Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& options, double from,
+                   double to) {
+  const VehicleEnvelope envelope = rig.envelope.value_or(VehicleEnvelope{});
+  if (!(to > from)) {
+    return fail(fmt::format("the plan ends at chainage {} m, expected more than its start, {} m",
+                            format_number(to, 3), format_number(from, 3)));
+  }
+  if (envelope.lateral >= survey.tunnel.width / 2) {
+    return fail(fmt::format(
+        "{}: vehicle.envelope.lateral is {} m, expected less than half the width of {}, {} m",
+        rig.file.string(), format_number(envelope.lateral, 3), survey.file.string(),
+        format_number(survey.tunnel.width / 2, 3)));
+  }
+  if (rig.vehicle_height <= 0 || rig.vehicle_height >= survey.tunnel.height) {
+    return fail(fmt::format(
+        "{}: vehicle.height is {} m, expected between 0 and the height of the tunnel of {}, {} m",
+        rig.file.string(), format_number(rig.vehicle_height, 3), survey.file.string(),
+        format_number(survey.tunnel.height, 3)));
+  }
+  const double columns = (to - from) / options.step;
+  if (columns > kMostColumns) {
+    return fail(fmt::format(
+        "{} m in steps of {} m are {:.0f} places, expected at most {}: take longer steps or a "
+        "shorter stretch",
+        format_number(to - from, 1), format_number(options.step, 6), columns, kMostColumns));
+  }
+  return {};
+}
+
+// Neighbouring columns that one worker takes together.
+std::vector<std::pair<std::size_t, std::size_t>> blocks_of(const DrivePlan& plan) {
+  const auto size = static_cast<std::size_t>(
+      std::clamp(kBlockLength / plan.options.step, 1.0, static_cast<double>(kMostInBlock)));
+  std::vector<std::pair<std::size_t, std::size_t>> blocks;
+  for (std::size_t begin = 0; begin < plan.columns.size(); begin += size) {
+    blocks.emplace_back(begin, std::min(begin + size, plan.columns.size()));
+  }
+  return blocks;
+}
+
+void gather(const std::vector<BlockResult>& results, DrivePlan& plan) {
+  for (const BlockResult& result : results) {
+    plan.sole_tags.insert(plan.sole_tags.end(), result.sole_tags.begin(), result.sole_tags.end());
+    for (const auto& [tag, use] : result.uses) merge(plan.tags[tag], use);
+  }
+}
+
+}  // namespace
+
+void LogHistogram::add(double value) {
+  // 1e-5 to 1e4 in 512 steps of 4 %.
+  const double place = (std::log10(std::clamp(value, 1e-5, 1e4)) + 5) / 9 * (kBins - 1);
+  ++bins_[static_cast<std::size_t>(place)];
+}
+
+void LogHistogram::merge(const LogHistogram& other) {
+  for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
+}
+
+long LogHistogram::count() const {
+  long sum = 0;
+  for (const long bin : bins_) sum += bin;
+  return sum;
+}
+
+double LogHistogram::quantile(double share) const {
+  const double wanted = share * static_cast<double>(count());
+  long sum = 0;
+  for (std::size_t i = 0; i < bins_.size(); ++i) {
+    sum += bins_[i];
+    if (static_cast<double>(sum) > wanted) {
+      return i + 1 == bins_.size() ? kInfinity
+                                   : std::pow(10.0, 9.0 * static_cast<double>(i) / (kBins - 1) - 5);
+    }
+  }
+  return 0;
+}
+
+Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOptions& options) {
+  const double from = options.from.value_or(0);
+  const double to = options.to.value_or(survey.tunnel.centerline.length());
+  if (auto good = check(survey, rig, options, from, to); !good) return fail(good.error().message);
+  DrivePlan plan;
+  plan.options = options;
+  plan.speed = options.speed.value_or(rig.envelope ? rig.envelope->speed : 0);
+  const auto count = static_cast<std::size_t>(std::floor((to - from) / options.step + 1e-6)) + 1;
+  plan.columns.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    plan.columns[i].chainage = from + static_cast<double>(i) * options.step;
+  }
+  plan.tags.resize(survey.tags.size());
+  const Sweep sweep(survey, rig, plan.options, plan);
+  const auto blocks = blocks_of(plan);
+  std::vector<BlockResult> results(blocks.size());
+  tbb::task_arena arena(options.jobs > 0 ? options.jobs : tbb::task_arena::automatic);
+  tbb::enumerable_thread_specific<Scratch> scratches;
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size()), [&](const auto& range) {
+      Scratch& scratch = scratches.local();
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        results[i] = sweep.run(blocks[i].first, blocks[i].second, scratch);
+      }
+    });
+  });
+  gather(results, plan);
+  for (const Scratch& scratch : scratches) {
+    plan.travels.merge(scratch.travels);
+    plan.speeds.merge(scratch.speeds);
+  }
+  return plan;
+}
+
+}  // namespace tagsmith

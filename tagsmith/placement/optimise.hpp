@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cheapest layout of the regular tags that keeps a promise along the whole drive.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/placement/drive_plan.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/template.hpp"
+
+namespace tagsmith {
+
+// What every pose of every demanded column must have.
+struct Requirement {
+  double plane_sigma = 0.02;  // at most, metres
+  int tags_lost = 0;          // 0 or 1: this many unreadable tags may not leave a pose without one
+};
+
+enum class CostOrder {
+  tags,   // fewest tags, then the least plate area
+  plate,  // the smallest plate, then the fewest tags
+};
+
+// What the search may change. The spacing always varies.
+struct Freedom {
+  bool mount_height = true;
+  bool plate = true;
+  bool stagger = true;
+  bool alpha = true;
+};
+
+// The regular tags and, where it was changed, how far the side cameras look forward.
+struct Layout {
+  TagTemplate tag_template;
+  TagSeries series;
+  std::optional<double> alpha;  // radians; absent = as the rig says
+};
+
+// What a layout costs and keeps.
+struct LayoutReport {
+  std::string name;  // what was changed, for people
+  Layout layout;
+  int tags = 0;
+  double plate_area = 0;     // of all plates, square metres
+  bool meets = false;        // the requirement, at every demanded column
+  double met_share = 0;      // of the demanded columns
+  double covered_share = 0;  // of all columns: every pose has a position
+  double worst_plane = 0;    // sigma over all poses that have a position; infinite without any
+};
+
+struct Optimisation {
+  LayoutReport given;
+  LayoutReport chosen;                     // the given one where no other is cheaper
+  std::vector<LayoutReport> alternatives;  // one a freedom, then all freedoms together
+  double demanded_share = 0;  // of the columns; the others no layout of this kind can serve
+};
+
+// The survey with its regular tags laid out so; digits are left empty.
+Survey with_layout(const Survey& survey, const Layout& layout);
+Rig with_alpha(const Rig& rig, std::optional<double> alpha);
+
+// Search at the plan's stretch and speed, coarsely; the chosen layout and the given one are then
+// planned with `options` as they are. Demanded are the columns that the given layout serves or
+// plates hung as densely as possible would. Fails for surveys without a regular series or with
+// as-built tags, when nothing at all can be demanded, and when no layout meets the requirement.
+Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
+                              const std::vector<TagTemplate>& templates,
+                              const Requirement& requirement, CostOrder order,
+                              const Freedom& freedom, const PlanOptions& options);
+
+}  // namespace tagsmith

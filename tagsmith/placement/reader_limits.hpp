@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the reader manages, as `./dev bench limits` measured it and wrote into reader_limits.inc: a
+// plan promises what the reader keeps.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace tagsmith {
+
+// How much of what is seen under the stated conditions is read.
+enum class ReadShare { reliable, half };  // 99 %, 50 %
+
+// Least width of a module in the image (pixels, at the middle of the feature frame) at which this
+// share of tags is read. `incidence`: radians between the line of sight and the plate's normal.
+// `blur_px`: standard deviation of the blur across the bars, the lens's and the motion's together.
+// Interpolated; infinite beyond the greatest incidence or blur of the table, and where nothing is
+// read. Less blur than the table's least counts as the least.
+double least_module_px(bool code_book, double incidence, double blur_px,
+                       ReadShare share = ReadShare::reliable);
+
+// Standard deviation of a coordinate of a corner of the feature frame, pixels, interpolated.
+double corner_sigma_px(double module_px, double blur_px);
+
+// The inverse of least_module_px for many look-ups: the greatest blur at which a module this wide
+// is still read.
+class BlurLimits {
+ public:
+  explicit BlurLimits(bool code_book, ReadShare share = ReadShare::reliable);
+
+  // Standard deviation in pixels; negative when not even a sharp tag is read. `cosine` is that of
+  // the incidence.
+  double greatest_blur_px(double cosine, double module_px) const;
+
+  // No module narrower than this is ever read, pixels.
+  double least_module_px() const { return least_; }
+
+ private:
+  struct Row {
+    std::array<double, 16> module_px{};  // least, by the blurs of the table; the rest infinite
+  };
+  std::vector<Row> rows_;  // by cosine in equal steps from 0 to 1
+  double least_ = 0;
+};
+
+}  // namespace tagsmith

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/placement/sight.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+#include "tagsmith/geometry/camera.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kNearest = 1e-3;  // metres before the camera's centre plane, as in project()
+
+Vector2d pinhole(const Camera& camera, const Vector3d& point) {
+  return {camera.fx * point.x() / point.z() + camera.cx,
+          camera.fy * point.y() / point.z() + camera.cy};
+}
+
+// Whatever model the camera has: true when it acts as a pinhole all over the image.
+bool acts_as_pinhole(const Camera& camera) {
+  for (int y = 0; y <= 4; ++y) {
+    for (int x = 0; x <= 4; ++x) {
+      const Vector3d ray((camera.width * x / 4.0 - camera.cx) / camera.fx,
+                         (camera.height * y / 4.0 - camera.cy) / camera.fy, 1);
+      const std::optional<Vector2d> pixel = project(camera, ray);
+      if (!pixel || (*pixel - pinhole(camera, ray)).norm() > 1e-9 * camera.width) return false;
+    }
+  }
+  return true;
+}
+
+// Far outside of its field of view a lens model folds back into the image; what does not come back
+// by the inverse is such a ghost.
+std::optional<Vector2d> pixel_of(const Camera& camera, const Vector3d& point) {
+  const std::optional<Vector2d> pixel = project(camera, point);
+  if (!pixel) return std::nullopt;
+  const Vector2d back = ray_through(camera, *pixel).head<2>();
+  const Vector2d ideal = point.head<2>() / point.z();
+  if ((back - ideal).norm() > 1e-6 * (1 + ideal.norm())) return std::nullopt;
+  return pixel;
+}
+
+// The vector from where the picture of the point is to where it goes, per unit of `motion`.
+std::optional<Vector2d> picture_of_motion(const Camera& camera, bool is_pinhole,
+                                          const Vector3d& point, const Vector3d& motion) {
+  if (is_pinhole) {
+    const double inverse_depth = 1 / point.z();
+    const double along = motion.z() * inverse_depth;
+    return Vector2d(camera.fx * inverse_depth * (motion.x() - point.x() * along),
+                    camera.fy * inverse_depth * (motion.y() - point.y() * along));
+  }
+  const double step = 1e-4 * point.z() / (1e-12 + motion.norm());
+  const std::optional<Vector2d> ahead = pixel_of(camera, point + step * motion);
+  const std::optional<Vector2d> behind = pixel_of(camera, point - step * motion);
+  if (!ahead || !behind) return std::nullopt;
+  return (*ahead - *behind) / (2 * step);
+}
+
+}  // namespace
+
+SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
+    : survey_(&survey), rig_(&rig), plain_(false, share), book_(true, share) {
+  const TagTemplate& tag = survey.tag_template;
+  module_ = module_width(tag);
+  half_length_ = tag.frame_inner_length / 2;
+  half_height_ = tag.frame_inner_height / 2;
+  const double plate_left =
+      (tag.frame_inner_length - tag.plate_length) / 2 - tag.frame_offset_right;
+  for (const PlacedTag& placed : survey.tags) {
+    const Pose& pose = placed.world_from_plate;
+    Plate plate;
+    plate.middle = pose * Vector3d(tag.frame_inner_length / 2, tag.frame_inner_height / 2, 0);
+    plate.right = pose.rotation.col(0);
+    plate.down = pose.rotation.col(1);
+    plate.normal = pose.rotation.col(2);
+    for (const double x : {plate_left, plate_left + tag.plate_length}) {
+      const Vector3d corner = pose * Vector3d(x, 0, 0);
+      const double offset = survey.tunnel.centerline.locate(corner.head<2>()).offset;
+      plate.depth = std::max(plate.depth, std::abs(offset) - survey.tunnel.width / 2);
+    }
+    plates_.push_back(plate);
+  }
+  order_.resize(plates_.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return survey.tags[i].chainage; });
+  for (const std::size_t i : order_) chainages_.push_back(survey.tags[i].chainage);
+  for (const RigCamera& camera : rig.cameras) {
+    lenses_.push_back(make_lens(camera));
+    reach_ = std::max(reach_, lenses_.back().magnification * module_ / book_.least_module_px());
+  }
+}
+
+SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
+  const Camera& camera = rig_camera.camera;
+  Lens lens;
+  lens.is_pinhole = acts_as_pinhole(camera);
+  const Pose camera_from_vehicle = inverse(rig_camera.vehicle_from_camera);
+  lens.camera_from_vehicle = camera_from_vehicle.rotation;
+  lens.vehicle_in_camera = camera_from_vehicle.translation;
+  lens.forward_in_camera = camera_from_vehicle.rotation.col(0);
+  lens.blur_px = rig_camera.blur_px.value_or(kUsualBlurPx);
+  lens.left = lens.top = 1e9;
+  lens.right = lens.bottom = -1e9;
+  constexpr int kSteps = 16;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double x = (camera.width - 1) * i / static_cast<double>(kSteps);
+    const double y = (camera.height - 1) * i / static_cast<double>(kSteps);
+    for (const Vector2d& pixel : {Vector2d(x, 0), Vector2d(x, camera.height - 1), Vector2d(0, y),
+                                  Vector2d(camera.width - 1, y)}) {
+      const Vector3d ray = ray_through(camera, pixel);
+      lens.left = std::min(lens.left, ray.x());
+      lens.right = std::max(lens.right, ray.x());
+      lens.top = std::min(lens.top, ray.y());
+      lens.bottom = std::max(lens.bottom, ray.y());
+      // A pinhole's pixels grow by 1/cos^2 off the axis; 10 % more for lenses that are none.
+      lens.magnification =
+          std::max(lens.magnification, std::max(camera.fx, camera.fy) * ray.squaredNorm() *
+                                           (lens.is_pinhole ? 1 : 1.1));
+    }
+  }
+  return lens;
+}
+
+CameraStand SightModel::stand(std::size_t camera, const Pose& world_from_vehicle,
+                              double curvature) const {
+  const Lens& lens = lenses_[camera];
+  CameraStand stand;
+  stand.camera_from_world.rotation =
+      lens.camera_from_vehicle * world_from_vehicle.rotation.transpose();
+  stand.camera_from_world.translation =
+      lens.vehicle_in_camera - stand.camera_from_world.rotation * world_from_vehicle.translation;
+  stand.centre =
+      -(stand.camera_from_world.rotation.transpose() * stand.camera_from_world.translation);
+  stand.turn = -curvature * lens.camera_from_vehicle.col(2);
+  // The camera's own velocity: the vehicle's, and that of its arm in the turn.
+  stand.travel = lens.forward_in_camera - stand.turn.cross(lens.vehicle_in_camera);
+  return stand;
+}
+
+std::pair<std::size_t, std::size_t> SightModel::tags_between(double low, double high) const {
+  const auto begin = std::ranges::lower_bound(chainages_, low);
+  const auto end = std::upper_bound(begin, chainages_.end(), high);
+  return {static_cast<std::size_t>(begin - chainages_.begin()),
+          static_cast<std::size_t>(end - chainages_.begin())};
+}
+
+bool SightModel::bends_between(double low, double high) const {
+  double start = 0;
+  for (const CenterlineElement& element : survey_->tunnel.centerline.elements()) {
+    if (element.curvature != 0 && start <= high && start + element.length >= low) return true;
+    start += element.length;
+  }
+  return false;
+}
+
+double SightModel::standoff_between(double low, double high) const {
+  double farthest = 0;
+  const auto [begin, end] = tags_between(low, high);
+  for (std::size_t i = begin; i < end; ++i) {
+    farthest = std::max(farthest, plates_[order_[i]].depth);
+  }
+  return standoff_behind(farthest);
+}
+
+bool SightModel::may_see(std::size_t camera, const CameraStand& stand, std::size_t tag,
+                         double slack, double turn) const {
+  const Plate& plate = plates_[tag];
+  const Lens& lens = lenses_[camera];
+  const Vector3d way = plate.middle - stand.centre;
+  const double distance = way.norm();
+  const double nearest = std::max(distance - slack, 1e-6);
+  const double before = plate.normal.dot(way) + slack;
+  if (before <= 0) return false;
+  const double cosine = std::min(1.0, before / nearest);
+  if (lens.magnification * module_ * cosine / nearest < book_.least_module_px()) return false;
+  if (distance <= 2 * slack) return true;
+  // The middle must lie in the image: its pyramid, widened by what slack and turn may do.
+  const Vector3d middle = stand.camera_from_world.rotation * way;
+  const double room = slack + (distance + slack) * turn;
+  const auto inside = [&](double side, double across) {
+    return across <= side * middle.z() + room * std::sqrt(1 + side * side);
+  };
+  return middle.z() > -room && inside(lens.right, middle.x()) && inside(-lens.left, -middle.x()) &&
+         inside(lens.bottom, middle.y()) && inside(-lens.top, -middle.y());
+}
+
+bool SightModel::fits_in_image(std::size_t camera, const Vector3d& middle, const Vector3d& right,
+                               const Vector3d& down) const {
+  const Camera& lens = rig_->cameras[camera].camera;
+  const double most_x = lens.width - 1 - kBorderPx;
+  const double most_y = lens.height - 1 - kBorderPx;
+  const auto fits = [&](const Vector2d& pixel) {
+    return pixel.x() >= kBorderPx && pixel.x() <= most_x && pixel.y() >= kBorderPx &&
+           pixel.y() <= most_y;
+  };
+  const Vector3d across = half_length_ * right;
+  const Vector3d along = half_height_ * down;
+  if (lenses_[camera].is_pinhole) {
+    for (const Vector3d& edge : {Vector3d(middle + across), Vector3d(middle - across)}) {
+      for (const Vector3d& corner : {Vector3d(edge + along), Vector3d(edge - along)}) {
+        if (corner.z() < kNearest || !fits(pinhole(lens, corner))) return false;
+      }
+    }
+    return true;
+  }
+  // Sides bend: their middles, too, must be in the image.
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      if (x == 0 && y == 0) continue;
+      const std::optional<Vector2d> pixel = pixel_of(lens, middle + x * across + y * along);
+      if (!pixel || !fits(*pixel)) return false;
+    }
+  }
+  return true;
+}
+
+bool SightModel::is_hidden(const CameraStand& stand, const Plate& plate,
+                           const TunnelWalls& walls) const {
+  const Vector2d origin = stand.centre.head<2>();
+  for (const double side : {-half_length_, half_length_}) {
+    const Vector2d way = (plate.middle + side * plate.right).head<2>() - origin;
+    const std::optional<WallHit> hit = walls.first_hit(origin, way);
+    if (hit && hit->way < 1) return true;
+  }
+  return false;
+}
+
+std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand& stand,
+                                           std::size_t tag, const TunnelWalls* walls) const {
+  const Plate& plate = plates_[tag];
+  const Lens& lens = lenses_[camera];
+  const RigCamera& rig_camera = rig_->cameras[camera];
+  const Vector3d way = plate.middle - stand.centre;
+  const double before = plate.normal.dot(way);
+  if (before <= 0) return std::nullopt;
+  const Eigen::Matrix3d& rotation = stand.camera_from_world.rotation;
+  const Vector3d middle = rotation * way;
+  if (middle.z() < kNearest) return std::nullopt;
+  const Vector3d right = rotation * plate.right;
+  const auto module = picture_of_motion(rig_camera.camera, lens.is_pinhole, middle, right);
+  if (!module) return std::nullopt;
+  PlateSight sight;
+  const double px_per_metre = module->norm();
+  sight.module_px = module_ * px_per_metre;
+  if (sight.module_px < book_.least_module_px()) return std::nullopt;
+  if (!fits_in_image(camera, middle, right, rotation * plate.down)) return std::nullopt;
+  if (walls != nullptr && is_hidden(stand, plate, *walls)) return std::nullopt;
+
+  sight.camera = camera;
+  sight.tag = tag;
+  sight.distance = way.norm();
+  sight.cosine = before / sight.distance;
+  sight.blur_px = lens.blur_px;
+  if (rig_camera.focus && rig_camera.aperture) {
+    // Circle of confusion of a thin lens; a disc's standard deviation is a quarter of its diameter.
+    const double circle = rig_camera.camera.fx * *rig_camera.aperture *
+                          std::abs(1 / *rig_camera.focus - 1 / middle.z());
+    sight.blur_px = std::hypot(sight.blur_px, circle / 4);
+  }
+  const Vector3d motion = -stand.travel - stand.turn.cross(middle);
+  const auto smear = picture_of_motion(rig_camera.camera, lens.is_pinhole, middle, motion);
+  if (!smear) return std::nullopt;
+  sight.smear_px = std::abs(smear->dot(*module)) / px_per_metre;
+  // An even path of m pixels has a standard deviation of m / sqrt(12).
+  const auto travel = [&](const BlurLimits& limits) {
+    const double most = limits.greatest_blur_px(sight.cosine, sight.module_px);
+    const double left = most * most - sight.blur_px * sight.blur_px;
+    if (most < 0 || left < 0) return -1.0;
+    return std::sqrt(12 * left) / std::max(sight.smear_px, 1e-9);
+  };
+  sight.travel_plain = travel(plain_);
+  sight.travel_book = travel(book_);
+  return sight;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which plates a rig's cameras see from a pose, how large, how obliquely, how sharply, and whether
+// the reader reads them.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/geometry/pose.hpp"
+#include "tagsmith/placement/reader_limits.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Blur of a camera whose rig does not state it: the standard deviation of the simulation's lens.
+inline constexpr double kUsualBlurPx = 0.7;
+
+// Pixels that must lie between the feature frame's inner edge, which carries the corners, and the
+// image's border: the reader does not need the whole stroke. Agreement: `./dev bench plan`.
+inline constexpr double kBorderPx = 3;
+
+// A camera at one moment.
+struct CameraStand {
+  Pose camera_from_world;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // in the world
+  // What the camera does while the vehicle goes on by a metre, in the camera frame.
+  Eigen::Vector3d travel = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // rotation vector, radians
+};
+
+// A plate of which all that the feature frame encloses is in the image and in the open, of a size
+// that can be read.
+struct PlateSight {
+  std::size_t camera = 0;  // index in rig.cameras
+  std::size_t tag = 0;     // index in survey.tags
+  double module_px = 0;    // width of a module at the middle of the frame, pixels
+  double cosine = 0;       // of the incidence
+  double distance = 0;     // from the camera to the middle of the frame, metres
+  double blur_px = 0;      // lens and focus, standard deviation
+  double smear_px = 0;     // path of the picture across the bars for a metre of travel, pixels
+  // Metres that the vehicle may move during the exposure for the tag still to be read reliably,
+  // without and with the code book; negative when it is not read standing still.
+  double travel_plain = -1;
+  double travel_book = -1;
+};
+
+// A survey's plates and a rig's cameras, prepared for millions of questions. Keeps pointers to
+// both.
+class SightModel {
+ public:
+  SightModel(const Survey& survey, const Rig& rig, ReadShare share = ReadShare::reliable);
+
+  const Survey& survey() const { return *survey_; }
+  const Rig& rig() const { return *rig_; }
+
+  // `curvature`: of the vehicle's path, positive to the right.
+  CameraStand stand(std::size_t camera, const Pose& world_from_vehicle, double curvature) const;
+
+  // False when the camera cannot possibly see the plate from here, nor from any place within
+  // `slack` metres, turned by up to `turn` radians.
+  bool may_see(std::size_t camera, const CameraStand& stand, std::size_t tag, double slack,
+               double turn) const;
+
+  // `walls`: what may stand in the way; null where the drive is straight as far as can be seen.
+  std::optional<PlateSight> look(std::size_t camera, const CameraStand& stand, std::size_t tag,
+                                 const TunnelWalls* walls) const;
+
+  // No plate further from the camera than this can be read, metres.
+  double reach() const { return reach_; }
+
+  // Indices in survey.tags by chainage.
+  const std::vector<std::size_t>& tags_by_chainage() const { return order_; }
+
+  // The part of tags_by_chainage() that lies in [low, high], as begin and end.
+  std::pair<std::size_t, std::size_t> tags_between(double low, double high) const;
+
+  // True when the center line bends anywhere in [low, high].
+  bool bends_between(double low, double high) const;
+
+  // How far behind the plates' planes the walls stand near this chainage (wall_standoff).
+  double standoff_between(double low, double high) const;
+
+ private:
+  struct Plate {
+    Eigen::Vector3d middle;  // of the feature frame, in the world
+    Eigen::Vector3d right;   // unit vectors of the plate
+    Eigen::Vector3d down;
+    Eigen::Vector3d normal;  // into the wall
+    double depth = 0;        // that its corner lies behind its plane of plates
+  };
+  struct Lens {
+    bool is_pinhole = true;  // projects straight lines to straight lines
+    Eigen::Matrix3d camera_from_vehicle;
+    Eigen::Vector3d vehicle_in_camera;
+    Eigen::Vector3d forward_in_camera;
+    double magnification = 0;                         // pixels per radian at most
+    double left = 0, right = 0, top = 0, bottom = 0;  // of what the image shows, as x/z and y/z
+    double blur_px = 0;
+  };
+
+  Lens make_lens(const RigCamera& camera) const;
+  bool fits_in_image(std::size_t camera, const Eigen::Vector3d& middle,
+                     const Eigen::Vector3d& right, const Eigen::Vector3d& down) const;
+  bool is_hidden(const CameraStand& stand, const Plate& plate, const TunnelWalls& walls) const;
+
+  const Survey* survey_;
+  const Rig* rig_;
+  BlurLimits plain_;
+  BlurLimits book_;
+  std::vector<Plate> plates_;
+  std::vector<Lens> lenses_;
+  std::vector<std::size_t> order_;
+  std::vector<double> chainages_;  // of order_
+  double module_ = 0;
+  double half_length_ = 0;  // of the feature frame's inner edge
+  double half_height_ = 0;
+  double reach_ = 0;
+};
+
+}  // namespace tagsmith

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/plan_drawing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/tunnel_plan.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kCoverageWidth = 0.0012;  // of the coloured center line, metres on paper
+constexpr double kProfileHeight = 0.050;   // of the profile, metres on paper
+constexpr double kProfileLength = 0.330;
+constexpr int kDecades = 3;
+
+// The runs of columns within [from, to] that are served alike.
+struct Run {
+  std::size_t first = 0;
+  std::size_t last = 0;
+  Service service = Service::none;
+};
+
+std::vector<Run> runs(const DrivePlan& plan, double from, double to) {
+  std::vector<Run> all;
+  for (std::size_t i = 0; i < plan.columns.size(); ++i) {
+    const PlanColumn& column = plan.columns[i];
+    if (column.chainage < from || column.chainage > to) continue;
+    const Service service = service_of(plan, column);
+    if (all.empty() || all.back().service != service) {
+      if (!all.empty()) all.back().last = i;
+      all.push_back({i, i, service});
+    }
+    all.back().last = i;
+  }
+  return all;
+}
+
+void draw_coverage(const Survey& survey, const DrivePlan& plan, const PlanStrip& strip,
+                   Sketch& sketch) {
+  constexpr double kSpan = 0.25;  // metres between points of a bend
+  for (const Run& run : runs(plan, strip.from, strip.to)) {
+    Polyline line;
+    line.line = {colour_of(run.service), kCoverageWidth, {}};
+    const double from = plan.columns[run.first].chainage;
+    const double to = plan.columns[run.last].chainage;
+    const int spans = std::max(1, static_cast<int>(std::ceil((to - from) / kSpan)));
+    for (int i = 0; i <= spans; ++i) {
+      const auto point = survey.tunnel.centerline.at(from + (to - from) * i / spans);
+      line.points.emplace_back(strip.view_from_world * Vector2d(point.position.head<2>()));
+    }
+    sketch.layer("coverage").add(std::move(line));
+  }
+}
+
+double usual_reach(const Survey& survey, const DrivePlan& plan) {
+  std::vector<double> distances;
+  for (const TagUse& use : plan.tags) {
+    if (use.is_read) distances.push_back(use.first_distance);
+  }
+  if (distances.empty()) return survey.tunnel.width;
+  std::ranges::sort(distances);
+  return distances[distances.size() / 2];
+}
+
+void draw_fields(const std::vector<std::vector<Eigen::Vector3d>>& fields, const PlanStrip& strip,
+                 Sketch& sketch) {
+  for (const auto& field : fields) {
+    Polyline outline;
+    outline.closed = true;
+    outline.line = {colours::kBlue, kNarrow, dashed()};
+    for (const Eigen::Vector3d& corner : field) {
+      outline.points.emplace_back(strip.view_from_world * Vector2d(corner.head<2>()));
+    }
+    sketch.layer("fields of view").add(std::move(outline));
+  }
+}
+
+void draw_legend(Sketch& sketch) {
+  double x = 0;
+  const std::array<std::pair<Service, const char*>, 4> entries{
+      {{Service::both_walls, "tags on both walls, every pose"},
+       {Service::one_wall, "a tag, every pose"},
+       {Service::some_poses, "some poses have none"},
+       {Service::none, "no tag"}}};
+  for (const auto& [service, text] : entries) {
+    Polyline line;
+    line.line = {colour_of(service), kCoverageWidth, {}};
+    line.points = {SketchPoint({0, 0}, {x, 0.001}), SketchPoint({0, 0}, {x + 0.010, 0.001})};
+    sketch.layer("legend").add(std::move(line));
+    sketch.layer("legend").add(Words{text, SketchPoint({0, 0}, {x + 0.012, 0}), 0.0018});
+    x += 0.070;
+  }
+}
+
+// The profile's own axes: chainage by paper length, sigma by its logarithm.
+struct ProfileAxes {
+  double from = 0;
+  double to = 1;
+  double least = 1e-3;  // metres, the lowest decade
+
+  SketchPoint at(double chainage, double sigma) const {
+    const double x = kProfileLength * (chainage - from) / (to - from);
+    const double decades = std::clamp(std::log10(sigma / least), 0.0, double{kDecades});
+    return SketchPoint({0, 0}, {x, kProfileHeight * decades / kDecades});
+  }
+};
+
+std::string sigma_text(double metres) {
+  return metres < 0.999 ? format_number(1000 * metres, 2) + " mm" : format_number(metres, 2) + " m";
+}
+
+// 1, 2 or 5 times a power of ten, not less than this.
+double round_step(double least) {
+  const double decade = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
+  }
+  return 10 * decade;
+}
+
+void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
+  SketchLayer& layer = sketch.layer("axes");
+  for (int decade = 0; decade <= kDecades; ++decade) {
+    const double sigma = axes.least * std::pow(10.0, decade);
+    Polyline line;
+    line.line = {colours::kPale, kExtraNarrow, {}};
+    line.points = {axes.at(axes.from, sigma), axes.at(axes.to, sigma)};
+    layer.add(std::move(line));
+    SketchPoint place = axes.at(axes.from, sigma);
+    place.paper.x() -= 0.002;
+    layer.add(Words{sigma_text(sigma), place, 0.0018, 0, TextAlign::right, TextLevel::middle});
+  }
+  const double step = round_step((axes.to - axes.from) / 10);
+  for (double chainage = std::ceil(axes.from / step) * step; chainage <= axes.to + 1e-9;
+       chainage += step) {
+    SketchPoint place = axes.at(chainage, axes.least);
+    place.paper.y() -= 0.003;
+    layer.add(
+        Words{format_number(chainage, 2), place, 0.0018, 0, TextAlign::centre, TextLevel::top});
+  }
+}
+
+// A curve, broken where there is no value; at most 2000 points, each the greatest of its columns.
+void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle& style,
+                const std::function<double(const PlanColumn&)>& value, Sketch& sketch) {
+  const std::size_t stride = std::max<std::size_t>(1, plan.columns.size() / 2000);
+  Polyline line;
+  line.line = style;
+  const auto finish = [&] {
+    if (line.points.size() > 1) sketch.layer("sigma").add(line);
+    line.points.clear();
+  };
+  for (std::size_t i = 0; i < plan.columns.size(); i += stride) {
+    double most = -1;
+    for (std::size_t j = i; j < std::min(i + stride, plan.columns.size()); ++j) {
+      if (const double v = value(plan.columns[j]); std::isfinite(v)) most = std::max(most, v);
+    }
+    if (most < 0) {
+      finish();
+    } else {
+      line.points.push_back(axes.at(plan.columns[i].chainage, most));
+    }
+  }
+  finish();
+}
+
+// The decade below the least sigma drawn.
+double lowest_decade(const DrivePlan& plan) {
+  double least = 1e-3;
+  for (const PlanColumn& column : plan.columns) {
+    if (std::isfinite(column.nominal.plane)) least = std::min(least, column.nominal.plane);
+  }
+  return std::pow(10.0, std::floor(std::log10(std::max(least, 1e-6))));
+}
+
+DrawingView profile_view(const DrivePlan& plan) {
+  ProfileAxes axes{plan.columns.front().chainage, plan.columns.back().chainage,
+                   lowest_decade(plan)};
+  DrawingView view;
+  view.title = "Standard deviation in the plane along the chainage";
+  view.new_row = true;
+  draw_axes(axes, view.sketch);
+  draw_curve(
+      plan, axes, {colours::kGrey, kNarrow, dashed()},
+      [](const PlanColumn& column) { return column.paper.sigma.plane; }, view.sketch);
+  draw_curve(
+      plan, axes, {colours::kOrange, kNarrow, {}},
+      [](const PlanColumn& column) { return column.worst.plane; }, view.sketch);
+  draw_curve(
+      plan, axes, {colours::kBlue, kWide, {}},
+      [](const PlanColumn& column) { return column.nominal.plane; }, view.sketch);
+  double x = 0;
+  const std::array<std::pair<LineStyle, const char*>, 3> curves{
+      {{{colours::kBlue, kWide, {}}, "on the center line"},
+       {{colours::kOrange, kNarrow, {}}, "worst pose of the envelope"},
+       {{colours::kGrey, kNarrow, dashed()}, "the paper's method"}}};
+  for (const auto& [style, text] : curves) {
+    Polyline line;
+    line.line = style;
+    line.points = {SketchPoint({0, 0}, {x, kProfileHeight + 0.005}),
+                   SketchPoint({0, 0}, {x + 0.010, kProfileHeight + 0.005})};
+    view.sketch.layer("legend").add(std::move(line));
+    view.sketch.layer("legend").add(
+        Words{text, SketchPoint({0, 0}, {x + 0.012, kProfileHeight + 0.0042}), 0.0018});
+    x += 0.070;
+  }
+  return view;
+}
+
+}  // namespace
+
+Service service_of(const DrivePlan& plan, const PlanColumn& column) {
+  if (column.read.both == plan.poses_per_column) return Service::both_walls;
+  if (column.read.any() == plan.poses_per_column) return Service::one_wall;
+  return column.read.any() > 0 ? Service::some_poses : Service::none;
+}
+
+Colour colour_of(Service service) {
+  switch (service) {
+    case Service::both_walls:
+      return colours::kGreen;
+    case Service::one_wall:
+      return {0.45, 0.70, 0.20};
+    case Service::some_poses:
+      return colours::kOrange;
+    case Service::none:
+      break;
+  }
+  return colours::kRed;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
+                                                         const DrivePlan& plan, double from,
+                                                         double to) {
+  const CenterlinePoint point = survey.tunnel.centerline.at(from + (to - from) / 3);
+  VehiclePose pose;
+  pose.position = point.position + rig.vehicle_height * Eigen::Vector3d::UnitZ();
+  pose.heading = point.heading;
+  const double reach = usual_reach(survey, plan);
+  std::vector<std::vector<Eigen::Vector3d>> fields;
+  for (const RigCamera& rig_camera : rig.cameras) {
+    const Pose world_from_camera = world_from_vehicle(pose) * rig_camera.vehicle_from_camera;
+    const Camera& camera = rig_camera.camera;
+    std::vector<Eigen::Vector3d> outline{world_from_camera.translation};
+    constexpr int kRays = 8;
+    for (int i = 0; i <= kRays; ++i) {
+      const Vector2d pixel((camera.width - 1) * i / static_cast<double>(kRays), camera.cy);
+      outline.push_back(world_from_camera * (reach * ray_through(camera, pixel).normalized()));
+    }
+    fields.push_back(std::move(outline));
+  }
+  return fields;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
+                                                         const DrivePlan& plan) {
+  return fields_of_view(survey, rig, plan, plan.columns.front().chainage,
+                        plan.columns.back().chainage);
+}
+
+Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan) {
+  std::vector<DrawingView> views;
+  for (const PlanStrip& strip : plan_strips(survey)) {
+    DrawingView view = plan_view(survey, strip);
+    view.new_row = true;
+    draw_coverage(survey, plan, strip, view.sketch);
+    const double from = std::max(strip.from, plan.columns.front().chainage);
+    const double to = std::min(strip.to, plan.columns.back().chainage);
+    if (from < to) draw_fields(fields_of_view(survey, rig, plan, from, to), strip, view.sketch);
+    views.push_back(std::move(view));
+  }
+  DrawingView legend;
+  legend.title = "Position along the center line";
+  legend.new_row = true;
+  draw_legend(legend.sketch);
+  views.push_back(std::move(legend));
+  views.push_back(profile_view(plan));
+  TitleBlock block;
+  block.title = "Plan of the drive " + survey.name;
+  block.subject = "What the cameras of " + rig.name + " read, and the expected accuracy";
+  block.fields = {
+      {"Chainage", fmt::format("{:.2f} to {:.2f} m", plan.columns.front().chainage,
+                               plan.columns.back().chainage)},
+      {"Tags", fmt::format("{}", survey.tags.size())},
+      {"Speed", plan.speed > 0 ? format_number(plan.speed, 2) + " m/s" : "standing still"}};
+  DrawingStyle style;
+  style.coarsest_scale = coarsest_plan_scale(survey);
+  return lay_out_sheets(block, views, style);
+}
+
+}  // namespace tagsmith

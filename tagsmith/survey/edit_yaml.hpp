@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Changes of single values in a YAML file that leave its layout and comments alone.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+// `key: value` in the map that the path leads to. Where the map has no such key, it takes the place
+// of the key `instead_of`, or else becomes the map's first.
+struct YamlEdit {
+  std::vector<std::string> path;
+  std::string key;
+  std::string value;       // as YAML text
+  std::string instead_of;  // may be empty
+};
+
+// The text with these changes. Fails when it is no YAML, a map is missing, or the value to be
+// changed is no plain scalar.
+Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>& edits);
+
+}  // namespace tagsmith

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures what the reader manages on simulated tags and writes it as the one table that the
+// planner compiles in: least pixels per module by incidence and blur, and the corners' noise.
+// Usage: bench_reader_limits [TAGS_PER_CELL [FILE]]
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <random>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+constexpr const char* kTable = "tagsmith/placement/reader_limits.inc";
+
+constexpr std::array<double, 5> kIncidences{0, 60, 70, 73, 76};  // degrees
+constexpr std::array<double, 4> kBlurs{0.35, 0.7, 1.4, 2.8};
+constexpr std::array<double, 5> kSigmaModules{0.4, 0.6, 1.0, 2.0, 4.0};
+constexpr std::array<double, 4> kSigmaBlurs{0.35, 0.7, 1.4, 2.8};
+
+constexpr std::size_t kBook = 200;  // codes in the code book
+constexpr double kNoise = 4;        // grey levels, as in the ladder's typical picture
+constexpr double kDistance = 2.5;   // metres, for a frame of 0.34 m
+constexpr double kRoll = 10;        // degrees to either side: plates hang level
+
+// Resolutions tried: 8 % apart, from the least that any reader could use.
+double module_px_at(int step) { return 0.2 * std::pow(1.08, step); }
+constexpr int kSteps = 42;            // up to 5 px
+constexpr int kStepsToReliable = 16;  // what is not reliable at 3.4 times the half's never is
+constexpr double kNever = 1e9;
+
+struct Conditions {
+  double module_px = 2;
+  double incidence = 0;  // radians
+  double blur_px = 0.5;
+  bool code_book = false;
+};
+
+struct Outcome {
+  bool read = false;
+  std::array<double, 8> errors{};  // of corner coordinates, pixels
+};
+
+Digits random_code(std::mt19937_64& random) {
+  std::uniform_int_distribution<int> digit(0, 9);
+  Digits digits{};
+  for (auto& value : digits) value = static_cast<std::uint8_t>(digit(random));
+  digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
+  return digits;
+}
+
+// An image with room for the plate and a margin of 40 px. The lens grows with the resolution, so
+// that the perspective is that of a tag at kDistance in all cells.
+Camera camera_for(const Conditions& conditions) {
+  Camera camera;
+  const TagTemplate tag = test::corridor_template();
+  const double px_per_metre = conditions.module_px / module_width(tag);
+  camera.width = static_cast<int>(80 + 1.3 * px_per_metre * tag.plate_length);
+  camera.height = static_cast<int>(80 + 1.3 * px_per_metre * tag.plate_height /
+                                            std::max(0.1, std::cos(conditions.incidence)));
+  camera.fx = camera.fy = px_per_metre * kDistance / std::cos(conditions.incidence);
+  camera.cx = (camera.width - 1) / 2.0;
+  camera.cy = (camera.height - 1) / 2.0;
+  return camera;
+}
+
+// Turned about its vertical axis, as a plate on a wall is, to this width of its modules.
+ScenePlate place(const Camera& camera, const Digits& code, const Conditions& conditions,
+                 std::mt19937_64& random) {
+  std::uniform_real_distribution<double> either(-1, 1);
+  ScenePlate plate;
+  plate.drawing = draw_tag(test::corridor_template(), code);
+  const double way = either(random) < 0 ? -1 : 1;
+  const double roll = radians(kRoll) * either(random);
+  const Eigen::Vector2d pixel(camera.cx + either(random), camera.cy + either(random));
+  double distance =
+      camera.fx * plate.drawing.module / conditions.module_px * std::cos(conditions.incidence);
+  for (int i = 0; i < 6; ++i) {
+    plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, pixel, distance,
+                                                       way * conditions.incidence, 0, roll);
+    const auto truth = plate_truths(camera, std::span(&plate, 1));
+    if (truth.front().module_px <= 0) break;
+    distance *= truth.front().module_px / conditions.module_px;
+  }
+  return plate;
+}
+
+Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const Digits code = random_code(random);
+  const Camera camera = camera_for(conditions);
+  const ScenePlate plate = place(camera, code, conditions, random);
+  ViewOptions view;
+  view.sensor.blur_sigma_px = conditions.blur_px;
+  view.sensor.noise_sigma = kNoise;
+  view.sensor.exposure = 0.85;
+  view.seed = seed;
+  const View picture = render_view(camera, std::span(&plate, 1), view);
+  ReadOptions options;
+  options.check = CheckDigit::gs1;
+  if (conditions.code_book) {
+    options.code_book.push_back(code);
+    while (options.code_book.size() < kBook) options.code_book.push_back(random_code(random));
+  }
+  Outcome outcome;
+  for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
+    if (reading.digits != code) continue;
+    outcome.read = true;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d truth =
+          picture.plates.front().corners[i].value_or(Eigen::Vector2d::Zero());
+      outcome.errors[2 * i] = std::abs(reading.corners[i].x - truth.x());
+      outcome.errors[2 * i + 1] = std::abs(reading.corners[i].y - truth.y());
+    }
+  }
+  return outcome;
+}
+
+std::vector<Outcome> run_cell(const Conditions& conditions, int count) {
+  std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < outcomes.size(); i = next++) {
+      outcomes[i] = run_one(conditions, 1000 + i);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    threads.emplace_back(work);
+  }
+  threads.clear();
+  return outcomes;
+}
+
+double share_read(const std::vector<Outcome>& outcomes) {
+  return static_cast<double>(std::ranges::count_if(outcomes, &Outcome::read)) /
+         static_cast<double>(outcomes.size());
+}
+
+// Resolutions tried in one cell, and what share was read.
+class Ladder {
+ public:
+  Ladder(const Conditions& conditions, int count) : conditions_(conditions), count_(count) {}
+
+  // The least step in (low, high] at which this share is read, found by halving; `high` + 1 when
+  // none is enough.
+  int least_step(double share, int low, int high) {
+    ++high;
+    while (high - low > 1) {
+      const int middle = (low + high) / 2;
+      (read_at(middle) >= share ? high : low) = middle;
+    }
+    return high;
+  }
+
+ private:
+  double read_at(int step) {
+    if (!shares_.contains(step)) {
+      conditions_.module_px = module_px_at(step);
+      shares_[step] = share_read(run_cell(conditions_, count_));
+    }
+    return shares_[step];
+  }
+
+  Conditions conditions_;
+  int count_;
+  std::map<int, double> shares_;
+};
+
+// Standard deviation of a coordinate, from the median of the errors without their sign.
+double corner_sigma(const Conditions& conditions, int count) {
+  std::vector<double> errors;
+  for (const Outcome& outcome : run_cell(conditions, count)) {
+    if (outcome.read) errors.insert(errors.end(), outcome.errors.begin(), outcome.errors.end());
+  }
+  if (errors.empty()) return 1;
+  std::ranges::sort(errors);
+  return 1.4826 * errors[errors.size() / 2];
+}
+
+std::string number(double value) {
+  return value >= kNever ? "kNever" : fmt::format("{:.3f}", value);
+}
+
+template <class Values>
+std::string list(const Values& values, const std::function<std::string(double)>& text) {
+  std::string line;
+  for (const double value : values) line += (line.empty() ? "" : ", ") + text(value);
+  return "{" + line + "}";
+}
+
+using Table = std::array<std::array<std::array<double, kBlurs.size()>, kIncidences.size()>, 2>;
+
+std::string cells(const std::string& name, const Table& table) {
+  std::string text =
+      fmt::format("constexpr double {}[2][{}][{}] = {{\n", name, kIncidences.size(), kBlurs.size());
+  for (const auto& rows : table) {
+    text += "    {\n";
+    for (const auto& row : rows) text += "        " + list(row, number) + ",\n";
+    text += "    },\n";
+  }
+  return text + "};\n";
+}
+
+struct Limits {
+  Table reliable{};
+  Table half{};
+};
+
+Limits measure_limits(int count) {
+  Limits limits;
+  for (std::size_t book = 0; book < 2; ++book) {
+    for (std::size_t i = 0; i < kIncidences.size(); ++i) {
+      for (std::size_t b = 0; b < kBlurs.size(); ++b) {
+        Conditions conditions;
+        conditions.incidence = radians(kIncidences[i]);
+        conditions.blur_px = kBlurs[b];
+        conditions.code_book = book == 1;
+        Ladder ladder(conditions, count);
+        const int half = ladder.least_step(0.5, -1, kSteps);
+        const int last = std::min(kSteps, half + kStepsToReliable);
+        const int reliable = half > kSteps ? last + 1 : ladder.least_step(0.99, half - 1, last);
+        limits.half[book][i][b] = half > kSteps ? kNever : module_px_at(half);
+        limits.reliable[book][i][b] = reliable > last ? kNever : module_px_at(reliable);
+        fmt::print("| {} | {} | {} | {:.2f} | {:.2f} |\n", book == 1 ? "yes" : "no", kIncidences[i],
+                   kBlurs[b], limits.reliable[book][i][b], limits.half[book][i][b]);
+        std::fflush(stdout);
+      }
+    }
+  }
+  return limits;
+}
+
+std::string measure_corners(int count) {
+  std::string text = fmt::format("constexpr double kCornerSigmaPx[{}][{}] = {{\n",
+                                 kSigmaModules.size(), kSigmaBlurs.size());
+  for (const double module_px : kSigmaModules) {
+    std::vector<double> row;
+    for (const double blur_px : kSigmaBlurs) {
+      Conditions conditions;
+      conditions.module_px = module_px;
+      conditions.incidence = radians(30);
+      conditions.blur_px = blur_px;
+      conditions.code_book = true;
+      row.push_back(corner_sigma(conditions, count));
+    }
+    text += "    " + list(row, number) + ",\n";
+  }
+  return text + "};\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int count = argc > 1 ? std::atoi(argv[1]) : 100;
+  const std::string file = argc > 2 ? argv[2] : kTable;
+  if (count < 1) {
+    fmt::print(stderr, "usage: bench_reader_limits [TAGS_PER_CELL [FILE]]\n");
+    return 2;
+  }
+  fmt::print(
+      "| code book | incidence | blur, px | px/module, 99 % read | 50 % read |\n"
+      "|---|---|---|---|---|\n");
+  const auto plain = [](double value) { return fmt::format("{}", value); };
+  const Limits limits = measure_limits(count);
+  const std::string text = fmt::format(
+      "// SPDX-License-Identifier: Apache-2.0\n"
+      "// Written by `./dev bench limits`, {} simulated tags a cell; not to be edited.\n"
+      "constexpr std::array<double, {}> kIncidencesDeg{};\n"
+      "constexpr std::array<double, {}> kBlursPx{};\n"
+      "// [without, with code book][incidence][blur]: least px/module of which 99 % are read.\n"
+      "{}"
+      "// The same for 50 %.\n"
+      "{}"
+      "constexpr std::array<double, {}> kSigmaModulesPx{};\n"
+      "constexpr std::array<double, {}> kSigmaBlursPx{};\n"
+      "// [px/module][blur]: standard deviation of a corner's coordinate, pixels, at 30 degrees.\n"
+      "{}",
+      count, kIncidences.size(), list(kIncidences, plain), kBlurs.size(), list(kBlurs, plain),
+      cells("kReliableModulePx", limits.reliable), cells("kHalfModulePx", limits.half),
+      kSigmaModules.size(), list(kSigmaModules, plain), kSigmaBlurs.size(),
+      list(kSigmaBlurs, plain), measure_corners(count));
+  const Result<void> written = write_file(file, text);
+  if (!written) {
+    fmt::print(stderr, "bench_reader_limits: {}\n", written.error().message);
+    return 2;
+  }
+  fmt::print("written: {}\n", file);
+  return 0;
+}

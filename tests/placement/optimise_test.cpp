@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/placement/optimise.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/placement/plan_summary.hpp"
+#include "tests/placement/corridors.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+
+namespace {
+
+PlanOptions first_metres() {
+  PlanOptions options;
+  options.to = 4;
+  options.step = 0.1;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("the chosen layout keeps the promise and costs no more than the given one") {
+  const Survey survey = straight_survey(10, 8, 0.4);
+  const Rig rig = crawler();
+  for (const int lost : {0, 1}) {
+    CAPTURE(lost);
+    const auto found = optimise(survey, rig, {survey.tag_template}, {0.02, lost}, CostOrder::tags,
+                                {}, first_metres());
+    REQUIRE_MESSAGE(found.has_value(), found.error().message);
+    CHECK(found->chosen.meets);
+    CHECK(found->chosen.tags <= found->given.tags);
+    CHECK(found->demanded_share == 1);
+    // The claim, planned again from the layout alone.
+    const auto plan = plan_drive(with_layout(survey, found->chosen.layout),
+                                 with_alpha(rig, found->chosen.layout.alpha), first_metres());
+    REQUIRE(plan.has_value());
+    for (const PlanColumn& column : plan->columns) {
+      CHECK(column.least_tags > lost);
+      CHECK(column.worst.plane <= 0.02);
+    }
+  }
+}
+
+TEST_CASE("more is asked, more is paid") {
+  const Survey survey = straight_survey(10, 8, 0.4);
+  const Freedom spacing_alone{false, false, false, false};
+  const auto cheap =
+      optimise(survey, crawler(), {}, {0.05, 0}, CostOrder::tags, spacing_alone, first_metres());
+  const auto safe =
+      optimise(survey, crawler(), {}, {0.05, 1}, CostOrder::tags, spacing_alone, first_metres());
+  REQUIRE(cheap.has_value());
+  REQUIRE(safe.has_value());
+  CHECK(cheap->chosen.tags <= safe->chosen.tags);
+}
+
+TEST_CASE("what cannot be had is refused in words") {
+  const Survey survey = straight_survey(10, 8, 0.4);
+  const auto impossible = optimise(survey, crawler(), {}, {1e-6, 0}, CostOrder::tags,
+                                   {false, false, false, false}, first_metres());
+  REQUIRE_FALSE(impossible.has_value());
+  CHECK(impossible.error().message.find("no layout meets the requirement") != std::string::npos);
+  Survey as_built = survey;
+  as_built.tags[0].surveyed = true;
+  CHECK_FALSE(
+      optimise(as_built, crawler(), {}, {}, CostOrder::tags, {}, first_metres()).has_value());
+  Survey irregular = survey;
+  irregular.series.reset();
+  CHECK_FALSE(
+      optimise(irregular, crawler(), {}, {}, CostOrder::tags, {}, first_metres()).has_value());
+}

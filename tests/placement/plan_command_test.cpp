@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/program.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+
+namespace {
+
+const std::string kCorridor = "plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml";
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  REQUIRE_MESSAGE(stream.good(), path.string());
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+TEST_CASE("plan answers what people ask, and says by its exit code whether there are gaps") {
+  const ProgramOutput covered = run_tagsmith(kCorridor + " --to 5");
+  CHECK(covered.exit_code == 0);
+  for (const char* question :
+       {"gaps", "position, plane", "worst stretch", "a tag is first read", "one tag lost",
+        "fastest speed", "exposure needed", "the paper's method"}) {
+    CHECK_MESSAGE(covered.out.find(question) != std::string::npos, question);
+  }
+  CHECK(run_tagsmith(kCorridor).exit_code == 1);  // no tags beyond 6 m
+}
+
+TEST_CASE("plan --json is one object with the documented fields") {
+  const ProgramOutput output = run_tagsmith(kCorridor + " --to 5 --speed 1 --json");
+  const auto json = nlohmann::json::parse(output.out);
+  for (const char* field : {"survey",
+                            "rig",
+                            "from",
+                            "to",
+                            "step",
+                            "poses_per_step",
+                            "envelope",
+                            "speed",
+                            "coverage",
+                            "covered_share",
+                            "both_walls_share",
+                            "gaps",
+                            "longest_gap",
+                            "accuracy",
+                            "paper",
+                            "first_reading",
+                            "one_tag_lost",
+                            "travel_during_exposure",
+                            "fastest_speed",
+                            "longest_exposure",
+                            "tags",
+                            "profile"}) {
+    CHECK_MESSAGE(json.contains(field), field);
+  }
+  CHECK(json["profile"]["chainage"].size() == 101);
+  CHECK(json["tags"].size() == 16);
+  CHECK(json["covered_share"] == 1.0);
+}
+
+TEST_CASE("plan -o writes drawings and a page that needs no network") {
+  const TemporaryFolder folder;
+  const ProgramOutput output = run_tagsmith(kCorridor + " --to 5 -o " + folder.path().string());
+  CHECK(output.exit_code == 0);
+  CHECK(contents(folder.path() / "plan.pdf").starts_with("%PDF"));
+  CHECK(contents(folder.path() / "plan.svg").find("</svg>") != std::string::npos);
+  const std::string page = contents(folder.path() / "plan.html");
+  CHECK(page.find("</html>") != std::string::npos);
+  CHECK(page.find("src=") == std::string::npos);
+  CHECK(page.find("href=") == std::string::npos);
+  CHECK(nlohmann::json::parse(contents(folder.path() / "plan.json")).contains("profile"));
+}
+
+TEST_CASE("--optimise writes a valid survey that needs no more tags, comments and all") {
+  const TemporaryFolder folder;
+  const ProgramOutput output = run_tagsmith(
+      kCorridor + " --to 5 --optimise --tags-lost 1 --json -o " + folder.path().string());
+  REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+  const auto json = nlohmann::json::parse(output.out);
+  const int tags = json["optimisation"]["chosen"]["tags"].get<int>();
+  CHECK(tags <= 16);
+  const Result<Survey> written = load_survey(folder.path() / "survey.yaml");
+  REQUIRE(written.has_value());
+  CHECK(written->tags.size() == static_cast<std::size_t>(tags));
+  CHECK(contents(folder.path() / "survey.yaml").find("# clear gap between") != std::string::npos);
+}
+
+TEST_CASE("plan refuses what it cannot use, and writes nothing") {
+  const TemporaryFolder folder;
+  const std::string target = (folder.path() / "out").string();
+  CHECK(run_tagsmith("plan missing.yaml --rig surveys/corridor/rig.yaml").exit_code == 2);
+  CHECK(run_tagsmith(kCorridor + " --from 3 --to 2 -o " + target).exit_code == 2);
+  CHECK(run_tagsmith(kCorridor + " --step 0").exit_code == 2);
+  CHECK(run_tagsmith(kCorridor + " --optimise --plane-sigma 0.001 --to 5 -o " + target).exit_code ==
+        2);
+  CHECK_FALSE(std::filesystem::exists(target));
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/placement/reader_limits.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/geometry/angle.hpp"
+
+using namespace tagsmith;
+
+TEST_CASE("a sharp tag seen squarely is read below 1 px a module, with the code book lower still") {
+  const double plain = least_module_px(false, 0, 0.35);
+  const double book = least_module_px(true, 0, 0.35);
+  CHECK(plain > 0.1);
+  CHECK(plain < 1);
+  CHECK(book <= plain);
+  CHECK(least_module_px(true, 0, 0.35, ReadShare::half) <= book);
+}
+
+TEST_CASE("nothing is promised beyond what was measured") {
+  CHECK(std::isinf(least_module_px(true, radians(89), 0.35)));
+  CHECK(std::isinf(least_module_px(true, 0, 100)));
+  CHECK(least_module_px(true, 0, 0.01) == least_module_px(true, 0, 0.35));
+  const BlurLimits limits(true);
+  CHECK(limits.greatest_blur_px(std::cos(radians(89)), 5) < 0);
+  CHECK(limits.greatest_blur_px(-0.5, 5) < 0);
+  CHECK(limits.greatest_blur_px(1, limits.least_module_px() * 0.99) < 0);
+}
+
+TEST_CASE("the greatest blur is the inverse of the least resolution") {
+  for (const bool book : {false, true}) {
+    const BlurLimits limits(book);
+    for (const double blur : {0.4, 0.8, 1.2, 1.9}) {
+      CAPTURE(blur);
+      const double module_px = least_module_px(book, 0, blur);
+      REQUIRE(std::isfinite(module_px));
+      CHECK(limits.greatest_blur_px(1, module_px + 1e-9) >= blur - 0.1);
+      CHECK(limits.greatest_blur_px(1, 0.9 * module_px) <= blur);
+    }
+  }
+}
+
+TEST_CASE("larger tags bear more blur, and their corners are found better") {
+  const BlurLimits limits(false);
+  double last = -1;
+  for (double module_px = 0.3; module_px < 6; module_px *= 1.1) {
+    const double blur = limits.greatest_blur_px(std::cos(radians(30)), module_px);
+    CHECK(blur >= last);
+    last = blur;
+  }
+  CHECK(corner_sigma_px(3, 0.7) < corner_sigma_px(0.5, 0.7));
+  CHECK(corner_sigma_px(1, 2.8) > corner_sigma_px(1, 0.35));
+  CHECK(corner_sigma_px(100, 0.1) == corner_sigma_px(50, 0.2));
+}

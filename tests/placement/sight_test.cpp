@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/placement/sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "decoder/simulate/plate_truth.hpp"
+#include "tests/placement/corridors.hpp"
+
+using namespace tagsmith;
+using namespace tagsmith::test;
+
+namespace {
+
+// What the simulation, which shares no code with the planner's sight, says of the plate.
+PlateTruth truth_of(const Survey& survey, const RigCamera& camera, const Pose& world_from_vehicle,
+                    std::size_t tag) {
+  const Pose camera_from_plate =
+      inverse(world_from_vehicle * camera.vehicle_from_camera) * survey.tags[tag].world_from_plate;
+  const ScenePlate plate{
+      draw_tag(survey.tag_template, survey.tags[tag].digits), camera_from_plate, {}};
+  return plate_truths(camera.camera, std::span(&plate, 1)).front();
+}
+
+bool is_inside(const Camera& camera, const PlateTruth& truth, double border) {
+  return std::ranges::all_of(truth.corners, [&](const auto& corner) {
+    return corner && corner->x() >= border && corner->y() >= border &&
+           corner->x() <= camera.width - 1 - border && corner->y() <= camera.height - 1 - border;
+  });
+}
+
+void check_against_simulation(const Survey& survey, const Rig& rig) {
+  const SightModel model(survey, rig);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> either(-1, 1);
+  int seen = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Pose pose = world_from_vehicle({0.5 * either(random), 4 + 4 * either(random), 0.24},
+                                         radians(20) * either(random));
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      const CameraStand stand = model.stand(c, pose, 0);
+      for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
+        const auto sight = model.look(c, stand, tag, nullptr);
+        const PlateTruth truth = truth_of(survey, rig.cameras[c], pose, tag);
+        const bool is_whole = truth.incidence < radians(89) && truth.module_px >= 0.8 &&
+                              is_inside(rig.cameras[c].camera, truth, kBorderPx);
+        CAPTURE(i);
+        CAPTURE(survey.tags[tag].name);
+        if (is_whole) REQUIRE(sight.has_value());
+        if (!sight) continue;
+        ++seen;
+        CHECK(is_inside(rig.cameras[c].camera, truth, kBorderPx - 1e-6));
+        CHECK(sight->module_px == doctest::Approx(truth.module_px).epsilon(1e-4));
+        CHECK(std::acos(sight->cosine) == doctest::Approx(truth.incidence).epsilon(1e-6));
+        CHECK(model.may_see(c, stand, tag, 0, 0));
+      }
+    }
+  }
+  CHECK(seen > 300);
+}
+
+}  // namespace
+
+TEST_CASE("what is seen, how large and how obliquely is what the simulation shows") {
+  check_against_simulation(straight_survey(10, 8), crawler());
+}
+
+TEST_CASE("also through a lens that distorts") {
+  Rig rig = crawler();
+  for (RigCamera& camera : rig.cameras) camera.camera.distortion = {-0.2, 0.05, 0.001, -0.001, 0};
+  check_against_simulation(straight_survey(10, 8), rig);
+}
+
+TEST_CASE("a plate is not seen from behind, nor behind the camera") {
+  const Survey survey = straight_survey(10, 8);
+  const Rig rig = crawler();
+  const SightModel model(survey, rig);
+  const auto sees = [&](const Pose& pose, std::size_t tag) {
+    return model.look(0, model.stand(0, pose, 0), tag, nullptr).has_value();
+  };
+  const Pose inside = world_from_vehicle({0, 2, 0.24}, 0);
+  CHECK(sees(inside, 6));  // 003L, ahead to the left
+  CHECK_FALSE(sees(inside, 7));
+  CHECK_FALSE(sees(inside, 0));
+  // In the rock behind the right wall, looking to the left: 003R shows its back.
+  CHECK_FALSE(sees(world_from_vehicle({1.9, 2, 0.24}, 0), 7));
+}
+
+TEST_CASE("the inner wall of a bend hides what lies behind it") {
+  const double radius = 3;
+  const Survey survey =
+      survey_along({{2, 0, 0}, {radius * radians(90), 1 / radius, 0}, {6, 0, 0}}, 12);
+  Rig rig = crawler();
+  rig.cameras[1].vehicle_from_camera = vehicle_from_camera(radians(-30), 0, 0, {0, 0, 0});
+  const SightModel model(survey, rig);
+  const Pose pose = world_from_vehicle({0, 0.2, 0.24}, 0);
+  const CameraStand stand = model.stand(1, pose, 0);
+  const TunnelWalls walls(survey.tunnel, wall_standoff(survey, 0), 0);
+  int open = 0;
+  int hidden = 0;
+  for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
+    const bool in_open = model.look(1, stand, tag, &walls).has_value();
+    if (model.look(1, stand, tag, nullptr)) ++(in_open ? open : hidden);
+    if (in_open) CHECK(survey.tags[tag].chainage < 7);
+  }
+  CHECK(open >= 1);
+  CHECK(hidden >= 1);
+}
+
+TEST_CASE("the picture smears by speed, exposure and nearness") {
+  const Survey survey = straight_survey(10, 8);
+  const Rig rig = crawler();
+  const SightModel model(survey, rig);
+  const Pose pose = world_from_vehicle({0, 2, 0.24}, 0);
+  const auto sight = model.look(0, model.stand(0, pose, 0), 6, nullptr);
+  REQUIRE(sight.has_value());
+  // By the simulation: where the middle of the frame goes when the vehicle goes on by 1 mm.
+  const Pose ahead = world_from_vehicle({0, 2.001, 0.24}, 0);
+  const RigCamera& camera = rig.cameras[0];
+  const PlateTruth before = truth_of(survey, camera, pose, 6);
+  const PlateTruth after = truth_of(survey, camera, ahead, 6);
+  double moved = 0;
+  for (std::size_t i = 0; i < 4; ++i) moved += (*after.corners[i] - *before.corners[i]).norm() / 4;
+  CHECK(sight->smear_px == doctest::Approx(1000 * moved).epsilon(0.1));
+  CHECK(sight->travel_book >= sight->travel_plain);
+  CHECK(sight->travel_plain > 0);
+}
+
+TEST_CASE("out of focus is blurred") {
+  const Survey survey = straight_survey(10, 8);
+  Rig rig = crawler();
+  const Pose pose = world_from_vehicle({0, 2, 0.24}, 0);
+  const SightModel sharp(survey, rig);
+  const auto without = sharp.look(0, sharp.stand(0, pose, 0), 6, nullptr);
+  rig.cameras[0].focus = 0.3;
+  rig.cameras[0].aperture = 0.003;
+  const SightModel near(survey, rig);
+  const auto with = near.look(0, near.stand(0, pose, 0), 6, nullptr);
+  REQUIRE(without.has_value());
+  REQUIRE(with.has_value());
+  // Thin lens: 1600 px * 3 mm * |1/0.3 - 1/depth| / 4.
+  CHECK(without->blur_px == kUsualBlurPx);
+  CHECK(with->blur_px > 2);
+  CHECK(with->travel_book < without->travel_book);
+}
