@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/cli/csv.hpp"
+#include "tagsmith/base/csv.hpp"
 #include "tagsmith/render/text.hpp"
 
 namespace tagsmith {

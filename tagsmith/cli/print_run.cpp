@@ -13,7 +13,7 @@
 
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/cli/csv.hpp"
+#include "tagsmith/base/csv.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/render/sheet_files.hpp"

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "tagsmith/base/normal.hpp"
 
 namespace tagsmith {
 namespace {
@@ -111,7 +111,8 @@ double no_solution_share(const Vector3d& p1, const Vector3d& p2, const Vector3d&
         -way * distance2 / length - std::tan(pair_angle) * (p1e * distance2 / length) / r;
     const double sigma = Vector3d(by_1 * sigmas[0], by_2 * sigmas[1], by_d * sigmas[2]).norm();
     const double room = limit - way * a;
-    return sigma > 0 ? normal_integral(-room / sigma) : (room < 0 ? 1.0 : 0.0);
+    if (sigma <= 0) return room < 0 ? 1.0 : 0.0;
+    return 0.5 * std::erfc(room / sigma * std::numbers::sqrt2 / 2);
   };
   return std::min(1.0, share_beyond(1) + share_beyond(-1));
 }

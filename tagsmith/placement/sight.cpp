@@ -36,17 +36,6 @@ bool acts_as_pinhole(const Camera& camera) {
   return true;
 }
 
-// Far outside of its field of view a lens model folds back into the image; what does not come back
-// by the inverse is such a ghost.
-std::optional<Vector2d> pixel_of(const Camera& camera, const Vector3d& point) {
-  const std::optional<Vector2d> pixel = project(camera, point);
-  if (!pixel) return std::nullopt;
-  const Vector2d back = ray_through(camera, *pixel).head<2>();
-  const Vector2d ideal = point.head<2>() / point.z();
-  if ((back - ideal).norm() > 1e-6 * (1 + ideal.norm())) return std::nullopt;
-  return pixel;
-}
-
 // The vector from where the picture of the point is to where it goes, per unit of `motion`.
 std::optional<Vector2d> picture_of_motion(const Camera& camera, bool is_pinhole,
                                           const Vector3d& point, const Vector3d& motion) {
@@ -57,8 +46,8 @@ std::optional<Vector2d> picture_of_motion(const Camera& camera, bool is_pinhole,
                     camera.fy * inverse_depth * (motion.y() - point.y() * along));
   }
   const double step = 1e-4 * point.z() / (1e-12 + motion.norm());
-  const std::optional<Vector2d> ahead = pixel_of(camera, point + step * motion);
-  const std::optional<Vector2d> behind = pixel_of(camera, point - step * motion);
+  const std::optional<Vector2d> ahead = project(camera, point + step * motion);
+  const std::optional<Vector2d> behind = project(camera, point - step * motion);
   if (!ahead || !behind) return std::nullopt;
   return (*ahead - *behind) / (2 * step);
 }
@@ -114,10 +103,13 @@ SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
     const double y = (camera.height - 1) * i / static_cast<double>(kSteps);
     for (const Vector2d& pixel : {Vector2d(x, 0), Vector2d(x, camera.height - 1), Vector2d(0, y),
                                   Vector2d(camera.width - 1, y)}) {
-      const Vector3d ray = ray_through(camera, pixel);
-      lens.left = std::min(lens.left, ray.x());
+      // Where the border has no ray, the picture reaches as far as the lens does.
+      constexpr double kFar = 1e3;
+      const std::optional<Vector3d> found = ray_through(camera, pixel);
+      const Vector3d ray = found.value_or(Vector3d(kFar, kFar, 1));
+      lens.left = std::min(lens.left, found ? ray.x() : -kFar);
       lens.right = std::max(lens.right, ray.x());
-      lens.top = std::min(lens.top, ray.y());
+      lens.top = std::min(lens.top, found ? ray.y() : -kFar);
       lens.bottom = std::max(lens.bottom, ray.y());
       // A pinhole's pixels grow by 1/cos^2 off the axis; 10 % more for lenses that are none.
       lens.magnification =
@@ -214,7 +206,7 @@ bool SightModel::fits_in_image(std::size_t camera, const Vector3d& middle, const
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
       if (x == 0 && y == 0) continue;
-      const std::optional<Vector2d> pixel = pixel_of(lens, middle + x * across + y * along);
+      const std::optional<Vector2d> pixel = project(lens, middle + x * across + y * along);
       if (!pixel || !fits(*pixel)) return false;
     }
   }

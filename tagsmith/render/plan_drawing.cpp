@@ -257,7 +257,8 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
     constexpr int kRays = 8;
     for (int i = 0; i <= kRays; ++i) {
       const Vector2d pixel((camera.width - 1) * i / static_cast<double>(kRays), camera.cy);
-      outline.push_back(world_from_camera * (reach * ray_through(camera, pixel).normalized()));
+      const std::optional<Eigen::Vector3d> ray = ray_through(camera, pixel);
+      if (ray) outline.push_back(world_from_camera * (reach * ray->normalized()));
     }
     fields.push_back(std::move(outline));
   }

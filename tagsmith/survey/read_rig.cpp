@@ -232,7 +232,7 @@ RigReading read_rig_text(const fs::path& path, std::string_view text) {
     reading.rig = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.rig.reset();
-  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
+  reading.diagnostics = without_allowed(log.sorted(), text, path.string());
   return reading;
 }
 

@@ -302,7 +302,7 @@ SurveyReading read_survey_text(const fs::path& path, std::string_view text) {
     reading.survey = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.survey.reset();
-  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
+  reading.diagnostics = without_allowed(log.sorted(), text, path.string());
   return reading;
 }
 
