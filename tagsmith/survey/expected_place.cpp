@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith {
 namespace {
@@ -58,9 +57,8 @@ ExpectedPlace by_neighbours(const std::vector<const SourcedTag*>& wall, const Ha
 }
 
 std::optional<ExpectedPlace> by_design(const Survey& survey, const PlacedTag& tag) {
-  if (!survey.series || tag.pair >= survey.series->pairs) return std::nullopt;
-  const PlacedTag designed = place_in_series(survey, tag.pair, tag.side);
-  const PlateAddress address = plate_address(survey, tag.side, designed.p_in_grid);
+  if (!tag.design_in_grid) return std::nullopt;
+  const PlateAddress address = plate_address(survey, tag.side, *tag.design_in_grid);
   return ExpectedPlace{address.chainage, address.height};
 }
 

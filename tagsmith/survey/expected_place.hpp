@@ -30,8 +30,8 @@ struct ExpectedPlace {
   double chainage_scatter = 0;  // how well a tag without a slip agrees
 };
 
-// The expectation for each tag of one wall, in the order given (by pair). Where the survey's series
-// has the pair, the design says it. Elsewhere the three tags on either side do, by the median of
+// The expectation for each tag of one wall, in the order given (by pair). Where a measured tag
+// replaces a designed one, the design says it. Elsewhere the three tags on either side do, by the median of
 // what each says, so that a wrong one spoils none of its neighbours' expectations; nothing on a
 // wall of fewer than five tags. Tolerances grow with the scatter of the wall's own tags.
 std::vector<std::optional<ExpectedPlace>> expected_places(

@@ -68,8 +68,7 @@ void log_odd(const Survey& survey, const SourcedTag& entry, const ExpectedPlace&
 bool lint_place(const Survey& survey, const SourcedTag& entry, const ExpectedPlace& expected,
                 FindingLog& log) {
   const PlateAddress address = plate_address(survey, entry.tag.side, entry.tag.p_in_grid);
-  const std::string source =
-      survey.series && entry.tag.pair < survey.series->pairs ? "the design" : "the neighbours";
+  const std::string source = entry.tag.design_in_grid ? "the design" : "the neighbours";
   if (!fits_along(address, expected)) {
     log_odd(survey, entry, expected, "spacing-outlier",
             fmt::format("the plate's middle is at chainage {}, by {} expected at {}",

@@ -20,6 +20,7 @@ constexpr std::array kRules{
          "a rule and give a reason; errors cannot be allowed."},
     Rule{"bad-choice", "a word that is none of the allowed ones",
          "The key takes one of a few words; the finding lists them."},
+    Rule{"bad-date", "a date that is none", "Dates are written year, month, day: 2026-03-31."},
     Rule{"bad-digit-counts", "the digits of x, y and z do not sum to eleven",
          "A symbol has eleven digits and a check digit. code.digits shares the eleven "
          "out among x, y and z: three whole numbers of at least 1."},
@@ -33,6 +34,9 @@ constexpr std::array kRules{
          "Names become file names and columns of tables: they begin with a letter or "
          "digit and have no / \\ , : or quotes. Cameras and ranges take letters, digits, "
          "- and _ only."},
+    Rule{"bad-number", "a field that is no number",
+         "Point lists have numbers with decimal points in the columns that --order "
+         "declares; --header says that the first line names the columns."},
     Rule{"bad-quotes", "quotes in a table that do not match",
          "A field in quotes ends with a quote before the next comma; a quote inside it "
          "is written twice."},
@@ -41,9 +45,14 @@ constexpr std::array kRules{
          "000L, 012R, 1234L."},
     Rule{"bad-text", "text that is empty, too long or has control characters",
          "Text is one line of at most 200 bytes of UTF-8."},
-    Rule{"calibration-file", "a calibration file in a rig",
-         "The intrinsic parameters stand in the rig itself: fx, fy, cx, cy and "
-         "distortion."},
+    Rule{"calibration-file", "a calibration file that cannot be read",
+         "The path is relative to the rig file; the file is at most some megabytes."},
+    Rule{"calibration-size", "a calibration of another image size",
+         "A calibration holds for images of the size it was made with, and for no other. "
+         "Calibrate with the images that the vehicle takes."},
+    Rule{"camera-matrix", "a camera matrix of no pinhole",
+         "The matrix is [fx, 0, cx; 0, fy, cy; 0, 0, 1]. Skewed pixels are not "
+         "supported; a transposed matrix must be turned."},
     Rule{"coarse-code", "the code rounds positions more than the survey does",
          "Whoever reads a tag without the survey knows its position to the code's "
          "resolution only. The survey's own positions are used wherever it is at hand. A "
@@ -62,6 +71,8 @@ constexpr std::array kRules{
          "YAML allows lists and maps as keys; these files do not."},
     Rule{"conflicting-keys", "keys that exclude each other",
          "Two keys say the same thing in different ways. Keep the one that is meant."},
+    Rule{"corner-radius", "rounded corners larger than the plate",
+         "The radius of the plate's corners is at most half its shorter side."},
     Rule{"decimal-comma", "a comma as decimal sign",
          "The decimal sign is a point; a comma separates the items of a list."},
     Rule{"duplicate-column", "a column of a table twice",
@@ -84,8 +95,17 @@ constexpr std::array kRules{
          "Compared with the design, or with three tags on either side of its wall. Where "
          "one slip of the pen explains it, the finding says so. A tag that does hang "
          "there is allowed with a comment."},
+    Rule{"hole-misplaced", "a drill hole where it must not be",
+         "Holes lie on the plate, clear of the feature frame, the label and the edge."},
     Rule{"leading-zero", "a number with leading zeros",
          "Some programs read 012 as octal ten. Write 12."},
+    Rule{"lens-model", "a lens model that is not clear",
+         "Four distortion coefficients may be those of a perspective lens or of a "
+         "fisheye: `model` in the rig's camera says which. Thin-prism and tilt terms are "
+         "not supported."},
+    Rule{"lens-reach", "a distortion that folds back inside the image",
+         "What is seen beyond the fold cannot be used. Calibrate with the target in the "
+         "image's corners as well."},
     Rule{"likely-slip", "coordinates that one slip of the pen explains",
          "The tag is off its wall; with two digits exchanged, the sign changed, the "
          "decimal point moved or x and y exchanged it would hang where it is expected."},
@@ -108,9 +128,15 @@ constexpr std::array kRules{
          "the truth."},
     Rule{"no-bars", "no height left for the bars",
          "The margin takes all of the inner height of the feature frame."},
+    Rule{"no-dots", "a module narrower than a printer's dot",
+         "A longer inner frame or a finer printer."},
     Rule{"no-label-room", "no room for a label",
          "People find a plate by its label. Outside the feature frame there is no strip "
          "high enough for letters of a millimetre."},
+    Rule{"no-points", "a point list without points", "The file has no lines but the first."},
+    Rule{"no-room-for-patches", "no room for the reference patches",
+         "They stand below the feature frame. Smaller patches, a smaller frame or a "
+         "higher plate."},
     Rule{"no-template", "a template that is not found",
          "A template is named by its name, and then lies beside the survey or among the "
          "tool's own, or by a path that ends in .yaml."},
@@ -118,6 +144,8 @@ constexpr std::array kRules{
     Rule{"not-utf-8", "bytes that are no text",
          "Save the file as UTF-8. A file from a word processor or a spreadsheet is no "
          "text."},
+    Rule{"odd-focal-length", "a focal length that sees half the world",
+         "Focal lengths are in pixels here. A value in millimetres is the usual slip."},
     Rule{"odd-pixels", "pixels that are far from square",
          "The focal lengths in x and y differ by more than 5 %. Cameras with such pixels "
          "exist, but a mistyped sensor size is likelier."},
@@ -128,6 +156,8 @@ constexpr std::array kRules{
          "P is more than 0.1 m behind the wall's plane (an error: in the rock), or in "
          "front of it (a warning: a niche the other way, a pillar). Check p, "
          "tunnel.width and the center line."},
+    Rule{"one-camera", "a name where the file holds one camera",
+         "Remove `camera` from the rig's `calibration`."},
     Rule{"out-of-range", "a number outside its range", "The finding says what is expected."},
     Rule{"outside-tunnel", "a plate that sticks out of the tunnel",
          "Below the floor, above the roof, before the start or beyond the end of the "
@@ -138,6 +168,11 @@ constexpr std::array kRules{
          "The right plate of a pair stands as much further along the drive as tags.theta "
          "says; without it plates face each other. The method of Xu et al. (2017) counts "
          "on it."},
+    Rule{"part-of-image", "a calibration of a part of the image",
+         "The camera was calibrated with binning or a region of interest. Calibrate with "
+         "the images that the vehicle takes."},
+    Rule{"several-cameras", "a calibration file of several cameras",
+         "The rig says which: calibration: { file: FILE, camera: NAME }."},
     Rule{"several-documents", "several YAML documents in one file", "One file, one survey."},
     Rule{"side-mismatch", "a name and a side that contradict each other",
          "Names end in L on the left wall of the drive and in R on the right one."},
@@ -162,8 +197,14 @@ constexpr std::array kRules{
     Rule{"too-deep", "nested too deeply", "The formats need five levels at most."},
     Rule{"too-many-tags", "more tags than one survey may have", "Split the survey."},
     Rule{"too-many-values", "more values than a file may have", "Split the file."},
+    Rule{"unknown-camera", "a camera that the calibration file does not have",
+         "The finding lists those it has."},
+    Rule{"unknown-code", "a description of a point that nobody reads",
+         "The finding lists the known ones; --ignore leaves points out."},
     Rule{"unknown-column", "a column that nobody reads",
          "A misspelt column would be ignored silently otherwise."},
+    Rule{"unknown-format", "a calibration file of no known format",
+         "OpenCV's YAML and XML, ROS camera_info and kalibr's camchain are read."},
     Rule{"unknown-key", "a key that nobody reads",
          "A misspelt key would be ignored silently otherwise."},
     Rule{"unused-allow", "a comment that allows what is not warned of",

@@ -200,7 +200,7 @@ placed:
 TEST_CASE("a measured tag keeps its sigma, its date and the design it replaces") {
   const TemporaryFolder folder;
   const auto load = [&](const std::string& extra) {
-    const std::string entry = "p: [12.0, 22.7, 1.4]";
+    const std::string entry = "p: [12.0, 22.4, 1.4]";
     return load_survey(
         write_text(folder.path() / "s.yaml", replaced(right_survey(), entry, entry + extra)));
   };
