@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/render/plan_drawing.hpp"
+#include "tagsmith/render/svg_elements.hpp"
 
 namespace tagsmith {
 namespace {
@@ -156,26 +157,6 @@ draw();
 window.addEventListener('resize', draw);
 )js";
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
 Json value(double number) {
   return std::isfinite(number) ? Json(std::round(number * 1e6) / 1e6) : Json(nullptr);
 }
@@ -309,7 +290,7 @@ std::string share_row(const std::string& name, const WallShare& share) {
 std::string answers(const PlannedDrive& drive) {
   std::string list = "<dl>\n";
   for (const PlanAnswer& answer : plan_answers(drive)) {
-    list += "<div><dt>" + escaped(answer.question) + "</dt><dd>" + escaped(answer.answer) +
+    list += "<div><dt>" + svg_escaped(answer.question) + "</dt><dd>" + svg_escaped(answer.answer) +
             "</dd></div>\n";
   }
   return list + "</dl>\n";
@@ -344,9 +325,9 @@ std::string plan_page(const PlannedDrive& drive) {
   std::string page =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Plan of " +
-      escaped(drive.survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
-  page += "<h1>Plan of the drive " + escaped(drive.survey.name) + "</h1>\n<p class=\"sub\">" +
-          escaped(plan_heading(drive)) + "</p>\n";
+      svg_escaped(drive.survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
+  page += "<h1>Plan of the drive " + svg_escaped(drive.survey.name) + "</h1>\n<p class=\"sub\">" +
+          svg_escaped(plan_heading(drive)) + "</p>\n";
   page +=
       "<h2>Standard deviation in the plane along the chainage</h2>\n" +
       key({{"#0d4db3", "on the center line"},

@@ -59,6 +59,17 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
                                            const Pose& world_from_plate,
                                            const Eigen::Vector3d& point_in_plate);
 
+// The same with the vehicle's derivatives alone, for who needs no others.
+struct PointFromVehicle {
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, 2, 6> by_vehicle;  // x, y, z, heading, pitch, roll
+};
+
+std::optional<PointFromVehicle> observe_point_from_vehicle(const Camera& camera,
+                                                           const Pose& vehicle_from_camera,
+                                                           const VehicleFrame& vehicle,
+                                                           const Eigen::Vector3d& point_in_world);
+
 // A range to a wall.
 struct ObservedWall {
   double distance = 0;                                    // negative behind the wall

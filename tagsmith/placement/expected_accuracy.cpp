@@ -6,10 +6,8 @@
 #include <numbers>
 #include <tuple>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-
 
 namespace tagsmith {
 namespace {
@@ -117,6 +115,18 @@ double no_solution_share(const Vector3d& p1, const Vector3d& p2, const Vector3d&
   return std::min(1.0, share_beyond(1) + share_beyond(-1));
 }
 
+// The inverse of a symmetric matrix; nothing unless it is positive definite (its leading minors
+// are).
+std::optional<Matrix3d> inverse_of_positive(const Matrix3d& matrix) {
+  const double minor = matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0);
+  const double scale = matrix(0, 0) * matrix(1, 1) * matrix(2, 2);
+  constexpr double kSingular = 1e-14;  // of the product of the diagonal
+  if (!(matrix(0, 0) > 0 && minor > 0 && matrix.determinant() > kSingular * scale)) {
+    return std::nullopt;
+  }
+  return matrix.inverse();
+}
+
 }  // namespace
 
 VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
@@ -128,8 +138,8 @@ VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
   VehicleCovariance information = VehicleCovariance::Zero();
   for (const double x : {0.0, tag.frame_inner_length}) {
     for (const double y : {0.0, tag.frame_inner_height}) {
-      const auto point = observe_point(camera.camera, camera.vehicle_from_camera, vehicle,
-                                       world_from_plate, {x, y, 0});
+      const auto point = observe_point_from_vehicle(camera.camera, camera.vehicle_from_camera,
+                                                    vehicle, world_from_plate * Vector3d(x, y, 0));
       if (!point) continue;
       information.noalias() += point->by_vehicle.transpose() * point->by_vehicle;
     }
@@ -154,6 +164,10 @@ VehicleCovariance rig_information(const Survey& survey, const Rig& rig, const Ve
       1 / (rig.roll_sigma * rig.roll_sigma);
   information(vehicle_parameter::kPitch, vehicle_parameter::kPitch) =
       1 / (rig.pitch_sigma * rig.pitch_sigma);
+  if (rig.height_sigma > 0) {
+    information(vehicle_parameter::kZ, vehicle_parameter::kZ) =
+        1 / (rig.height_sigma * rig.height_sigma);
+  }
   const double half_width = survey.tunnel.width / 2;
   for (const RigRange& range : rig.ranges) {
     const ObservedWall wall =
@@ -167,9 +181,17 @@ VehicleCovariance rig_information(const Survey& survey, const Rig& rig, const Ve
 }
 
 std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& information) {
-  const Eigen::LLT<VehicleCovariance> factors(information);
-  if (factors.info() != Eigen::Success) return std::nullopt;
-  const VehicleCovariance covariance = factors.solve(VehicleCovariance::Identity());
+  // By blocks of three, whose inverses have a closed form: millions of poses are planned.
+  const std::optional<Matrix3d> of_place = inverse_of_positive(information.topLeftCorner<3, 3>());
+  if (!of_place) return std::nullopt;
+  const Matrix3d shared = information.topRightCorner<3, 3>();
+  const Matrix3d carried = *of_place * shared;
+  const std::optional<Matrix3d> attitude =
+      inverse_of_positive(information.bottomRightCorner<3, 3>() - shared.transpose() * carried);
+  if (!attitude) return std::nullopt;
+  VehicleCovariance covariance;
+  const Matrix3d mixed = -carried * *attitude;
+  covariance << *of_place - mixed * carried.transpose(), mixed, mixed.transpose(), *attitude;
   if (!covariance.allFinite()) return std::nullopt;
   return covariance;
 }

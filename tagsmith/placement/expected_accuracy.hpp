@@ -32,7 +32,8 @@ VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
 // deviation of a coordinate, metres.
 VehicleCovariance with_survey_error(const VehicleCovariance& information, double survey_sigma);
 
-// Information from all else than tags: the rig's attitude priors and its ranges to the walls.
+// Information from all else than tags: the rig's priors of height and attitude and its ranges to
+// the walls.
 VehicleCovariance rig_information(const Survey& survey, const Rig& rig, const VehiclePose& pose);
 
 // The covariance of x, y, z, heading, pitch, roll; nothing when the information does not suffice.

@@ -6,7 +6,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
 #include "tagsmith/survey/place_tags.hpp"
-#include "tests/support/corridor_template.hpp"
+#include "tests/placement/corridors.hpp"
 
 namespace tagsmith {
 namespace {
@@ -33,19 +33,10 @@ Survey long_survey(double length, bool is_straight) {
   return survey;
 }
 
+// The crawler of the paper on a taller vehicle that sways.
 Rig two_cameras() {
-  Rig rig;
-  rig.name = "two";
-  for (const Side side : {Side::left, Side::right}) {
-    RigCamera camera;
-    camera.name = to_string(side);
-    camera.camera = camera_from_sensor(1280, 960, 0.006, 0.0048, 0.0036);
-    camera.vehicle_from_camera = vehicle_from_side_camera(side, radians(35));
-    rig.cameras.push_back(camera);
-  }
-  rig.ranges.push_back({"d", Side::left, 0.25, 5, 0.01});
+  Rig rig = test::crawler();
   rig.vehicle_height = 0.8;
-  rig.roll_sigma = rig.pitch_sigma = radians(2);
   rig.envelope = VehicleEnvelope{0.4, radians(8), 0, 0, 0};
   return rig;
 }
