@@ -13,6 +13,7 @@
 
 #include "decoder/cli/json.hpp"
 #include "decoder/localize/fix.hpp"
+#include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/paper/published.hpp"
@@ -47,12 +48,12 @@ constexpr std::array<FixError, 10> kPaperErrors{{{0.083, 0.089},
                                                  {0.124, 0.144}}};
 constexpr FixError kPaperMean{kPublishedStraight.mean_plane, kPublishedStraight.mean_height};
 
-constexpr const char* kAboutRange =
-    "  The closed form magnifies an error of d by 1/tan(theta) = 5.6 along the drive, and with d "
-    "a\n"
-    "  centimetre off it often has no real solution. What the photos alone allow stands under "
-    "\"with\n"
-    "  true d\". The paper's figures are from its own pictures.\n";
+constexpr const char* kAboutMethods =
+    "  joint: one fit to all corners of all tags and d; one tag is enough. paper: the closed form "
+    "of\n"
+    "  the paper from D1, D2 and d, which magnifies an error of d by 1/tan(theta) = 5.6 along the\n"
+    "  drive and with d a centimetre off often has no real solution; with true d: what the photos\n"
+    "  alone allow it. published: Table 4 of Xu et al. 2017, from pictures of a real corridor.\n";
 
 struct Demo {
   fs::path folder;  // of the output
@@ -155,10 +156,11 @@ Result<void> save_reports(const fs::path& file, const Demo& demo, const Verified
   return write_file(file, lines);
 }
 
-// The ten points, each located twice from one reading of its photos.
+// The ten points, each located three times from one reading of its photos.
 struct Located {
-  std::vector<Fix> as_measured;
-  std::vector<Fix> with_true_range;  // the measured d replaced by the true one
+  std::vector<Fix> jointly;
+  std::vector<Fix> by_paper;
+  std::vector<Fix> by_paper_with_true_range;  // the measured d replaced by the true one
 };
 
 // The observation with every range to the left wall as the truth says it should be. The plates'
@@ -181,19 +183,21 @@ Located localize(const Demo& demo) {
   const std::vector<Measurement>& measurements = demo.run.measurements;
   const std::vector<Survey> surveys{demo.survey};
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
-  Located located{std::vector<Fix>(measurements.size()), std::vector<Fix>(measurements.size())};
+  const std::vector<Fix> none(measurements.size());
+  Located located{none, none, none};
   ProgressBar bar("points", measurements.size());
   run_in_order(measurements.size(), demo.jobs, [&](std::size_t i) -> Delivery {
     const Observation seen = observe(measurements[i], surveys, demo.rig, reader);
-    located.as_measured[i] = localize_by_paper(seen, surveys, demo.rig);
-    located.with_true_range[i] =
+    located.jointly[i] = localize_jointly(seen, surveys, demo.rig);
+    located.by_paper[i] = localize_by_paper(seen, surveys, demo.rig);
+    located.by_paper_with_true_range[i] =
         localize_by_paper(with_true_ranges(seen, measurements[i], demo), surveys, demo.rig);
     return [&bar] { bar.advance([] {}); };
   });
   return located;
 }
 
-std::string errors_in_words(const std::optional<FixError>& error, int decimals = 3) {
+std::string errors_in_words(const std::optional<FixError>& error, int decimals = 4) {
   return error ? fmt::format("{:6.{}f} {:6.{}f}", error->plane, decimals, error->height, decimals)
                : fmt::format("{:>6} {:>6}", "-", "-");
 }
@@ -205,32 +209,48 @@ std::string position_in_words(const Fix& fix) {
   return fmt::format("{:7.3f} {:7.3f} {:7.3f}", position.x(), position.y(), position.z());
 }
 
+// Errors in the plane and in z, of each method and of the paper, beside the joint method's
+// positions.
 std::string table_of(const Demo& demo, const Located& located) {
-  constexpr const char* kRow = "  {:<5}  {:<9}  {:<23}  {:>13}  {:>13}  {:>13}\n";
+  constexpr const char* kRow = "  {:<5}  {:<9}  {:<23}  {:>13}  {:>13}  {:>13}  {:>13}\n";
   const std::vector<Measurement>& measurements = demo.run.measurements;
   const std::string plane_z = fmt::format("{:>6} {:>6}", "plane", "z");
-  std::string text = fmt::format(kRow, "", "", "", "error (m)", "with true d", "paper's own");
-  text += fmt::format(kRow, "point", "tags", "      x       y       z", plane_z, plane_z, plane_z);
+  std::string text =
+      fmt::format(kRow, "", "", "errors in metres", "joint", "paper", "with true d", "published");
+  text += fmt::format(kRow, "point", "tags", "      x       y       z", plane_z, plane_z, plane_z,
+                      plane_z);
+  const auto error_at = [&](const std::vector<Fix>& fixes, std::size_t i) {
+    return errors_in_words(error_of(fixes[i], measurements[i]));
+  };
   for (std::size_t i = 0; i < measurements.size(); ++i) {
-    const Fix& fix = located.as_measured[i];
-    text += fmt::format(kRow, fix.id, fmt::format("{}", fmt::join(fix.tags, " ")),
-                        position_in_words(fix), errors_in_words(error_of(fix, measurements[i])),
-                        errors_in_words(error_of(located.with_true_range[i], measurements[i]), 4),
-                        i < kPaperErrors.size() ? errors_in_words(kPaperErrors[i]) : "");
+    const Fix& fix = located.jointly[i];
+    text +=
+        fmt::format(kRow, fix.id, fmt::format("{}", fmt::join(fix.tags, " ")),
+                    position_in_words(fix), error_at(located.jointly, i),
+                    error_at(located.by_paper, i), error_at(located.by_paper_with_true_range, i),
+                    i < kPaperErrors.size() ? errors_in_words(kPaperErrors[i], 3) : "");
   }
-  const FixSummary measured = summarize(located.as_measured, measurements);
-  const FixSummary with_true = summarize(located.with_true_range, measurements);
-  text += fmt::format(kRow, "mean", "", fmt::format("of {} located", measured.located),
-                      errors_in_words(measured.mean_error),
-                      errors_in_words(with_true.mean_error, 4), errors_in_words(kPaperMean));
-  return text;
+  std::vector<std::string> means;
+  std::vector<std::string> counts;
+  for (const auto* fixes :
+       {&located.jointly, &located.by_paper, &located.by_paper_with_true_range}) {
+    const FixSummary summary = summarize(*fixes, measurements);
+    means.push_back(errors_in_words(summary.mean_error));
+    counts.push_back(fmt::format("{} of {}", summary.located, summary.count));
+  }
+  text += fmt::format(kRow, "mean", "", "", means[0], means[1], means[2],
+                      errors_in_words(kPaperMean, 3));
+  return text + fmt::format(kRow, "", "", "located", counts[0], counts[1], counts[2],
+                            fmt::format("{0} of {0}", kPaperErrors.size()));
 }
 
 // Why points have no position, with the numbers.
 std::string reasons_of(const std::vector<Fix>& fixes) {
   std::string text;
   for (const Fix& fix : fixes) {
-    if (!fix.reason.empty()) text += fmt::format("  {}: {}\n", fix.id, fix.reason);
+    if (!fix.reason.empty()) {
+      text += fmt::format("  {} by {}: {}\n", fix.id, fix.method, fix.reason);
+    }
   }
   return text;
 }
@@ -265,13 +285,13 @@ Result<bool> run_steps(const Demo& demo) {
   const bool photos_are_well = show(demo, "photos", photos);
   const Located located = localize(demo);
   const std::string table = table_of(demo, located);
-  fmt::print("{:<10} ten points by the paper's closed form, from the photos and the range d\n{}",
-             "localize", table);
-  fmt::print("{}", kAboutRange);
+  fmt::print("{:<10} ten points by both methods, from the photos and the range d\n{}{}", "localize",
+             table, kAboutMethods);
   for (const Result<void>& saved :
        {save_reports(demo.folder / "prints.jsonl", demo, prints),
         save_reports(demo.folder / "photos.jsonl", demo, photos),
-        write_file(demo.folder / "positions.txt", table + reasons_of(located.as_measured))}) {
+        write_file(demo.folder / "positions.txt",
+                   table + reasons_of(located.jointly) + reasons_of(located.by_paper))}) {
     if (!saved) return fail(saved.error().message);
   }
   show_files(demo);

@@ -64,7 +64,8 @@ TEST_CASE("the demo prints, verifies, reads and localizes, and tells it all") {
   CHECK(summary["unknown"] == 0);
   CHECK(summary["missing"] == nlohmann::json{"004L", "004R"});  // no point looks at pair 4
 
-  // The right half of the table is Table 4 of the paper; the left half what our photos give.
+  // The last columns are Table 4 of the paper; before them what our photos give by the closed form
+  // with the true d, by the closed form, and by the joint method.
   const std::vector<std::string> table4 = split(*read_file("tests/paper/table4.csv"), '\n');
   REQUIRE(table4.size() >= 11);
   for (std::size_t point = 1; point <= 10; ++point) {
@@ -75,10 +76,16 @@ TEST_CASE("the demo prints, verifies, reads and localizes, and tells it all") {
     CHECK(number_at(row, 0) == *parse_number(published[15]));
     CHECK(number_at(row, 3) < 0.005);
     CHECK(number_at(row, 2) < 0.010);
+    CHECK(number_at(row, 7) < 0.001);
+    CHECK(number_at(row, 6) < 0.0005);
   }
+  const std::vector<std::string> located = row_of(output.out, "located");  // N of 10, four times
+  CHECK(number_at(located, 11) == 10);
+  CHECK(number_at(located, 8) == 3);
   const std::vector<std::string> mean = row_of(output.out, "mean");
   CHECK(number_at(mean, 1) == 0.142);
   CHECK(number_at(mean, 0) == 0.083);
+  CHECK(number_at(mean, 7) < 0.0005);
 }
 
 TEST_CASE("a folder that cannot be made is an error, and nothing is left behind") {
