@@ -31,9 +31,10 @@ struct ExpectedPlace {
 };
 
 // The expectation for each tag of one wall, in the order given (by pair). Where a measured tag
-// replaces a designed one, the design says it. Elsewhere the three tags on either side do, by the median of
-// what each says, so that a wrong one spoils none of its neighbours' expectations; nothing on a
-// wall of fewer than five tags. Tolerances grow with the scatter of the wall's own tags.
+// replaces a designed one, the design says it. Elsewhere the three tags on either side do, by the
+// median of what each says, so that a wrong one spoils none of its neighbours' expectations;
+// nothing on a wall of fewer than five tags. Tolerances grow with the scatter of the wall's own
+// tags.
 std::vector<std::optional<ExpectedPlace>> expected_places(
     const Survey& survey, const std::vector<const SourcedTag*>& wall);
 
