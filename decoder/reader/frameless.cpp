@@ -382,17 +382,18 @@ std::optional<std::string> objection_to(const Decoding& decoding, const Evidence
   constexpr double kLeastDigit = 0.6;
   constexpr double kLeastGuards = 0.7;
   constexpr double kMostGrowth = 0.7;
-  constexpr double kLeastTogether = 0.5;
+  constexpr double kLeastTogether = 0.9;
   if (decoding.guards < kLeastGuards) return "guard pattern";
   if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
     return "element widths";
   }
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
-  if (may_be_ean13(evidence)) return "even parity: EAN-13";
   if (decoding.digits != consensus.digits) return "lines disagree";
-  if (consensus.probability < options.min_confidence || decoding.confidence < kLeastTogether) {
+  if (consensus.probability < options.min_confidence.value_or(kSureWithoutFrame) ||
+      decoding.confidence < kLeastTogether) {
     return "not certain enough";
   }
+  if (may_be_ean13(evidence)) return "even parity: EAN-13";
   return std::nullopt;
 }
 

@@ -119,7 +119,8 @@ std::optional<std::string> objection(
   }
   if (decoding.fit.kept < kLeastKept) return "bars covered";
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
-  if (decoding.confidence < options.min_confidence) return "not certain enough";
+  const double sure = options.code_book.empty() ? kSureAlone : kSureWithBook;
+  if (decoding.confidence < options.min_confidence.value_or(sure)) return "not certain enough";
   return std::nullopt;
 }
 

@@ -32,6 +32,12 @@ enum class Frameless {
   always,
 };
 
+// Confidences that no wrong code reached among the simulated frames of docs/accuracy.md,
+// "Reliability": without a code book, with one, and for symbols without a frame.
+inline constexpr double kSureAlone = 1.0 - 2e-5;
+inline constexpr double kSureWithBook = 1.0 - 1e-4;
+inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
+
 struct ReadOptions {
   // Looked for first, by fitting their frames where they should be: some twenty times as fast as a
   // search.
@@ -44,9 +50,9 @@ struct ReadOptions {
   std::vector<Digits> code_book;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused. The highest of a wrong code among some 50 000
-  // simulated frames was 1 - 3e-4 (docs/accuracy.md, "Reliability").
-  double min_confidence = 1.0 - 1e-4;
+  // Readings below this confidence are refused. Nothing = kSureAlone, kSureWithBook or
+  // kSureWithoutFrame, whichever applies.
+  std::optional<double> min_confidence;
   // When symbols without a frame are read too, into ReadResult::frameless.
   Frameless frameless = Frameless::never;
   // Whether ReadResult::passed_over is filled.

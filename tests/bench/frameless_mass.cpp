@@ -183,7 +183,7 @@ class Trials {
       const int power =
           std::min(15, static_cast<int>(-std::log10(std::max(1e-16, 1 - reading.confidence))));
       ++reliability_[power][right ? 0 : 1];
-      if (reading.confidence < ReadOptions{}.min_confidence) continue;
+      if (reading.confidence < kSureWithoutFrame) continue;
       ++(right ? tally.right : tally.wrong);
       if (!right) {
         fmt::print("seed {}: {} read as {} ({}), confidence 1 - {:.1e}\n", seed, to_string(digits),

@@ -110,10 +110,10 @@ struct Tables {
   std::array<std::map<int, Tally>, 2> doubts;  // without and with a book; by -log10 of the doubt
 };
 
-void count(const Outcome& outcome, double threshold, bool verbose, Tables& tables) {
+void count(const Outcome& outcome, bool verbose, Tables& tables) {
   Tally& kind = tables.kinds[{static_cast<int>(outcome.kind), outcome.with_book}];
   ++kind.shown;
-  const bool sure = outcome.confidence >= threshold;
+  const bool sure = outcome.confidence >= (outcome.with_book ? kSureWithBook : kSureAlone);
   kind.right += outcome.right && !outcome.wrong && sure ? 1 : 0;
   kind.wrong += outcome.wrong && sure ? 1 : 0;
   if (outcome.wrong && (sure || (verbose && outcome.confidence > 0.99))) {
@@ -168,12 +168,11 @@ int main(int argc, char** argv) {
   std::mutex guard;
   Tables tables;
   const std::vector<Digits> codes = code_book();
-  const double threshold = ReadOptions{}.min_confidence;
   const auto work = [&] {
     for (int i = next++; i < total; i = next++) {
       const Outcome outcome = run_one(first + static_cast<std::uint64_t>(i), codes);
       const std::scoped_lock lock(guard);
-      count(outcome, threshold, verbose, tables);
+      count(outcome, verbose, tables);
     }
   };
   std::vector<std::jthread> threads;
