@@ -4,12 +4,15 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "decoder/cli/fix_json.hpp"
+#include "decoder/localize/live_track.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -71,6 +74,19 @@ Result<Measurement> parse_measurement(const std::string& line, const Rig& rig) {
   return measurement;
 }
 
+// The position of one measurement, by what the ones before it say of the motion.
+Fix locate(const Measurement& measurement, const FollowInput& input,
+           std::optional<LiveTrack>& track) {
+  const bool tracked = input.track && measurement.time.has_value();
+  const auto prior = tracked && track
+                         ? prior_at(*track, *measurement.time, input.surveys, MotionModel{})
+                         : std::nullopt;
+  const Observation seen = observe(measurement, input.surveys, input.rig, input.reader, prior);
+  Fix fix = input.method(seen, input.surveys, input.rig);
+  if (!tracked) return fix;
+  return follow_track(track, std::move(fix), *measurement.time, input.surveys);
+}
+
 std::string error_line(int number, const std::string& message) {
   const Json line{{"id", nullptr},
                   {"status", "error"},
@@ -84,14 +100,14 @@ int follow(const FollowInput& input) {
   bool all_located = true;
   std::string line;
   bool too_long = false;
+  std::optional<LiveTrack> track;
   for (int number = 1; read_line(std::cin, line, too_long); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const Result<Measurement> measurement =
         too_long ? fail("longer than a mebibyte") : parse_measurement(line, input.rig);
     std::string answer;
     if (measurement) {
-      const Observation seen = observe(*measurement, input.surveys, input.rig, input.reader);
-      const Fix fix = input.method(seen, input.surveys, input.rig);
+      const Fix fix = locate(*measurement, input, track);
       all_located = all_located && fix.position_in_grid.has_value();
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {

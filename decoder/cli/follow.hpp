@@ -20,6 +20,9 @@ struct FollowInput {
   const Rig& rig;
   ReaderChoice reader;
   LocalizationMethod method;
+  // Whether measurements with a time are tracked: the motion so far says where to look for tags and
+  // judges fixes. The method must give attitudes.
+  bool track = false;
   bool explain = false;
 };
 

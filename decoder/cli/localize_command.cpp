@@ -296,9 +296,10 @@ int run_localize(const LocalizeOptions& options) {
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
   if (options.follow) {
-    const LocalizationMethod method =
-        options.method == "paper" ? LocalizationMethod(localize_by_paper) : localize_jointly;
-    return follow({input->surveys, input->rig, reader_for(options), method, options.explain});
+    const bool joint = options.method == "joint";
+    const auto method = joint ? LocalizationMethod(localize_jointly) : localize_by_paper;
+    return follow(
+        {input->surveys, input->rig, reader_for(options), method, joint, options.explain});
   }
   const std::vector<Measurement>& measurements = input->run.measurements;
   if (options.smooth) {

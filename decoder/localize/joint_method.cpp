@@ -544,6 +544,7 @@ void fill(Fix& fix, const NamedProblem& named, const Search& search, const Surve
   fix.degrees_of_freedom = fit.degrees_of_freedom;
   list_dropped(fix, named, search, fit);
   list_corners(fix, named, fit);
+  if (fix.tags.size() == 1) fix.notes.emplace_back(kOneTagOnly);
   for (const Dropped& dropped : fix.dropped) {
     const std::string by = dropped.camera.empty() ? "" : " in camera " + dropped.camera;
     fix.notes.push_back(fmt::format("{}{} not used: {}", dropped.name, by, dropped.reason));

@@ -14,6 +14,10 @@
 
 namespace tagsmith {
 
+// The note of a fix that rests on one tag: what moves the plate along its wall, or swaps it with
+// another of the same wall, moves the position with it, whatever ranges and priors say.
+inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go unnoticed";
+
 // The vehicle's pose.
 //
 // Start: each seen tag by itself allows one or two poses (plate_poses). Each is fitted and asked

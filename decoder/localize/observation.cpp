@@ -25,9 +25,9 @@ std::vector<std::pair<std::size_t, const PlacedTag*>> find_tags(const std::vecto
   return found;
 }
 
-std::string no_tag_read(const std::filesystem::path& image, const ReadResult& result) {
+std::string no_tag_read(const std::string& image, const ReadResult& result) {
   const std::vector<Rejection>& rejected = result.rejected;
-  std::string text = image.string() + ": no tag read";
+  std::string text = image + ": no tag read";
   if (!rejected.empty()) text += " (" + rejected.front().reason;
   if (rejected.size() > 1) text += fmt::format(", and {} more candidates", rejected.size() - 1);
   if (!rejected.empty()) text += ")";
@@ -81,35 +81,6 @@ void add_unsurveyed(Observation& observation, const RigCamera& camera, const Sur
       {camera.name, 0, *tag, seen_corners(reading, camera.camera, reader), std::nullopt, true});
 }
 
-void add_image(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
-               const std::vector<Survey>& surveys, const ReaderChoice& reader) {
-  const Result<GrayImage> image = load_gray_image(seen.image);
-  if (!image) {
-    observation.faults.push_back(image.error().message);
-    return;
-  }
-  if (image->width != camera.camera.width || image->height != camera.camera.height) {
-    observation.faults.push_back(fmt::format(
-        "{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has", seen.image.string(),
-        image->width, image->height, camera.camera.width, camera.camera.height, camera.name));
-    return;
-  }
-  ReadOptions options = read_options_for(surveys);
-  if (reader.unsurveyed) options.code_book.clear();
-  const ReadResult result = reader.read(image->view(), options);
-  if (result.tags.empty()) observation.faults.push_back(no_tag_read(seen.image, result));
-  for (const Reading& reading : result.tags) {
-    const auto found = find_tags(surveys, reading.digits);
-    if (found.empty() && reader.unsurveyed) {
-      add_unsurveyed(observation, camera, surveys.front(), reading, reader);
-    }
-    for (const auto& [survey, tag] : found) {
-      observation.tags.push_back(
-          {camera.name, survey, *tag, seen_corners(reading, camera.camera, reader), std::nullopt});
-    }
-  }
-}
-
 void add_distance(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
                   const std::vector<Survey>& surveys) {
   const std::string& name = seen.tag.value();
@@ -129,14 +100,47 @@ void add_distance(Observation& observation, const RigCamera& camera, const Camer
 
 }  // namespace
 
+void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,
+                   const std::string& name, const std::vector<Survey>& surveys,
+                   const ReaderChoice& reader, const std::optional<PosePrior>& prior) {
+  if (image.width != camera.camera.width || image.height != camera.camera.height) {
+    observation.faults.push_back(fmt::format(
+        "{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has", name, image.width,
+        image.height, camera.camera.width, camera.camera.height, camera.name));
+    return;
+  }
+  ReadOptions options = read_options_for(surveys);
+  if (reader.unsurveyed) options.code_book.clear();
+  if (prior) options.expected = expected_tags(*prior, surveys[prior->survey], camera);
+  const ReadResult result = reader.read(image, options);
+  if (result.tags.empty()) observation.faults.push_back(no_tag_read(name, result));
+  for (const Reading& reading : result.tags) {
+    const auto found = find_tags(surveys, reading.digits);
+    if (found.empty() && reader.unsurveyed) {
+      add_unsurveyed(observation, camera, surveys.front(), reading, reader);
+    }
+    for (const auto& [survey, tag] : found) {
+      observation.tags.push_back(
+          {camera.name, survey, *tag, seen_corners(reading, camera.camera, reader), std::nullopt});
+    }
+  }
+}
+
 Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
-                    const Rig& rig, const ReaderChoice& reader) {
+                    const Rig& rig, const ReaderChoice& reader,
+                    const std::optional<PosePrior>& prior) {
   Observation observation{measurement.id, {}, measurement.ranges, {}};
   for (const RigCamera& camera : rig.cameras) {
     const auto seen = measurement.cameras.find(camera.name);
     if (seen == measurement.cameras.end()) continue;
-    if (!seen->second.image.empty()) {
-      add_image(observation, camera, seen->second, surveys, reader);
+    const std::filesystem::path& file = seen->second.image;
+    if (!file.empty()) {
+      const Result<GrayImage> image = load_gray_image(file);
+      if (image) {
+        observe_image(observation, camera, image->view(), file.string(), surveys, reader, prior);
+      } else {
+        observation.faults.push_back(image.error().message);
+      }
     }
     if (seen->second.tag && seen->second.distance) {
       add_distance(observation, camera, seen->second, surveys);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "decoder/image/gray.hpp"
+#include "decoder/localize/live_track.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -56,8 +57,17 @@ inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
 
 // Loads and reads the measurement's images, one after the other, with the surveys' codes as code
-// book, and looks up the tags. Never fails: what could not be used is a fault.
+// book, and looks up the tags. With a prior they are looked for where they should be, and all over
+// the image when they are not all there. Never fails: what could not be used is a fault.
 Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
-                    const Rig& rig, const ReaderChoice& reader);
+                    const Rig& rig, const ReaderChoice& reader,
+                    const std::optional<PosePrior>& prior = std::nullopt);
+
+// The same for one image that has been loaded: adds the tags that `camera` sees in it. `name` is
+// for faults.
+void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,
+                   const std::string& name, const std::vector<Survey>& surveys,
+                   const ReaderChoice& reader,
+                   const std::optional<PosePrior>& prior = std::nullopt);
 
 }  // namespace tagsmith

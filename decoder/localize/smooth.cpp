@@ -17,54 +17,14 @@
 namespace tagsmith {
 namespace {
 
-// x, y, z, heading and their rates.
-using State = Eigen::Matrix<double, 8, 1>;
-using StateCovariance = Eigen::Matrix<double, 8, 8>;
-using Place = Eigen::Vector4d;
-using PlaceCovariance = Eigen::Matrix4d;
-
-// Chi-square of four degrees of freedom that one in 10,000 exceeds.
-constexpr double kGate = 23.51;
 constexpr int kContradictions = 3;  // in a row, after which the motion is doubted, not the fixes
-
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
-
-// What a fix says of its place; the share of its covariance that its neighbours have in common.
-struct Measured {
-  Place place;
-  PlaceCovariance covariance;
-  double shared = 0;
-};
-
-double shared_part(const Fix& fix) {
-  if (!fix.budget) return 0;
-  const ErrorBudget& budget = *fix.budget;
-  const double shared =
-      (budget.survey + budget.coding + budget.calibration + budget.vehicle).trace();
-  constexpr double kMost = 0.9;  // a fix keeps some noise of its own, for the filter to weigh it by
-  return std::clamp(shared / fix.covariance_in_grid->trace(), 0.0, kMost);
-}
-
-std::optional<Measured> measured_by(const Fix& fix) {
-  if (!fix.position_in_grid) return std::nullopt;
-  Measured measured;
-  measured.place << *fix.position_in_grid, fix.attitude->heading;
-  measured.covariance = fix.pose_covariance_in_grid->topLeftCorner<4, 4>();
-  measured.shared = shared_part(fix);
-  return measured;
-}
-
-struct Estimate {
-  State mean = State::Zero();
-  StateCovariance covariance = StateCovariance::Zero();
-};
 
 // A row of the run in a track.
 struct Step {
   std::size_t row = 0;
-  StateCovariance transition = StateCovariance::Identity();  // from the step before
-  Estimate predicted;
-  Estimate filtered;
+  MotionCovariance transition = MotionCovariance::Identity();  // from the step before
+  MotionEstimate predicted;
+  MotionEstimate filtered;
   bool used = false;      // its fix
   double distance2 = -1;  // of its fix from the motion, chi-square; -1 = no fix
 };
@@ -75,74 +35,27 @@ struct Track {
   bool contradicted = false;  // by the track before or after it
 };
 
-StateCovariance transition_over(double dt) {
-  StateCovariance transition = StateCovariance::Identity();
-  transition.topRightCorner<4, 4>() = dt * Eigen::Matrix4d::Identity();
-  return transition;
-}
-
-// White acceleration (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to
-// tracking and navigation", 6.2.2).
-StateCovariance noise_over(double dt, const MotionModel& motion) {
-  const Eigen::Vector4d density =
-      Eigen::Vector4d(motion.acceleration, motion.acceleration, motion.climb, motion.turn)
-          .cwiseAbs2();
-  StateCovariance noise = StateCovariance::Zero();
-  noise.topLeftCorner<4, 4>() = (dt * dt * dt / 3 * density).asDiagonal();
-  noise.topRightCorner<4, 4>() = (dt * dt / 2 * density).asDiagonal();
-  noise.bottomLeftCorner<4, 4>() = noise.topRightCorner<4, 4>();
-  noise.bottomRightCorner<4, 4>() = (dt * density).asDiagonal();
-  return noise;
-}
-
-// Before the first fix: at that fix, give or take a hundred metres and all headings.
-Estimate prior_at(const Place& place, const MotionModel& motion) {
-  constexpr double kAnywhere = 100;
-  Estimate prior;
-  prior.mean.head<4>() = place;
-  State sigma;
-  sigma << kAnywhere, kAnywhere, kAnywhere, 2 * std::numbers::pi, motion.speed, motion.speed,
-      motion.speed, motion.turn_rate;
-  prior.covariance = sigma.cwiseAbs2().asDiagonal();
-  return prior;
-}
-
 // The filter's step: the fix is used when it agrees with the motion.
-void filter(Step& step, const std::optional<Measured>& measured) {
+void filter(Step& step, const std::optional<MeasuredPlace>& measured) {
   step.filtered = step.predicted;
   if (!measured) return;
-  Place missing = measured->place - step.predicted.mean.head<4>();
-  missing[3] = wrapped(missing[3]);
-  const PlaceCovariance own = (1 - measured->shared) * measured->covariance;
-  const PlaceCovariance spread = step.predicted.covariance.topLeftCorner<4, 4>();
-  step.distance2 = missing.dot((spread + measured->covariance).ldlt().solve(missing));
-  if (!(step.distance2 <= kGate)) return;
-  step.used = true;
-  const PlaceCovariance innovation = spread + own;
-  const Eigen::Matrix<double, 8, 4> gain =
-      innovation.ldlt().solve(step.predicted.covariance.topRows<4>()).transpose();
-  step.filtered.mean += gain * missing;
-  // Joseph's form keeps it positive.
-  StateCovariance rest = StateCovariance::Identity();
-  rest.leftCols<4>() -= gain;
-  step.filtered.covariance =
-      rest * step.predicted.covariance * rest.transpose() + gain * own * gain.transpose();
+  const MotionUpdate update = updated(step.predicted, *measured);
+  step.distance2 = update.distance2;
+  step.used = update.agrees;
+  if (update.agrees) step.filtered = update.estimate;
 }
 
 Step next_step(const Step& before, std::size_t row, double dt, const MotionModel& motion) {
   Step step;
   step.row = row;
   step.transition = transition_over(dt);
-  step.predicted.mean = step.transition * before.filtered.mean;
-  step.predicted.covariance =
-      step.transition * before.filtered.covariance * step.transition.transpose() +
-      noise_over(dt, motion);
+  step.predicted = predicted(before.filtered, dt, motion);
   return step;
 }
 
 // The track that begins at `row`. It ends with the run, or before the first of several fixes in a
 // row that contradict it.
-Track track_from(std::size_t row, const std::vector<std::optional<Measured>>& measured,
+Track track_from(std::size_t row, const std::vector<std::optional<MeasuredPlace>>& measured,
                  const std::vector<double>& times, const MotionModel& motion) {
   Track track;
   const auto first = std::find_if(measured.begin() + static_cast<std::ptrdiff_t>(row),
@@ -150,7 +63,7 @@ Track track_from(std::size_t row, const std::vector<std::optional<Measured>>& me
   if (first == measured.end()) return track;
   Step start;
   start.row = row;
-  start.predicted = prior_at((*first)->place, motion);
+  start.predicted = motion_from((*first)->place, motion);
   int contradictions = 0;
   std::size_t contradicted_from = 0;
   for (; row < measured.size(); ++row) {
@@ -178,7 +91,7 @@ void end_after_first_fix(Track& track) {
   track.used = 1;
 }
 
-std::vector<Track> tracks_of(const std::vector<std::optional<Measured>>& measured,
+std::vector<Track> tracks_of(const std::vector<std::optional<MeasuredPlace>>& measured,
                              const std::vector<double>& times, const MotionModel& motion) {
   std::vector<Track> tracks;
   std::size_t row = 0;
@@ -194,16 +107,16 @@ std::vector<Track> tracks_of(const std::vector<std::optional<Measured>>& measure
 }
 
 // Rauch, Tung and Striebel's backward pass, (3.29) to (3.31): the estimate of each step from all.
-std::vector<Estimate> smoothed(const Track& track) {
-  std::vector<Estimate> estimates(track.steps.size());
+std::vector<MotionEstimate> smoothed(const Track& track) {
+  std::vector<MotionEstimate> estimates(track.steps.size());
   estimates.back() = track.steps.back().filtered;
   for (std::size_t i = track.steps.size() - 1; i-- > 0;) {
     const Step& step = track.steps[i];
     const Step& next = track.steps[i + 1];
-    const StateCovariance gain = next.predicted.covariance.ldlt()
-                                     .solve(next.transition * step.filtered.covariance)
-                                     .transpose();
-    const Estimate& later = estimates[i + 1];
+    const MotionCovariance gain = next.predicted.covariance.ldlt()
+                                      .solve(next.transition * step.filtered.covariance)
+                                      .transpose();
+    const MotionEstimate& later = estimates[i + 1];
     estimates[i].mean = step.filtered.mean + gain * (later.mean - next.predicted.mean);
     estimates[i].covariance =
         step.filtered.covariance +
@@ -250,7 +163,7 @@ Fix with_place(Fix fix, const Place& place, const PlaceCovariance& covariance, c
     pose.bottomRightCorner<2, 2>() = fix.pose_covariance_in_grid->bottomRightCorner<2, 2>();
   }
   fix.position_in_grid = place.head<3>();
-  fix.attitude = Attitude{wrapped(place[3]), before.pitch, before.roll};
+  fix.attitude = Attitude{wrapped_angle(place[3]), before.pitch, before.roll};
   fix.covariance_in_grid = covariance.topLeftCorner<3, 3>();
   fix.pose_covariance_in_grid = pose;
   fix.budget.reset();  // its parts no longer add up to the covariance
@@ -296,8 +209,8 @@ std::vector<double> times_of(const Run& run) {
   return times;
 }
 
-Result<std::vector<std::optional<Measured>>> places_of(const std::vector<Fix>& fixes) {
-  std::vector<std::optional<Measured>> measured;
+Result<std::vector<std::optional<MeasuredPlace>>> places_of(const std::vector<Fix>& fixes) {
+  std::vector<std::optional<MeasuredPlace>> measured;
   for (const Fix& fix : fixes) {
     if (fix.position_in_grid && (!fix.attitude || !fix.pose_covariance_in_grid)) {
       return fail(fmt::format(
@@ -312,7 +225,7 @@ Result<std::vector<std::optional<Measured>>> places_of(const std::vector<Fix>& f
 
 struct Job {
   const std::vector<Fix>& fixes;
-  const std::vector<std::optional<Measured>>& measured;
+  const std::vector<std::optional<MeasuredPlace>>& measured;
   const std::vector<double>& times;
   const std::vector<Survey>& surveys;
   const Rig& rig;
@@ -320,14 +233,15 @@ struct Job {
 };
 
 // What the track makes of the fix of one of its rows.
-Fix fix_in_track(const Job& job, const Track& track, const Step& step, const Estimate& estimate) {
+Fix fix_in_track(const Job& job, const Track& track, const Step& step,
+                 const MotionEstimate& estimate) {
   const Fix& fix = job.fixes[step.row];
   if (track.contradicted && track.used < kContradictions) {
     return without_position(
         fix, fix.position_in_grid ? "contradicts the motion before or after it" : fix.reason);
   }
   const Step& nearest = step.used ? step : nearest_used(track, step.row, job.times);
-  const Measured& anchor = *job.measured[nearest.row];
+  const MeasuredPlace& anchor = *job.measured[nearest.row];
   const Place place = estimate.mean.head<4>();
   const PlaceCovariance covariance =
       estimate.covariance.topLeftCorner<4, 4>() + anchor.shared * anchor.covariance;
@@ -366,7 +280,7 @@ Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& 
   const Job job{fixes, *measured, times, surveys, rig, motion};
   std::vector<Fix> result = fixes;
   for (const Track& track : tracks_of(*measured, times, motion)) {
-    const std::vector<Estimate> estimates = smoothed(track);
+    const std::vector<MotionEstimate> estimates = smoothed(track);
     for (std::size_t i = 0; i < track.steps.size(); ++i) {
       const Step& step = track.steps[i];
       result[step.row] = fix_in_track(job, track, step, estimates[i]);

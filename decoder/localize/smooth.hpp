@@ -5,24 +5,13 @@
 #include <vector>
 
 #include "decoder/localize/fix.hpp"
+#include "decoder/localize/motion.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
-
-// How the vehicle moves. Accelerations are white noise: in one second they change a velocity by
-// this standard deviation, in t seconds by sqrt(t) times as much.
-struct MotionModel {
-  double acceleration = 0.5;   // along x and y, m/s^2: a crawler or loader that brakes and turns
-  double climb = 0.1;          // along z, m/s^2: floors are uneven
-  double turn = 0.2;           // of the heading, rad/s^2
-  double speed = 3;            // standard deviation before anything is known, m/s
-  double turn_rate = 0.5;      // likewise, rad/s
-  double longest_gap = 5;      // seconds from the nearest measured position; beyond: no position
-  double largest_sigma = 0.1;  // metres, of a predicted position in its worst direction; likewise
-};
 
 // Fails, naming the row, when one has no time or not a later one than the row before.
 Result<void> check_times(const Run& run);

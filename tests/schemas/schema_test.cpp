@@ -37,7 +37,7 @@ const Json& good_survey() {
       "heading": 1.5, "elements": [ { "line": 12.0 },
       { "arc": 20.0, "turn": "left", "angle": 30.5, "grade": 1.5 } ] } },
     "tags": { "template": "tag-400x300", "height": 1.4, "spacing": 0.6, "first": 1.0, "pairs": 4,
-      "theta": 4.9, "sigma": 0.003 },
+      "theta": 4.9, "sigma": 0.003, "angle_sigma": 0.5 },
     "code": { "check_digit": "gs1", "resolution": [0.01, 0.01, 0.01], "digits": [4, 4, 3],
       "origin": [0.5, 0.5, -1.5] },
     "placed": [ { "tag": "004L", "side": "left", "p": [8.5, 25.5, 1.4], "digits": "000000000017",
@@ -62,10 +62,14 @@ const Json& good_rig() {
         "alpha": 35.5, "side": "left" },
       "front": { "image_size": [1280, 960], "fx": 1600.5, "fy": 1601.5, "cx": 640.5, "cy": 480.5,
         "distortion": [0.1, 0.1, 0.1, 0.1, 0.1], "yaw": 5.5, "pitch": -2.5, "roll": 0.5,
-        "position": [0.5, 0.1, 0.1], "exposure": 0.01, "blur_px": 0.5 } },
+        "position": [0.5, 0.1, 0.1], "exposure": 0.01, "blur_px": 0.5, "focus": 1.5,
+        "aperture_mm": 2.5, "model": "perspective",
+        "sigma": { "position": 0.001, "angle": 0.05, "focal": 0.001, "center": 0.5 } },
+      "rear": { "calibration": { "file": "none.yaml", "camera": "cam0" }, "model": "fisheye",
+        "yaw": 180.5 } },
     "ranges": { "d": { "wall": "left", "min": 0.25, "max": 5.5, "sigma": 0.01 } },
-    "vehicle": { "height": 0.24, "roll_sigma": 2.5, "pitch_sigma": 2.5,
-      "envelope": { "lateral": 0.4, "yaw": 8.5, "speed": 1.5 } } })");
+    "vehicle": { "height": 0.24, "roll_sigma": 2.5, "pitch_sigma": 2.5, "height_sigma": 0.05,
+      "envelope": { "lateral": 0.4, "yaw": 8.5, "speed": 1.5, "roll": 2.5, "pitch": 1.5 } } })");
   return rig;
 }
 
@@ -242,6 +246,16 @@ TEST_CASE("schema and parser agree on keys that exclude or need each other") {
       {"rig", R"([{"op":"move","from":"/cameras/left","path":"/cameras/time"}])", false},
       {"rig", R"([{"op":"move","from":"/cameras/left","path":"/cameras/7th"}])", false},
       {"rig", R"([{"op":"remove","path":"/ranges"}])", true},
+      {"rig", R"([{"op":"replace","path":"/cameras/rear/calibration","value":"none.yaml"}])", true},
+      {"rig", R"([{"op":"add","path":"/cameras/rear/image_size","value":[1280,960]}])", true},
+      {"rig", R"([{"op":"add","path":"/cameras/rear/fx","value":900.5}])", false},
+      {"rig", R"([{"op":"add","path":"/cameras/left/calibration","value":"none.yaml"}])", false},
+      {"rig", R"([{"op":"replace","path":"/cameras/front/model","value":"fisheye"}])", false},
+      {"rig", R"([{"op":"replace","path":"/cameras/front/model","value":"fisheye"},
+        {"op":"remove","path":"/cameras/front/distortion/4"}])",
+       true},
+      {"rig", R"([{"op":"add","path":"/cameras/front/distortion","value":[0,0,0,0,0,0,0,0]}])",
+       true},
       {"template", R"([{"op":"remove","path":"/label"}])", true},
       {"template", R"([{"op":"replace","path":"/symbol/quiet_zone","value":8.5}])", false},
   };

@@ -50,6 +50,14 @@ const Breakage kErrors[] = {
     {"no vehicle height", "height: 0.24, ", "", "missing-key", 12},
     {"envelope without speed", ", speed: 1.5", "", "missing-key", 12},
     {"envelope of negative pitch", "pitch: 2 }", "pitch: -2 }", "out-of-range", 12},
+    {"height without a doubt", "roll_sigma: 2", "roll_sigma: 2, height_sigma: 0", "out-of-range",
+     12},
+    {"focal length off by half", "blur_px: 0.5", "blur_px: 0.5, sigma: { focal: 0.5 }",
+     "out-of-range", 9},
+    {"unknown part of a calibration", "blur_px: 0.5", "blur_px: 0.5, sigma: { roll: 0.5 }",
+     "unknown-key", 9},
+    {"calibration and data sheet", "focal_length_mm: 6.0",
+     "focal_length_mm: 6.0\n    calibration: none.yaml", "conflicting-keys", 6},
     {"attitude of nothing", "roll_sigma: 2", "roll_sigma: 0", "out-of-range", 12},
 };
 
@@ -79,6 +87,23 @@ TEST_CASE("the rig that the others break is right, and says what it says") {
   CHECK(rig.envelope->yaw == doctest::Approx(radians(8)));
   CHECK(rig.envelope->pitch == doctest::Approx(radians(2)));
   CHECK(rig.envelope->roll == 0);
+}
+
+TEST_CASE(
+    "standard deviations of height and calibration are what the rig says, or their defaults") {
+  const std::string stated = replaced(
+      replaced(right_rig(), "roll_sigma: 2", "roll_sigma: 2, height_sigma: 0.02"), "blur_px: 0.5",
+      "blur_px: 0.5, sigma: { position: 0.001, angle: 0.05, focal: 0.002, center: 0.5 }");
+  const RigReading reading = read_text_as_rig(stated);
+  REQUIRE_MESSAGE(reading.rig.has_value(), to_string(reading.diagnostics));
+  const CalibrationSigma& sigma = reading.rig->cameras[1].calibration_sigma;
+  CHECK(reading.rig->height_sigma == 0.02);
+  CHECK(sigma.position == 0.001);
+  CHECK(sigma.angle == doctest::Approx(radians(0.05)));
+  CHECK(sigma.focal == 0.002);
+  CHECK(sigma.center == 0.5);
+  CHECK(reading.rig->cameras[0].calibration_sigma.position == 0);
+  CHECK(read_text_as_rig(right_rig()).rig->height_sigma == 0.05);
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {

@@ -29,6 +29,8 @@ const Breakage kErrors[] = {
     {"hexadecimal", "width: 4.0", "width: 0x4", "wrong-type", 4},
     {"decimal comma", "width: 4.0", "width: 4,0", "decimal-comma", 4},
     {"leading zero", "pairs: 4", "pairs: 04", "leading-zero", 17},
+    {"plates askew by a right angle", "pairs: 4", "pairs: 4\n  angle_sigma: 90", "out-of-range",
+     18},
     {"infinity", "width: 4.0", "width: .inf", "not-finite", 4},
     {"not a number", "width: 4.0", "width: .nan", "not-finite", 4},
     {"more than a double holds", "width: 4.0", "width: 1e999", "wrong-type", 4},

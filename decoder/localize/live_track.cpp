@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/live_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/core.h>
+
+#include "decoder/localize/joint_method.hpp"
+#include "decoder/reader/expected_tags.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+bool is_usable(const LiveTrack& track, double time, const MotionModel& motion) {
+  return time > track.time && time - track.time <= motion.longest_gap;
+}
+
+LiveTrack track_from(const Fix& fix, const MeasuredPlace& measured, double time,
+                     const std::vector<Survey>& surveys, const MotionModel& motion) {
+  const auto survey = std::ranges::find(surveys, fix.survey, &Survey::name);
+  return {static_cast<std::size_t>(survey - surveys.begin()),
+          time,
+          updated(motion_from(measured.place, motion), measured).estimate,
+          fix.attitude->pitch,
+          fix.attitude->roll,
+          1};
+}
+
+Fix refused(Fix fix, const MotionEstimate& expected, const MeasuredPlace& measured) {
+  const double off = (measured.place - expected.mean.head<4>()).head<3>().norm();
+  Fix none;
+  none.id = fix.id;
+  none.method = fix.method;
+  none.tags = fix.tags;
+  none.reason = fmt::format(
+      "the only tag, {}, puts the vehicle {:.3f} m from where its motion since the last fixes "
+      "allows: misplaced, misprinted or moved?",
+      fix.tags.front(), off);
+  return none;
+}
+
+}  // namespace
+
+std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& survey,
+                                       const RigCamera& camera) {
+  constexpr double kSigmas = 3;
+  constexpr double kModelPixels = 2;    // what survey and calibration are off, roughly
+  constexpr double kMostOfTag = 1;      // of its height; beyond, a search is as good
+  constexpr double kLeastModule = 0.7;  // pixels: surely read
+  const Pose camera_from_world =
+      inverse(world_from_vehicle(prior.vehicle) * camera.vehicle_from_camera);
+  std::vector<ExpectedTag> expected = expected_tags(survey, camera.camera, camera_from_world, 0);
+  const double modules = kModuleCount + 2 * survey.tag_template.quiet_zone_modules;
+  std::erase_if(expected, [&](const ExpectedTag& tag) {
+    return distance(tag.corners[0], tag.corners[1]) < kLeastModule * modules;
+  });
+  for (ExpectedTag& tag : expected) {
+    // A plate hangs upright: its height is hardly foreshortened.
+    const double height_px = distance(tag.corners[0], tag.corners[3]);
+    const double per_metre = height_px / survey.tag_template.frame_inner_height;
+    tag.uncertainty_px = kModelPixels + kSigmas * std::hypot(per_metre * prior.position_sigma,
+                                                             camera.camera.fx * prior.angle_sigma);
+    if (tag.uncertainty_px > kMostOfTag * height_px) return {};
+  }
+  return expected;
+}
+
+std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
+                                  const std::vector<Survey>& surveys, const MotionModel& motion) {
+  if (!is_usable(track, time, motion)) return std::nullopt;
+  constexpr double kLean = 0.005;  // radians: pitch and roll from one image to the next
+  const MotionEstimate now = predicted(track.estimate, time - track.time, motion);
+  const Grid& grid = surveys[track.survey].grid;
+  PosePrior prior;
+  prior.survey = track.survey;
+  prior.vehicle.position = world_from_grid(grid, now.mean.head<3>());
+  prior.vehicle.heading = world_heading_from_grid(grid, now.mean[3]);
+  prior.vehicle.pitch = track.pitch;
+  prior.vehicle.roll = track.roll;
+  const Eigen::Matrix3d spread = now.covariance.topLeftCorner<3, 3>();
+  prior.position_sigma =
+      std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues().maxCoeff());
+  prior.angle_sigma = std::hypot(std::sqrt(now.covariance(3, 3)), kLean);
+  return prior;
+}
+
+Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
+                 const std::vector<Survey>& surveys, const MotionModel& motion) {
+  const auto measured = measured_by(fix);
+  if (!measured) return fix;
+  const bool known =
+      track && is_usable(*track, time, motion) && surveys[track->survey].name == fix.survey;
+  if (!known) {
+    track = track_from(fix, *measured, time, surveys, motion);
+    return fix;
+  }
+  const MotionEstimate expected = predicted(track->estimate, time - track->time, motion);
+  const MotionUpdate update = updated(expected, *measured);
+  const bool alone = fix.tags.size() == 1;
+  if (!update.agrees && alone) return refused(std::move(fix), expected, *measured);
+  if (!update.agrees) {
+    fix.notes.emplace_back("not where the motion since the last fixes leads: a new track begins");
+    track = track_from(fix, *measured, time, surveys, motion);
+    return fix;
+  }
+  if (alone && track->used >= 2) std::erase(fix.notes, kOneTagOnly);
+  *track = {track->survey,      time,           update.estimate, fix.attitude->pitch,
+            fix.attitude->roll, track->used + 1};
+  return fix;
+}
+
+}  // namespace tagsmith

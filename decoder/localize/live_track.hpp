@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the fixes so far say about the next, while the vehicle drives.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "decoder/localize/fix.hpp"
+#include "decoder/localize/motion.hpp"
+#include "decoder/reader/reader.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// Where the vehicle should be, before its images are read.
+struct PosePrior {
+  std::size_t survey = 0;     // index of the survey that has the tags there
+  VehiclePose vehicle;        // world frame
+  double position_sigma = 0;  // metres, worst direction
+  double angle_sigma = 0;     // radians, likewise
+};
+
+// The tags that a camera should see from there, where they should be, to three standard deviations.
+// None when that is too uncertain to be of use.
+std::vector<ExpectedTag> expected_tags(const PosePrior& prior, const Survey& survey,
+                                       const RigCamera& camera);
+
+// The motion that the latest fixes agree on.
+struct LiveTrack {
+  std::size_t survey = 0;
+  double time = 0;  // of the estimate, seconds
+  MotionEstimate estimate;
+  double pitch = 0;
+  double roll = 0;
+  int used = 0;  // fixes in the estimate
+};
+
+// Nothing when the track is older than the motion model's longest gap, or later than `time`.
+std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
+                                  const std::vector<Survey>& surveys, const MotionModel& motion);
+
+// Takes a fix of the joint method at `time` into the track, or begins one with it.
+//
+// A fix that the motion contradicts begins a new track when it rests on several tags. When it rests
+// on one, a misprinted or misplaced plate is the likelier cause: it becomes "no position" with the
+// reason, until the track is older than the model's longest gap. A single tag's fix that the motion
+// of two fixes or more confirms loses the note that nothing confirms it.
+Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
+                 const std::vector<Survey>& surveys, const MotionModel& motion = {});
+
+}  // namespace tagsmith

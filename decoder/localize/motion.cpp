@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+namespace tagsmith {
+namespace {
+
+// Chi-square of four degrees of freedom that one in 10,000 exceeds.
+constexpr double kGate = 23.51;
+
+double shared_part(const Fix& fix) {
+  if (!fix.budget) return 0;
+  const ErrorBudget& budget = *fix.budget;
+  const double shared =
+      (budget.survey + budget.coding + budget.calibration + budget.vehicle).trace();
+  constexpr double kMost = 0.9;  // a fix keeps some noise of its own, for the filter to weigh it by
+  return std::clamp(shared / fix.covariance_in_grid->trace(), 0.0, kMost);
+}
+
+// White acceleration (Bar-Shalom, Li and Kirubarajan 2001, "Estimation with applications to
+// tracking and navigation", 6.2.2).
+MotionCovariance noise_over(double dt, const MotionModel& motion) {
+  const Eigen::Vector4d density =
+      Eigen::Vector4d(motion.acceleration, motion.acceleration, motion.climb, motion.turn)
+          .cwiseAbs2();
+  MotionCovariance noise = MotionCovariance::Zero();
+  noise.topLeftCorner<4, 4>() = (dt * dt * dt / 3 * density).asDiagonal();
+  noise.topRightCorner<4, 4>() = (dt * dt / 2 * density).asDiagonal();
+  noise.bottomLeftCorner<4, 4>() = noise.topRightCorner<4, 4>();
+  noise.bottomRightCorner<4, 4>() = (dt * density).asDiagonal();
+  return noise;
+}
+
+}  // namespace
+
+double wrapped_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+std::optional<MeasuredPlace> measured_by(const Fix& fix) {
+  if (!fix.position_in_grid) return std::nullopt;
+  MeasuredPlace measured;
+  measured.place << *fix.position_in_grid, fix.attitude->heading;
+  measured.covariance = fix.pose_covariance_in_grid->topLeftCorner<4, 4>();
+  measured.shared = shared_part(fix);
+  return measured;
+}
+
+MotionEstimate motion_from(const Place& place, const MotionModel& motion) {
+  constexpr double kAnywhere = 100;
+  MotionEstimate prior;
+  prior.mean.head<4>() = place;
+  MotionState sigma;
+  sigma << kAnywhere, kAnywhere, kAnywhere, 2 * std::numbers::pi, motion.speed, motion.speed,
+      motion.speed, motion.turn_rate;
+  prior.covariance = sigma.cwiseAbs2().asDiagonal();
+  return prior;
+}
+
+MotionCovariance transition_over(double dt) {
+  MotionCovariance transition = MotionCovariance::Identity();
+  transition.topRightCorner<4, 4>() = dt * Eigen::Matrix4d::Identity();
+  return transition;
+}
+
+MotionEstimate predicted(const MotionEstimate& estimate, double dt, const MotionModel& motion) {
+  const MotionCovariance transition = transition_over(dt);
+  MotionEstimate later;
+  later.mean = transition * estimate.mean;
+  later.covariance =
+      transition * estimate.covariance * transition.transpose() + noise_over(dt, motion);
+  return later;
+}
+
+MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured) {
+  MotionUpdate update{predicted};
+  Place missing = measured.place - predicted.mean.head<4>();
+  missing[3] = wrapped_angle(missing[3]);
+  const PlaceCovariance own = (1 - measured.shared) * measured.covariance;
+  const PlaceCovariance spread = predicted.covariance.topLeftCorner<4, 4>();
+  update.distance2 = missing.dot((spread + measured.covariance).ldlt().solve(missing));
+  update.agrees = update.distance2 <= kGate;
+  const PlaceCovariance innovation = spread + own;
+  const Eigen::Matrix<double, 8, 4> gain =
+      innovation.ldlt().solve(predicted.covariance.topRows<4>()).transpose();
+  update.estimate.mean += gain * missing;
+  // Joseph's form keeps it positive.
+  MotionCovariance rest = MotionCovariance::Identity();
+  rest.leftCols<4>() -= gain;
+  update.estimate.covariance =
+      rest * predicted.covariance * rest.transpose() + gain * own * gain.transpose();
+  return update;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a vehicle moves between two fixes: constant velocities in x, y, z and heading, disturbed by
+// white accelerations, and a Kalman filter's two steps over them.
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "decoder/localize/fix.hpp"
+
+namespace tagsmith {
+
+// How the vehicle moves. Accelerations are white noise: in one second they change a velocity by
+// this standard deviation, in t seconds by sqrt(t) times as much.
+struct MotionModel {
+  double acceleration = 0.5;   // along x and y, m/s^2: a crawler or loader that brakes and turns
+  double climb = 0.1;          // along z, m/s^2: floors are uneven
+  double turn = 0.2;           // of the heading, rad/s^2
+  double speed = 3;            // standard deviation before anything is known, m/s
+  double turn_rate = 0.5;      // likewise, rad/s
+  double longest_gap = 5;      // seconds from the nearest measured position; beyond: no position
+  double largest_sigma = 0.1;  // metres, of a predicted position in its worst direction; likewise
+};
+
+// x, y, z, heading in the survey's grid, and their rates.
+using MotionState = Eigen::Matrix<double, 8, 1>;
+using MotionCovariance = Eigen::Matrix<double, 8, 8>;
+using Place = Eigen::Vector4d;
+using PlaceCovariance = Eigen::Matrix4d;
+
+struct MotionEstimate {
+  MotionState mean = MotionState::Zero();
+  MotionCovariance covariance = MotionCovariance::Zero();
+};
+
+// What a fix says of the vehicle's place.
+struct MeasuredPlace {
+  Place place;
+  PlaceCovariance covariance;
+  double shared = 0;  // share of the covariance that neighbouring fixes have in common
+};
+
+// Nothing without a position. The fix must have an attitude.
+std::optional<MeasuredPlace> measured_by(const Fix& fix);
+
+// Before the first fix: at that place, give or take a hundred metres and all headings.
+MotionEstimate motion_from(const Place& place, const MotionModel& motion);
+
+MotionCovariance transition_over(double dt);
+
+// The estimate `dt` seconds later.
+MotionEstimate predicted(const MotionEstimate& estimate, double dt, const MotionModel& motion);
+
+struct MotionUpdate {
+  MotionEstimate estimate;  // with the place taken in
+  double distance2 = 0;     // of the place from the motion, chi-square of four
+  bool agrees = false;      // as all but one in 10,000 do
+};
+
+MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured);
+
+double wrapped_angle(double angle);  // within half a turn either way
+
+}  // namespace tagsmith

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/live_track.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "decoder/localize/joint_method.hpp"
+#include "decoder/localize/observation.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/survey_view.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+Fix fix_at(double y, std::vector<std::string> tags) {
+  Fix fix;
+  fix.id = "x";
+  fix.method = "joint";
+  fix.survey = "corridor";
+  fix.position_in_grid = Eigen::Vector3d(1, y, 0.24);
+  fix.attitude = Attitude{};
+  fix.pose_covariance_in_grid = 1e-6 * PoseCovariance::Identity();
+  fix.covariance_in_grid = fix.pose_covariance_in_grid->topLeftCorner<3, 3>();
+  if (tags.size() == 1) fix.notes = {kOneTagOnly};
+  fix.tags = std::move(tags);
+  return fix;
+}
+
+std::vector<Survey> corridor() {
+  auto survey = load_survey("surveys/corridor/survey.yaml");
+  REQUIRE(survey.has_value());
+  survey->name = "corridor";
+  return {*survey};
+}
+
+bool is_noted(const Fix& fix, const std::string& note) {
+  return std::ranges::any_of(fix.notes,
+                             [&](const std::string& text) { return text.find(note) == 0; });
+}
+
+// Half a metre a second, seen every tenth, ending at y = 1.5, t = 1.
+std::optional<LiveTrack> driven(const std::vector<Survey>& surveys) {
+  std::optional<LiveTrack> track;
+  for (int i = 0; i <= 10; ++i) {
+    const Fix fix = follow_track(track, fix_at(1 + 0.05 * i, {"a", "b"}), 0.1 * i, surveys);
+    CHECK(fix.position_in_grid.has_value());
+    CHECK(fix.notes.empty());
+  }
+  return track;
+}
+
+}  // namespace
+
+TEST_CASE("a lone tag that the motion contradicts gives no position, one that fits is confirmed") {
+  const std::vector<Survey> surveys = corridor();
+  std::optional<LiveTrack> track = driven(surveys);
+  const Fix right = follow_track(track, fix_at(1.55, {"a"}), 1.1, surveys);
+  CHECK(right.position_in_grid.has_value());
+  CHECK(right.notes.empty());
+  const Fix wrong = follow_track(track, fix_at(1.9, {"a"}), 1.2, surveys);
+  CHECK(!wrong.position_in_grid.has_value());
+  CHECK(wrong.reason.find("the only tag, a, puts the vehicle 0.3") == 0);
+  // Refused again and again, and not remembered.
+  CHECK(!follow_track(track, fix_at(1.95, {"a"}), 1.3, surveys).position_in_grid);
+  CHECK(follow_track(track, fix_at(1.70, {"a"}), 1.4, surveys).position_in_grid);
+  // Long after, nothing is known of the motion any more.
+  const Fix later = follow_track(track, fix_at(4, {"a"}), 9, surveys);
+  CHECK(later.position_in_grid.has_value());
+  CHECK(is_noted(later, kOneTagOnly));
+}
+
+TEST_CASE("several tags against the motion begin a new track") {
+  const std::vector<Survey> surveys = corridor();
+  std::optional<LiveTrack> track = driven(surveys);
+  const Fix fix = follow_track(track, fix_at(3, {"a", "b"}), 1.1, surveys);
+  CHECK(fix.position_in_grid.has_value());
+  CHECK(is_noted(fix, "not where the motion"));
+  CHECK(track->used == 1);
+  CHECK(track->estimate.mean[1] == doctest::Approx(3).epsilon(1e-6));
+}
+
+TEST_CASE("what was expected grows uncertain with time, and ends") {
+  const std::vector<Survey> surveys = corridor();
+  const std::optional<LiveTrack> track = driven(surveys);
+  const auto soon = prior_at(*track, 1.05, surveys, {});
+  const auto late = prior_at(*track, 2, surveys, {});
+  REQUIRE(soon.has_value());
+  REQUIRE(late.has_value());
+  CHECK(soon->vehicle.position.y() == doctest::Approx(1.525).epsilon(1e-3));
+  CHECK(soon->position_sigma < 0.02);
+  CHECK(late->position_sigma > 5 * soon->position_sigma);
+  CHECK(!prior_at(*track, 7, surveys, {}));
+  CHECK(!prior_at(*track, 1, surveys, {}));  // no later than the last
+}
+
+TEST_CASE("images are read where the tags are expected as they are without") {
+  const std::vector<Survey> surveys = corridor();
+  const auto rig = load_rig("surveys/corridor/rig.yaml");
+  REQUIRE(rig.has_value());
+  const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
+  const Pose truth = vehicle_in_tunnel(surveys[0], {0.9, 2.0, 0.24}, std::nullopt);
+  PosePrior prior;
+  prior.vehicle = vehicle_pose_of(truth);
+  prior.vehicle.position += Eigen::Vector3d(0.004, -0.006, 0.002);
+  prior.position_sigma = 0.005;
+  prior.angle_sigma = 0.002;
+  for (const RigCamera& camera : rig->cameras) {
+    const SurveyView view = render_survey_view(surveys[0], camera, truth, {}, 5);
+    CHECK(!expected_tags(prior, surveys[0], camera).empty());
+    Observation with;
+    Observation without;
+    observe_image(with, camera, view.view.image.view(), "", surveys, reader, prior);
+    observe_image(without, camera, view.view.image.view(), "", surveys, reader);
+    REQUIRE(!without.tags.empty());
+    for (const SeenTag& seen : without.tags) {
+      const double size = distance(seen.seen_corners->corners[0], seen.seen_corners->corners[1]);
+      const auto same = [&](const SeenTag& other) {
+        return other.tag.name == seen.tag.name &&
+               distance(other.seen_corners->corners[0], seen.seen_corners->corners[0]) < 0.05;
+      };
+      // Smaller ones are not worth expecting.
+      if (size > 80) CHECK(std::ranges::any_of(with.tags, same));
+    }
+  }
+  prior.position_sigma = 1;
+  CHECK(expected_tags(prior, surveys[0], rig->cameras[0]).empty());
+}
+
+}  // namespace tagsmith
