@@ -35,18 +35,12 @@ int run(int argc, char** argv) {
       "tagsmith: position tags for mine tunnels, from the survey to the vehicle's position"};
   app.require_subcommand(1);
   const std::vector<tagsmith::Command> commands{
-      tagsmith::new_command(app),
-      tagsmith::validate_command(app),
-      tagsmith::draw_command(app),
-      tagsmith::plan_command(app),
-      tagsmith::export_command(app),
-      tagsmith::print_command(app, tagsmith::prove_pages),
-      tagsmith::diff_command(app),
-      tagsmith::read_command(app),
-      tagsmith::verify_command(app),
-      tagsmith::localize_command(app),
-      tagsmith::simulate_command(app),
-      tagsmith::demo_command(app),
+      tagsmith::new_command(app),      tagsmith::validate_command(app),
+      tagsmith::draw_command(app),     tagsmith::plan_command(app),
+      tagsmith::export_command(app),   tagsmith::print_command(app, tagsmith::prove_pages),
+      tagsmith::diff_command(app),     tagsmith::read_command(app),
+      tagsmith::verify_command(app),   tagsmith::localize_command(app),
+      tagsmith::simulate_command(app), tagsmith::demo_command(app),
   };
   try {
     app.parse(argc, argv);

@@ -43,10 +43,18 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+// "000L", or "000L (grade 3.4, modulation)".
+std::string good_in_words(const TagFinding& tag) {
+  if (!tag.grade) return tag.tag;
+  if (tag.grade->grade >= 4) return tag.tag + " (grade 4.0)";
+  return fmt::format("{} (grade {:.1f}, {})", tag.tag, tag.grade->grade,
+                     to_string(tag.grade->worst));
+}
+
 void print_in_words(const FileReport& report) {
   std::vector<std::string> good;
   for (const TagFinding& tag : report.tags) {
-    if (tag.status == TagStatus::ok) good.push_back(tag.tag);
+    if (tag.status == TagStatus::ok) good.push_back(good_in_words(tag));
   }
   fmt::print("{}: {}{}{}\n", report.file.string(), report.findings.empty() ? "ok" : "WRONG",
              good.empty() ? "" : "  ", joined(good));

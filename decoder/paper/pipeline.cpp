@@ -302,8 +302,8 @@ ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
   }
   result.tags.push_back({reading->digits, reading->sum10_holds, reading->gs1_holds, corners,
                          reading->module_px,
-                         static_cast<double>(reading->rows_agreeing) / reading->rows_decoded, "paper",
-                         CornerCovariance::Zero()});
+                         static_cast<double>(reading->rows_agreeing) / reading->rows_decoded,
+                         "paper", CornerCovariance::Zero()});
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/grade/symbol_grade.hpp"
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
@@ -31,8 +32,10 @@ struct TagFinding {
   FrameCorners corners{};        // pixels of the picture, or of the page as rasterised
   double module_px = 0;
   double confidence = 0;
-  int page = 0;         // 1-based page of a print file; 0 in a picture
-  std::string message;  // what is wrong and what was expected; empty when ok
+  int page = 0;                        // 1-based page of a print file; 0 in a picture
+  std::string message;                 // what is wrong and what was expected; empty when ok
+  std::optional<SymbolGrade> grade{};  // print quality; only of a tag that is ok
+  std::string grade_reason{};          // why an ok tag has no grade
 };
 
 // One file.

@@ -11,6 +11,7 @@
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/grade_tags.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -63,6 +64,7 @@ std::vector<TagFinding> verify_page(const Survey& survey, const PageImage& page,
     tag.status = TagStatus::misprinted;
     tag.message = fmt::format("{}: {}", tag.tag, *size);
   }
+  grade_tags(page.image.view(), survey.tag_template, tags);
   return tags;
 }
 
@@ -85,6 +87,7 @@ Result<FileReport> verify_picture(const Survey& survey, const std::filesystem::p
   report.file = path;
   report.tags = check_tags(survey, read_for_survey(image->view(), survey),
                            PictureSize{image->width, image->height});
+  grade_tags(image->view(), survey.tag_template, report.tags);
   const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
   if (std::ranges::all_of(report.tags, is_cut_off))
     report.findings.emplace_back("no tag was found");

@@ -7,7 +7,6 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/base/csv.hpp"
 #include "tagsmith/render/text.hpp"
 
 namespace tagsmith {

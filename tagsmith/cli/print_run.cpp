@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/checksum.hpp"
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/base/csv.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/render/sheet_files.hpp"

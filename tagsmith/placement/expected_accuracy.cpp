@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-
 namespace tagsmith {
 namespace {
 

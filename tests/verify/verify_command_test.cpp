@@ -79,6 +79,9 @@ TEST_CASE("print files are read back and hold what their manifest says") {
   REQUIRE(lines.size() == 5);  // three tags, the setting-out, the summary
   CHECK(lines[2]["tags"][0]["tag"] == "003L");
   CHECK(lines[2]["tags"][0]["page"] == 1);
+  CHECK(lines[2]["tags"][0]["grade"] == 4.0);
+  CHECK(lines[2]["tags"][0]["grade_absolute"] == false);
+  CHECK(lines[2]["tags"][0]["grade_parameters"]["decodability"]["value"] > 0.9);
   CHECK(lines[4]["summary"]["missing"].size() == 13);
 }
 
