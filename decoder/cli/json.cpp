@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "decoder/verify/verify_rules.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -123,6 +125,9 @@ Json to_json(const TagFinding& tag) {
   add_grade(tag, object);
   if (tag.page > 0) object["page"] = tag.page;
   if (!tag.message.empty()) object["message"] = tag.message;
+  if (!tag.rule.empty()) object["rule"] = tag.rule;
+  if (const VerifyRule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
+  if (!tag.crop_file.empty()) object["crop"] = tag.crop_file;
   return object;
 }
 
@@ -177,6 +182,7 @@ std::string to_json_line(const FileReport& report) {
   Json tags = Json::array();
   for (const TagFinding& tag : report.tags) tags.push_back(to_json(tag));
   Json object{{"file", report.file.string()}, {"tags", tags}, {"findings", report.findings}};
+  if (!report.rules.empty()) object["rules"] = report.rules;
   if (report.pages > 0) object["pages"] = report.pages;
   if (report.stale) object["stale"] = true;
   return line_of(object);
@@ -192,6 +198,7 @@ std::string to_json_line(const VerifySummary& summary) {
                     {"unreadable", summary.unreadable},
                     {"duplicate", summary.duplicate},
                     {"cut_off", summary.cut_off},
+                    {"misplaced", summary.misplaced},
                     {"stale", summary.stale},
                     {"missing", summary.missing}}}});
 }

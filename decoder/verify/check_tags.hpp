@@ -21,11 +21,13 @@ struct PictureSize {
 
 // A finding for every reading and every refusal, in the order given. A code that the survey has is
 // `ok`; a second reading of it is a `duplicate`; a reading that breaks the survey's check digit is
-// `misprinted`, any other `unknown`, both with the nearest code of the survey in the message. A
+// `misprinted`, any other `unknown`, both with the nearest code of the survey in the message, or
+// with its name in one of the surveys `also` given. A
 // refusal is `unreadable`; in a photo whose `size` is given one that lies so near the edge that the
 // tag may go on outside is `cut_off`.
 std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readings,
-                                   const std::optional<PictureSize>& size = std::nullopt);
+                                   const std::optional<PictureSize>& size = std::nullopt,
+                                   std::span<const Survey> also = {});
 
 // The survey's tag whose digits differ least from these; null when the survey has no tags.
 const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits);

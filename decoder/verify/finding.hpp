@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "decoder/grade/symbol_grade.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
@@ -20,6 +22,7 @@ enum class TagStatus {
   unreadable,  // a tag was found and refused
   duplicate,   // the same tag stands elsewhere in the same picture or print file
   cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
+  misplaced,   // a tag in order that hangs where another one should
 };
 
 std::string to_string(TagStatus status);
@@ -34,8 +37,11 @@ struct TagFinding {
   double confidence = 0;
   int page = 0;                        // 1-based page of a print file; 0 in a picture
   std::string message;                 // what is wrong and what was expected; empty when ok
+  std::string rule{};                  // of docs/verify-rules.md; empty when ok
   std::optional<SymbolGrade> grade{};  // print quality; only of a tag that is ok
   std::string grade_reason{};          // why an ok tag has no grade
+  std::optional<GrayImage> crop{};     // the tag and its surroundings, when asked for
+  std::string crop_file{};             // where it was saved
 };
 
 // One file.
@@ -44,6 +50,7 @@ struct FileReport {
   int pages = 0;  // 0 for a picture
   std::vector<TagFinding> tags;
   std::vector<std::string> findings;  // whatever is wrong, in words; empty = all well
+  std::set<std::string> rules{};      // that the findings are of (docs/verify-rules.md)
   bool stale = false;                 // printed from another state of the survey: print it again
 };
 
@@ -57,6 +64,7 @@ struct VerifySummary {
   int unreadable = 0;
   int duplicate = 0;
   int cut_off = 0;
+  int misplaced = 0;
   std::vector<std::string> stale;    // print files to print again
   std::vector<std::string> missing;  // names of the survey's tags that no file shows in order
 };

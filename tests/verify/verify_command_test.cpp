@@ -190,9 +190,48 @@ TEST_CASE("unreadable files are told, the others checked, and the exit code is 2
       run_tagsmith("verify --json " + kSurvey + " no-such.jpg '" + broken.string() + "' " +
                    kPhotos + "/corridor_01_left.jpg");
   CHECK(output.exit_code == 2);
-  CHECK(json_lines(output.out).size() == 2);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0]["rules"][0] == "broken-file");
+  CHECK(lines[2]["tags"][0]["status"] == "ok");
   CHECK(output.err.find("no-such.jpg: no such file") != std::string::npos);
   CHECK(output.err.find("broken.pdf: is no PDF that can be drawn") != std::string::npos);
+}
+
+TEST_CASE("mirrored and upside-down pages are told apart, with crops") {
+  const TemporaryFolder folder;
+  const std::string path = "'" + folder.path().string() + "'";
+  REQUIRE(
+      run_tagsmith("print " + kSurvey + " -o " + path + " --tags 000L --format svg").exit_code ==
+      0);
+  const std::string svg = *read_file(folder.path() / "000L.svg");
+  const std::size_t begin = svg.find('>', svg.find("<svg")) + 1;
+  const std::size_t end = svg.rfind("</svg>");
+  const auto verify_turned = [&](const std::string& name, const std::string& transform) {
+    const fs::path file = folder.path() / "turned" / name;
+    REQUIRE(write_file(file, svg.substr(0, begin) + "<g transform=\"" + transform + "\">" +
+                                 svg.substr(begin, end - begin) + "</g></svg>")
+                .has_value());
+    const ProgramOutput output =
+        run_tagsmith("verify --json " + kSurvey + " '" + file.string() + "' --crops " + path);
+    CHECK(output.exit_code == 1);
+    return json_lines(output.out).at(0)["tags"][0];
+  };
+  const json mirrored = verify_turned("mirrored.svg", "translate(450 0) scale(-1 1)");
+  CHECK(mirrored["rule"] == "mirrored");
+  CHECK(mirrored["remedy"] != "");
+  CHECK(fs::file_size(mirrored["crop"].get<std::string>()) > 1000);
+  CHECK(verify_turned("down.svg", "translate(450 350) scale(-1 -1)")["rule"] == "upside-down");
+}
+
+TEST_CASE("a tag of another survey that was given is named") {
+  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey +
+                                            " surveys/curved/photos/curved_02_left.jpg --also "
+                                            "surveys/curved/survey.yaml");
+  CHECK(output.exit_code == 1);
+  const json tag = json_lines(output.out).at(0)["tags"][0];
+  CHECK(tag["rule"] == "other-survey");
+  CHECK(tag["message"].get<std::string>().find("001L of survey curved") != std::string::npos);
 }
 
 TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
