@@ -182,6 +182,8 @@ std::string to_json_line(const FileReport& report) {
   Json tags = Json::array();
   for (const TagFinding& tag : report.tags) tags.push_back(to_json(tag));
   Json object{{"file", report.file.string()}, {"tags", tags}, {"findings", report.findings}};
+  if (!report.sha256.empty()) object["sha256"] = report.sha256;
+  if (!report.revision.empty()) object["revision"] = report.revision;
   if (!report.rules.empty()) object["rules"] = report.rules;
   if (report.pages > 0) object["pages"] = report.pages;
   if (report.stale) object["stale"] = true;

@@ -4,12 +4,14 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/json.hpp"
+#include "decoder/cli/verify_lines.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
@@ -18,6 +20,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith {
 namespace {
@@ -37,7 +40,8 @@ struct Options {
   std::string survey;
   std::vector<std::string> files;
   std::vector<std::string> also;
-  std::string crops;  // folder; empty = none are saved
+  std::string crops;   // folder; empty = none are saved
+  std::string resume;  // earlier output; empty = none
   bool complete = false;
   bool json = false;
   int jobs = 0;
@@ -125,32 +129,59 @@ FileReport broken(const fs::path& file, const Error& error) {
 }
 
 struct Outcome {
-  std::vector<FileReport> reports;
+  VerifySummary summary;
+  int skipped = 0;  // verified before
   bool unreadable_file = false;
 };
 
+// Content hashes of what earlier runs verified against this state of the survey.
+Result<std::set<std::string>> verified_before(const std::string& file, const Survey& survey) {
+  std::set<std::string> hashes;
+  std::error_code ignored;
+  if (file.empty() || !fs::exists(file, ignored)) return hashes;
+  const std::string revision = survey_revision(survey);
+  const Result<VerifyLineCounts> counts = read_verify_lines(file, [&](const VerifiedFile& done) {
+    if (done.revision == revision && !done.sha256.empty()) hashes.insert(done.sha256);
+  });
+  if (!counts) return fail(counts.error().message);
+  return hashes;
+}
+
+// Prints each report and keeps its counts alone: an archive has more files than memory holds.
 Outcome verify_all(const Options& options, const VerifyRequest& request,
-                   const std::vector<fs::path>& files) {
+                   const std::set<std::string>& before, const std::vector<fs::path>& files) {
   Outcome outcome;
+  VerifyTally tally;
+  const std::string revision = survey_revision(request.survey);
   ProgressBar bar("files", files.size());
   run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    auto report = std::make_shared<Result<FileReport>>(verify_one(options, request, files[i]));
-    return [&, report, i] {
+    const std::string hash = sha256_of_file(files[i]).value_or("");
+    const bool skip = before.contains(hash);
+    auto report = std::make_shared<Result<FileReport>>(
+        skip ? FileReport{} : verify_one(options, request, files[i]));
+    return [&, report, i, hash, skip] {
       bar.advance([&] {
+        if (skip) {
+          ++outcome.skipped;
+          return;
+        }
         if (!*report) {
           report_failure("verify", report->error());
           outcome.unreadable_file = true;
         }
         FileReport done = *report ? std::move(**report) : broken(files[i], report->error());
+        if (*report) done.sha256 = hash;
+        done.revision = revision;
         if (options.json) {
           fmt::print("{}\n", to_json_line(done));
         } else {
           print_in_words(done);
         }
-        outcome.reports.push_back(std::move(done));
+        tally.add(done);
       });
     };
   });
+  outcome.summary = tally.summary(request.survey);
   return outcome;
 }
 
@@ -167,8 +198,11 @@ int run(const Options& options) {
     also.push_back(std::move(*other));
   }
   const VerifyRequest request{*survey, also, !options.crops.empty()};
-  const Outcome outcome = verify_all(options, request, *files);
-  const VerifySummary summary = summarize(*survey, outcome.reports);
+  const Result<std::set<std::string>> before = verified_before(options.resume, *survey);
+  if (!before) return report_failure("verify", before.error());
+  const Outcome outcome = verify_all(options, request, *before, *files);
+  const VerifySummary& summary = outcome.summary;
+  if (outcome.skipped > 0) fmt::print(stderr, "skipped, verified before: {}\n", outcome.skipped);
   if (options.json) {
     fmt::print("{}\n", to_json_line(summary));
   } else {
@@ -195,6 +229,9 @@ Command verify_command(CLI::App& parent) {
                   "Another survey, whose tags are named when they turn up here")
       ->type_name("SURVEY")
       ->allow_extra_args(false);
+  app->add_option("--resume", options->resume,
+                  "Skip files whose content an earlier --json run verified against this survey")
+      ->type_name("FILE.jsonl");
   app->add_option("--crops", options->crops, "Folder for a picture of every faulty tag")
       ->type_name("DIR");
   app->add_flag("--complete", options->complete,

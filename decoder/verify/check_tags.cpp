@@ -179,41 +179,47 @@ std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readi
   return findings;
 }
 
-VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports) {
-  VerifySummary summary;
-  std::set<std::string> seen;
+void VerifyTally::add(const FileReport& report) {
   const auto count = [&](TagStatus status) -> int& {
     switch (status) {
       case TagStatus::ok:
-        return summary.ok;
+        return counts_.ok;
       case TagStatus::misprinted:
-        return summary.misprinted;
+        return counts_.misprinted;
       case TagStatus::unreadable:
-        return summary.unreadable;
+        return counts_.unreadable;
       case TagStatus::duplicate:
-        return summary.duplicate;
+        return counts_.duplicate;
       case TagStatus::cut_off:
-        return summary.cut_off;
+        return counts_.cut_off;
       case TagStatus::misplaced:
-        return summary.misplaced;
+        return counts_.misplaced;
       case TagStatus::unknown:
         break;
     }
-    return summary.unknown;
+    return counts_.unknown;
   };
-  for (const FileReport& report : reports) {
-    ++summary.files;
-    if (!report.findings.empty()) ++summary.files_with_findings;
-    if (report.stale) summary.stale.push_back(report.file.string());
-    for (const TagFinding& tag : report.tags) {
-      ++count(tag.status);
-      if (tag.status == TagStatus::ok) seen.insert(tag.tag);
-    }
+  ++counts_.files;
+  if (!report.findings.empty()) ++counts_.files_with_findings;
+  if (report.stale) counts_.stale.push_back(report.file.string());
+  for (const TagFinding& tag : report.tags) {
+    ++count(tag.status);
+    if (tag.status == TagStatus::ok) seen_.insert(tag.tag);
   }
+}
+
+VerifySummary VerifyTally::summary(const Survey& survey) const {
+  VerifySummary summary = counts_;
   for (const PlacedTag& tag : survey.tags) {
-    if (!seen.contains(tag.name)) summary.missing.push_back(tag.name);
+    if (!seen_.contains(tag.name)) summary.missing.push_back(tag.name);
   }
   return summary;
+}
+
+VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports) {
+  VerifyTally tally;
+  for (const FileReport& report : reports) tally.add(report);
+  return tally.summary(survey);
 }
 
 }  // namespace tagsmith

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,7 +41,20 @@ std::string describe_difference(const Digits& found, const Digits& expected);
 std::optional<std::string> check_print_size(const TagTemplate& tag, const FrameCorners& corners,
                                             double metres_per_pixel);
 
-// Counts, and the tags that no report shows as ok (or twice).
+// Adds up reports one by one, without keeping them.
+class VerifyTally {
+ public:
+  void add(const FileReport& report);
+
+  // Counts, and the survey's tags that no report shows as ok (or twice).
+  VerifySummary summary(const Survey& survey) const;
+
+ private:
+  VerifySummary counts_;
+  std::set<std::string> seen_;
+};
+
+// The tally of reports that are at hand together.
 VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports);
 
 }  // namespace tagsmith

@@ -49,6 +49,8 @@ struct FileReport {
   std::filesystem::path file;
   int pages = 0;  // 0 for a picture
   std::vector<TagFinding> tags;
+  std::string sha256{};               // of the file; empty when it cannot be read
+  std::string revision{};             // of the survey it was verified against
   std::vector<std::string> findings;  // whatever is wrong, in words; empty = all well
   std::set<std::string> rules{};      // that the findings are of (docs/verify-rules.md)
   bool stale = false;                 // printed from another state of the survey: print it again

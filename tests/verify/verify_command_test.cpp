@@ -234,6 +234,48 @@ TEST_CASE("a tag of another survey that was given is named") {
   CHECK(tag["message"].get<std::string>().find("001L of survey curved") != std::string::npos);
 }
 
+TEST_CASE("two runs are merged into a report, and a third skips what they did") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path().string();
+  const auto verify = [&](const std::string& name, const std::string& arguments) {
+    const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + arguments);
+    REQUIRE(write_file(folder.path() / name, output.out).has_value());
+    return output;
+  };
+  verify("1.jsonl", kPhotos + "/corridor_01_left.jpg " + kPhotos + "/corridor_02_left.jpg");
+  verify("2.jsonl", kPhotos + "/corridor_02_left.jpg surveys/curved/photos/curved_02_left.jpg");
+  const std::string both = "'" + path + "/1.jsonl' '" + path + "/2.jsonl'";
+  const ProgramOutput report = run_tagsmith("report " + kSurvey + " " + both + " --html '" + path +
+                                            "/r.html' --csv '" + path + "/r.csv'");
+  CHECK(report.exit_code == 1);
+  CHECK(report.out.find("3 files, 2 of 16 tags seen, 1 faults") != std::string::npos);
+  const std::string html = *read_file(folder.path() / "r.html");
+  for (const char* part : {"<!doctype html>", "width=device-width", "<svg", "id=\"filter\"",
+                           "@media print", "not-in-survey", "</html>"}) {
+    CAPTURE(part);
+    CHECK(html.find(part) != std::string::npos);
+  }
+  for (const char* loads : {"src=", "@import", "url(", "fetch(", "<link"}) {
+    CAPTURE(loads);
+    CHECK(html.find(loads) == std::string::npos);
+  }
+  const std::string csv = *read_file(folder.path() / "r.csv");
+  CHECK(csv.find("000L,019000000404,") != std::string::npos);
+  CHECK(csv.find("unseen") != std::string::npos);
+
+  const ProgramOutput again =
+      run_tagsmith("verify --json " + kSurvey + " --resume '" + path + "/1.jsonl' " + kPhotos +
+                   "/corridor_01_left.jpg " + kPhotos + "/corridor_03_left.jpg");
+  CHECK(json_lines(again.out).size() == 2);  // the new file and the summary
+  CHECK(again.err.find("skipped, verified before: 1") != std::string::npos);
+
+  REQUIRE(write_file(folder.path() / "cut.jsonl", "{\"file\": \"a.jp").has_value());
+  const ProgramOutput cut = run_tagsmith("report " + kSurvey + " '" + path + "/cut.jsonl'");
+  CHECK(cut.exit_code == 1);
+  CHECK(cut.err.find("1 lines are not of") != std::string::npos);
+  CHECK(run_tagsmith("report " + kSurvey + " no-such.jsonl").exit_code == 2);
+}
+
 TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
   for (const std::string& arguments :
        {std::string("verify"), "verify " + kSurvey, "verify no-such.yaml " + kPhotos,
