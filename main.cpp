@@ -9,6 +9,7 @@
 #include "decoder/cli/demo_command.hpp"
 #include "decoder/cli/localize_command.hpp"
 #include "decoder/cli/read_command.hpp"
+#include "decoder/cli/report_command.hpp"
 #include "decoder/cli/simulate_command.hpp"
 #include "decoder/cli/verify_command.hpp"
 #include "decoder/verify/proof.hpp"
@@ -39,8 +40,9 @@ int run(int argc, char** argv) {
       tagsmith::draw_command(app),     tagsmith::plan_command(app),
       tagsmith::export_command(app),   tagsmith::print_command(app, tagsmith::prove_pages),
       tagsmith::diff_command(app),     tagsmith::read_command(app),
-      tagsmith::verify_command(app),   tagsmith::localize_command(app),
-      tagsmith::simulate_command(app), tagsmith::demo_command(app),
+      tagsmith::verify_command(app),   tagsmith::report_command(app),
+      tagsmith::localize_command(app), tagsmith::simulate_command(app),
+      tagsmith::demo_command(app),
   };
   try {
     app.parse(argc, argv);

@@ -109,7 +109,7 @@ Verified verify_files(const Demo& demo, const std::vector<fs::path>& files) {
   Verified verified;
   ProgressBar bar("files", files.size());
   run_in_order(files.size(), demo.jobs, [&](std::size_t i) -> Delivery {
-    auto report = std::make_shared<Result<FileReport>>(verify_file(demo.survey, files[i]));
+    auto report = std::make_shared<Result<FileReport>>(verify_file({demo.survey}, files[i]));
     return [&, report] {
       bar.advance([] {});
       if (*report) {

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "decoder/verify/verify_rules.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -51,6 +53,66 @@ Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys
           {"method", "frameless"}};
 }
 
+// What was measured, as a share (widths: modules); nothing where grading has no single number.
+std::optional<double> value_of(const ScanParameters& scan, GradeParameter parameter) {
+  switch (parameter) {
+    case GradeParameter::decode:
+      return std::nullopt;
+    case GradeParameter::symbol_contrast:
+      return scan.symbol_contrast;
+    case GradeParameter::minimum_reflectance:
+      return scan.least_reflectance;
+    case GradeParameter::minimum_edge_contrast:
+      return scan.minimum_edge_contrast;
+    case GradeParameter::modulation:
+      return scan.modulation;
+    case GradeParameter::defects:
+      return scan.defects;
+    case GradeParameter::decodability:
+      return scan.decodability;
+    case GradeParameter::quiet_zone:
+      return scan.quiet_zone;
+  }
+  return std::nullopt;
+}
+
+// Means over the scans, of the parameters that were graded.
+Json grade_parameters(const SymbolGrade& grade) {
+  Json object = Json::object();
+  for (std::size_t i = 0; i < kGradeParameters; ++i) {
+    const auto parameter = static_cast<GradeParameter>(i);
+    double value = 0;
+    double points = 0;
+    bool graded = !grade.scans.empty();
+    for (const ScanGrade& scan : grade.scans) {
+      graded = graded && scan.grades[i].has_value();
+      points += scan.grades[i].value_or(0);
+      value += value_of(scan.parameters, parameter).value_or(0);
+    }
+    if (!graded) continue;
+    const auto count = static_cast<double>(grade.scans.size());
+    Json entry{{"grade", with_decimals(points / count, 2)}};
+    if (value_of(grade.scans.front().parameters, parameter)) {
+      entry["value"] = with_decimals(value / count, 4);
+    }
+    object[to_string(parameter)] = std::move(entry);
+  }
+  return object;
+}
+
+void add_grade(const TagFinding& tag, Json& object) {
+  if (tag.status != TagStatus::ok) return;
+  if (!tag.grade) {
+    object["grade"] = nullptr;
+    object["grade_reason"] = tag.grade_reason;
+    return;
+  }
+  object["grade"] = with_decimals(tag.grade->grade, 1);
+  if (tag.grade->grade < 4) object["grade_blame"] = to_string(tag.grade->worst);
+  object["grade_absolute"] = tag.grade->absolute;
+  object["grade_parameters"] = grade_parameters(*tag.grade);
+}
+
 Json to_json(const TagFinding& tag) {
   Json object{{"tag", tag.tag.empty() ? Json() : Json(tag.tag)},
               {"status", to_string(tag.status)},
@@ -60,8 +122,12 @@ Json to_json(const TagFinding& tag) {
     object["module_px"] = with_decimals(tag.module_px, 3);
     object["confidence"] = tag.confidence;
   }
+  add_grade(tag, object);
   if (tag.page > 0) object["page"] = tag.page;
   if (!tag.message.empty()) object["message"] = tag.message;
+  if (!tag.rule.empty()) object["rule"] = tag.rule;
+  if (const VerifyRule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
+  if (!tag.crop_file.empty()) object["crop"] = tag.crop_file;
   return object;
 }
 
@@ -116,6 +182,9 @@ std::string to_json_line(const FileReport& report) {
   Json tags = Json::array();
   for (const TagFinding& tag : report.tags) tags.push_back(to_json(tag));
   Json object{{"file", report.file.string()}, {"tags", tags}, {"findings", report.findings}};
+  if (!report.sha256.empty()) object["sha256"] = report.sha256;
+  if (!report.revision.empty()) object["revision"] = report.revision;
+  if (!report.rules.empty()) object["rules"] = report.rules;
   if (report.pages > 0) object["pages"] = report.pages;
   if (report.stale) object["stale"] = true;
   return line_of(object);
@@ -131,6 +200,7 @@ std::string to_json_line(const VerifySummary& summary) {
                     {"unreadable", summary.unreadable},
                     {"duplicate", summary.duplicate},
                     {"cut_off", summary.cut_off},
+                    {"misplaced", summary.misplaced},
                     {"stale", summary.stale},
                     {"missing", summary.missing}}}});
 }

@@ -26,12 +26,27 @@ std::string nearest_in_words(const Survey& survey, const Digits& digits) {
                      to_string(nearest->digits), describe_difference(digits, nearest->digits));
 }
 
+// The other survey that has the tag, or null.
+const Survey* home_of(std::span<const Survey> also, const Digits& digits) {
+  const auto home = std::ranges::find_if(
+      also, [&](const Survey& other) { return find_tag(other, digits) != nullptr; });
+  return home == also.end() ? nullptr : &*home;
+}
+
 // A reading that the survey does not have.
-void judge_stranger(const Survey& survey, TagFinding& finding) {
+void judge_stranger(const Survey& survey, std::span<const Survey> also, TagFinding& finding) {
   const Digits& digits = *finding.digits;
+  if (const Survey* home = home_of(also, digits)) {
+    finding.status = TagStatus::unknown;
+    finding.rule = "other-survey";
+    finding.message = fmt::format("{} is {} of survey {}, expected a tag of {}", to_string(digits),
+                                  find_tag(*home, digits)->name, home->name, survey.name);
+    return;
+  }
   const CheckDigit scheme = survey.code.check;
   if (has_check_digit(scheme, digits)) {
     finding.status = TagStatus::unknown;
+    finding.rule = "not-in-survey";
     finding.message = fmt::format("{} is not in survey {}; {}", to_string(digits), survey.name,
                                   nearest_in_words(survey, digits));
     return;
@@ -41,13 +56,17 @@ void judge_stranger(const Survey& survey, TagFinding& finding) {
   finding.message =
       fmt::format("{} ends with check digit {}, expected {} ({}); {}", to_string(digits),
                   digits.back(), expected, to_string(scheme), nearest_in_words(survey, digits));
+  const CheckDigit other = scheme == CheckDigit::gs1 ? CheckDigit::sum10 : CheckDigit::gs1;
+  const bool other_holds = has_check_digit(other, digits);
+  finding.rule = other_holds ? "check-scheme" : "check-digit";
+  if (other_holds) finding.message += fmt::format("; it is right by {}", to_string(other));
   const PlacedTag* nearest = nearest_tag(survey, digits);
   if (nearest != nullptr && differing_digits(nearest->digits, digits) == 1) {
     finding.tag = nearest->name;  // only the check digit is another
   }
 }
 
-TagFinding finding_of(const Survey& survey, const Reading& reading) {
+TagFinding finding_of(const Survey& survey, std::span<const Survey> also, const Reading& reading) {
   TagFinding finding;
   finding.digits = reading.digits;
   finding.corners = reading.corners;
@@ -56,7 +75,7 @@ TagFinding finding_of(const Survey& survey, const Reading& reading) {
   if (const PlacedTag* tag = find_tag(survey, reading.digits)) {
     finding.tag = tag->name;
   } else {
-    judge_stranger(survey, finding);
+    judge_stranger(survey, also, finding);
   }
   return finding;
 }
@@ -78,9 +97,11 @@ TagFinding finding_of(const Rejection& rejection, const std::optional<PictureSiz
   finding.corners = rejection.corners;
   if (size && may_be_cut_off(rejection.corners, *size)) {
     finding.status = TagStatus::cut_off;
+    finding.rule = "cut-off";
     finding.message = "a tag at the picture's edge, not read: " + rejection.reason;
   } else {
     finding.status = TagStatus::unreadable;
+    finding.rule = "undecodable";
     finding.message = "a tag was found and could not be read: " + rejection.reason;
   }
   return finding;
@@ -102,6 +123,8 @@ std::string to_string(TagStatus status) {
       return "duplicate";
     case TagStatus::cut_off:
       return "cut_off";
+    case TagStatus::misplaced:
+      return "misplaced";
   }
   return "unknown";
 }
@@ -138,13 +161,15 @@ std::optional<std::string> check_print_size(const TagTemplate& tag, const FrameC
 }
 
 std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readings,
-                                   const std::optional<PictureSize>& size) {
+                                   const std::optional<PictureSize>& size,
+                                   std::span<const Survey> also) {
   std::vector<TagFinding> findings;
   std::set<std::string> seen;
   for (const Reading& reading : readings.tags) {
-    TagFinding finding = finding_of(survey, reading);
+    TagFinding finding = finding_of(survey, also, reading);
     if (finding.status == TagStatus::ok && !seen.insert(finding.tag).second) {
       finding.status = TagStatus::duplicate;
+      finding.rule = "duplicate";
       finding.message = finding.tag + " is there more than once, expected once";
     }
     findings.push_back(std::move(finding));
@@ -154,39 +179,47 @@ std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readi
   return findings;
 }
 
-VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports) {
-  VerifySummary summary;
-  std::set<std::string> seen;
+void VerifyTally::add(const FileReport& report) {
   const auto count = [&](TagStatus status) -> int& {
     switch (status) {
       case TagStatus::ok:
-        return summary.ok;
+        return counts_.ok;
       case TagStatus::misprinted:
-        return summary.misprinted;
+        return counts_.misprinted;
       case TagStatus::unreadable:
-        return summary.unreadable;
+        return counts_.unreadable;
       case TagStatus::duplicate:
-        return summary.duplicate;
+        return counts_.duplicate;
       case TagStatus::cut_off:
-        return summary.cut_off;
+        return counts_.cut_off;
+      case TagStatus::misplaced:
+        return counts_.misplaced;
       case TagStatus::unknown:
         break;
     }
-    return summary.unknown;
+    return counts_.unknown;
   };
-  for (const FileReport& report : reports) {
-    ++summary.files;
-    if (!report.findings.empty()) ++summary.files_with_findings;
-    if (report.stale) summary.stale.push_back(report.file.string());
-    for (const TagFinding& tag : report.tags) {
-      ++count(tag.status);
-      if (tag.status == TagStatus::ok) seen.insert(tag.tag);
-    }
+  ++counts_.files;
+  if (!report.findings.empty()) ++counts_.files_with_findings;
+  if (report.stale) counts_.stale.push_back(report.file.string());
+  for (const TagFinding& tag : report.tags) {
+    ++count(tag.status);
+    if (tag.status == TagStatus::ok) seen_.insert(tag.tag);
   }
+}
+
+VerifySummary VerifyTally::summary(const Survey& survey) const {
+  VerifySummary summary = counts_;
   for (const PlacedTag& tag : survey.tags) {
-    if (!seen.contains(tag.name)) summary.missing.push_back(tag.name);
+    if (!seen_.contains(tag.name)) summary.missing.push_back(tag.name);
   }
   return summary;
+}
+
+VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports) {
+  VerifyTally tally;
+  for (const FileReport& report : reports) tally.add(report);
+  return tally.summary(survey);
 }
 
 }  // namespace tagsmith

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,11 +22,13 @@ struct PictureSize {
 
 // A finding for every reading and every refusal, in the order given. A code that the survey has is
 // `ok`; a second reading of it is a `duplicate`; a reading that breaks the survey's check digit is
-// `misprinted`, any other `unknown`, both with the nearest code of the survey in the message. A
+// `misprinted`, any other `unknown`, both with the nearest code of the survey in the message, or
+// with its name in one of the surveys `also` given. A
 // refusal is `unreadable`; in a photo whose `size` is given one that lies so near the edge that the
 // tag may go on outside is `cut_off`.
 std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readings,
-                                   const std::optional<PictureSize>& size = std::nullopt);
+                                   const std::optional<PictureSize>& size = std::nullopt,
+                                   std::span<const Survey> also = {});
 
 // The survey's tag whose digits differ least from these; null when the survey has no tags.
 const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits);
@@ -38,7 +41,20 @@ std::string describe_difference(const Digits& found, const Digits& expected);
 std::optional<std::string> check_print_size(const TagTemplate& tag, const FrameCorners& corners,
                                             double metres_per_pixel);
 
-// Counts, and the tags that no report shows as ok (or twice).
+// Adds up reports one by one, without keeping them.
+class VerifyTally {
+ public:
+  void add(const FileReport& report);
+
+  // Counts, and the survey's tags that no report shows as ok (or twice).
+  VerifySummary summary(const Survey& survey) const;
+
+ private:
+  VerifySummary counts_;
+  std::set<std::string> seen_;
+};
+
+// The tally of reports that are at hand together.
 VerifySummary summarize(const Survey& survey, std::span<const FileReport> reports);
 
 }  // namespace tagsmith

@@ -4,9 +4,12 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "decoder/grade/symbol_grade.hpp"
+#include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
@@ -19,6 +22,7 @@ enum class TagStatus {
   unreadable,  // a tag was found and refused
   duplicate,   // the same tag stands elsewhere in the same picture or print file
   cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
+  misplaced,   // a tag in order that hangs where another one should
 };
 
 std::string to_string(TagStatus status);
@@ -31,8 +35,13 @@ struct TagFinding {
   FrameCorners corners{};        // pixels of the picture, or of the page as rasterised
   double module_px = 0;
   double confidence = 0;
-  int page = 0;         // 1-based page of a print file; 0 in a picture
-  std::string message;  // what is wrong and what was expected; empty when ok
+  int page = 0;                        // 1-based page of a print file; 0 in a picture
+  std::string message;                 // what is wrong and what was expected; empty when ok
+  std::string rule{};                  // of docs/verify-rules.md; empty when ok
+  std::optional<SymbolGrade> grade{};  // print quality; only of a tag that is ok
+  std::string grade_reason{};          // why an ok tag has no grade
+  std::optional<GrayImage> crop{};     // the tag and its surroundings, when asked for
+  std::string crop_file{};             // where it was saved
 };
 
 // One file.
@@ -40,7 +49,10 @@ struct FileReport {
   std::filesystem::path file;
   int pages = 0;  // 0 for a picture
   std::vector<TagFinding> tags;
+  std::string sha256{};               // of the file; empty when it cannot be read
+  std::string revision{};             // of the survey it was verified against
   std::vector<std::string> findings;  // whatever is wrong, in words; empty = all well
+  std::set<std::string> rules{};      // that the findings are of (docs/verify-rules.md)
   bool stale = false;                 // printed from another state of the survey: print it again
 };
 
@@ -54,6 +66,7 @@ struct VerifySummary {
   int unreadable = 0;
   int duplicate = 0;
   int cut_off = 0;
+  int misplaced = 0;
   std::vector<std::string> stale;    // print files to print again
   std::vector<std::string> missing;  // names of the survey's tags that no file shows in order
 };

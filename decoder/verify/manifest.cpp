@@ -187,12 +187,14 @@ FileReport check_against_manifest(const PrintManifest& manifest, FileReport repo
       found[static_cast<std::size_t>(match - expected.begin())] = true;
     } else if (tag.status == TagStatus::ok) {
       tag.status = TagStatus::misprinted;
+      tag.rule = "other-file";
       tag.message = fmt::format("{} {} stands in this file, expected {} (manifest.json)", tag.tag,
                                 to_string(*tag.digits), names_of(expected));
     }
   }
   for (std::size_t i = 0; i < expected.size(); ++i) {
     if (!found[i]) {
+      report.rules.insert("missing-in-file");
       report.findings.push_back(fmt::format("{} {} was not read, but manifest.json says it is here",
                                             expected[i].name, to_string(expected[i].digits)));
     }
@@ -210,6 +212,7 @@ FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, 
   const std::string file = report.file.filename().string();
   const auto hash = manifest.sha256.find(file);
   if (hash != manifest.sha256.end() && sha256_of_file(report.file) != hash->second) {
+    report.rules.insert("changed-file");
     report.findings.emplace_back(
         "it is not the file that was printed: its SHA-256 is not that of "
         "manifest.json");
@@ -221,6 +224,7 @@ FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, 
   for (const std::string& reason : reasons) {
     if (reason.empty()) continue;
     report.stale = true;
+    report.rules.insert("stale");
     report.findings.push_back("stale: " + reason);
   }
   return report;

@@ -7,10 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "decoder/image/half_size.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/diagnose.hpp"
+#include "decoder/verify/grade_tags.hpp"
+#include "decoder/verify/hanging.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -49,11 +53,49 @@ void describe_tags(FileReport& report) {
     if (tag.status == TagStatus::ok || tag.status == TagStatus::cut_off) continue;
     const std::string page = tag.page == 0 ? "" : fmt::format("page {}: ", tag.page);
     report.findings.push_back(fmt::format("{}{}: {}", page, to_string(tag.status), tag.message));
+    report.rules.insert(tag.rule);
   }
 }
 
-std::vector<TagFinding> verify_page(const Survey& survey, const PageImage& page, int number) {
-  std::vector<TagFinding> tags = check_tags(survey, read_for_survey(page.image.view(), survey));
+void find_no_tag(FileReport& report, const std::string& page = "") {
+  report.findings.push_back(page + "no tag was found");
+  report.rules.insert("no-tag");
+}
+
+// A fault's surroundings: half a frame's size more on each side, at most kMostCrop pixels wide.
+void crop_faults(const GrayView& image, std::vector<TagFinding>& tags) {
+  constexpr int kMostCrop = 800;
+  for (TagFinding& tag : tags) {
+    if (tag.status == TagStatus::ok || tag.status == TagStatus::cut_off) continue;
+    const auto [left, right] = std::ranges::minmax(tag.corners, {}, &PixelPoint::x);
+    const auto [top, bottom] = std::ranges::minmax(tag.corners, {}, &PixelPoint::y);
+    const double margin = 0.5 * std::max(right.x - left.x, bottom.y - top.y);
+    const auto within = [](double value, int size) {
+      return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+    };
+    const int x0 = within(left.x - margin, image.width);
+    const int x1 = within(right.x + margin, image.width);
+    const int y0 = within(top.y - margin, image.height);
+    const int y1 = within(bottom.y + margin, image.height);
+    if (x1 - x0 < 2 || y1 - y0 < 2) continue;
+    GrayImage crop{x1 - x0, y1 - y0, {}};
+    for (int y = y0; y < y1; ++y) {
+      crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
+    }
+    while (crop.width > kMostCrop) crop = half_size(crop.view());
+    tag.crop = std::move(crop);
+  }
+}
+
+std::vector<TagFinding> verify_page(const VerifyRequest& request, const PageImage& page,
+                                    int number) {
+  const Survey& survey = request.survey;
+  const GrayView image = page.image.view();
+  std::vector<TagFinding> tags =
+      check_tags(survey, read_for_survey(image, survey), {}, request.also);
+  diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), tags);
+  find_mirrored(image, survey.tag_template, tags);
+  find_upside_down(tags);
   for (TagFinding& tag : tags) {
     tag.page = number;
     if (tag.status != TagStatus::ok) continue;
@@ -61,8 +103,11 @@ std::vector<TagFinding> verify_page(const Survey& survey, const PageImage& page,
         check_print_size(survey.tag_template, tag.corners, page.metres_per_pixel);
     if (!size) continue;
     tag.status = TagStatus::misprinted;
+    tag.rule = "wrong-scale";
     tag.message = fmt::format("{}: {}", tag.tag, *size);
   }
+  grade_tags(image, survey.tag_template, tags);
+  if (request.crops) crop_faults(image, tags);
   return tags;
 }
 
@@ -74,48 +119,61 @@ void find_repeats(std::vector<TagFinding>& tags) {
     const auto [first, is_new] = first_page.emplace(tag.tag, tag.page);
     if (is_new) continue;
     tag.status = TagStatus::duplicate;
+    tag.rule = "duplicate";
     tag.message = fmt::format("{} is on page {} already, expected once", tag.tag, first->second);
   }
 }
 
-Result<FileReport> verify_picture(const Survey& survey, const std::filesystem::path& path) {
-  const Result<GrayImage> image = load_gray_image(path);
-  if (!image) return fail(image.error().message);
+Result<FileReport> verify_picture(const VerifyRequest& request, const std::filesystem::path& path) {
+  const Result<GrayImage> loaded = load_gray_image(path);
+  if (!loaded) return fail(loaded.error().message);
+  const Survey& survey = request.survey;
+  const GrayView image = loaded->view();
   FileReport report;
   report.file = path;
-  report.tags = check_tags(survey, read_for_survey(image->view(), survey),
-                           PictureSize{image->width, image->height});
+  report.tags = check_tags(survey, read_for_survey(image, survey),
+                           PictureSize{image.width, image.height}, request.also);
+  diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags);
+  find_mirrored(image, survey.tag_template, report.tags);
+  find_misplaced(survey, report.tags);
+  grade_tags(image, survey.tag_template, report.tags);
+  if (request.crops) crop_faults(image, report.tags);
   const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
-  if (std::ranges::all_of(report.tags, is_cut_off))
-    report.findings.emplace_back("no tag was found");
+  if (!std::ranges::all_of(report.tags, is_cut_off)) return report;
+  if (const std::optional<Diagnosis> light = diagnose_picture(image)) {
+    report.findings.push_back("no tag was found: " + light->measured);
+    report.rules.insert(light->rule);
+  } else {
+    find_no_tag(report);
+  }
   return report;
 }
 
 // A print file's page as one picture.
-Result<FileReport> verify_print_picture(const Survey& survey, const std::filesystem::path& path,
-                                        const PageImage& image) {
+Result<FileReport> verify_print_picture(const VerifyRequest& request,
+                                        const std::filesystem::path& path, const PageImage& image) {
   FileReport report;
   report.file = path;
-  report.tags = verify_page(survey, image, 0);
-  if (report.tags.empty()) report.findings.emplace_back("no tag was found");
+  report.tags = verify_page(request, image, 0);
+  if (report.tags.empty()) find_no_tag(report);
   return report;
 }
 
-Result<FileReport> verify_svg(const Survey& survey, const std::filesystem::path& path) {
+Result<FileReport> verify_svg(const VerifyRequest& request, const std::filesystem::path& path) {
   const Result<PageImage> page = rasterize_svg(path);
   if (!page) return fail(page.error().message);
-  return verify_print_picture(survey, path, *page);
+  return verify_print_picture(request, path, *page);
 }
 
 // A PNG that the manifest names has a resolution; any other picture is a photo.
-Result<FileReport> verify_png(const Survey& survey, const std::filesystem::path& path,
+Result<FileReport> verify_png(const VerifyRequest& request, const std::filesystem::path& path,
                               int dots_per_inch) {
   Result<GrayImage> image = load_gray_image(path);
   if (!image) return fail(image.error().message);
-  return verify_print_picture(survey, path, {std::move(*image), kMetresPerInch / dots_per_inch});
+  return verify_print_picture(request, path, {std::move(*image), kMetresPerInch / dots_per_inch});
 }
 
-Result<FileReport> verify_pdf(const Survey& survey, const std::filesystem::path& path) {
+Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesystem::path& path) {
   const Result<std::vector<PageSize>> pages = pdf_pages(path);
   if (!pages) return fail(pages.error().message);
   FileReport report;
@@ -125,32 +183,33 @@ Result<FileReport> verify_pdf(const Survey& survey, const std::filesystem::path&
     const PageSize& size = (*pages)[static_cast<std::size_t>(number - 1)];
     const Result<PageImage> page = rasterize_page(path, number, size);
     if (!page) return fail(page.error().message);
-    const std::vector<TagFinding> tags = verify_page(survey, *page, number);
-    if (tags.empty()) report.findings.push_back(fmt::format("page {}: no tag was found", number));
+    const std::vector<TagFinding> tags = verify_page(request, *page, number);
+    if (tags.empty()) find_no_tag(report, fmt::format("page {}: ", number));
     std::ranges::copy(tags, std::back_inserter(report.tags));
   }
   find_repeats(report.tags);
   return report;
 }
 
-Result<FileReport> read_and_check(const Survey& survey, const std::filesystem::path& path,
+Result<FileReport> read_and_check(const VerifyRequest& request, const std::filesystem::path& path,
                                   int dots_per_inch) {
-  if (is_pdf(path)) return verify_pdf(survey, path);
-  if (is_svg(path)) return verify_svg(survey, path);
-  return dots_per_inch > 0 ? verify_png(survey, path, dots_per_inch) : verify_picture(survey, path);
+  if (is_pdf(path)) return verify_pdf(request, path);
+  if (is_svg(path)) return verify_svg(request, path);
+  return dots_per_inch > 0 ? verify_png(request, path, dots_per_inch)
+                           : verify_picture(request, path);
 }
 
 // A file that `print` wrote: documents hold no tag, tiles none that could be read alone.
-Result<FileReport> verify_printed(const Survey& survey, const std::filesystem::path& path,
+Result<FileReport> verify_printed(const VerifyRequest& request, const std::filesystem::path& path,
                                   const PrintManifest& manifest, ManifestEntry entry) {
   FileReport report;
   report.file = path;
   if (entry == ManifestEntry::tags) {
-    Result<FileReport> read = read_and_check(survey, path, manifest.dots_per_inch);
+    Result<FileReport> read = read_and_check(request, path, manifest.dots_per_inch);
     if (!read) return read;
     report = check_against_manifest(manifest, std::move(*read));
   }
-  return check_freshness(manifest, survey, std::move(report));
+  return check_freshness(manifest, request.survey, std::move(report));
 }
 
 }  // namespace
@@ -175,14 +234,14 @@ ReadResult read_for_survey(const GrayView& image, const Survey& survey) {
   return merge_readings(first, read_tags(image, with_code_book));
 }
 
-Result<FileReport> verify_file(const Survey& survey, const std::filesystem::path& path) {
+Result<FileReport> verify_file(const VerifyRequest& request, const std::filesystem::path& path) {
   const Result<std::optional<PrintManifest>> manifest = find_manifest(path);
   if (!manifest) return fail(manifest.error().message);
   const ManifestEntry entry =
       *manifest ? entry_of(**manifest, path.filename().string()) : ManifestEntry::stranger;
   Result<FileReport> report = entry == ManifestEntry::stranger
-                                  ? read_and_check(survey, path, 0)
-                                  : verify_printed(survey, path, **manifest, entry);
+                                  ? read_and_check(request, path, 0)
+                                  : verify_printed(request, path, **manifest, entry);
   if (report) describe_tags(*report);
   return report;
 }

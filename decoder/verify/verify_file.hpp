@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
@@ -11,6 +12,13 @@
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
+
+// What files are verified against; the surveys outlive it.
+struct VerifyRequest {
+  const Survey& survey;
+  std::span<const Survey> also{};  // other surveys, whose tags do not belong here
+  bool crops = false;              // whether TagFinding::crop of faults is filled
+};
 
 // Everything in the picture: first read without the survey, so that a tag that should not be there
 // is seen for what it is, then once more with the survey as the code book, for tags too small or
@@ -26,6 +34,6 @@ ReadResult merge_readings(const ReadResult& first, const ReadResult& second);
 // the manifest says; the file must be the one that was printed, and not stale. Tiles and the
 // installer's documents are not read, the rest is checked.
 // Fails when the file cannot be read at all.
-Result<FileReport> verify_file(const Survey& survey, const std::filesystem::path& path);
+Result<FileReport> verify_file(const VerifyRequest& request, const std::filesystem::path& path);
 
 }  // namespace tagsmith

@@ -79,6 +79,9 @@ TEST_CASE("print files are read back and hold what their manifest says") {
   REQUIRE(lines.size() == 5);  // three tags, the setting-out, the summary
   CHECK(lines[2]["tags"][0]["tag"] == "003L");
   CHECK(lines[2]["tags"][0]["page"] == 1);
+  CHECK(lines[2]["tags"][0]["grade"] == 4.0);
+  CHECK(lines[2]["tags"][0]["grade_absolute"] == false);
+  CHECK(lines[2]["tags"][0]["grade_parameters"]["decodability"]["value"] > 0.9);
   CHECK(lines[4]["summary"]["missing"].size() == 13);
 }
 
@@ -187,9 +190,90 @@ TEST_CASE("unreadable files are told, the others checked, and the exit code is 2
       run_tagsmith("verify --json " + kSurvey + " no-such.jpg '" + broken.string() + "' " +
                    kPhotos + "/corridor_01_left.jpg");
   CHECK(output.exit_code == 2);
-  CHECK(json_lines(output.out).size() == 2);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0]["rules"][0] == "broken-file");
+  CHECK(lines[2]["tags"][0]["status"] == "ok");
   CHECK(output.err.find("no-such.jpg: no such file") != std::string::npos);
   CHECK(output.err.find("broken.pdf: is no PDF that can be drawn") != std::string::npos);
+}
+
+TEST_CASE("mirrored and upside-down pages are told apart, with crops") {
+  const TemporaryFolder folder;
+  const std::string path = "'" + folder.path().string() + "'";
+  REQUIRE(
+      run_tagsmith("print " + kSurvey + " -o " + path + " --tags 000L --format svg").exit_code ==
+      0);
+  const std::string svg = *read_file(folder.path() / "000L.svg");
+  const std::size_t begin = svg.find('>', svg.find("<svg")) + 1;
+  const std::size_t end = svg.rfind("</svg>");
+  const auto verify_turned = [&](const std::string& name, const std::string& transform) {
+    const fs::path file = folder.path() / "turned" / name;
+    REQUIRE(write_file(file, svg.substr(0, begin) + "<g transform=\"" + transform + "\">" +
+                                 svg.substr(begin, end - begin) + "</g></svg>")
+                .has_value());
+    const ProgramOutput output =
+        run_tagsmith("verify --json " + kSurvey + " '" + file.string() + "' --crops " + path);
+    CHECK(output.exit_code == 1);
+    return json_lines(output.out).at(0)["tags"][0];
+  };
+  const json mirrored = verify_turned("mirrored.svg", "translate(450 0) scale(-1 1)");
+  CHECK(mirrored["rule"] == "mirrored");
+  CHECK(mirrored["remedy"] != "");
+  CHECK(fs::file_size(mirrored["crop"].get<std::string>()) > 1000);
+  CHECK(verify_turned("down.svg", "translate(450 350) scale(-1 -1)")["rule"] == "upside-down");
+}
+
+TEST_CASE("a tag of another survey that was given is named") {
+  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey +
+                                            " surveys/curved/photos/curved_02_left.jpg --also "
+                                            "surveys/curved/survey.yaml");
+  CHECK(output.exit_code == 1);
+  const json tag = json_lines(output.out).at(0)["tags"][0];
+  CHECK(tag["rule"] == "other-survey");
+  CHECK(tag["message"].get<std::string>().find("001L of survey curved") != std::string::npos);
+}
+
+TEST_CASE("two runs are merged into a report, and a third skips what they did") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path().string();
+  const auto verify = [&](const std::string& name, const std::string& arguments) {
+    const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + arguments);
+    REQUIRE(write_file(folder.path() / name, output.out).has_value());
+    return output;
+  };
+  verify("1.jsonl", kPhotos + "/corridor_01_left.jpg " + kPhotos + "/corridor_02_left.jpg");
+  verify("2.jsonl", kPhotos + "/corridor_02_left.jpg surveys/curved/photos/curved_02_left.jpg");
+  const std::string both = "'" + path + "/1.jsonl' '" + path + "/2.jsonl'";
+  const ProgramOutput report = run_tagsmith("report " + kSurvey + " " + both + " --html '" + path +
+                                            "/r.html' --csv '" + path + "/r.csv'");
+  CHECK(report.exit_code == 1);
+  CHECK(report.out.find("3 files, 2 of 16 tags seen, 1 faults") != std::string::npos);
+  const std::string html = *read_file(folder.path() / "r.html");
+  for (const char* part : {"<!doctype html>", "width=device-width", "<svg", "id=\"filter\"",
+                           "@media print", "not-in-survey", "</html>"}) {
+    CAPTURE(part);
+    CHECK(html.find(part) != std::string::npos);
+  }
+  for (const char* loads : {"src=", "@import", "url(", "fetch(", "<link"}) {
+    CAPTURE(loads);
+    CHECK(html.find(loads) == std::string::npos);
+  }
+  const std::string csv = *read_file(folder.path() / "r.csv");
+  CHECK(csv.find("000L,019000000404,") != std::string::npos);
+  CHECK(csv.find("unseen") != std::string::npos);
+
+  const ProgramOutput again =
+      run_tagsmith("verify --json " + kSurvey + " --resume '" + path + "/1.jsonl' " + kPhotos +
+                   "/corridor_01_left.jpg " + kPhotos + "/corridor_03_left.jpg");
+  CHECK(json_lines(again.out).size() == 2);  // the new file and the summary
+  CHECK(again.err.find("skipped, verified before: 1") != std::string::npos);
+
+  REQUIRE(write_file(folder.path() / "cut.jsonl", "{\"file\": \"a.jp").has_value());
+  const ProgramOutput cut = run_tagsmith("report " + kSurvey + " '" + path + "/cut.jsonl'");
+  CHECK(cut.exit_code == 1);
+  CHECK(cut.err.find("1 lines are not of") != std::string::npos);
+  CHECK(run_tagsmith("report " + kSurvey + " no-such.jsonl").exit_code == 2);
 }
 
 TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {

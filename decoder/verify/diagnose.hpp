@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Why a tag could not be read, as measured in the picture.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/verify/finding.hpp"
+#include "tagsmith/tag/template.hpp"
+
+namespace tagsmith {
+
+struct Diagnosis {
+  std::string rule;      // docs/verify-rules.md
+  std::string measured;  // number and limit in words; empty for `undecodable`
+};
+
+// The first that applies of: end-on, too small, too dark, glare, low contrast, covered, bars grown,
+// blurred, undecodable. Geometry comes before light, and light before the bars, because each makes
+// the later measurements worthless.
+Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
+                   const ReadOptions& options);
+
+// What is wrong with the light of a whole picture in which no tag was found; nothing when a tag
+// could have been seen in it.
+std::optional<Diagnosis> diagnose_picture(const GrayView& image);
+
+// Names the rule of every unreadable finding and adds the measurement to its message.
+void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOptions& options,
+                   std::vector<TagFinding>& findings);
+
+}  // namespace tagsmith

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/grade_tags.hpp"
+
+#include <cmath>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "decoder/reader/symbol_layout.hpp"
+#include "tagsmith/tag/drawing.hpp"
+
+namespace tagsmith {
+namespace {
+
+// Mean light of the rectangle's inner half; nothing when a part of it is outside the picture.
+std::optional<double> mean_light(const GrayView& image, const Homography& image_from_unit,
+                                 const TagTemplate& tag, const Rectangle& area) {
+  constexpr int kSteps = 8;
+  const ToneCurve& tone = ToneCurve::srgb();
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const double x = area.x + area.width * (0.25 + 0.5 * (i + 0.5) / kSteps);
+      const double y = area.y + area.height * (0.25 + 0.5 * (j + 0.5) / kSteps);
+      const PixelPoint at = image_from_unit(x / tag.frame_inner_length, y / tag.frame_inner_height);
+      const bool inside =
+          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+      if (!inside) return std::nullopt;
+      sum += tone.light_of(
+          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+    }
+  }
+  return sum / (kSteps * kSteps);
+}
+
+}  // namespace
+
+std::optional<ReflectanceReferences> find_references(const GrayView& image, const TagTemplate& tag,
+                                                     const FrameCorners& corners) {
+  if (tag.patch_size <= 0) return std::nullopt;
+  const std::optional<ReferencePatches> patches = draw_tag(tag, Digits{}).patches;
+  if (!patches) return std::nullopt;
+  const Homography image_from_unit = homography_to(corners);
+  const std::optional<double> white = mean_light(image, image_from_unit, tag, patches->white);
+  const std::optional<double> black = mean_light(image, image_from_unit, tag, patches->black);
+  constexpr double kOverexposed = 0.98;
+  constexpr double kLeastDifference = 0.1;
+  if (!white || !black || *white > kOverexposed || *white - *black < kLeastDifference) {
+    return std::nullopt;
+  }
+  return ReflectanceReferences{*white, kWhitePatchReflectance, *black, kBlackPatchReflectance};
+}
+
+void grade_tags(const GrayView& image, const TagTemplate& tag, std::vector<TagFinding>& findings) {
+  const SymbolLayout layout = layout_of(tag);
+  for (TagFinding& finding : findings) {
+    if (finding.status != TagStatus::ok) continue;
+    Result<SymbolGrade> grade =
+        grade_symbol(image, finding.corners, layout, find_references(image, tag, finding.corners));
+    if (grade) {
+      finding.grade = std::move(*grade);
+    } else {
+      finding.grade_reason = grade.error().message;
+    }
+  }
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plates that read well and are still wrong: mirrored, upside down, exchanged, on the other wall.
+#pragma once
+
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/verify/finding.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// A UPC-A symbol mirrored has the bars of the same symbol upside down, so its bars cannot tell.
+// The label can: it stands below the frame as the bars are read, and above it in a mirrored print.
+// Makes `ok` findings `misprinted` (rule `mirrored`) where that place is white and ink stands in
+// the opposite one. Tells nothing of templates without a label below, and below 4 px a module.
+void find_mirrored(const GrayView& image, const TagTemplate& tag,
+                   std::vector<TagFinding>& findings);
+
+// For pages, whose up is known: `ok` tags that stand on their head become `misprinted`.
+void find_upside_down(std::vector<TagFinding>& findings);
+
+// Compares `ok` tags of one picture in pairs, by the plane of one of the two plates. Both become
+// `misplaced` when they hang in one plane and the survey has them on opposite walls (`wrong-wall`),
+// or the other way round along their wall (`swapped`). Only neighbours within 4 m are compared,
+// and only at 2 px a module or more: farther away the plane is too uncertain.
+void find_misplaced(const Survey& survey, std::vector<TagFinding>& findings);
+
+}  // namespace tagsmith

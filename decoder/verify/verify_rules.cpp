@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/verify_rules.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace tagsmith {
+namespace {
+
+constexpr std::array kRules{
+    VerifyRule{"bars-grown", "unreadable: the bars are wider or narrower than drawn",
+               "Ink spread or a wrong exposure of the plate. Print it again, with less ink or with "
+               "the printer's own resolution in the template (symbol.dpi)."},
+    VerifyRule{"blurred", "unreadable: blur wider than the reader follows",
+               "Hold the camera still, focus on the plate, or go nearer. If a sharp photo from one "
+               "metre says the same, the print is blurred: replace the plate."},
+    VerifyRule{"broken-file", "a file that cannot be read",
+               "The file is damaged, empty or of another kind. Copy it again from the camera or "
+               "print it again."},
+    VerifyRule{"changed-file", "a print file that is not the one that was printed",
+               "Somebody saved or converted the file. Take the one that `tagsmith print` wrote."},
+    VerifyRule{
+        "check-digit", "a check digit that neither scheme gives",
+        "The plate was typed by hand or damaged in a digit. Print it again from the survey."},
+    VerifyRule{"check-scheme", "the check digit of the other scheme",
+               "The plate was made with another program's check digit, or code.check_digit of the "
+               "survey was changed after printing. Print it again, or set the survey back."},
+    VerifyRule{"covered", "unreadable: a part of the bars is covered or damaged",
+               "Clean the plate and clear what hangs before it; replace it when it is scratched."},
+    VerifyRule{"cut-off", "a tag at the picture's edge, not wholly in view",
+               "No fault. Turn the camera if this tag was the one to be checked."},
+    VerifyRule{"duplicate", "one tag twice in a picture or print file",
+               "One of the two plates is a second copy or was hung in the wrong place. Compare "
+               "both labels with the setting-out list and take the wrong one down."},
+    VerifyRule{"end-on", "unreadable: seen too much from the side",
+               "Photograph the plate from more in front of it. If it is turned on the wall, set "
+               "it straight."},
+    VerifyRule{"glare", "unreadable: so bright that the bars are washed out",
+               "Move the lamp or the camera to the side, or expose less."},
+    VerifyRule{"low-contrast", "unreadable: bars and ground are nearly equal",
+               "Clean the plate, light it from the front, and see whether dust or fog is in the "
+               "air. Replace a faded plate."},
+    VerifyRule{"mirrored", "a mirrored print: the label is on the wrong side of the bars",
+               "The plate was printed mirrored, as for the back of a film. Print it again with "
+               "mirroring switched off. It still reads, but every position from it is wrong."},
+    VerifyRule{"missing-in-file", "a print file without a tag that belongs in it",
+               "Print the file again."},
+    VerifyRule{"no-tag", "a picture or page without any tag",
+               "If there is a plate in the picture: go nearer, light it, keep the whole frame in "
+               "view. A print file without a tag must be printed again."},
+    VerifyRule{"not-in-survey", "a good reading of a code that the survey does not have",
+               "Is it the right survey? Otherwise the plate is of another drive or of an older "
+               "survey: give that survey with --also to be told, and take the plate down."},
+    VerifyRule{"other-file", "a tag that belongs in another print file",
+               "Files were renamed or mixed up. Print them again."},
+    VerifyRule{"other-survey", "a tag of another survey that was given",
+               "The plate hangs in the wrong drive. Hang it where its own setting-out list says."},
+    VerifyRule{"stale", "a print from another state of the survey",
+               "Print the tag again; do not hang the old plate."},
+    VerifyRule{"swapped", "two tags of one wall in the wrong order",
+               "The two plates were exchanged. Exchange them back by the setting-out list."},
+    VerifyRule{"too-dark", "unreadable: too dark", "Light the plate, or expose longer."},
+    VerifyRule{"too-small", "unreadable: too few pixels a module",
+               "Go nearer or use a longer lens or more pixels."},
+    VerifyRule{"undecodable", "unreadable for none of the other causes",
+               "Look at the crop, and at `tagsmith read --explain`. Clean the plate; replace it if "
+               "a sharp photo from one metre says the same. It may be no tag of this template."},
+    VerifyRule{"upside-down", "a tag upside down on its page",
+               "Turn the page or print it again; hang the plate with the arrow upwards."},
+    VerifyRule{"wrong-scale", "a print whose frame is not of the template's size",
+               "Print at 100 %, without `fit to page`, and measure the frame before hanging."},
+    VerifyRule{"wrong-wall", "tags of opposite walls side by side on one wall",
+               "One of the plates hangs on the wrong wall. Compare both labels with the "
+               "setting-out list."},
+};
+
+}  // namespace
+
+std::span<const VerifyRule> verify_rules() { return kRules; }
+
+const VerifyRule* find_verify_rule(std::string_view code) {
+  const auto rule = std::ranges::find(kRules, code, &VerifyRule::code);
+  return rule == kRules.end() ? nullptr : &*rule;
+}
+
+std::string verify_rules_table() {
+  std::string text = "| rule | finds | what to do |\n|---|---|---|\n";
+  for (const VerifyRule& rule : kRules) {
+    text += fmt::format("| `{}` | {} | {} |\n", rule.code, rule.finds, rule.remedy);
+  }
+  return text;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/grade_tags.hpp"
+
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/tag/drawing.hpp"
+#include "tests/verify/survey_of_four.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr double kPixelsPerMetre = 2000;
+constexpr double kWhite = 0.6;  // light of white and black in the picture
+constexpr double kBlack = 0.05;
+const Digits kDigits = *parse_digits("019000000404");
+
+TagTemplate with_patches() {
+  TagTemplate tag;
+  tag.plate_length = 0.4;
+  tag.plate_height = 0.3;
+  tag.frame_inner_length = 0.339;
+  tag.frame_inner_height = 0.168;
+  tag.frame_stroke = 0.01;
+  tag.frame_offset_up = 0.03;
+  tag.patch_size = 0.02;
+  return tag;
+}
+
+struct Picture {
+  GrayImage image;
+  FrameCorners corners{};
+};
+
+void fill(GrayImage& image, const Rectangle& area, double light) {
+  const auto pixel = [](double metres) {
+    return static_cast<int>(std::lround((metres + 0.1) * kPixelsPerMetre));
+  };
+  const auto sample = static_cast<std::uint8_t>(std::lround(ToneCurve::srgb().sample_of(light)));
+  for (int y = pixel(area.y); y < pixel(area.y + area.height); ++y) {
+    for (int x = pixel(area.x); x < pixel(area.x + area.width); ++x) {
+      image.samples[static_cast<std::size_t>(y * image.width + x)] = sample;
+    }
+  }
+}
+
+// The tag upright, P at 0.1 m from both edges of a dark picture.
+Picture draw(const TagTemplate& tag, double white) {
+  constexpr int kWidth = 1200;
+  constexpr int kHeight = 800;
+  Picture picture{{kWidth, kHeight, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 20)}};
+  const TagDrawing drawing = draw_tag(tag, kDigits);
+  fill(picture.image, drawing.plate, white);
+  fill(picture.image, drawing.frame_outer, kBlack);
+  fill(picture.image, drawing.frame_inner, white);
+  for (const Rectangle& bar : drawing.bars) fill(picture.image, bar, kBlack);
+  if (drawing.patches) fill(picture.image, drawing.patches->black, kBlack);
+  const double left = 0.1 * kPixelsPerMetre - 0.5;
+  const double right = left + tag.frame_inner_length * kPixelsPerMetre;
+  const double bottom = left + tag.frame_inner_height * kPixelsPerMetre;
+  picture.corners = {{{left, left}, {right, left}, {right, bottom}, {left, bottom}}};
+  return picture;
+}
+
+TagFinding graded(const TagTemplate& tag, const Picture& picture, TagStatus status) {
+  std::vector<TagFinding> findings(1);
+  findings[0].status = status;
+  findings[0].corners = picture.corners;
+  grade_tags(picture.image.view(), tag, findings);
+  return findings[0];
+}
+
+}  // namespace
+
+TEST_CASE("reference patches make a grade absolute") {
+  const TagTemplate tag = with_patches();
+  const Picture picture = draw(tag, kWhite);
+  const auto references = find_references(picture.image.view(), tag, picture.corners);
+  REQUIRE(references.has_value());
+  CHECK(references->white_light == doctest::Approx(kWhite).epsilon(0.01));
+  CHECK(references->black_light == doctest::Approx(kBlack).epsilon(0.05));
+  const TagFinding finding = graded(tag, picture, TagStatus::ok);
+  REQUIRE(finding.grade.has_value());
+  CHECK(finding.grade->absolute);
+  const double contrast = finding.grade->scans[0].parameters.symbol_contrast;
+  CHECK(contrast == doctest::Approx(kWhitePatchReflectance - kBlackPatchReflectance).epsilon(0.02));
+}
+
+TEST_CASE("without patches, or with overexposed ones, a grade is relative") {
+  TagTemplate plain = with_patches();
+  plain.patch_size = 0;
+  const TagFinding finding = graded(plain, draw(plain, kWhite), TagStatus::ok);
+  REQUIRE(finding.grade.has_value());
+  CHECK(!finding.grade->absolute);
+  const Picture glare = draw(with_patches(), 1.0);
+  CHECK(!find_references(glare.image.view(), with_patches(), glare.corners));
+}
+
+TEST_CASE("a far tag has a reason instead of a grade, a faulty one neither") {
+  const TagTemplate tag = with_patches();
+  Picture picture = draw(tag, kWhite);
+  CHECK(!graded(tag, picture, TagStatus::duplicate).grade);
+  for (PixelPoint& corner : picture.corners) corner = 0.5 * corner;
+  const TagFinding finding = graded(tag, picture, TagStatus::ok);
+  CHECK(!finding.grade);
+  CHECK(finding.grade_reason.find("pixels a module") != std::string::npos);
+}
+
+}  // namespace tagsmith

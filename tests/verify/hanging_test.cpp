@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/hanging.hpp"
+
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tests/verify/survey_of_four.hpp"
+
+namespace tagsmith {
+namespace {
+
+// 000L and 001L 0.8 m apart on the left wall, 000R facing them.
+Survey hung() {
+  Survey survey = test::survey_of_four();
+  for (PlacedTag& tag : survey.tags) {
+    const bool left = tag.name.ends_with('L');
+    tag.side = left ? Side::left : Side::right;
+    tag.world_from_plate.translation = {left ? -1.0 : 1.0, tag.name[2] == '1' ? 0.8 : 0.0, 1.0};
+    // Plate axes in the world: right along the drive on the left wall, back along it on the right.
+    tag.world_from_plate.rotation.col(0) = Eigen::Vector3d(0, left ? 1 : -1, 0);
+  }
+  return survey;
+}
+
+// 1000 pixels a metre, as seen facing the wall.
+TagFinding seen(const std::string& digits, double x) {
+  TagFinding finding;
+  const Reading reading = test::reading_of(digits, x);
+  finding.digits = reading.digits;
+  finding.corners = reading.corners;
+  finding.module_px = reading.module_px;
+  return finding;
+}
+
+std::string rule_of(std::vector<TagFinding> findings) {
+  find_misplaced(hung(), findings);
+  return findings[0].rule;
+}
+
+}  // namespace
+
+TEST_CASE("neighbours in order are in order, exchanged ones are swapped") {
+  CHECK(rule_of({seen("019000000404", 100), seen("019000800402", 900)}) == "");
+  CHECK(rule_of({seen("019000000404", 900), seen("019000800402", 100)}) == "swapped");
+  CHECK(rule_of({seen("019000800402", 100), seen("019000000404", 900)}) == "swapped");
+}
+
+TEST_CASE("tags of opposite walls side by side in one plane are on a wrong wall") {
+  CHECK(rule_of({seen("019000000404", 100), seen("000000340401", 900)}) == "wrong-wall");
+  // Seen from within the drive the other wall's plate narrows the other way.
+  TagFinding other = seen("000000340401", 900);
+  other.corners = {{{900, 160}, {1000, 100}, {1000, 268}, {900, 208}}};
+  CHECK(rule_of({seen("019000000404", 100), other}) == "");
+}
+
+TEST_CASE("a tag on its head on a page is upside down") {
+  std::vector<TagFinding> findings{seen("019000000404", 100), seen("019000800402", 600)};
+  std::swap(findings[1].corners[0], findings[1].corners[2]);
+  std::swap(findings[1].corners[1], findings[1].corners[3]);
+  find_upside_down(findings);
+  CHECK(findings[0].rule == "");
+  CHECK(findings[1].rule == "upside-down");
+}
+
+}  // namespace tagsmith
