@@ -33,8 +33,7 @@ enum class Frameless {
 };
 
 struct ReadOptions {
-  // Looked for first, by fitting their frames where they should be: some twenty times as fast as a
-  // search.
+  // Looked for first, by fitting their frames where they should be: no search where that succeeds.
   std::vector<ExpectedTag> expected;
   Search search = Search::when_missing;
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).

@@ -77,7 +77,7 @@ bool is_dark_by_definition(const GrayImage& image, int x, int y, int min_contras
 
 using Box = std::array<int, 5>;  // white, left, top, right, bottom
 
-// The regions of a black and white image that do not touch its border, by flooding.
+// The regions of a black and white image by flooding; of the dark ones those off its border.
 std::set<Box> flooded_regions(const GrayImage& image) {
   std::set<Box> boxes;
   std::vector<bool> seen(image.samples.size());
@@ -107,7 +107,7 @@ std::set<Box> flooded_regions(const GrayImage& image) {
       }
       const bool inside =
           box[1] > 0 && box[2] > 0 && box[3] + 1 < image.width && box[4] + 1 < image.height;
-      if (inside) boxes.insert(box);
+      if (inside || white) boxes.insert(box);
     }
   }
   return boxes;
