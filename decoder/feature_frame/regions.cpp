@@ -141,12 +141,16 @@ RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   return map;
 }
 
+// The border may cut off a corner of a frame and leave the symbol whole: its white inside touches
+// the border then, but not all four sides of it. Dark regions there are walls and shadows.
 bool is_kept(const Extent& extent, const GrayView& image, const RegionOptions& options) {
   const int width = extent.right - extent.left;
   const int height = extent.bottom - extent.top + 1;
+  const int sides = (extent.left == 0 ? 1 : 0) + (extent.top == 0 ? 1 : 0) +
+                    (extent.right == image.width ? 1 : 0) +
+                    (extent.bottom + 1 == image.height ? 1 : 0);
   return width >= options.min_width && height >= options.min_height &&
-         std::max(width, height) <= options.max_size && extent.left > 0 && extent.top > 0 &&
-         extent.right < image.width && extent.bottom + 1 < image.height;
+         std::max(width, height) <= options.max_size && sides <= (extent.white ? 3 : 0);
 }
 
 // The ends of a region's extent on each of its rows.

@@ -37,8 +37,8 @@ struct Region {
   std::vector<PixelPoint> hull;  // convex, clockwise in the image, through centres of pixels
 };
 
-// The white (4-connected) and dark (8-connected) regions within the options' sizes that do not
-// touch the image's border.
+// The white (4-connected) regions within the options' sizes, and the dark (8-connected) ones of
+// them that do not touch the image's border.
 std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options = {});
 
 }  // namespace tagsmith

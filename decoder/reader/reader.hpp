@@ -39,8 +39,7 @@ inline constexpr double kSureWithBook = 1.0 - 1e-4;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 struct ReadOptions {
-  // Looked for first, by fitting their frames where they should be: some twenty times as fast as a
-  // search.
+  // Looked for first, by fitting their frames where they should be: no search where that succeeds.
   std::vector<ExpectedTag> expected;
   Search search = Search::when_missing;
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).

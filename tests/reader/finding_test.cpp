@@ -77,7 +77,8 @@ bool is_dark_by_definition(const GrayImage& image, int x, int y, int min_contras
 
 using Box = std::array<int, 5>;  // white, left, top, right, bottom
 
-// The regions of a black and white image that do not touch its border, by flooding.
+// The regions of a black and white image by flooding: dark ones that do not touch its border, white
+// ones that do not touch all four sides of it.
 std::set<Box> flooded_regions(const GrayImage& image) {
   std::set<Box> boxes;
   std::vector<bool> seen(image.samples.size());
@@ -105,9 +106,9 @@ std::set<Box> flooded_regions(const GrayImage& image) {
           }
         }
       }
-      const bool inside =
-          box[1] > 0 && box[2] > 0 && box[3] + 1 < image.width && box[4] + 1 < image.height;
-      if (inside) boxes.insert(box);
+      const std::array<bool, 4> touched{box[1] == 0, box[2] == 0, box[3] + 1 == image.width,
+                                        box[4] + 1 == image.height};
+      if (std::ranges::count(touched, true) <= (white ? 3 : 0)) boxes.insert(box);
     }
   }
   return boxes;
