@@ -24,13 +24,13 @@ p { margin: 0 0 8px; }
 label { display: block; margin: 12px 0; }
 input { font: inherit; padding: 8px; width: 100%; max-width: 420px; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+table { border-collapse: collapse; width: 100%; min-width: 600px; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: 6px 8px 6px 0; border-top: 1px solid var(--line);
-  font-size: .9rem; vertical-align: top; overflow-wrap: anywhere; }
+  font-size: .9rem; vertical-align: top; overflow-wrap: break-word; }
 th { white-space: nowrap; }
 .ok { color: #0d8033; } .poor { color: #a85a00; } .faulty { color: #b01818; }
 .unseen { color: var(--grey); }
-@media print { label { display: none; } .map svg { min-width: 0; } tr { break-inside: avoid; } }
+@media print { label { display: none; } table { min-width: 0; } .map svg { min-width: 0; } tr { break-inside: avoid; } }
 )css";
 
 constexpr const char* kScript = R"js(
