@@ -10,9 +10,15 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/localize/runs.hpp"
 #include "tests/support/program.hpp"
 
 using nlohmann::json;
+using tagsmith::test::contents;
+using tagsmith::test::count_lines;
+using tagsmith::test::file_with;
+using tagsmith::test::json_lines;
+using tagsmith::test::on_survey;
 using tagsmith::test::ProgramOutput;
 using tagsmith::test::run_tagsmith;
 using tagsmith::test::TemporaryFolder;
@@ -20,35 +26,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string on_survey(const std::string& name, const std::string& run) {
-  const std::string folder = "surveys/" + name;
-  return "localize " + folder + "/survey.yaml --rig " + folder + "/rig.yaml --run " + run;
-}
-
 std::string by_paper(const std::string& name, const std::string& run) {
   return on_survey(name, run) + " --method paper";
-}
-
-std::vector<json> json_lines(const std::string& text) {
-  std::vector<json> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
-  return lines;
-}
-
-std::string file_with(const fs::path& path, const std::string& text) {
-  std::ofstream(path) << text;
-  return path.string();
-}
-
-std::string contents(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
-std::size_t count_lines(const std::string& text) {
-  return static_cast<std::size_t>(std::ranges::count(text, '\n'));
 }
 
 }  // namespace

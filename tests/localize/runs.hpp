@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Running `localize` and reading what it wrote.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace tagsmith::test {
+
+// The command line on a shipped survey and its rig.
+inline std::string on_survey(const std::string& name, const std::string& run) {
+  const std::string folder = "surveys/" + name;
+  return "localize " + folder + "/survey.yaml --rig " + folder + "/rig.yaml --run " + run;
+}
+
+inline std::vector<nlohmann::json> json_lines(const std::string& text) {
+  std::vector<nlohmann::json> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(nlohmann::json::parse(line));
+  return lines;
+}
+
+// Writes the file and returns its path.
+inline std::string file_with(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path) << text;
+  return path.string();
+}
+
+inline std::string contents(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+inline std::size_t count_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count(text, '\n'));
+}
+
+}  // namespace tagsmith::test
