@@ -32,8 +32,9 @@ enum class Frameless {
   always,
 };
 
-// Chosen on the simulated frames of docs/accuracy.md, "Reliability", where one wrong code in 100 000
-// hostile frames was stated surer: without a code book, with one, and for symbols without a frame.
+// Chosen on the simulated frames of docs/accuracy.md, "Reliability", where one wrong code in a
+// hundred thousand hostile frames was stated surer: without a code book, with one, and for symbols
+// without a frame.
 inline constexpr double kSureAlone = 1.0 - 2e-5;
 inline constexpr double kSureWithBook = 1.0 - 1e-4;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
