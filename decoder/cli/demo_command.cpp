@@ -24,6 +24,7 @@
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/print_job.hpp"
 #include "tagsmith/cli/print_run.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -169,12 +170,11 @@ Observation with_true_ranges(Observation observation, const Measurement& measure
                              const Demo& demo) {
   if (!measurement.truth_in_grid) return observation;
   const Eigen::Vector3d truth = world_from_grid(demo.survey.grid, *measurement.truth_in_grid);
-  const double offset = demo.survey.tunnel.centerline.locate(truth.head<2>()).offset;
+  const Tunnel& tunnel = demo.survey.tunnel;
   for (const RigRange& range : demo.rig.ranges) {
-    const double to_right = range.wall == Side::left ? offset : -offset;
-    if (observation.ranges.contains(range.name)) {
-      observation.ranges[range.name] = demo.survey.tunnel.width / 2 + to_right;
-    }
+    if (!observation.ranges.contains(range.name)) continue;
+    observation.ranges[range.name] =
+        observe_wall(tunnel.centerline, wall_of(tunnel, range.wall), truth).distance;
   }
   return observation;
 }

@@ -89,7 +89,7 @@ double magnification(const Survey& survey, const std::vector<Mark>& marks) {
   const auto ninth = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 9 / 10);
   std::ranges::nth_element(sizes, ninth);
   constexpr double kMost = 1000;
-  return *ninth > 0 ? std::min(kMost, round_factor(survey.tunnel.width / 5 / *ninth)) : 1;
+  return *ninth > 0 ? std::min(kMost, round_factor(least_width(survey.tunnel) / 5 / *ninth)) : 1;
 }
 
 // --- plan ---

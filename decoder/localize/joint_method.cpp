@@ -47,7 +47,7 @@ SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
   plate.world_from_plate = seen.tag.world_from_plate;
   plate.length = survey.tag_template.frame_inner_length;
   plate.height = survey.tag_template.frame_inner_height;
-  plate.survey_variance.head<3>().setConstant(survey.sigma * survey.sigma);
+  plate.survey_variance.head<3>().setConstant(seen.tag.sigma * seen.tag.sigma);
   for (Eigen::Index axis = 0; seen.at_coded_place && axis < 3; ++axis) {
     const double resolution = survey.code.resolution[static_cast<std::size_t>(axis)];
     plate.coding_variance[axis] = resolution * resolution / 12;  // rounding is uniform
@@ -95,9 +95,7 @@ NamedProblem problem_for(const Observation& observation, std::size_t survey_inde
   for (const RigRange& range : rig.ranges) {
     const auto measured = observation.ranges.find(range.name);
     if (measured == observation.ranges.end()) continue;
-    const double side = range.wall == Side::left ? -0.5 : 0.5;
-    problem.ranges.push_back(
-        {range.name, side * survey.tunnel.width, measured->second, range.sigma});
+    problem.ranges.push_back({range.name, range.wall, measured->second, range.sigma});
   }
   return named;
 }
@@ -482,7 +480,8 @@ void list_dropped(Fix& fix, const NamedProblem& named, const Search& search, con
     if (std::ranges::find(fit.selection.ranges, i) != fit.selection.ranges.end()) continue;
     const WallRange& range = problem.ranges[i];
     const ObservedWall wall =
-        observe_wall(problem.tunnel->centerline, range.wall_offset, fit.state.vehicle.position);
+        observe_wall(problem.tunnel->centerline, wall_of(*problem.tunnel, range.wall),
+                     fit.state.vehicle.position);
     fix.dropped.push_back(
         {range.name, "",
          fmt::format("{:.3f} m measured, {:.3f} m by the tags", range.distance, wall.distance)});

@@ -311,7 +311,8 @@ class Linearisation {
     for (const std::size_t index : selection_.ranges) {
       const WallRange& range = problem_.ranges[index];
       const ObservedWall wall =
-          observe_wall(problem_.tunnel->centerline, range.wall_offset, state.vehicle.position);
+          observe_wall(problem_.tunnel->centerline, wall_of(*problem_.tunnel, range.wall),
+                       state.vehicle.position);
       f[row] = (wall.distance - range.distance) / range.sigma;
       j.template block<1, 3>(row, 0) = wall.by_position.transpose() / range.sigma;
       ++row;
@@ -416,8 +417,8 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
 
 double range_disagreement(const JointProblem& problem, const JointFit& fit, std::size_t index) {
   const WallRange& range = problem.ranges[index];
-  const ObservedWall wall =
-      observe_wall(problem.tunnel->centerline, range.wall_offset, fit.state.vehicle.position);
+  const ObservedWall wall = observe_wall(
+      problem.tunnel->centerline, wall_of(*problem.tunnel, range.wall), fit.state.vehicle.position);
   const double variance =
       range.sigma * range.sigma +
       wall.by_position.dot(fit.covariance.topLeftCorner<3, 3>() * wall.by_position);

@@ -38,7 +38,7 @@ struct Sighting {
 
 struct WallRange {
   std::string name;
-  double wall_offset = 0;  // of the plates' surface, to the right of the center line
+  Side wall = Side::left;
   double distance = 0;
   double sigma = 0;
 };

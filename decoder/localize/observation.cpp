@@ -59,9 +59,9 @@ std::optional<PlacedTag> at_coded_place(const Survey& survey, const Digits& digi
   const GridPoint coded = decode_position(survey.code, digits);
   const Eigen::Vector3d p_in_grid(coded[0], coded[1], coded[2]);
   const Eigen::Vector3d p = world_from_grid(survey.grid, p_in_grid);
-  const double offset = survey.tunnel.centerline.locate(p.head<2>()).offset;
-  if (std::abs(std::abs(offset) - survey.tunnel.width / 2) > kFromWall) return std::nullopt;
-  const Side side = offset < 0 ? Side::left : Side::right;
+  const CenterlineAddress address = survey.tunnel.centerline.locate(p.head<2>());
+  const Side side = address.offset < 0 ? Side::left : Side::right;
+  if (std::abs(behind_wall(survey.tunnel, side, address)) > kFromWall) return std::nullopt;
   PlacedTag tag = with_digits(place_surveyed(survey, {0, side}, p_in_grid), survey.code, digits);
   tag.name = to_string(digits);
   tag.surveyed = false;

@@ -16,13 +16,15 @@ std::string outside_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position
   if (above_floor < 0) {
     return fmt::format("the solution lies {:.3f} m below the floor", -above_floor);
   }
-  if (above_floor > tunnel.height) {
-    return fmt::format("the solution lies {:.3f} m above the roof", above_floor - tunnel.height);
+  const double roof = tunnel.height.at(address.chainage);
+  if (above_floor > roof) {
+    return fmt::format("the solution lies {:.3f} m above the roof", above_floor - roof);
   }
-  const double beyond_wall = std::abs(address.offset) - tunnel.width / 2;
+  const Side side = address.offset < 0 ? Side::left : Side::right;
+  const double beyond_wall = behind_wall(tunnel, side, address);
   if (beyond_wall > 0) {
     return fmt::format("the solution lies {:.3f} m behind the {} wall's plates", beyond_wall,
-                       to_string(address.offset < 0 ? Side::left : Side::right));
+                       to_string(side));
   }
   return {};
 }

@@ -18,6 +18,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
 
 namespace tagsmith {
 namespace {
@@ -112,7 +113,9 @@ std::vector<RangedTag> ranged_tags(const Observation& observation,
   for (const SeenTag& seen : observation.tags) {
     const RigCamera* camera = find_camera(rig, seen.camera);
     if (camera == nullptr || seen.tag.side != side) continue;
-    if (auto tag = ranged(seen, surveys.at(seen.survey), rig, *camera)) tags.push_back(*tag);
+    const Survey& survey = surveys.at(seen.survey);
+    if (is_turned_from_wall(survey.tunnel, survey.tag_template, seen.tag)) continue;
+    if (auto tag = ranged(seen, survey, rig, *camera)) tags.push_back(*tag);
   }
   return tags;
 }
@@ -180,7 +183,7 @@ ClosedFormInput closed_form_input(const TagPair& pair, const Survey& survey, dou
   input.p1_in_world = world_from_grid(survey.grid, left.p_in_grid);
   input.p2_in_world = world_from_grid(survey.grid, right.p_in_grid);
   input.pair_angle = pair_angle_for(survey, left, right);
-  input.tunnel_width = survey.tunnel.width;
+  input.tunnel_width = pair_width(survey.tunnel, left, right);
   input.wall_distance = d;
   input.distance1 = pair.left.distance.value;
   input.distance2 = pair.right.distance.value;
@@ -227,8 +230,8 @@ double wall_bend(const Survey& survey, const PlacedTag& left, const ClosedFormIn
   const double d = input.wall_distance;
   const double back = std::sqrt(std::max(input.distance1 * input.distance1 - d * d, 0.0));
   const CenterlinePoint abreast = survey.tunnel.centerline.at(left.chainage - back);
-  const Eigen::Vector3d o =
-      abreast.position + (d - survey.tunnel.width / 2) * right_of(abreast.heading);
+  const double wall = survey.tunnel.left.at(left.chainage - back);
+  const Eigen::Vector3d o = abreast.position + (wall + d) * right_of(abreast.heading);
   const double to_plane = (input.p1_in_world - o).dot(left.world_from_plate.rotation.col(2));
   return std::abs(to_plane - d);
 }
@@ -236,13 +239,13 @@ double wall_bend(const Survey& survey, const PlacedTag& left, const ClosedFormIn
 // By how much the position's distance from the left wall is not the d that it was computed with.
 double wall_mismatch(const Survey& survey, const ClosedFormInput& input,
                      const Eigen::Vector3d& position_in_world) {
-  const double offset =
-      survey.tunnel.centerline.locate(position_in_world.head<2>()).offset;  // to the right
-  return std::abs(survey.tunnel.width / 2 + offset - input.wall_distance);
+  const ObservedWall wall =
+      observe_wall(survey.tunnel.centerline, survey.tunnel.left, position_in_world);
+  return std::abs(wall.distance - input.wall_distance);
 }
 
 std::vector<Disturbance> disturbances_of(const ClosedFormInput& input, const TagPair& pair,
-                                         double d_sigma, double mismatch, double survey_sigma) {
+                                         double d_sigma, double mismatch) {
   const auto length_changed = [&input](double ClosedFormInput::*length, double sigma) {
     return [input, length, sigma](double step) {
       ClosedFormInput changed = input;
@@ -256,12 +259,12 @@ std::vector<Disturbance> disturbances_of(const ClosedFormInput& input, const Tag
       length_changed(&ClosedFormInput::distance1, pair.left.distance.sigma),
       length_changed(&ClosedFormInput::distance2, pair.right.distance.sigma)};
   for (const bool left : {true, false}) {
+    const double sigma = (left ? pair.left : pair.right).seen->tag.sigma;
     for (const Eigen::Vector3d& axis :
          {direction_of(input.heading), right_of(input.heading), Eigen::Vector3d(0, 0, 1)}) {
-      disturbances.push_back(
-          [input, left, shift = Eigen::Vector3d(survey_sigma * axis)](double step) {
-            return with_tag_moved(input, left, step * shift);
-          });
+      disturbances.push_back([input, left, shift = Eigen::Vector3d(sigma * axis)](double step) {
+        return with_tag_moved(input, left, step * shift);
+      });
     }
   }
   return disturbances;
@@ -333,7 +336,7 @@ Fix with_position(Fix fix, const Eigen::Vector3d& position_in_world, const Close
   const double tag_height = (input.p1_in_world.z() + input.p2_in_world.z()) / 2;
   const std::optional<Uncertainty> uncertainty =
       uncertainty_of(position_in_world, std::abs(position_in_world.z() - tag_height),
-                     disturbances_of(input, pair, d_sigma, mismatch, survey.sigma));
+                     disturbances_of(input, pair, d_sigma, mismatch));
   if (uncertainty) fix.covariance_in_grid = grid_covariance(survey.grid, uncertainty->covariance);
   if (mismatch > d_sigma) {
     fix.notes.emplace_back(
@@ -372,7 +375,7 @@ double heading_between(const PlacedTag& left, const PlacedTag& right) {
 double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedTag& right) {
   const Eigen::Vector3d between = world_from_grid(survey.grid, right.p_in_grid - left.p_in_grid);
   const double stagger = std::abs(between.dot(direction_of(heading_between(left, right))));
-  const double width = survey.tunnel.width;
+  const double width = pair_width(survey.tunnel, left, right);
   if (survey.series && survey.series->pair_angle) {
     const double stated = *survey.series->pair_angle;
     const double pitch = survey.tag_template.plate_length + survey.series->spacing;

@@ -26,14 +26,13 @@ double heading_between(const PlacedTag& left, const PlacedTag& right);
 // O by the closed form.
 //
 // Tags: one on the left wall and one on the right, of one survey, seen by different cameras, at
-// their surveyed positions. Of several choices two tags of one pair go first, then the tags nearest
-// each other along the drive, then those nearest the cameras (least D1 + D2), which are the largest
-// in their images.
-// Distances: (10) with the rig's focal length and principal point after its distortion has been
-// undone; or as measured. As in the paper the cameras are taken to be level and at O, and the left
-// tag's P' decides whether O lies above or below the tags; for measured distances the survey's and
-// the rig's heights do.
-// d: the least of the ranges to the left wall that lie in their sensor's limits.
+// their surveyed positions; none that turns out of its wall by its own attitude. Of several choices
+// two tags of one pair go first, then the tags nearest each other along the drive, then those
+// nearest the cameras (least D1 + D2), which are the largest in their images. Distances: (10) with
+// the rig's focal length and principal point after its distortion has been undone; or as measured.
+// As in the paper the cameras are taken to be level and at O, and the left tag's P' decides whether
+// O lies above or below the tags; for measured distances the survey's and the rig's heights do. d:
+// the least of the ranges to the left wall that lie in their sensor's limits.
 //
 // There is no heading: the method does not determine one. The covariance is carried over from the
 // noise of d, of P' and Q' (of measured distances: what an outline's corners would give at that

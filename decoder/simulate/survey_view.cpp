@@ -9,6 +9,7 @@
 #include "decoder/simulate/plate_outline.hpp"
 #include "decoder/simulate/tunnel_backdrop.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 
 namespace tagsmith {
@@ -93,17 +94,18 @@ SurveyView render_survey_view(const Survey& survey, const RigCamera& camera,
 Result<void> check_in_tunnel(const Survey& survey, const Vector3d& position_in_world) {
   const Tunnel& tunnel = survey.tunnel;
   const CenterlineAddress address = tunnel.centerline.locate(position_in_world.head<2>());
-  if (std::abs(address.offset) >= tunnel.width / 2) {
-    return fail(metres(std::abs(address.offset)) + (address.offset < 0 ? " left" : " right") +
-                " of the center line, expected less than half the tunnel's width, " +
-                metres(tunnel.width / 2));
+  const Side side = address.offset < 0 ? Side::left : Side::right;
+  if (behind_wall(tunnel, side, address) >= 0) {
+    return fail(metres(std::abs(address.offset)) + " " + to_string(side) +
+                " of the center line, expected less than the distance of that wall's plates, " +
+                metres(wall_distance(tunnel, side, address.chainage)));
   }
   const double above_floor =
       position_in_world.z() - tunnel.centerline.at(address.chainage).position.z();
-  if (above_floor <= 0 || above_floor >= tunnel.height) {
+  const double height = tunnel.height.at(address.chainage);
+  if (above_floor <= 0 || above_floor >= height) {
     return fail(metres(above_floor) +
-                " above the floor, expected between 0 and the tunnel's height, " +
-                metres(tunnel.height));
+                " above the floor, expected between 0 and the tunnel's height, " + metres(height));
   }
   return {};
 }
@@ -119,8 +121,8 @@ Pose vehicle_in_tunnel(const Survey& survey, const Vector3d& position_in_grid,
 }
 
 double distance_to_wall(const Survey& survey, Side wall, const Vector3d& position_in_world) {
-  const double offset = survey.tunnel.centerline.locate(position_in_world.head<2>()).offset;
-  return survey.tunnel.width / 2 + (wall == Side::left ? offset : -offset);
+  return observe_wall(survey.tunnel.centerline, wall_of(survey.tunnel, wall), position_in_world)
+      .distance;
 }
 
 std::optional<double> measured_range(const Survey& survey, const RigRange& range,

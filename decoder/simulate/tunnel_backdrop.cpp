@@ -68,29 +68,33 @@ double reflectance(const Place& place, double footprint, std::uint64_t seed) {
   return brick + mortar(place.u, place.v, footprint) * (0.40 * (1 + 0.3 * rough) - brick);
 }
 
-// Height above the floor of the point `way` along the ray.
+// Heights of a point above the floor and above the roof.
 struct Height {
   const Tunnel& tunnel;
-  bool level = true;
+  bool level = true;  // floor and roof at one z everywhere
 
-  double operator()(const Vector3d& point) const {
-    const Centerline& line = tunnel.centerline;
-    const double chainage = level ? 0.0 : line.locate(point.head<2>()).chainage;
-    return point.z() - line.at(chainage).position.z();
+  double chainage_of(const Vector3d& point) const {
+    return level ? 0.0 : tunnel.centerline.locate(point.head<2>()).chainage;
+  }
+  double above_floor(const Vector3d& point) const {
+    return point.z() - tunnel.centerline.at(chainage_of(point)).position.z();
+  }
+  double above_roof(const Vector3d& point) const {
+    const double chainage = chainage_of(point);
+    return point.z() - tunnel.centerline.at(chainage).position.z() - tunnel.height.at(chainage);
   }
 };
 
-// The way to where the height above the floor passes `target`, between 0 and `way`, at whose ends
-// it lies on different sides: regula falsi (Illinois). The height is all but linear along a ray.
-double way_to_height(const Height& height, const Vector3d& origin, const Vector3d& ray, double way,
-                     double target) {
+// The way to where `height` passes 0, between 0 and `way`, at whose ends it lies on different
+// sides: regula falsi (Illinois). The height is all but linear along a ray.
+double way_to_height(const auto& height, const Vector3d& origin, const Vector3d& ray, double way) {
   double low = 0;
   double high = way;
-  double low_value = height(origin) - target;
-  double high_value = height(origin + high * ray) - target;
+  double low_value = height(origin);
+  double high_value = height(origin + high * ray);
   for (int i = 0; i < 12 && std::abs(high - low) > 1e-4; ++i) {
     const double middle = (low * high_value - high * low_value) / (high_value - low_value);
-    const double value = height(origin + middle * ray) - target;
+    const double value = height(origin + middle * ray);
     if (std::abs(value) < 1e-4) return middle;
     if ((value > 0) == (high_value > 0)) {
       high = middle;
@@ -110,12 +114,14 @@ Place look(const TunnelWalls& walls, const Height& height, const Vector3d& origi
   Place place;
   const std::optional<WallHit> wall = walls.first_hit(origin.head<2>(), ray.head<2>());
   const double way = wall ? wall->way : kFar;
-  const double height_there = height(origin + way * ray);
-  const double roof = height.tunnel.height;
-  if (height_there < 0 || height_there > roof) {
-    const bool down = height_there < 0;
+  const double height_there = height.above_floor(origin + way * ray);
+  const bool down = height_there < 0;
+  if (down || height.above_roof(origin + way * ray) > 0) {
     place.kind = down ? Place::Kind::floor : Place::Kind::roof;
-    place.depth = way_to_height(height, origin, ray, way, down ? 0 : roof);
+    const auto above = [&](const Vector3d& point) {
+      return down ? height.above_floor(point) : height.above_roof(point);
+    };
+    place.depth = way_to_height(above, origin, ray, way);
     const Vector3d point = origin + place.depth * ray;
     place.u = point.x();
     place.v = point.y();
@@ -130,8 +136,10 @@ Place look(const TunnelWalls& walls, const Height& height, const Vector3d& origi
   return place;
 }
 
-bool is_level(const Centerline& line) {
-  return std::ranges::all_of(line.elements(),
+bool is_level(const Tunnel& tunnel) {
+  const auto& elements = tunnel.centerline.elements();
+  return tunnel.height.is_constant() &&
+         std::ranges::all_of(elements,
                              [](const CenterlineElement& element) { return element.grade == 0; });
 }
 
@@ -143,7 +151,7 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
   const Vector3d origin = world_from_camera.translation;
   const double chainage = tunnel.centerline.locate(origin.head<2>()).chainage;
   const TunnelWalls walls(tunnel, standoff, chainage);
-  const Height height{tunnel, is_level(tunnel.centerline)};
+  const Height height{tunnel, is_level(tunnel)};
   Backdrop backdrop{LightImage(camera.width, camera.height),
                     LightImage(camera.width, camera.height, static_cast<float>(kFar))};
   for (int y = 0; y < camera.height; ++y) {

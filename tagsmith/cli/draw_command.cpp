@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/draw_command.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -23,7 +26,7 @@ namespace tagsmith {
 namespace {
 
 struct DrawOptions {
-  std::string survey;
+  std::vector<std::string> surveys;
   std::string rig;
   std::string output;
   std::string paper = "a3";
@@ -39,32 +42,49 @@ Result<void> write_all(const std::vector<SheetFile>& files, const std::string& o
   return staged->publish();
 }
 
+// Of several surveys first the plan of all, then the sheets of each.
+Result<std::vector<Sheet>> all_sheets(const std::vector<Survey>& surveys,
+                                      const std::optional<Rig>& rig, Paper paper) {
+  std::vector<Sheet> all;
+  if (surveys.size() > 1) {
+    auto together = draw_together(surveys, paper);
+    if (!together) return together;
+    all = std::move(*together);
+  }
+  for (const Survey& survey : surveys) {
+    auto sheets = draw_survey(survey, rig, {paper, survey_revision(survey)});
+    if (!sheets) return sheets;
+    std::ranges::move(*sheets, std::back_inserter(all));
+  }
+  return all;
+}
+
 Result<void> draw(const DrawOptions& options) {
   if (!sheet_format_of(options.output)) {
     return fail("--output " + options.output + ": expected a name that ends in .pdf, .svg or .png");
   }
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
-  const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
+  const Result<std::vector<Survey>> surveys =
+      load_surveys({options.surveys.begin(), options.surveys.end()});
+  if (!surveys) return fail(surveys.error().message);
   std::optional<Rig> rig;
   if (!options.rig.empty()) {
     Result<Rig> loaded = load_rig(options.rig);
     if (!loaded) return fail(loaded.error().message);
     rig = std::move(*loaded);
   }
-  const SurveyDrawingStyle style{options.paper == "a4" ? Paper::a4 : Paper::a3,
-                                 survey_revision(*survey)};
-  const auto sheets = draw_survey(*survey, rig, style);
+  const auto sheets = all_sheets(*surveys, rig, options.paper == "a4" ? Paper::a4 : Paper::a3);
   if (!sheets) return fail(sheets.error().message);
   const auto files = render_sheets(*sheets, options.output);
   if (!files) return fail(files.error().message);
   if (auto written = write_all(*files, options.output); !written) return written;
   for (const SheetFile& file : *files) fmt::print("{}\n", file.path.string());
-  if (survey->tags.size() > kMostListedTags) {
+  for (const Survey& survey : *surveys) {
+    if (survey.tags.size() <= kMostListedTags) continue;
     fmt::print(stderr,
                "tagsmith draw: {} tags are drawn but not listed; for a list: tagsmith export {} -o "
                "tags.csv\n",
-               survey->tags.size(), options.survey);
+               survey.tags.size(), survey.file.string());
   }
   return {};
 }
@@ -75,7 +95,9 @@ Command draw_command(CLI::App& parent) {
   CLI::App* app = parent.add_subcommand(
       "draw", "What a survey means: plan, walls, section, theta, plates, table of tags");
   const auto options = std::make_shared<DrawOptions>();
-  app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
+  app->add_option("SURVEY", options->surveys,
+                  "Survey file (YAML); several are drawn in one plan first")
+      ->required();
   app->add_option("--rig", options->rig, "Rig file (YAML): draws the vehicle's cameras too");
   app->add_option("-o,--output", options->output,
                   "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...")

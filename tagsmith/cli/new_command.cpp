@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/new_command.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -15,10 +16,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/survey/draft_survey.hpp"
 #include "tagsmith/survey/fit_tunnel.hpp"
 #include "tagsmith/survey/point_list.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 
 namespace tagsmith {
@@ -32,6 +35,7 @@ struct NewOptions {
   std::string template_name = "tag-400x300";
   std::string x_axis = "right";
   std::string check_digit = "gs1";
+  std::string walls = "parallel";
   double tolerance_mm = 30;
   std::optional<double> mount_height;
   std::optional<double> tunnel_height;
@@ -110,8 +114,9 @@ Result<SurveyDraft> make_draft(const NewOptions& options) {
   TunnelFitOptions fit_options;
   fit_options.tolerance = options.tolerance_mm / 1000;
   fit_options.mount_height = options.mount_height;
-  fit_options.roof_height =
-      list.survey ? std::optional(list.survey->tunnel_height) : options.tunnel_height;
+  fit_options.roof_height = options.tunnel_height;
+  fit_options.measured_walls = options.walls == "measured";
+  draft.tag = *tag;
   Result<TunnelFit> fit = fit_tunnel(list.points, draft.grid, *tag, fit_options);
   if (!fit) return fail(options.points + ": " + fit.error().message);
   draft.fit = std::move(*fit);
@@ -150,8 +155,10 @@ void print_json(const SurveyDraft& draft) {
   const Tunnel& tunnel = draft.fit.tunnel;
   fmt::print("{}\n", dump({{"summary",
                             {{"points", draft.points.size()},
-                             {"width", length(tunnel.width)},
-                             {"height", length(tunnel.height)},
+                             {"width", length(width_at(tunnel, 0))},
+                             {"least_width", length(least_width(tunnel))},
+                             {"greatest_width", length(greatest_width(tunnel))},
+                             {"height", length(tunnel.height.at(0))},
                              {"length", length(tunnel.centerline.length())},
                              {"elements", tunnel.centerline.elements().size()},
                              {"rms_across", length(draft.fit.rms_across)},
@@ -172,29 +179,54 @@ void print_table(const SurveyDraft& draft) {
   }
   const Tunnel& tunnel = draft.fit.tunnel;
   const std::size_t elements = tunnel.centerline.elements().size();
-  fmt::print("{} points: tunnel {:.3f} m wide, {:.3f} m high, {:.3f} m long, of {} element{}; ",
-             draft.points.size(), tunnel.width, tunnel.height, tunnel.centerline.length(), elements,
-             elements == 1 ? "" : "s");
+  const auto range = [](double least, double greatest) {
+    return greatest - least < 5e-4 ? fmt::format("{:.3f}", least)
+                                   : fmt::format("{:.3f} to {:.3f}", least, greatest);
+  };
+  fmt::print("{} points: tunnel {} m wide, {} m high, {:.3f} m long, of {} element{}; ",
+             draft.points.size(), range(least_width(tunnel), greatest_width(tunnel)),
+             range(tunnel.height.least(), tunnel.height.greatest()), tunnel.centerline.length(),
+             elements, elements == 1 ? "" : "s");
   fmt::print("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
              draft.fit.rms_up * 1000);
 }
 
-Result<void> write_draft(const NewOptions& options) {
+// What validate says of the file that was written: findings, then how many. Exit code.
+Result<int> report_draft(const NewOptions& options) {
+  const std::string file = (fs::path(options.name) / "survey.yaml").string();
+  const Result<SurveyReading> reading = read_survey(file);
+  if (!reading) return tl::unexpected(reading.error());
+  FindingPrinter printer;
+  for (const Diagnostic& finding : reading->diagnostics) {
+    fmt::print(stderr, "{}", printer.text_of(finding));
+  }
+  const auto errors =
+      std::ranges::count(reading->diagnostics, Severity::error, &Diagnostic::severity);
+  const auto warnings = static_cast<std::ptrdiff_t>(reading->diagnostics.size()) - errors;
+  fmt::print(stderr,
+             "{} written: {} error{}, {} warning{}; look at it: tagsmith draw {} -o {}.pdf\n", file,
+             errors, errors == 1 ? "" : "s", warnings, warnings == 1 ? "" : "s", file,
+             survey_name(options));
+  return errors > 0 ? kExitFindings : kExitOk;
+}
+
+Result<int> write_draft(const NewOptions& options) {
   const Result<SurveyDraft> draft = make_draft(options);
   if (!draft) return fail(draft.error().message);
   if (auto written = write_files(options, draft_survey(*draft), std::nullopt); !written) {
-    return written;
+    return fail(written.error().message);
   }
   options.json ? print_json(*draft) : print_table(*draft);
-  const std::string file = (fs::path(options.name) / "survey.yaml").string();
-  fmt::print(stderr, "{} written; check it: tagsmith validate {} and tagsmith draw {} -o {}.pdf\n",
-             file, file, file, survey_name(options));
-  return {};
+  std::fflush(stdout);  // residuals before findings
+  return report_draft(options);
 }
 
-Result<void> run_new(const NewOptions& options) {
-  if (auto usable = check_name(options); !usable) return usable;
-  if (options.points.empty()) return write_to_edit(options);
+Result<int> run_new(const NewOptions& options) {
+  if (auto usable = check_name(options); !usable) return fail(usable.error().message);
+  if (options.points.empty()) {
+    if (auto written = write_to_edit(options); !written) return fail(written.error().message);
+    return kExitOk;
+  }
   if (options.list.order.empty()) {
     return fail("--from needs --order, the order of the file's columns: PENZD, PNEZD or own");
   }
@@ -235,6 +267,11 @@ void add_options(CLI::App* app, NewOptions& options) {
                   "Metres of the roof above the floor, for lists without roof points")
       ->check(CLI::Range(0.1, 1000.0))
       ->needs(from);
+  app->add_option("--walls", options.walls,
+                  "parallel (default): one width for all; measured: walls and roof run through "
+                  "their points, the center line through CL")
+      ->check(CLI::IsMember({"parallel", "measured"}))
+      ->needs(from);
   app->add_flag("--json", options.json, "One JSON object a point, then a summary")->needs(from);
 }
 
@@ -256,8 +293,8 @@ Command new_command(CLI::App& parent) {
       "  tagsmith new drift-7\n"
       "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8");
   return {app, [options] {
-            const Result<void> done = run_new(*options);
-            return done ? kExitOk : report_failure("new", done.error());
+            const Result<int> done = run_new(*options);
+            return done ? *done : report_failure("new", done.error());
           }};
 }
 

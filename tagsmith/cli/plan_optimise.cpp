@@ -72,7 +72,8 @@ std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
   if (series.mount_height != given.mount_height) change("height", number(series.mount_height, 3));
   if (series.pairs != given.pairs) change("pairs", std::to_string(series.pairs), "to");
   if (series.pair_angle != given.pair_angle) {
-    const double facing = std::atan2(layout.tag_template.frame_inner_length, survey.tunnel.width);
+    const double facing =
+        std::atan2(layout.tag_template.frame_inner_length, width_at(survey.tunnel, series.first));
     change("theta", number(degrees(series.pair_angle.value_or(facing)), 9));
   }
   return edits;

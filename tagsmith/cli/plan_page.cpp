@@ -168,13 +168,14 @@ Json point(const Eigen::Vector3d& in_world, const Survey& survey) {
   return Json::array({std::round(x * 1e3) / 1e3, std::round(in_grid.y() * 1e3) / 1e3});
 }
 
-Json line_beside(const Survey& survey, double offset, double from, double to) {
+Json line_beside(const Survey& survey, const ChainageProfile& offset, double from, double to) {
   Json line = Json::array();
   const auto count = static_cast<std::size_t>(std::clamp((to - from) / 0.25, 1.0, 1500.0));
   for (std::size_t i = 0; i <= count; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(count);
-    const CenterlinePoint at = survey.tunnel.centerline.at(from + share * (to - from));
-    line.push_back(point(at.position + offset * right_of(at.heading), survey));
+    const double chainage = from + share * (to - from);
+    const CenterlinePoint at = survey.tunnel.centerline.at(chainage);
+    line.push_back(point(at.position + offset.at(chainage) * right_of(at.heading), survey));
   }
   return line;
 }
@@ -261,11 +262,10 @@ Json fields(const PlannedDrive& drive) {
 Json page_data(const PlannedDrive& drive) {
   const double from = drive.plan.columns.front().chainage;
   const double to = drive.plan.columns.back().chainage;
-  const double half = drive.survey.tunnel.width / 2;
   Json data;
   data["colours"] = colours();
-  data["walls"] = Json::array(
-      {line_beside(drive.survey, -half, from, to), line_beside(drive.survey, half, from, to)});
+  data["walls"] = Json::array({line_beside(drive.survey, drive.survey.tunnel.left, from, to),
+                               line_beside(drive.survey, drive.survey.tunnel.right, from, to)});
   data["coverage"] = coverage(drive.survey, drive.plan);
   data["fields"] = fields(drive);
   data["tags"] = Json::array();

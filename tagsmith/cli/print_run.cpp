@@ -39,10 +39,12 @@ std::string setting_out_csv(const Survey& survey, std::span<const SettingOut> li
     const PlacedTag& tag = *place.tag;
     std::array<std::string, 2> xy{coordinate(tag.p_in_grid.x()), coordinate(tag.p_in_grid.y())};
     if (extras.northing_first) std::swap(xy[0], xy[1]);
-    csv += csv_row({tag.name, xy[0], xy[1], coordinate(tag.p_in_grid.z()), "corner P",
-                    to_string(tag.side), coordinate(place.chainage), coordinate(place.offset),
-                    coordinate(place.height), coordinate(place.tolerance), to_string(tag.digits),
-                    survey.name});
+    csv +=
+        csv_row({tag.name, xy[0], xy[1], coordinate(tag.p_in_grid.z()),
+                 tag.attitude ? "corner P; the plate " + attitude_text(*tag.attitude) : "corner P",
+                 to_string(tag.side), coordinate(place.chainage), coordinate(place.offset),
+                 coordinate(place.height), coordinate(place.tolerance), to_string(tag.digits),
+                 survey.name});
   }
   return csv;
 }

@@ -38,8 +38,7 @@ Address address_of(const Survey& survey, const PlacedTag& tag) {
 
 // Of the way the plate faces, degrees in the grid, 0 to 360.
 double facing_heading(const Survey& survey, const PlacedTag& tag) {
-  const Eigen::Vector3d out = -tag.world_from_plate.rotation.col(2);
-  const double heading = grid_heading_from_world(survey.grid, std::atan2(out.x(), out.y()));
+  const double heading = grid_heading_from_world(survey.grid, facing_of(tag.world_from_plate));
   const double turned = std::fmod(degrees(heading) + 360.0, 360.0);
   return std::round(turned * 1e6) / 1e6;
 }
@@ -55,6 +54,8 @@ Json tag_json(const Survey& survey, const PlacedTag& tag) {
             {"offset", micrometre(address.offset)},
             {"height", micrometre(address.height)},
             {"facing_deg", facing_heading(survey, tag)},
+            {"tilt_deg", degrees(tag.attitude ? tag.attitude->tilt : 0)},
+            {"roll_deg", degrees(tag.attitude ? tag.attitude->roll : 0)},
             {"as_built", tag.surveyed},
             {"sigma", micrometre(tag.sigma)}};
   json["date"] = tag.date.empty() ? Json(nullptr) : Json(tag.date);
@@ -75,18 +76,39 @@ Json element_json(const CenterlineElement& element) {
   return json;
 }
 
+// As the survey's key `walls` has them: chainage, distance from the center line.
+Json stations_json(const ChainageProfile& offset) {
+  Json stations = Json::array();
+  for (const ProfileStation& station : offset.stations()) {
+    stations.push_back({micrometre(station.chainage), micrometre(std::abs(station.value))});
+  }
+  return stations;
+}
+
 Json tunnel_json(const Survey& survey) {
   const CenterlinePoint start = survey.tunnel.centerline.at(0);
   Json elements = Json::array();
   for (const CenterlineElement& element : survey.tunnel.centerline.elements()) {
     elements.push_back(element_json(element));
   }
-  return {{"width", micrometre(survey.tunnel.width)},
-          {"height", micrometre(survey.tunnel.height)},
-          {"centerline",
-           {{"start", point_json(grid_from_world(survey.grid, start.position))},
-            {"heading", degrees(grid_heading_from_world(survey.grid, start.heading))},
-            {"elements", elements}}}};
+  const Tunnel& tunnel = survey.tunnel;
+  Json json{{"width", micrometre(width_at(tunnel, 0))},
+            {"height", micrometre(tunnel.height.at(0))},
+            {"centerline",
+             {{"start", point_json(grid_from_world(survey.grid, start.position))},
+              {"heading", degrees(grid_heading_from_world(survey.grid, start.heading))},
+              {"elements", elements}}}};
+  if (!is_plain(tunnel) || tunnel.left.at(0) != -tunnel.right.at(0) || tunnel.stand_off != 0) {
+    json["stand_off"] = micrometre(tunnel.stand_off);
+    json["walls"] = {{"left", stations_json(rock_of(tunnel, Side::left))},
+                     {"right", stations_json(rock_of(tunnel, Side::right))}};
+    json["sections"] = Json::array();
+    for (const ProfileStation& station : tunnel.height.stations()) {
+      json["sections"].push_back(
+          {{"at", micrometre(station.chainage)}, {"height", micrometre(station.value)}});
+    }
+  }
+  return json;
 }
 
 std::string dump(const Json& json) {
@@ -121,7 +143,12 @@ std::string tags_csv(const Survey& survey) {
     for (const int count : code.digit_counts) row.push_back(std::to_string(count));
     for (const double resolution : code.resolution) row.push_back(format_number(resolution));
     for (const double origin : code.origin) row.push_back(format_number(origin));
-    row.insert(row.end(), {x_axis(survey), format_number(survey.tunnel.height)});
+    row.insert(row.end(), {x_axis(survey), format_number(survey.tunnel.height.at(tag.chainage)),
+                           format_number(facing_heading(survey, tag))});
+    for (const double angle :
+         {tag.attitude ? tag.attitude->tilt : 0, tag.attitude ? tag.attitude->roll : 0}) {
+      row.push_back(format_number(degrees(angle)));
+    }
     csv += csv_row(row);
   }
   return csv;

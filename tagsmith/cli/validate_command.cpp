@@ -15,6 +15,8 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/apply_fixes.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
+#include "tagsmith/placement/unseen_tags.hpp"
+#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -50,9 +52,61 @@ bool collect(const Result<Reading>& reading, Findings& findings) {
   return true;
 }
 
+std::string unseen_words(const Survey& survey, const Rig& rig, std::size_t tag) {
+  const PlacedTag& placed = survey.tags[tag];
+  const Eigen::Vector3d& p = placed.world_from_plate.translation;
+  const double floor = survey.tunnel.centerline.at(placed.chainage).position.z();
+  return fmt::format(
+      "tag {} is seen by no camera of {}: P {} m above the floor, cameras about {} m", placed.name,
+      rig.file.string(), format_number(p.z() - floor, 2), format_number(rig.vehicle_height, 2));
+}
+
+constexpr const char* kUnseenRemedy =
+    "another height of the tag, a larger plate, another alpha, yaw or lens; `tagsmith plan` shows "
+    "what the cameras see";
+
+// Tags that the rig cannot see anywhere. The regular ones together: they come from one line.
+std::vector<Diagnostic> unseen_findings(const Survey& survey, const Rig& rig) {
+  std::vector<Diagnostic> findings;
+  std::vector<std::size_t> regular;
+  const auto add = [&](std::size_t tag, const std::string& message) {
+    const PlacedTag& placed = survey.tags[tag];
+    findings.push_back({survey.file.string(), placed.line, placed.column, Severity::warning,
+                        std::string(kUnseenTagRule), message, kUnseenRemedy});
+  };
+  for (const std::size_t tag : unseen_tags(survey, rig)) {
+    if (survey.tags[tag].surveyed) {
+      add(tag, unseen_words(survey, rig, tag));
+    } else {
+      regular.push_back(tag);
+    }
+  }
+  if (regular.empty()) return findings;
+  std::string message = unseen_words(survey, rig, regular.front());
+  if (regular.size() > 1) {
+    message += fmt::format("; {} of {} tags in all, the last is {}", regular.size(),
+                           survey.tags.size(), survey.tags[regular.back()].name);
+  }
+  add(regular.front(), message);
+  return findings;
+}
+
+// Each survey with each rig, less what comments in the survey allow.
+void check_sight(const std::vector<Survey>& surveys, const std::vector<Rig>& rigs,
+                 Findings& findings) {
+  for (const Survey& survey : surveys) {
+    for (const Rig& rig : rigs) {
+      const std::vector<Diagnostic> found =
+          allowed_removed(unseen_findings(survey, rig), survey.file);
+      findings.diagnostics.insert(findings.diagnostics.end(), found.begin(), found.end());
+    }
+  }
+}
+
 Findings validate(const ValidateOptions& options) {
   Findings findings;
   std::vector<Survey> surveys;
+  std::vector<Rig> rigs;
   for (const std::string& path : options.surveys) {
     Result<SurveyReading> reading = read_survey(path);
     if (collect(reading, findings) && reading->survey) {
@@ -61,7 +115,11 @@ Findings validate(const ValidateOptions& options) {
   }
   const std::vector<Diagnostic> together = check_together(surveys);
   findings.diagnostics.insert(findings.diagnostics.end(), together.begin(), together.end());
-  for (const std::string& path : options.rigs) collect(read_rig(path), findings);
+  for (const std::string& path : options.rigs) {
+    Result<RigReading> reading = read_rig(path);
+    if (collect(reading, findings) && reading->rig) rigs.push_back(std::move(*reading->rig));
+  }
+  check_sight(surveys, rigs, findings);
   for (const std::string& path : options.templates) collect(read_template(path), findings);
   return findings;
 }
@@ -188,7 +246,9 @@ Command validate_command(CLI::App& parent) {
   const auto options = std::make_shared<ValidateOptions>();
   app->add_option("SURVEY", options->surveys,
                   "Survey files (YAML); several are checked against each other too");
-  app->add_option("--rig", options->rigs, "Rig file to check as well; repeatable")
+  app->add_option("--rig", options->rigs,
+                  "Rig file to check as well, and whether its cameras can see the surveys' tags; "
+                  "repeatable")
       ->take_all()
       ->expected(1);
   app->add_option("--template", options->templates, "Template file to check as well; repeatable")

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tagsmith/geometry/side_line.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -107,12 +109,21 @@ std::optional<PointFromVehicle> observe_point_from_vehicle(const Camera& camera,
   return PointFromVehicle{seen->projection.pixel, by_vehicle(*seen, vehicle)};
 }
 
-ObservedWall observe_wall(const Centerline& centerline, double wall_offset,
+ObservedWall observe_wall(const Centerline& centerline, const ChainageProfile& wall_offset,
                           const Vector3d& position) {
   const CenterlineAddress address = centerline.locate(position.head<2>());
-  const double towards = wall_offset < 0 ? -1.0 : 1.0;
-  return {towards * (wall_offset - address.offset),
-          -towards * right_of(centerline.at(address.chainage).heading)};
+  const double abreast = wall_offset.at(address.chainage);
+  const double towards = abreast < 0 ? -1.0 : 1.0;
+  const double distance = towards * (abreast - address.offset);
+  const Vector3d across = -towards * right_of(centerline.at(address.chainage).heading);
+  if (wall_offset.is_constant()) return {distance, across};
+  const Eigen::Vector2d foot = nearest_on_side(centerline, wall_offset, position.head<2>()).point;
+  const double sign = distance < 0 ? -1.0 : 1.0;
+  const Eigen::Vector2d way = position.head<2>() - foot;
+  const double length = way.norm();
+  constexpr double kAtWall = 1e-9;
+  if (length < kAtWall) return {sign * length, across};
+  return {sign * length, Vector3d(sign * way.x() / length, sign * way.y() / length, 0)};
 }
 
 }  // namespace tagsmith

@@ -9,6 +9,7 @@
 
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/geometry/chainage_profile.hpp"
 #include "tagsmith/geometry/pose.hpp"
 
 namespace tagsmith {
@@ -77,8 +78,8 @@ struct ObservedWall {
 };
 
 // The least horizontal distance from O to the surface that runs `wall_offset` metres to the right
-// of the center line (negative: to the left), along the center line's nearest point.
-ObservedWall observe_wall(const Centerline& centerline, double wall_offset,
+// of the center line (negative: to the left), near the center line's nearest point.
+ObservedWall observe_wall(const Centerline& centerline, const ChainageProfile& wall_offset,
                           const Eigen::Vector3d& position);
 
 }  // namespace tagsmith

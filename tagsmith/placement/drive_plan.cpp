@@ -183,7 +183,7 @@ class Sweep {
  private:
   std::unique_ptr<TunnelWalls> walls_near(double first, double last) const {
     const double reach = model_.reach() + (last - first);
-    if (!model_.bends_between(first - reach, last + reach)) return nullptr;
+    if (!model_.may_be_hidden_between(first - reach, last + reach)) return nullptr;
     const double standoff = model_.standoff_between(first - reach, last + reach);
     return std::make_unique<TunnelWalls>(survey_.tunnel, standoff, (first + last) / 2, reach);
   }
@@ -336,7 +336,7 @@ class Sweep {
       }
     }
     for (TagInformation& tag : scratch.tags) {
-      tag.information = with_survey_error(tag.information, survey_.sigma);
+      tag.information = with_survey_error(tag.information, survey_.tags[tag.tag].sigma);
     }
   }
 
@@ -403,17 +403,19 @@ Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& opti
     return fail(fmt::format("the plan ends at chainage {} m, expected more than its start, {} m",
                             format_number(to, 3), format_number(from, 3)));
   }
-  if (envelope.lateral >= survey.tunnel.width / 2) {
+  const double narrowest = least_distance(survey.tunnel);
+  if (envelope.lateral >= narrowest) {
     return fail(fmt::format(
-        "{}: vehicle.envelope.lateral is {} m, expected less than half the width of {}, {} m",
+        "{}: vehicle.envelope.lateral is {} m, expected less than the nearest wall's distance from "
+        "the center line of {}, {} m",
         rig.file.string(), format_number(envelope.lateral, 3), survey.file.string(),
-        format_number(survey.tunnel.width / 2, 3)));
+        format_number(narrowest, 3)));
   }
-  if (rig.vehicle_height <= 0 || rig.vehicle_height >= survey.tunnel.height) {
+  if (rig.vehicle_height <= 0 || rig.vehicle_height >= survey.tunnel.height.least()) {
     return fail(fmt::format(
         "{}: vehicle.height is {} m, expected between 0 and the height of the tunnel of {}, {} m",
         rig.file.string(), format_number(rig.vehicle_height, 3), survey.file.string(),
-        format_number(survey.tunnel.height, 3)));
+        format_number(survey.tunnel.height.least(), 3)));
   }
   const double columns = (to - from) / options.step;
   if (columns > kMostColumns) {

@@ -44,6 +44,10 @@ auto rank_of(const Pair& pair) {
   return std::tuple(!is_one_pair, apart_mm, pair.left.distance + pair.right.distance);
 }
 
+bool is_turned(const Survey& survey, const PlateSight& sight) {
+  return is_turned_from_wall(survey.tunnel, survey.tag_template, survey.tags[sight.tag]);
+}
+
 std::optional<Pair> choose_pair(const Survey& survey, const Vector3d& position,
                                 std::span<const PlateSight> sights) {
   const auto ranged = [&](const PlateSight& sight) {
@@ -52,9 +56,10 @@ std::optional<Pair> choose_pair(const Survey& survey, const Vector3d& position,
   };
   std::optional<Pair> best;
   for (const PlateSight& left : sights) {
-    if (survey.tags[left.tag].side != Side::left) continue;
+    if (survey.tags[left.tag].side != Side::left || is_turned(survey, left)) continue;
     for (const PlateSight& right : sights) {
       if (survey.tags[right.tag].side != Side::right || left.camera == right.camera) continue;
+      if (is_turned(survey, right)) continue;
       const Pair pair{ranged(left), ranged(right)};
       if (!best || rank_of(pair) < rank_of(*best)) best = pair;
     }
@@ -83,7 +88,7 @@ double distance_sigma(const Survey& survey, const Rig& rig, const Pose& world_fr
   if (!p || !q) return 0;
   const double by_corners =
       ranged.distance * std::sqrt(2.0) * corner_sigma(*ranged.sight, options) / (*q - *p).norm();
-  return std::hypot(by_corners, survey.sigma);
+  return std::hypot(by_corners, ranged.tag->sigma);
 }
 
 // Share of measurements with r^2 < (a / tan(theta))^2, the root in (18), when d, D1 and D2 have
@@ -168,11 +173,9 @@ VehicleCovariance rig_information(const Survey& survey, const Rig& rig, const Ve
     information(vehicle_parameter::kZ, vehicle_parameter::kZ) =
         1 / (rig.height_sigma * rig.height_sigma);
   }
-  const double half_width = survey.tunnel.width / 2;
   for (const RigRange& range : rig.ranges) {
     const ObservedWall wall =
-        observe_wall(survey.tunnel.centerline, range.wall == Side::left ? -half_width : half_width,
-                     pose.position);
+        observe_wall(survey.tunnel.centerline, wall_of(survey.tunnel, range.wall), pose.position);
     if (wall.distance < range.min || wall.distance > range.max) continue;
     information.topLeftCorner<3, 3>() +=
         wall.by_position * wall.by_position.transpose() / (range.sigma * range.sigma);
@@ -203,7 +206,7 @@ std::optional<PaperExpectation> expect_by_paper(const Survey& survey, const Rig&
   const std::optional<Pair> pair = choose_pair(survey, pose.position, sights);
   if (!pair) return std::nullopt;
   const ObservedWall wall =
-      observe_wall(survey.tunnel.centerline, -survey.tunnel.width / 2, pose.position);
+      observe_wall(survey.tunnel.centerline, survey.tunnel.left, pose.position);
   const RigRange* range = left_range(rig, wall.distance);
   if (range == nullptr) return std::nullopt;
   const Pose from_vehicle = world_from_vehicle(pose);
@@ -228,7 +231,8 @@ std::optional<PaperExpectation> expect_by_paper(const Survey& survey, const Rig&
   expectation.covariance =
       inverse_derivative * sigmas.cwiseAbs2().asDiagonal() * inverse_derivative.transpose();
   const double stagger = std::abs((p2 - p1).dot(along));
-  const double pair_angle = std::atan2(stagger, survey.tunnel.width);
+  const double pair_angle =
+      std::atan2(stagger, pair_width(survey.tunnel, *pair->left.tag, *pair->right.tag));
   expectation.magnification = 1 / std::tan(pair_angle);
   expectation.no_solution_share =
       no_solution_share(p1, p2, pose.position, wall.distance, pair_angle, sigmas);

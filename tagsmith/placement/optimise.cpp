@@ -33,15 +33,15 @@ double stagger_angle(const TagTemplate& tag, double spacing, double width) {
 bool has_half_pitch(const Survey& survey, const Layout& layout) {
   return layout.series.pair_angle &&
          std::abs(*layout.series.pair_angle -
-                  stagger_angle(layout.tag_template, layout.series.spacing, survey.tunnel.width)) <
-             1e-9;
+                  stagger_angle(layout.tag_template, layout.series.spacing,
+                                width_at(survey.tunnel, layout.series.first))) < 1e-9;
 }
 
 // The right plates' shift may not take them out of the drive either.
 double last_chainage(const Survey& survey, const Layout& layout) {
   const double shift =
       layout.series.pair_angle
-          ? std::max(0.0, survey.tunnel.width * std::tan(*layout.series.pair_angle) -
+          ? std::max(0.0, greatest_width(survey.tunnel) * std::tan(*layout.series.pair_angle) -
                               layout.tag_template.frame_inner_length)
           : 0.0;
   return survey.tunnel.centerline.length() - layout.tag_template.plate_length - shift;
@@ -158,7 +158,8 @@ class Search {
 
   std::vector<Layout> heights(const Layout& layout) const {
     std::vector<Layout> all;
-    for (double height = 0.2; height < std::min(survey_.tunnel.height, 4.0); height += 0.2) {
+    for (double height = 0.2; height < std::min(survey_.tunnel.height.least(), 4.0);
+         height += 0.2) {
       Layout other = layout;
       other.series.mount_height = std::round(height * 100) / 100;
       if (hangs_in_tunnel(other)) all.push_back(other);
@@ -170,8 +171,8 @@ class Search {
     Layout facing = layout;
     facing.series.pair_angle.reset();
     Layout half = layout;
-    half.series.pair_angle =
-        stagger_angle(layout.tag_template, layout.series.spacing, survey_.tunnel.width);
+    half.series.pair_angle = stagger_angle(layout.tag_template, layout.series.spacing,
+                                           width_at(survey_.tunnel, layout.series.first));
     return {facing, half};
   }
 
@@ -236,7 +237,8 @@ class Search {
     const bool half_pitch = has_half_pitch(survey_, layout);
     layout.series.spacing = spacing;
     if (half_pitch) {
-      layout.series.pair_angle = stagger_angle(layout.tag_template, spacing, survey_.tunnel.width);
+      layout.series.pair_angle = stagger_angle(layout.tag_template, spacing,
+                                               width_at(survey_.tunnel, layout.series.first));
     }
     const double up_to = fine_.to.value_or(survey_.tunnel.centerline.length()) + kSightAhead;
     layout.series.pairs = pairs_that_fit(survey_, layout, up_to);
@@ -268,7 +270,7 @@ class Search {
     const double above = (tag.plate_height - tag.frame_inner_height) / 2 - tag.frame_offset_up;
     const double below = tag.plate_height - above;
     return layout.series.mount_height - below >= kFloorClearance &&
-           layout.series.mount_height + above <= survey_.tunnel.height - kFloorClearance;
+           layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance;
   }
 
   static constexpr double kSightAhead =

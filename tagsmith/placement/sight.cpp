@@ -71,8 +71,8 @@ SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
     plate.normal = pose.rotation.col(2);
     for (const double x : {plate_left, plate_left + tag.plate_length}) {
       const Vector3d corner = pose * Vector3d(x, 0, 0);
-      const double offset = survey.tunnel.centerline.locate(corner.head<2>()).offset;
-      plate.depth = std::max(plate.depth, std::abs(offset) - survey.tunnel.width / 2);
+      const CenterlineAddress address = survey.tunnel.centerline.locate(corner.head<2>());
+      plate.depth = std::max(plate.depth, behind_wall(survey.tunnel, placed.side, address));
     }
     plates_.push_back(plate);
   }
@@ -143,7 +143,8 @@ std::pair<std::size_t, std::size_t> SightModel::tags_between(double low, double 
           static_cast<std::size_t>(end - chainages_.begin())};
 }
 
-bool SightModel::bends_between(double low, double high) const {
+bool SightModel::may_be_hidden_between(double low, double high) const {
+  if (!survey_->tunnel.left.is_constant() || !survey_->tunnel.right.is_constant()) return true;
   double start = 0;
   for (const CenterlineElement& element : survey_->tunnel.centerline.elements()) {
     if (element.curvature != 0 && start <= high && start + element.length >= low) return true;

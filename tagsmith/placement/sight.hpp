@@ -79,8 +79,9 @@ class SightModel {
   // The part of tags_by_chainage() that lies in [low, high], as begin and end.
   std::pair<std::size_t, std::size_t> tags_between(double low, double high) const;
 
-  // True when the center line bends anywhere in [low, high].
-  bool bends_between(double low, double high) const;
+  // True when a wall may hide a tag in [low, high]: the center line bends there, or the walls do
+  // not run straight beside it.
+  bool may_be_hidden_between(double low, double high) const;
 
   // How far behind the plates' planes the walls stand near this chainage (wall_standoff).
   double standoff_between(double low, double high) const;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tagsmith/geometry/side_line.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -18,40 +20,65 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 }  // namespace
 
 TunnelWalls::TunnelWalls(const Tunnel& tunnel, double standoff, double chainage, double reach) {
-  const Centerline& line = tunnel.centerline;
-  const double half_width = tunnel.width / 2 + standoff;
   const double first = chainage - reach;
   const double last = chainage + reach;
-  if (first < 0) add(line.at(first), 0, -first, first, half_width);
+  const double behind = std::max(standoff, tunnel.stand_off);
+  for (const Side side : {Side::left, Side::right}) {
+    const ChainageProfile offset =
+        wall_of(tunnel, side).scaled(1, side == Side::left ? -behind : behind);
+    if (offset.is_constant()) {
+      add_parallel(tunnel.centerline, side, offset.at(0), first, last);
+    } else {
+      add_pieces(tunnel.centerline, side, offset, first, last);
+    }
+  }
+}
+
+void TunnelWalls::add_parallel(const Centerline& line, Side side, double offset, double first,
+                               double last) {
+  if (first < 0) add(line.at(first), 0, -first, first, side, offset);
   double start = 0;
   for (const CenterlineElement& element : line.elements()) {
     if (start + element.length >= first && start <= last) {
-      add(line.at(start), element.curvature, element.length, start, half_width);
+      add(line.at(start), element.curvature, element.length, start, side, offset);
     }
     start += element.length;
   }
   if (last > line.length()) {
-    add(line.at(line.length()), 0, last - line.length(), line.length(), half_width);
+    add(line.at(line.length()), 0, last - line.length(), line.length(), side, offset);
   }
 }
 
 void TunnelWalls::add(const CenterlinePoint& start, double curvature, double length,
-                      double chainage, double half_width) {
+                      double chainage, Side side, double offset) {
   const Vector2d along = direction_of(start.heading).head<2>();
   const Vector2d across = right_of(start.heading).head<2>();
-  for (const Side side : {Side::left, Side::right}) {
-    const double offset = side == Side::left ? -half_width : half_width;
-    const Vector2d on_wall = start.position.head<2>() + offset * across;
-    if (curvature == 0) {
-      straights_.push_back({on_wall, along, across, length, chainage, side});
-      continue;
-    }
-    const Vector2d centre = start.position.head<2>() + across / curvature;
-    // Left of a left turn's centre there is no wall.
-    if ((1.0 / curvature - offset) * curvature <= 0) continue;
-    const Vector2d from_centre = on_wall - centre;
-    arcs_.push_back(
-        {centre, from_centre.normalized(), from_centre.norm(), curvature, length, chainage, side});
+  const Vector2d on_wall = start.position.head<2>() + offset * across;
+  if (curvature == 0) {
+    straights_.push_back({on_wall, along, across, length, chainage, 1, side});
+    return;
+  }
+  const Vector2d centre = start.position.head<2>() + across / curvature;
+  // Left of a left turn's centre there is no wall.
+  if ((1.0 / curvature - offset) * curvature <= 0) return;
+  const Vector2d from_centre = on_wall - centre;
+  arcs_.push_back(
+      {centre, from_centre.normalized(), from_centre.norm(), curvature, length, chainage, side});
+}
+
+void TunnelWalls::add_pieces(const Centerline& line, Side side, const ChainageProfile& offset,
+                             double first, double last) {
+  constexpr double kSag = 0.002;  // metres that straight pieces miss a curved wall by
+  const std::vector<SidePoint> points = side_points(line, offset, first, last, kSag);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Vector2d from = points[i - 1].position.head<2>();
+    const Vector2d way = points[i].position.head<2>() - from;
+    const double length = way.norm();
+    if (length < kJoint) continue;
+    const Vector2d along = way / length;
+    const double chainages = points[i].chainage - points[i - 1].chainage;
+    straights_.push_back({from, along, Vector2d(along.y(), -along.x()), length,
+                          points[i - 1].chainage, chainages / length, side});
   }
 }
 
@@ -63,7 +90,8 @@ void TunnelWalls::meet(const Straight& wall, const Vector2d& origin, const Vecto
   if (!(way > 0) || (nearest && way >= nearest->way)) return;
   const double along = (origin + way * direction - wall.start).dot(wall.along);
   if (along < -kJoint || along > wall.length + kJoint) return;
-  nearest = WallHit{way, wall.chainage + along, wall.side, std::abs(towards) / direction.norm()};
+  nearest = WallHit{way, wall.chainage + wall.stretch * along, wall.side,
+                    std::abs(towards) / direction.norm()};
 }
 
 void TunnelWalls::meet(const Arc& wall, const Vector2d& origin, const Vector2d& direction,
@@ -105,8 +133,8 @@ double wall_standoff(const Survey& survey, double chainage, double reach) {
     if (std::abs(placed.chainage - chainage) > reach) continue;
     for (const double x : {left, left + tag.plate_length}) {
       const Vector3d corner = placed.world_from_plate * Vector3d(x, 0, 0);
-      const double offset = survey.tunnel.centerline.locate(corner.head<2>()).offset;
-      farthest = std::max(farthest, std::abs(offset) - survey.tunnel.width / 2);
+      const CenterlineAddress address = survey.tunnel.centerline.locate(corner.head<2>());
+      farthest = std::max(farthest, behind_wall(survey.tunnel, placed.side, address));
     }
   }
   return standoff_behind(farthest);

@@ -23,9 +23,9 @@ struct WallHit {
 // frame.
 class TunnelWalls {
  public:
-  // Walls that stand `standoff` metres behind the plates' planes, as far as `reach` metres along
-  // the tunnel before and after `chainage`. The inner wall of an arc that leaves it no radius is
-  // left out.
+  // Walls that stand `standoff` metres (at least the tunnel's own) behind the plates' planes, as
+  // far as `reach` metres along the tunnel before and after `chainage`. The inner wall of an arc
+  // that leaves it no radius is left out.
   TunnelWalls(const Tunnel& tunnel, double standoff, double chainage, double reach = 60);
 
   std::optional<WallHit> first_hit(const Eigen::Vector2d& origin,
@@ -38,6 +38,7 @@ class TunnelWalls {
     Eigen::Vector2d across;  // to the right of the drive
     double length;
     double chainage;
+    double stretch;  // chainage for a metre of the wall
     Side side;
   };
   struct Arc {
@@ -50,8 +51,11 @@ class TunnelWalls {
     Side side;
   };
 
+  void add_parallel(const Centerline& line, Side side, double offset, double first, double last);
   void add(const CenterlinePoint& start, double curvature, double length, double chainage,
-           double half_width);
+           Side side, double offset);
+  void add_pieces(const Centerline& line, Side side, const ChainageProfile& offset, double first,
+                  double last);
   static void meet(const Straight& wall, const Eigen::Vector2d& origin,
                    const Eigen::Vector2d& direction, std::optional<WallHit>& nearest);
   static void meet(const Arc& wall, const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,

@@ -34,13 +34,18 @@ double height_of_p(const Survey& survey, const PlacedTag& tag) {
 void draw_plate_edge(Sketch& sketch, const Survey& survey, const PlacedTag& tag) {
   const TagTemplate& plate = survey.tag_template;
   const double out = tag.side == Side::left ? -1 : 1;
-  const double x = out * survey.tunnel.width / 2;
+  const double above = (plate.plate_height - plate.frame_inner_height) / 2 - plate.frame_offset_up;
+  const auto in_section = [&](double down) {
+    const Eigen::Vector3d point =
+        tag.world_from_plate * Eigen::Vector3d(plate.frame_inner_length / 2, down, 0);
+    return Vector2d(survey.tunnel.centerline.locate(point.head<2>()).offset,
+                    point.z() - floor_at(survey, tag));
+  };
+  const double x = in_section(0).x();
   const double p = height_of_p(survey, tag);
-  const double top =
-      p + (plate.plate_height - plate.frame_inner_height) / 2 - plate.frame_offset_up;
   const Vector2d back(out * 0.001, 0);
-  const Vector2d upper(x, top);
-  const Vector2d lower(x, top - plate.plate_height);
+  const Vector2d upper = in_section(-above);
+  const Vector2d lower = in_section(plate.plate_height - above);
   sketch.layer("tags").add(Area{{upper, lower, {lower, back}, {upper, back}}, colours::kBlack});
   sketch.layer("tags").add(Dot{Vector2d(x, p), 0.0006, colours::kRed});
   sketch.layer("names").add(Words{.text = tag.name,
@@ -152,10 +157,12 @@ void draw_camera_rays(SketchLayer& layer, const RigCamera& camera, double reach)
                   .colour = colours::kBlue});
 }
 
-void draw_ranges(SketchLayer& layer, const Rig& rig, double half_width) {
+// `chainage`: where the vehicle stands.
+void draw_ranges(SketchLayer& layer, const Rig& rig, const Tunnel& tunnel, double chainage) {
+  const double half_width = width_at(tunnel, chainage) / 2;
   double along = 0;
   for (const RigRange& range : rig.ranges) {
-    const double wall = range.wall == Side::left ? half_width : -half_width;
+    const double wall = -wall_of(tunnel, range.wall).at(chainage);
     const Vector2d from(along, 0);
     const Vector2d to(along, wall);
     layer.add(Dimension{
@@ -177,13 +184,17 @@ std::optional<TagPair> first_pair(const Survey& survey) {
 
 DrawingView cross_section(const Survey& survey, const PlacedTag& tag,
                           const std::optional<Rig>& rig) {
-  const double half = survey.tunnel.width / 2;
-  const double height = survey.tunnel.height;
+  const Tunnel& tunnel = survey.tunnel;
+  const double left = tunnel.left.at(tag.chainage);
+  const double right = tunnel.right.at(tag.chainage);
+  const double height = tunnel.height.at(tag.chainage);
+  const std::vector<SketchPoint> room =
+      box({left - tunnel.stand_off, 0}, {right + tunnel.stand_off, height});
   DrawingView view;
   view.title = "Section at chainage " + metres(tag.chainage) + " m, seen along the drive";
   view.axes = ViewAxes{{1, 0}, {0, 1}, "right", "z"};
-  view.sketch.layer("floor").add(Area{box({-half, 0}, {half, height}), {0.95, 0.95, 0.93}});
-  view.sketch.layer("walls").add(Polyline{box({-half, 0}, {half, height}), {.width = kWide}, true});
+  view.sketch.layer("floor").add(Area{room, {0.95, 0.95, 0.93}});
+  view.sketch.layer("walls").add(Polyline{room, {.width = kWide}, true});
   view.sketch.layer("centerline")
       .add(Polyline{{Vector2d(0, 0), Vector2d(0, height)},
                     {colours::kGrey, kNarrow, long_dashed_dotted()}});
@@ -191,13 +202,13 @@ DrawingView cross_section(const Survey& survey, const PlacedTag& tag,
     if (other.pair == tag.pair) draw_plate_edge(view.sketch, survey, other);
   }
   view.sketch.layer("dimensions")
-      .add(Dimension{.from = Vector2d(-half, 0),
-                     .to = Vector2d(half, 0),
+      .add(Dimension{.from = Vector2d(left, 0),
+                     .to = Vector2d(right, 0),
                      .offset = -0.008,
-                     .text = "W_T " + metres(survey.tunnel.width)});
+                     .text = "W_T " + metres(width_at(tunnel, tag.chainage))});
   view.sketch.layer("dimensions")
-      .add(Dimension{.from = Vector2d(-half, 0),
-                     .to = Vector2d(-half, height),
+      .add(Dimension{.from = Vector2d(left, 0),
+                     .to = Vector2d(left, height),
                      .offset = 0.016,
                      .text = metres(height)});
   if (rig) draw_vehicle_section(view.sketch, *rig);
@@ -205,7 +216,8 @@ DrawingView cross_section(const Survey& survey, const PlacedTag& tag,
 }
 
 DrawingView pair_plan(const Survey& survey, const TagPair& pair) {
-  const double margin = survey.tag_template.plate_length + 0.3 * survey.tunnel.width;
+  const double margin =
+      survey.tag_template.plate_length + 0.3 * width_at(survey.tunnel, pair.left.chainage);
   const auto [from, to] = std::minmax(pair.left.chainage, pair.right.chainage);
   const PlanStrip strip = plan_strip(survey, from - margin, to + margin);
   DrawingView view;
@@ -215,20 +227,23 @@ DrawingView pair_plan(const Survey& survey, const TagPair& pair) {
   const auto place = [&](const PlacedTag& tag) {
     return Vector2d(strip.view_from_world * Vector2d(tag.world_from_plate.translation.head<2>()));
   };
-  const Vector2d into_tunnel = strip.view_from_world.linear() *
-                               Vector2d(-pair.left.world_from_plate.rotation.col(2).head<2>());
+  // Across the drive, whichever way the two walls lean.
+  const Eigen::Vector3d facing =
+      pair.right.world_from_plate.rotation.col(2) - pair.left.world_from_plate.rotation.col(2);
+  const Vector2d into_tunnel =
+      strip.view_from_world.linear() * Vector2d(facing.head<2>().normalized());
   draw_pair_angle(view.sketch.layer("theta"), place(pair.left), place(pair.right), into_tunnel);
   const CenterlinePoint end = survey.tunnel.centerline.at(strip.from);
-  const auto wall = [&](double side) {
+  const auto wall = [&](Side side) {
     const Eigen::Vector3d at =
-        end.position + side * survey.tunnel.width / 2 * right_of(end.heading);
+        end.position + wall_of(survey.tunnel, side).at(strip.from) * right_of(end.heading);
     return Vector2d(strip.view_from_world * Vector2d(at.head<2>()));
   };
   view.sketch.layer("dimensions")
-      .add(Dimension{.from = wall(1),
-                     .to = wall(-1),
+      .add(Dimension{.from = wall(Side::right),
+                     .to = wall(Side::left),
                      .offset = 0.008,
-                     .text = "W_T " + metres(survey.tunnel.width)});
+                     .text = "W_T " + metres(width_at(survey.tunnel, strip.from))});
   return view;
 }
 
@@ -240,6 +255,7 @@ DrawingView plate_view(const Survey& survey, const PlacedTag& tag) {
   };
   DrawingView view;
   view.title = "Plate of " + tag.name + ", seen facing it";
+  if (tag.attitude) view.title += ", which " + attitude_text(*tag.attitude);
   const double scale = round_scale(drawing.plate.width / 0.075);
   view.title += ", " + scale_text(scale);
   view.scale = scale;
@@ -276,21 +292,23 @@ DrawingView plate_view(const Survey& survey, const PlacedTag& tag) {
 }
 
 DrawingView rig_view(const Survey& survey, const Rig& rig) {
-  const double half = survey.tunnel.width / 2;
+  const double chainage = survey.tags.empty() ? 0 : survey.tags.front().chainage;
+  const double half = width_at(survey.tunnel, chainage) / 2;
   DrawingView view;
   view.title = "Rig " + rig.name + " from above, on the center line";
   view.axes = ViewAxes{{1, 0}, {0, 1}, "x fwd", "y left"};
   const double reach = 1.1 * half;
-  for (const double side : {-half, half}) {
+  for (const Side side : {Side::left, Side::right}) {
+    const double y = -wall_of(survey.tunnel, side).at(chainage);
     view.sketch.layer("walls").add(
-        Polyline{{Vector2d(-1.2 * half, side), Vector2d(1.6 * half, side)}, {.width = kWide}});
+        Polyline{{Vector2d(-1.2 * half, y), Vector2d(1.6 * half, y)}, {.width = kWide}});
   }
   view.sketch.layer("centerline")
       .add(Polyline{{Vector2d(-1.2 * half, 0), Vector2d(1.6 * half, 0)},
                     {colours::kGrey, kNarrow, long_dashed_dotted()}});
   SketchLayer& layer = view.sketch.layer("rig");
   for (const RigCamera& camera : rig.cameras) draw_camera_rays(layer, camera, reach);
-  draw_ranges(layer, rig, half);
+  draw_ranges(layer, rig, survey.tunnel, chainage);
   const Vector2d o(0, 0);
   layer.add(Dot{o, 0.0009, colours::kBlue});
   layer.add(Words{.text = "O", .at = {o, Vector2d(0.0012, -0.0035)}, .colour = colours::kBlue});

@@ -10,6 +10,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
 namespace tagsmith {
@@ -268,6 +269,21 @@ void write_parallel(DxfWriter& dxf, const char* layer, const Survey& survey, dou
   }
 }
 
+void write_rock(DxfWriter& dxf, const Survey& survey, Side side) {
+  constexpr double kSag = 0.001;
+  const Centerline& line = survey.tunnel.centerline;
+  const ChainageProfile rock = rock_of(survey.tunnel, side);
+  if (rock.is_constant()) {
+    write_parallel(dxf, "WALLS", survey, rock.at(0));
+    return;
+  }
+  const std::vector<SidePoint> points = side_points(line, rock, 0, line.length(), kSag);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    write_line(dxf, "WALLS", grid_from_world(survey.grid, points[i - 1].position),
+               grid_from_world(survey.grid, points[i].position));
+  }
+}
+
 void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
   const TagTemplate& plate = survey.tag_template;
   const auto in_grid = [&](double right, double down) {
@@ -301,9 +317,7 @@ std::string render_dxf(const Survey& survey) {
   write_blocks(dxf);
   dxf.begin("ENTITIES");
   write_parallel(dxf, "CENTERLINE", survey, 0);
-  for (const double side : {-0.5, 0.5}) {
-    write_parallel(dxf, "WALLS", survey, side * survey.tunnel.width);
-  }
+  for (const Side side : {Side::left, Side::right}) write_rock(dxf, survey, side);
   for (const PlacedTag& tag : survey.tags) write_tag(dxf, survey, tag);
   dxf.end();
   write_objects(dxf);

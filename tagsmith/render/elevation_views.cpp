@@ -32,7 +32,7 @@ void draw_start(SketchLayer& layer, const Survey& survey, const PlanStrip& strip
   const Vector2d at = strip.view_from_world * Vector2d(start.position.head<2>());
   const Vector2d along = turn * Vector2d(direction_of(start.heading).head<2>());
   const Vector2d right = turn * Vector2d(right_of(start.heading).head<2>());
-  const SketchPoint from(at + right * survey.tunnel.width / 4);
+  const SketchPoint from(at + right * width_at(survey.tunnel, 0) / 4);
   layer.add(Dot{at, 0.0007, colours::kBlue});
   layer.add(Arrow{from, {from.model, along * 0.016}, {colours::kBlue, kWide, {}}});
   layer.add(
@@ -50,7 +50,7 @@ void draw_start(SketchLayer& layer, const Survey& survey, const PlanStrip& strip
 void draw_origin(SketchLayer& layer, const Survey& survey, const PlanStrip& strip) {
   const Centerline& line = survey.tunnel.centerline;
   const CenterlineAddress address = line.locate(Vector2d(0, 0));
-  const double beside = survey.tunnel.width;
+  const double beside = greatest_width(survey.tunnel);
   if (address.chainage < strip.from - beside || address.chainage > strip.to + beside) return;
   if (std::abs(address.offset) > 2 * beside) return;
   const Vector2d origin = strip.view_from_world * Vector2d(0, 0);
@@ -82,6 +82,13 @@ class Unrolled {
     const double middle = (left_end + right_end) / 2;
     const Eigen::Vector3d centre = pose * Eigen::Vector3d(middle, 0, 0);
     const double chainage = survey_.tunnel.centerline.locate(centre.head<2>()).chainage;
+    if (tag.attitude) {
+      const Eigen::Vector3d from_centre = pose * Eigen::Vector3d(right, down, 0) - centre;
+      const Eigen::Vector3d along = direction_of(survey_.tunnel.centerline.at(chainage).heading);
+      const double rightwards = side_ == Side::left ? 1.0 : -1.0;
+      return {across(chainage) + rightwards * along.dot(from_centre),
+              height_of_p(tag) + centre.z() - pose.translation.z() + from_centre.z()};
+    }
     return {across(chainage) + right - middle, height_of_p(tag) - down};
   }
 
@@ -96,8 +103,24 @@ class Unrolled {
   Side side_;
 };
 
-std::vector<SketchPoint> box(const Vector2d& corner, const Vector2d& opposite) {
-  return {corner, Vector2d(opposite.x(), corner.y()), opposite, Vector2d(corner.x(), opposite.y())};
+// A rectangle on a tag's plate, between two heights below P.
+std::vector<SketchPoint> box(const Unrolled& wall, const PlacedTag& tag, double left, double top,
+                             double right, double bottom) {
+  return {wall.on_plate(tag, left, top), wall.on_plate(tag, right, top),
+          wall.on_plate(tag, right, bottom), wall.on_plate(tag, left, bottom)};
+}
+
+// The roof over the strip as it is unrolled, from its start.
+std::vector<SketchPoint> roof_line(const Survey& survey, const PlanStrip& strip,
+                                   const Unrolled& wall) {
+  const ChainageProfile& height = survey.tunnel.height;
+  std::vector<SketchPoint> line{Vector2d(wall.across(strip.from), height.at(strip.from))};
+  for (const double chainage : height.breaks(strip.from, strip.to)) {
+    line.emplace_back(Vector2d(wall.across(chainage), height.before(chainage)));
+    line.emplace_back(Vector2d(wall.across(chainage), height.at(chainage)));
+  }
+  line.emplace_back(Vector2d(wall.across(strip.to), height.before(strip.to)));
+  return line;
 }
 
 void draw_plate(Sketch& sketch, const Survey& survey, const Unrolled& wall, const PlacedTag& tag) {
@@ -105,25 +128,24 @@ void draw_plate(Sketch& sketch, const Survey& survey, const Unrolled& wall, cons
   const auto [left, right] = plate_ends(plate);
   const double top = -(plate.plate_height - plate.frame_inner_height) / 2 + plate.frame_offset_up;
   const LineStyle line{.width = kNarrow};
-  const auto upper =
-      box(wall.on_plate(tag, left, top), wall.on_plate(tag, right, top + plate.plate_height));
+  const auto upper = box(wall, tag, left, top, right, top + plate.plate_height);
   sketch.layer("tags").add(Area{upper, colours::kWhite});
   sketch.layer("tags").add(Polyline{upper, line, true});
-  sketch.layer("tags").add(
-      Polyline{box(wall.on_plate(tag, 0, 0),
-                   wall.on_plate(tag, plate.frame_inner_length, plate.frame_inner_height)),
-               line, true});
+  sketch.layer("tags").add(Polyline{
+      box(wall, tag, 0, 0, plate.frame_inner_length, plate.frame_inner_height), line, true});
   sketch.layer("tags").add(Dot{wall.on_plate(tag, 0, 0), 0.0005, colours::kRed});
 }
 
 void draw_wall(Sketch& sketch, const Survey& survey, const PlanStrip& strip, const Unrolled& wall) {
   const double from = wall.across(strip.from);
   const double to = wall.across(strip.to);
-  const double height = survey.tunnel.height;
-  sketch.layer("floor").add(Area{box({from, 0}, {to, height}), {0.95, 0.95, 0.93}});
-  for (const double level : {0.0, height}) {
-    sketch.layer("walls").add(
-        Polyline{{Vector2d(from, level), Vector2d(to, level)}, {.width = kWide}});
+  const std::vector<SketchPoint> floor{Vector2d(from, 0), Vector2d(to, 0)};
+  const std::vector<SketchPoint> roof = roof_line(survey, strip, wall);
+  std::vector<SketchPoint> room = floor;
+  room.insert(room.end(), roof.rbegin(), roof.rend());
+  sketch.layer("floor").add(Area{room, {0.95, 0.95, 0.93}});
+  for (const auto& line : {floor, roof}) {
+    sketch.layer("walls").add(Polyline{line, {.width = kWide}});
   }
   for (const double chainage : plan_ticks(strip)) {
     const Vector2d foot(wall.across(chainage), 0);
@@ -141,8 +163,9 @@ void draw_wall(Sketch& sketch, const Survey& survey, const PlanStrip& strip, con
 
 // The tunnel's height; spacing and plate length below the first two plates.
 void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& wall,
-                     const std::vector<const PlacedTag*>& tags, double left_end) {
-  const double height = survey.tunnel.height;
+                     const std::vector<const PlacedTag*>& tags, double left_end,
+                     double chainage_there) {
+  const double height = survey.tunnel.height.at(chainage_there);
   layer.add(Dimension{.from = Vector2d(left_end, 0),
                       .to = Vector2d(left_end, height),
                       .offset = 0.010,
@@ -196,14 +219,16 @@ DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side si
     draw_plate(view.sketch, survey, wall, tag);
     const auto [left, right] = plate_ends(survey.tag_template);
     const Vector2d middle = wall.on_plate(tag, (left + right) / 2, 0);
-    view.sketch.layer("names").add(Words{.text = tag.name,
-                                         .at = {{middle.x(), survey.tunnel.height}, {0, 0.001}},
-                                         .angle = std::numbers::pi / 2,
-                                         .level = TextLevel::middle});
+    view.sketch.layer("names").add(
+        Words{.text = tag.name,
+              .at = {{middle.x(), survey.tunnel.height.at(tag.chainage)}, {0, 0.001}},
+              .angle = std::numbers::pi / 2,
+              .level = TextLevel::middle});
   }
   if (dimensions) {
     const double left_end = std::min(wall.across(strip.from), wall.across(strip.to));
-    draw_dimensions(view.sketch.layer("dimensions"), survey, wall, tags, left_end);
+    const double chainage = left_end == wall.across(strip.from) ? strip.from : strip.to;
+    draw_dimensions(view.sketch.layer("dimensions"), survey, wall, tags, left_end, chainage);
   }
   return view;
 }

@@ -69,7 +69,7 @@ double usual_reach(const Survey& survey, const DrivePlan& plan) {
   for (const TagUse& use : plan.tags) {
     if (use.is_read) distances.push_back(use.first_distance);
   }
-  if (distances.empty()) return survey.tunnel.width;
+  if (distances.empty()) return least_width(survey.tunnel);
   std::ranges::sort(distances);
   return distances[distances.size() / 2];
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/survey_drawing.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
+#include <variant>
 
 #include "tagsmith/render/survey_views.hpp"
 
@@ -34,7 +37,74 @@ DrawingPart detail_part(const Survey& survey, const std::optional<Rig>& rig, Pap
   return part;
 }
 
+// All of the survey's plan, as the world lies.
+PlanStrip whole_as_it_lies(const Survey& survey) {
+  const std::vector<PlanStrip> strips = plan_strips(survey);
+  return {strips.front().from, strips.back().to, Eigen::Isometry2d::Identity()};
+}
+
+void add_all(Sketch& sketch, const Sketch& other) {
+  for (const SketchLayer& layer : other.layers) {
+    std::vector<SketchItem>& items = sketch.layer(layer.name).items;
+    items.insert(items.end(), layer.items.begin(), layer.items.end());
+  }
+}
+
+Eigen::Vector2d extent_of(const Sketch& sketch) {
+  Eigen::AlignedBox2d box;
+  for (const SketchLayer& layer : sketch.layers) {
+    for (const SketchItem& item : layer.items) {
+      const auto* line = std::get_if<Polyline>(&item);
+      if (line == nullptr) continue;
+      for (const SketchPoint& point : line->points) box.extend(point.model);
+    }
+  }
+  return box.isEmpty() ? Eigen::Vector2d(1, 1) : Eigen::Vector2d(box.sizes());
+}
+
+void name_drive(Sketch& sketch, const Survey& survey) {
+  const CenterlinePoint start = survey.tunnel.centerline.at(0);
+  const Eigen::Vector2d at = start.position.head<2>();
+  const Eigen::Vector2d along = direction_of(start.heading).head<2>();
+  sketch.layer("grid").add(Dot{at, 0.0009, colours::kBlue});
+  sketch.layer("grid").add(Arrow{at, {at, 0.012 * along}, {colours::kBlue, kWide, {}}});
+  sketch.layer("grid").add(Words{.text = survey.name,
+                                 .at = {at, -0.004 * along},
+                                 .height = 0.0025,
+                                 .align = along.x() > 0 ? TextAlign::right : TextAlign::left,
+                                 .level = TextLevel::middle,
+                                 .colour = colours::kBlue});
+}
+
 }  // namespace
+
+Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Paper paper) {
+  DrawingView view;
+  double coarsest = std::numeric_limits<double>::infinity();
+  TitleBlock block{"Drives", "Several surveys in one plan", {}};
+  for (const Survey& survey : surveys) {
+    if (survey.grid.x_axis_left != surveys.front().grid.x_axis_left) {
+      return fail(survey.file.string() + ": grid.x_axis is not that of " +
+                  surveys.front().file.string() + ", expected one grid for one plan");
+    }
+    add_all(view.sketch, tunnel_plan(survey, whole_as_it_lies(survey)));
+    name_drive(view.sketch, survey);
+    coarsest = std::min(coarsest, coarsest_plan_scale(survey));
+    block.fields.push_back({"Survey", survey.name});
+  }
+  const Eigen::Vector2d room = drawing_area(paper);
+  const double scale = (extent_of(view.sketch).array() / room.array()).maxCoeff();
+  if (scale > coarsest) {
+    for (const char* layer : {"names", "centerline"}) {
+      std::erase_if(view.sketch.layer(layer).items,
+                    [](const SketchItem& item) { return std::holds_alternative<Words>(item); });
+    }
+  }
+  view.title = "All drives from above";
+  view.axes = plan_axes(surveys.front(), whole_as_it_lies(surveys.front()));
+  const std::vector<DrawingPart> parts{{{std::move(view)}, {.paper = paper}}};
+  return lay_out_sheets(block, parts);
+}
 
 Result<std::vector<Sheet>> draw_survey(const Survey& survey, const std::optional<Rig>& rig,
                                        const SurveyDrawingStyle& style) {

@@ -27,4 +27,9 @@ struct SurveyDrawingStyle {
 Result<std::vector<Sheet>> draw_survey(const Survey& survey, const std::optional<Rig>& rig,
                                        const SurveyDrawingStyle& style = {});
 
+// Several drives of one grid in one plan, +y up the sheet: tunnels, plates, where each begins.
+// Names of tags where the scale leaves room for them. Fails when the grids differ in handedness,
+// and as lay_out_sheets does.
+Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Paper paper);
+
 }  // namespace tagsmith

@@ -10,6 +10,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith {
 namespace {
@@ -55,9 +56,27 @@ void add_tunnel_words(std::vector<std::string>& lines, const Survey& survey) {
   if (elements.size() > kMostElements) {
     lines.push_back(fmt::format("    and {} more elements", elements.size() - kMostElements));
   }
-  lines.push_back("W_T: " + metres(survey.tunnel.width) +
+  lines.push_back("W_T: " + width_text(survey.tunnel) +
                   " m between the planes of the left and right plates; roof at " +
-                  metres(survey.tunnel.height) + " m");
+                  height_text(survey.tunnel) + " m");
+  if (survey.tunnel.stand_off > 0) {
+    lines.push_back("    Plates stand " + metres(survey.tunnel.stand_off) +
+                    " m off the rock; walls are drawn as the rock runs");
+  }
+}
+
+// Plates that do not hang as their wall says.
+void add_attitude_words(std::vector<std::string>& lines, const Survey& survey) {
+  constexpr int kMostNamed = 8;
+  int count = 0;
+  for (const PlacedTag& tag : survey.tags) {
+    if (!tag.attitude || ++count > kMostNamed) continue;
+    lines.push_back("    " + tag.name + " " + attitude_text(*tag.attitude));
+  }
+  if (count > kMostNamed) {
+    lines.push_back(
+        fmt::format("    and {} more with an attitude of their own", count - kMostNamed));
+  }
 }
 
 void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
@@ -65,7 +84,7 @@ void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
   lines.push_back("    the tag's position is the position of P");
   if (survey.series && survey.series->pairs > 0) {
     const TagSeries& series = *survey.series;
-    const double facing = facing_pair_angle(survey);
+    const double facing = facing_pair_angle(survey, left_middle(survey, 0));
     lines.push_back(fmt::format(
         "Regular pairs: {}; first P at chainage {} m, W_B {} m clear, H_P {} m", series.pairs,
         metres(series.first), metres(series.spacing), metres(series.mount_height)));
@@ -75,6 +94,7 @@ void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
                                                         format_number(degrees(facing), 3) + "\u00b0"
                                                   : " = atan(L_CI / W_T): plates face each other"));
   }
+  add_attitude_words(lines, survey);
   const auto surveyed = std::ranges::count_if(survey.tags, &PlacedTag::surveyed);
   lines.push_back(
       fmt::format("Tags: {}, of them {} from `placed`; a coordinate is surveyed to {} m",

@@ -8,6 +8,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/tag_text.hpp"
 
 namespace tagsmith {
@@ -33,37 +34,13 @@ Vector2d turned_to_view(const PlanStrip& strip, const Eigen::Vector3d& direction
   return strip.view_from_world.linear() * Vector2d(direction_in_world.head<2>());
 }
 
-// Chainages from `from` to `to` between which the line is as good as straight.
-std::vector<double> polyline_chainages(const Centerline& line, double from, double to) {
-  constexpr double kSagitta = 0.0005;
-  constexpr double kMostSteps = 720;  // of one element
-  std::vector<double> chainages{from};
-  double start = 0;
-  for (const CenterlineElement& element : line.elements()) {
-    const double low = std::max(from, start);
-    const double high = std::min(to, start + element.length);
-    start += element.length;
-    if (low >= high) continue;
-    chainages.push_back(low);
-    if (element.curvature == 0) continue;
-    const double step = std::sqrt(8 * kSagitta / std::abs(element.curvature));
-    const double count = std::clamp(std::ceil((high - low) / step), 1.0, kMostSteps);
-    for (int i = 1; i < count; ++i) chainages.push_back(low + (high - low) * i / count);
-  }
-  chainages.push_back(std::clamp(line.length(), from, to));
-  chainages.push_back(to);
-  const auto [last, end] = std::ranges::unique(chainages);
-  chainages.erase(last, end);
-  return chainages;
-}
-
 // A line beside the center line, `offset` metres to the right of the drive, in the world.
-std::vector<Eigen::Vector3d> parallel_line(const Centerline& line, double from, double to,
-                                           double offset) {
+std::vector<Eigen::Vector3d> beside(const Centerline& line, const ChainageProfile& offset,
+                                    const PlanStrip& strip) {
+  constexpr double kSagitta = 0.0005;
   std::vector<Eigen::Vector3d> points;
-  for (const double chainage : polyline_chainages(line, from, to)) {
-    const CenterlinePoint point = line.at(chainage);
-    points.push_back(point.position + offset * right_of(point.heading));
+  for (const SidePoint& point : side_points(line, offset, strip.from, strip.to, kSagitta)) {
+    points.push_back(point.position);
   }
   return points;
 }
@@ -88,9 +65,9 @@ PlanStrip make_strip(const Centerline& line, double from, double to) {
 // Width and height of the walls in the strip's view, metres on the ground.
 Vector2d extent_of(const Survey& survey, const PlanStrip& strip) {
   Eigen::AlignedBox2d box;
-  for (const double side : {-0.5, 0.5}) {
-    for (const Eigen::Vector3d& point : parallel_line(survey.tunnel.centerline, strip.from,
-                                                      strip.to, side * survey.tunnel.width)) {
+  for (const Side side : {Side::left, Side::right}) {
+    for (const Eigen::Vector3d& point :
+         beside(survey.tunnel.centerline, rock_of(survey.tunnel, side), strip)) {
       box.extend(in_view(strip, point));
     }
   }
@@ -162,9 +139,8 @@ std::vector<PlanStrip> cut_into_strips(const Survey& survey, double from, double
 
 void draw_tunnel(Sketch& sketch, const Survey& survey, const PlanStrip& strip) {
   const Centerline& line = survey.tunnel.centerline;
-  const double half = survey.tunnel.width / 2;
-  const auto left = in_view(strip, parallel_line(line, strip.from, strip.to, -half));
-  const auto right = in_view(strip, parallel_line(line, strip.from, strip.to, half));
+  const auto left = in_view(strip, beside(line, rock_of(survey.tunnel, Side::left), strip));
+  const auto right = in_view(strip, beside(line, rock_of(survey.tunnel, Side::right), strip));
   std::vector<SketchPoint> floor = left;
   floor.insert(floor.end(), right.rbegin(), right.rend());
   sketch.layer("floor").add(Area{floor, {0.95, 0.95, 0.93}});
@@ -172,7 +148,7 @@ void draw_tunnel(Sketch& sketch, const Survey& survey, const PlanStrip& strip) {
     sketch.layer("walls").add(Polyline{wall, {.width = kWide}});
   }
   sketch.layer("centerline")
-      .add(Polyline{in_view(strip, parallel_line(line, strip.from, strip.to, 0)),
+      .add(Polyline{in_view(strip, beside(line, 0, strip)),
                     {colours::kGrey, kNarrow, long_dashed_dotted()}});
 }
 
@@ -253,7 +229,7 @@ double tight_gap(const Survey& survey) {
 
 double coarsest_plan_scale(const Survey& survey) {
   const double by_names = tight_gap(survey) / kNamePitch;
-  const double by_walls = survey.tunnel.width / kLeastDrive;
+  const double by_walls = least_width(survey.tunnel) / kLeastDrive;
   // round_scale goes to the next coarser one; the one before it is wanted.
   const double most = std::min(by_names, by_walls);
   double scale = round_scale(most / 2.6);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/rules.hpp"
 
@@ -86,12 +87,8 @@ std::vector<Allowance> read_allowances(std::string_view text, const std::string&
   return allowances;
 }
 
-}  // namespace
-
-std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std::string_view text,
-                                        const std::string& file) {
-  std::vector<Diagnostic> faults;
-  std::vector<Allowance> allowances = read_allowances(text, file, faults);
+void remove_allowed(std::vector<Diagnostic>& diagnostics, const std::string& file,
+                    std::vector<Allowance>& allowances) {
   std::erase_if(diagnostics, [&](const Diagnostic& diagnostic) {
     if (diagnostic.severity == Severity::error || diagnostic.file != file) return false;
     bool allowed = false;
@@ -103,10 +100,29 @@ std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std
     }
     return allowed;
   });
+}
+
+}  // namespace
+
+std::vector<Diagnostic> allowed_removed(std::vector<Diagnostic> diagnostics,
+                                        const std::filesystem::path& file) {
+  const Result<std::string> text = read_file(file);
+  if (!text || diagnostics.empty()) return diagnostics;
+  std::vector<Diagnostic> faults;
+  std::vector<Allowance> allowances = read_allowances(*text, file.string(), faults);
+  remove_allowed(diagnostics, file.string(), allowances);
+  return diagnostics;
+}
+
+std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std::string_view text,
+                                        const std::string& file) {
+  std::vector<Diagnostic> faults;
+  std::vector<Allowance> allowances = read_allowances(text, file, faults);
+  remove_allowed(diagnostics, file, allowances);
   // With errors some rules were not looked at.
   const bool complete = !has_errors(diagnostics);
   for (const Allowance& allowance : allowances) {
-    if (allowance.used || !complete) continue;
+    if (allowance.used || !complete || allowance.rule == kUnseenTagRule) continue;
     faults.push_back(fault(file, allowance, "unused-allow",
                            "nothing here is warned of by " + allowance.rule,
                            "remove the comment; errors cannot be allowed"));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comments in a file that allow what a rule warns of, each with its reason. Internal to
-// tagsmith/survey.
+// Comments in a file that allow what a rule warns of, each with its reason.
 #pragma once
 
+#include <filesystem>
 #include <string_view>
 #include <vector>
 
@@ -10,11 +10,20 @@
 
 namespace tagsmith {
 
+// The rule whose findings come from survey and rig together: a comment that allows it is no idle
+// one where no rig was given.
+inline constexpr std::string_view kUnseenTagRule = "unseen-tag";
+
 // Removes the warnings about `file` that a comment `# tagsmith: allow RULE: REASON` in its text
 // allows: on the line of the finding, on a line of its own before it, or anywhere for a finding
 // about the whole file. Errors stay. Adds a finding for each such comment that names no rule, gives
 // no reason, or allows nothing.
 std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std::string_view text,
                                         const std::string& file);
+
+// The warnings about a file that its comments do not allow, and nothing about the comments. All of
+// them when the file cannot be read.
+std::vector<Diagnostic> allowed_removed(std::vector<Diagnostic> diagnostics,
+                                        const std::filesystem::path& file);
 
 }  // namespace tagsmith

@@ -18,6 +18,7 @@ namespace {
 
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 constexpr double kTouching = 1e-3;  // metres that plates may share with each other or the rock
+constexpr double kOffWall = 0.1;    // metres; walls are rough, surveys are not
 
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
@@ -69,14 +70,18 @@ class SeriesFindings {
     group.last = tag.name;
   }
 
-  void log_all(Place place, const std::string& code, const std::string& hint,
-               FindingLog& log) const {
+  void log_all(Place place, const std::string& code, const std::string& hint, FindingLog& log,
+               Severity severity = Severity::error) const {
     for (const auto& [kind, group] : groups_) {
       std::string message = group.message;
       if (group.count > 1) {
         message += "; " + std::to_string(group.count) + " tags in all, the last is " + group.last;
       }
-      log.error(place, code, message, hint);
+      if (severity == Severity::error) {
+        log.error(place, code, message, hint);
+      } else {
+        log.warning(place, code, message, hint);
+      }
     }
   }
 
@@ -101,19 +106,35 @@ struct PlateExtent {
 };
 
 PlateExtent plate_extent(const Tunnel& tunnel, const Rectangle& plate, const PlacedTag& tag) {
-  const auto chainage = [&](double x) {
-    const Eigen::Vector3d point = tag.world_from_plate * Eigen::Vector3d(x, 0, 0);
+  const auto chainage = [&](double x, double y) {
+    const Eigen::Vector3d point = tag.world_from_plate * Eigen::Vector3d(x, y, 0);
     return tunnel.centerline.locate(point.head<2>()).chainage;
   };
   const auto floor = [&](double at) { return tunnel.centerline.at(at).position.z(); };
+  const double far_x = plate.x + plate.width;
+  const double far_y = plate.y + plate.height;
   PlateExtent extent;
-  std::tie(extent.start, extent.end) =
-      std::minmax({chainage(plate.x), chainage(plate.x + plate.width)});
-  extent.middle = chainage(plate.x + plate.width / 2);
-  extent.top = tag.p_in_grid.z() - plate.y;
-  extent.bottom = extent.top - plate.height;
+  if (tag.attitude) {
+    std::tie(extent.start, extent.end) =
+        std::minmax({chainage(plate.x, plate.y), chainage(far_x, plate.y), chainage(plate.x, far_y),
+                     chainage(far_x, far_y)});
+    const double middle = (tag.world_from_plate *
+                           Eigen::Vector3d(plate.x + plate.width / 2, (plate.y + far_y) / 2, 0))
+                              .z();
+    const double reach = (std::abs(tag.world_from_plate.rotation(2, 0)) * plate.width +
+                          std::abs(tag.world_from_plate.rotation(2, 1)) * plate.height) /
+                         2;
+    extent.top = middle + reach;
+    extent.bottom = middle - reach;
+  } else {
+    std::tie(extent.start, extent.end) = std::minmax({chainage(plate.x, 0), chainage(far_x, 0)});
+    extent.top = tag.p_in_grid.z() - plate.y;
+    extent.bottom = extent.top - plate.height;
+  }
+  extent.middle = chainage(plate.x + plate.width / 2, 0);
   extent.floor = std::max(floor(extent.start), floor(extent.end));
-  extent.roof = std::min(floor(extent.start), floor(extent.end)) + tunnel.height;
+  extent.roof = std::min(floor(extent.start), floor(extent.end)) +
+                tunnel.height.least(extent.start, extent.end);
   return extent;
 }
 
@@ -148,31 +169,72 @@ std::vector<WallFault> room_faults(const Survey& survey, const PlacedTag& tag,
 }
 
 // Whether a surveyed P lies on the wall that its side says.
-void check_on_wall(const Survey& survey, const SourcedTag& entry, FindingLog& log) {
-  constexpr double kOffWall = 0.1;  // metres; walls are rough, surveys are not
+void check_on_wall(const Survey& survey, const SourcedTag& entry, const CenterlineAddress& middle,
+                   FindingLog& log) {
+  const Tunnel& tunnel = survey.tunnel;
   const PlacedTag& tag = entry.tag;
-  const Eigen::Vector3d middle =
-      tag.world_from_plate * Eigen::Vector3d(survey.tag_template.frame_inner_length / 2, 0, 0);
-  const double offset = survey.tunnel.centerline.locate(middle.head<2>()).offset;
-  const double towards_wall = tag.side == Side::right ? offset : -offset;
-  const double behind = towards_wall - survey.tunnel.width / 2;
   const std::string subject = "tag " + tag.name + ": P lies ";
-  if (towards_wall <= 0) {
+  const char* kRemedy = "check p, the walls that `tunnel` says, and the center line";
+  const double behind = behind_wall(tunnel, tag.side, middle);
+  const double into_rock = behind - tunnel.stand_off;
+  const double across = tag.side == Side::left ? middle.offset : -middle.offset;
+  if (across >= 0) {
     log.error(entry.place, "wrong-side",
-              subject + metres(-towards_wall) + " beyond the center line on the other side, " +
+              subject + metres(across) + " beyond the center line on the other side, " +
                   "expected on the " + to_string(tag.side) + " wall of the drive",
               "check side, the order of x and y, and grid.x_axis");
-  } else if (behind > kOffWall) {
+  } else if (into_rock > kOffWall) {
     log.error(entry.place, "off-wall",
-              subject + metres(behind) + " behind the " + to_string(tag.side) +
+              subject + metres(into_rock) + " behind the " + to_string(tag.side) +
                   " wall, expected at most " + metres(kOffWall),
-              "check p, tunnel.width and the center line");
-  } else if (behind < -kOffWall) {
+              kRemedy);
+  } else if (std::abs(behind) > kOffWall &&
+             !is_turned_from_wall(tunnel, survey.tag_template, tag)) {
     log.warning(entry.place, "off-wall",
-                subject + metres(-behind) + " in front of the " + to_string(tag.side) +
-                    " wall, expected at most " + metres(kOffWall),
-                "check p, tunnel.width and the center line");
+                subject + metres(std::abs(behind)) + (behind < 0 ? " in front of" : " behind") +
+                    " the plane of the " + to_string(tag.side) + " plates, expected at most " +
+                    metres(kOffWall),
+                kRemedy);
   }
+}
+
+// Whether a plate with an attitude of its own looks at the rock.
+void check_faces_room(const Survey& survey, const SourcedTag& entry, FindingLog& log) {
+  if (!entry.tag.attitude) return;
+  constexpr double kAhead = 0.3;  // metres in front of the plate's middle
+  const TagTemplate& tag = survey.tag_template;
+  const Eigen::Vector3d ahead =
+      entry.tag.world_from_plate *
+      Eigen::Vector3d(tag.frame_inner_length / 2, tag.frame_inner_height / 2, -kAhead);
+  const CenterlineAddress address = survey.tunnel.centerline.locate(ahead.head<2>());
+  for (const Side side : {Side::left, Side::right}) {
+    const double behind = behind_wall(survey.tunnel, side, address) - survey.tunnel.stand_off;
+    if (behind <= 0) continue;
+    log.warning(entry.place, "faces-rock",
+                "tag " + entry.tag.name + " looks at the " + to_string(side) + " wall: " +
+                    metres(kAhead) + " in front of the plate is " + metres(behind) + " in the rock",
+                "facing is the direction that the plate's face looks to, from +y towards +x of the "
+                "grid; away from its wall when left out");
+  }
+}
+
+// Of the middle of the frame's upper edge.
+CenterlineAddress middle_of(const Survey& survey, const PlacedTag& tag) {
+  const Eigen::Vector3d middle =
+      tag.world_from_plate * Eigen::Vector3d(survey.tag_template.frame_inner_length / 2, 0, 0);
+  return survey.tunnel.centerline.locate(middle.head<2>());
+}
+
+// The wall's steps behind a plate; empty when there is none to speak of.
+std::string step_behind(const Tunnel& tunnel, const PlacedTag& tag, const PlateExtent& extent) {
+  constexpr double kStep = 0.02;  // metres that a plate's fixings bear
+  const ChainageProfile& wall = wall_of(tunnel, tag.side);
+  if (wall.is_constant()) return {};
+  const double step = wall.steps(extent.start, extent.end);
+  if (step <= kStep) return {};
+  return "the plate of tag " + tag.name + ", chainage " + format_number(extent.start, 3) + " to " +
+         metres(extent.end) + ", hangs over a step of " + metres(step) + " of the " +
+         to_string(tag.side) + " wall";
 }
 
 struct WallPlate {
@@ -285,12 +347,13 @@ void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Plac
 
 void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, FindingLog& log) {
   const Rectangle plate = draw_tag(survey.tag_template, Digits{}).plate;
+  const char* kStepHint = "move the tag off the step, or give it a support that bridges it";
   SeriesFindings sticking_out;
+  SeriesFindings over_steps;
   std::array<std::vector<WallPlate>, 2> walls;
   Place series_place;
   for (const SourcedTag& entry : tags) {
     const PlateExtent extent = plate_extent(survey.tunnel, plate, entry.tag);
-    walls[entry.tag.side == Side::left ? 0 : 1].push_back({extent, &entry});
     for (WallFault& fault : room_faults(survey, entry.tag, extent)) {
       if (entry.tag.surveyed) {
         log.error(entry.place, "outside-tunnel", fault.message, "check p, tunnel and the template");
@@ -298,14 +361,24 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, Find
         sticking_out.add(fault.kind, entry.tag, std::move(fault.message));
       }
     }
+    std::string step = step_behind(survey.tunnel, entry.tag, extent);
+    bool stands_free = false;
     if (entry.tag.surveyed) {
-      check_on_wall(survey, entry, log);
+      const CenterlineAddress middle = middle_of(survey, entry.tag);
+      stands_free =
+          entry.tag.attitude && behind_wall(survey.tunnel, entry.tag.side, middle) < -kOffWall;
+      check_on_wall(survey, entry, middle, log);
+      check_faces_room(survey, entry, log);
+      if (!step.empty() && !stands_free) log.warning(entry.place, "wall-step", step, kStepHint);
     } else {
       series_place = entry.place;
+      if (!step.empty()) over_steps.add("", entry.tag, std::move(step));
     }
+    if (!stands_free) walls[entry.tag.side == Side::left ? 0 : 1].push_back({extent, &entry});
   }
   sticking_out.log_all(series_place, "outside-tunnel",
                        "fewer pairs, another first or height, or a longer or higher tunnel", log);
+  over_steps.log_all(series_place, "wall-step", kStepHint, log, Severity::warning);
   SeriesFindings overlaps;
   for (std::vector<WallPlate>& wall : walls) check_overlaps(std::move(wall), overlaps, log);
   overlaps.log_all(series_place, "overlap", "a wider spacing", log);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <set>
 
@@ -49,19 +50,45 @@ std::string element_text(const CenterlineElement& element) {
          ", angle: " + format_number(degrees(angle), 8) + grade + " }";
 }
 
+std::string stations_text(const ChainageProfile& profile) {
+  std::string text;
+  for (const ProfileStation& station : profile.stations()) {
+    text += "      - " + joined(std::array{station.chainage, std::abs(station.value)}) + "\n";
+  }
+  return text;
+}
+
+// Walls, roof and stand-off: the keys beside `centerline`.
+std::string room_text(const Tunnel& tunnel) {
+  std::string text;
+  if (tunnel.height.is_constant()) {
+    text = "  height: " + format_number(tunnel.height.at(0)) + "\n";
+  } else {
+    text = "  sections:\n";
+    for (const ProfileStation& station : tunnel.height.stations()) {
+      text += "    - { at: " + format_number(station.chainage) +
+              ", height: " + format_number(station.value) + " }\n";
+    }
+  }
+  if (tunnel.left.is_constant() && tunnel.right.is_constant()) {
+    return "  width: " + format_number(width_at(tunnel, 0)) +
+           "   # between the planes of the left and the right plates\n" + text;
+  }
+  return text + "  walls:   # [chainage, distance from the center line], through the points\n" +
+         "    left:\n" + stations_text(tunnel.left) + "    right:\n" + stations_text(tunnel.right);
+}
+
 std::string tunnel_text(const SurveyDraft& draft) {
   const Centerline& line = draft.fit.tunnel.centerline;
   const CenterlinePoint start = line.at(0);
   std::string text = fmt::format(
       "tunnel:\n"
-      "  width: {}   # between the planes of the left and the right plates\n"
-      "  height: {}\n"
+      "{}"
       "  centerline:\n"
       "    start: {}   # on the floor\n"
       "    heading: {}   # degrees from +y towards +x\n"
       "    elements:\n",
-      format_number(draft.fit.tunnel.width), format_number(draft.fit.tunnel.height),
-      list_of(grid_from_world(draft.grid, start.position)),
+      room_text(draft.fit.tunnel), list_of(grid_from_world(draft.grid, start.position)),
       format_number(degrees(grid_heading_from_world(draft.grid, start.heading)), 8));
   for (const CenterlineElement& element : line.elements()) {
     text += "      - " + element_text(element) + "\n";
@@ -69,14 +96,34 @@ std::string tunnel_text(const SurveyDraft& draft) {
   return text;
 }
 
-std::string placed_text(const SurveyedPoint& point) {
+// The keys of an attitude that the drafted wall does not say already.
+std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) {
+  constexpr double kSame = radians(0.02);
+  if (!point.attitude) return {};
+  const PlateAttitude& attitude = *point.attitude;
+  const Pose on_wall = plate_on_wall(draft.fit.tunnel, draft.tag, point.tag->side,
+                                     world_from_grid(draft.grid, point.in_grid));
+  const double by_wall = grid_heading_from_world(draft.grid, facing_of(on_wall));
+  const double turned =
+      std::remainder(attitude.facing.value_or(by_wall) - by_wall, 2 * std::numbers::pi);
+  const auto key = [](const char* name, double angle) {
+    return std::string(", ") + name + ": " + format_number(degrees(angle));
+  };
+  std::string text;
+  if (std::abs(turned) > kSame) text += key("facing", *attitude.facing);
+  if (attitude.tilt != 0) text += key("tilt", attitude.tilt);
+  if (attitude.roll != 0) text += key("roll", attitude.roll);
+  return text;
+}
+
+std::string placed_text(const SurveyDraft& draft, const SurveyedPoint& point) {
   std::string text = "  - { tag: " + tag_name(point.tag->pair, point.tag->side) +
                      ", side: " + to_string(point.tag->side) + ", p: " + list_of(point.in_grid);
   if (!point.digits.empty()) text += ", digits: \"" + point.digits + "\"";
   if (point.sigma) text += ", sigma: " + format_number(*point.sigma);
   if (!point.date.empty()) text += ", date: " + point.date;
   if (point.design_in_grid) text += ", design: " + list_of(*point.design_in_grid);
-  return text + " }\n";
+  return text + attitude_keys(draft, point) + " }\n";
 }
 
 // Digits that `extent` metres take.
@@ -217,7 +264,7 @@ std::string draft_survey(const SurveyDraft& draft) {
   std::ranges::sort(tags, {}, [](const SurveyedPoint* point) {
     return std::pair(point->tag->pair, point->tag->side);
   });
-  for (const SurveyedPoint* tag : tags) text += placed_text(*tag);
+  for (const SurveyedPoint* tag : tags) text += placed_text(draft, *tag);
   return text;
 }
 

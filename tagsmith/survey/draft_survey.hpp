@@ -22,6 +22,7 @@ struct SurveyDraft {
   std::string name;
   std::string source;  // of the points, for the comment
   std::string template_name;
+  TagTemplate tag;  // of that name
   Grid grid;
   PositionCode code;
   TunnelFit fit;

@@ -144,9 +144,8 @@ PlateAddress plate_address(const Survey& survey, Side side, const Eigen::Vector3
   const Eigen::Vector3d middle =
       world_from_plate * Eigen::Vector3d(survey.tag_template.frame_inner_length / 2, 0, 0);
   const CenterlineAddress address = tunnel.centerline.locate(middle.head<2>());
-  const double towards_wall = side == Side::right ? address.offset : -address.offset;
   const double floor = tunnel.centerline.at(address.chainage).position.z();
-  return {address.chainage, towards_wall - tunnel.width / 2, p.z() - floor};
+  return {address.chainage, behind_wall(tunnel, side, address), p.z() - floor};
 }
 
 std::vector<std::optional<ExpectedPlace>> expected_places(

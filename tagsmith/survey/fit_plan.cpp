@@ -115,10 +115,10 @@ std::vector<Vector2d> without_jumps(const std::vector<Vector2d>& guide, double l
   return kept;
 }
 
-std::vector<Vector2d> make_guide(const std::vector<PlanPoint>& points) {
-  const std::vector<Vector2d> middle = points_of_side(points, 0);
-  std::vector<Vector2d> guide = middle;
-  if (middle.size() < 2) {
+std::vector<Vector2d> make_guide(const std::vector<PlanPoint>& points,
+                                 const std::vector<Vector2d>& rough) {
+  std::vector<Vector2d> guide = rough.empty() ? points_of_side(points, 0) : rough;
+  if (guide.size() < 2) {
     const std::vector<Vector2d> left = points_of_side(points, -1);
     const std::vector<Vector2d> right = points_of_side(points, 1);
     if (left.size() < 2 || right.size() < 2) return {};
@@ -277,6 +277,7 @@ CenterlineAddress touching_address(const Centerline& line, const PlanPoint& poin
 }
 
 double residual_of(const Centerline& line, double width, const PlanPoint& point) {
+  if (point.offset) return line.locate(point.p).offset - *point.offset;
   return touching_address(line, point).offset - point.side * width / 2;
 }
 
@@ -437,9 +438,9 @@ std::ptrdiff_t misfits(const PlanFit& fit, double tolerance) {
 }  // namespace
 
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
-                                int most_elements) {
+                                int most_elements, const std::vector<Vector2d>& rough) {
   if (points.empty()) return std::nullopt;
-  const std::vector<Vector2d> guide = make_guide(points);
+  const std::vector<Vector2d> guide = make_guide(points, rough);
   if (guide.empty()) return std::nullopt;
   const std::vector<HeadingStep> steps = heading_steps(guide);
   const HeadingSums sums(steps);

@@ -17,20 +17,22 @@ namespace tagsmith {
 struct PlanPoint {
   Eigen::Vector2d p{0, 0};
   int side = 0;
-  double plate_half = 0;  // > 0: P of a plate, whose middle is on the wall; half of L_CI
+  double plate_half = 0;         // > 0: P of a plate, whose middle is on the wall; half of L_CI
+  std::optional<double> offset;  // of p itself, where it is known: then the width says nothing
 };
 
 struct PlanFit {
-  Centerline line;  // level; begins and ends beyond the points
-  double width = 0;
+  Centerline line;                // level; begins and ends beyond the points
+  double width = 0;               // void when the offsets of all points are known
   std::vector<double> residuals;  // metres to the right of where the fit has the point
   std::vector<double> chainages;
 };
 
 // The fit with the fewest elements, up to `most_elements`, whose residuals are within the
 // tolerance; if there is none, the one that most points fit. Nothing when the points show no line:
-// fewer than two on the center line, or on either wall.
+// fewer than two on the center line, or on either wall. `rough`: about the center line, in order,
+// where it is known; else the points say it.
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
-                                int most_elements);
+                                int most_elements, const std::vector<Eigen::Vector2d>& rough = {});
 
 }  // namespace tagsmith

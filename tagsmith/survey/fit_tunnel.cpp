@@ -267,7 +267,8 @@ Error misfit_error(const std::vector<SurveyedPoint>& points, const PlanFit& fit,
 Result<void> check_sides(const std::vector<PlanPoint>& points, const PlanFit& fit) {
   double apart = 0;  // right minus left
   for (std::size_t i = 0; i < points.size(); ++i) {
-    apart += points[i].side * (fit.residuals[i] + points[i].side * fit.width / 2);
+    const double expected = points[i].offset.value_or(points[i].side * fit.width / 2);
+    apart += points[i].side * (fit.residuals[i] + expected);
   }
   if (apart > 0) return {};
   return fail(
@@ -288,10 +289,42 @@ struct PlanInput {
   std::vector<PlanPoint> points;
   std::vector<SurveyedPoint> sources;
   std::vector<std::size_t> indices;
+  std::vector<Eigen::Vector2d> rough;  // center line; empty = not known
 };
 
+// Between each left point and the right one nearest in chainage, as their listed offsets divide the
+// way; in the order of the points.
+std::vector<Eigen::Vector2d> rough_center(const std::vector<PlanPoint>& points,
+                                          const std::vector<SurveyedPoint>& sources) {
+  std::vector<std::size_t> lefts;
+  std::vector<std::size_t> rights;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].side != 0) (points[i].side < 0 ? lefts : rights).push_back(i);
+  }
+  std::vector<Eigen::Vector2d> center;
+  if (rights.empty()) return center;
+  const auto chainage = [&](std::size_t i) { return sources[i].chainage.value_or(0); };
+  std::size_t next = 0;  // both lists go along the drive
+  for (const std::size_t left : lefts) {
+    while (next + 1 < rights.size() && std::abs(chainage(rights[next + 1]) - chainage(left)) <=
+                                           std::abs(chainage(rights[next]) - chainage(left))) {
+      ++next;
+    }
+    const double a = std::abs(*points[left].offset);
+    const double b = std::abs(*points[rights[next]].offset);
+    if (a + b <= 0) continue;
+    center.emplace_back(points[left].p + a / (a + b) * (points[rights[next]].p - points[left].p));
+  }
+  return center;
+}
+
+bool has_offsets(const std::vector<SurveyedPoint>& points) {
+  return std::ranges::all_of(points, [](const SurveyedPoint& p) { return p.offset.has_value(); });
+}
+
+// `measured_walls`: only what does not depend on where the walls are.
 PlanInput plan_input(const std::vector<SurveyedPoint>& points, const Grid& grid,
-                     const TagTemplate& tag) {
+                     const TagTemplate& tag, bool measured_walls) {
   // Where the list says chainages, its order need not be that of the drive.
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -300,14 +333,28 @@ PlanInput plan_input(const std::vector<SurveyedPoint>& points, const Grid& grid,
   PlanInput input;
   for (const std::size_t i : order) {
     const std::optional<int> side = side_of(points[i].kind);
-    if (!side) continue;
+    if (!side || (measured_walls && *side != 0 && !points[i].offset)) continue;
     const Vector3d p = world_from_grid(grid, points[i].in_grid);
     const double half = is_tag(points[i].kind) ? tag.frame_inner_length / 2 : 0;
-    input.points.push_back({p.head<2>(), *side, half});
+    const auto offset = measured_walls ? points[i].offset : std::nullopt;
+    input.points.push_back({p.head<2>(), *side, half, offset});
     input.sources.push_back(points[i]);
     input.indices.push_back(i);
   }
+  if (measured_walls && has_offsets(input.sources)) {
+    input.rough = rough_center(input.points, input.sources);
+  }
   return input;
+}
+
+Result<void> check_has_walls(const std::vector<SurveyedPoint>& points) {
+  const auto on_side = [&](int side) {
+    return std::ranges::any_of(points,
+                               [&](const SurveyedPoint& p) { return side_of(p.kind) == side; });
+  };
+  if (on_side(-1) && on_side(1)) return {};
+  return fail(std::string("no points on the ") + (on_side(-1) ? "right" : "left") +
+              " wall (TL, TR, WL, WR or names of tags): the width cannot be known");
 }
 
 Result<PlanFit> fit_input(PlanInput input, double tolerance) {
@@ -315,14 +362,8 @@ Result<PlanFit> fit_input(PlanInput input, double tolerance) {
   // National coordinates are long; near zero nothing of them is lost.
   const Eigen::Vector2d shift = input.points.front().p;
   for (PlanPoint& point : input.points) point.p -= shift;
-  const auto on_side = [&](int side) {
-    return std::ranges::any_of(input.points, [&](const PlanPoint& p) { return p.side == side; });
-  };
-  if (!on_side(-1) || !on_side(1)) {
-    return fail(std::string("no points on the ") + (on_side(-1) ? "right" : "left") +
-                " wall (TL, TR, WL, WR or names of tags): the width cannot be known");
-  }
-  std::optional<PlanFit> fit = fit_plan(input.points, tolerance, kMostFittedElements);
+  for (Eigen::Vector2d& point : input.rough) point -= shift;
+  std::optional<PlanFit> fit = fit_plan(input.points, tolerance, kMostFittedElements, input.rough);
   if (!fit) {
     return fail("too few points: expected two along the center line (CL), or two on either wall");
   }
@@ -334,6 +375,70 @@ Result<PlanFit> fit_input(PlanInput input, double tolerance) {
   const Vector3d back(shift.x(), shift.y(), 0);
   fit->line = Centerline(start.position + back, start.heading, fit->line.elements());
   return *fit;
+}
+
+// The profile through the stations; those within 5 cm of each other become one, their mean.
+ChainageProfile through(std::vector<ProfileStation> stations) {
+  constexpr double kOne = 0.05;
+  std::ranges::sort(stations, {}, &ProfileStation::chainage);
+  std::vector<ProfileStation> merged;
+  for (std::size_t i = 0; i < stations.size();) {
+    ProfileStation sum;
+    std::size_t end = i;
+    for (; end < stations.size() && stations[end].chainage - stations[i].chainage < kOne; ++end) {
+      sum.chainage += stations[end].chainage;
+      sum.value += stations[end].value;
+    }
+    const auto count = static_cast<double>(end - i);
+    const auto rounded = [&](double total) { return std::round(total / count * 1e6) / 1e6; };
+    merged.push_back({rounded(sum.chainage), rounded(sum.value)});
+    i = end;
+  }
+  return ChainageProfile(std::move(merged));
+}
+
+// The wall through the points of one side of the center line.
+Result<ChainageProfile> wall_through(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                                     const Centerline& line, Side side) {
+  const int wanted = side == Side::left ? -1 : 1;
+  std::vector<ProfileStation> stations;
+  for (const SurveyedPoint& point : points) {
+    if (side_of(point.kind) != wanted) continue;
+    const CenterlineAddress address = line.locate(world_from_grid(grid, point.in_grid).head<2>());
+    if (wanted * address.offset <= 0) {
+      return fail(point_text(point) + " lies on the other side of the center line");
+    }
+    stations.push_back({address.chainage, address.offset});
+  }
+  return through(std::move(stations));
+}
+
+// A roof through its points (RF), or through the heights that the list says.
+std::optional<ChainageProfile> roof_through(const std::vector<SurveyedPoint>& points,
+                                            const Grid& grid, const Centerline& line) {
+  std::vector<ProfileStation> stations;
+  for (const SurveyedPoint& point : points) {
+    const Vector3d p = world_from_grid(grid, point.in_grid);
+    const double chainage = line.locate(p.head<2>()).chainage;
+    if (point.tunnel_height) stations.push_back({chainage, *point.tunnel_height});
+    if (point.kind != PointKind::roof) continue;
+    stations.push_back({chainage, p.z() - line.at(chainage).position.z()});
+  }
+  if (stations.empty()) return std::nullopt;
+  ChainageProfile roof = through(std::move(stations));
+  if (roof.least() == roof.greatest()) return ChainageProfile(roof.least());
+  return roof;
+}
+
+Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& points,
+                           const Grid& grid) {
+  const auto left = wall_through(points, grid, tunnel.centerline, Side::left);
+  const auto right = wall_through(points, grid, tunnel.centerline, Side::right);
+  if (!left) return tl::unexpected(left.error());
+  if (!right) return tl::unexpected(right.error());
+  tunnel.left = *left;
+  tunnel.right = *right;
+  return {};
 }
 
 Result<double> roof_height(const std::vector<SurveyedPoint>& points, const Grid& grid,
@@ -356,8 +461,19 @@ Result<double> roof_height(const std::vector<SurveyedPoint>& points, const Grid&
 
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options) {
-  const PlanInput input = plan_input(points, grid, tag);
+  if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
+  bool measured_walls = options.measured_walls;
+  PlanInput input = plan_input(points, grid, tag, measured_walls);
   Result<PlanFit> plan = fit_input(input, options.tolerance);
+  if (!plan && !measured_walls && has_offsets(points)) {
+    PlanInput by_offsets = plan_input(points, grid, tag, true);
+    Result<PlanFit> other = fit_input(by_offsets, options.tolerance);
+    if (other) {
+      measured_walls = true;
+      input = std::move(by_offsets);
+      plan = std::move(other);
+    }
+  }
   if (!plan) return tl::unexpected(plan.error());
   const Centerline level = with_ends(*plan, input.sources, tag.plate_length);
 
@@ -380,11 +496,22 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   start.z() = profile.start;
 
   TunnelFit fit;
-  fit.tunnel.width = plan->width;
-  fit.tunnel.centerline = Centerline(start, level.at(0).heading, elements);
-  const Result<double> height = roof_height(points, grid, fit.tunnel.centerline, options);
-  if (!height) return tl::unexpected(height.error());
-  fit.tunnel.height = *height;
+  fit.tunnel = plain_tunnel(plan->width, 0, Centerline(start, level.at(0).heading, elements));
+  if (measured_walls) {
+    if (auto measured = measure_walls(fit.tunnel, points, grid); !measured) {
+      return tl::unexpected(measured.error());
+    }
+  }
+  const bool heights_listed = std::ranges::any_of(
+      points, [](const SurveyedPoint& point) { return point.tunnel_height.has_value(); });
+  std::optional<ChainageProfile> roof;
+  if (measured_walls || heights_listed) roof = roof_through(points, grid, fit.tunnel.centerline);
+  if (!roof) {
+    const Result<double> height = roof_height(points, grid, fit.tunnel.centerline, options);
+    if (!height) return tl::unexpected(height.error());
+    roof = *height;
+  }
+  fit.tunnel.height = *roof;
 
   fit.residuals.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) fit.residuals[i].chainage = chainages[i];

@@ -20,6 +20,10 @@ struct TunnelFitOptions {
   // H_P, where the list has no floor points: the floor is that far below each tag.
   std::optional<double> mount_height;
   std::optional<double> roof_height;  // of the roof above the floor, where there are no roof points
+  // Walls that run through their points, and a roof through its own, instead of one width and one
+  // height. The center line then comes from its own points (CL), or from the offsets that the list
+  // says; nothing tells a wrong point of a wall from a bulge.
+  bool measured_walls = false;
 };
 
 // How a point lies to the fitted tunnel, metres.
@@ -42,6 +46,8 @@ struct TunnelFit {
 // the others are found and named. Where the list says chainages, the line starts where they do,
 // else a plate's length before the first point. Fails, naming the points, when some fit no tunnel,
 // when left and right are exchanged, and when something cannot be known (width, floor, roof).
+// A list that says offsets and fits no one width gets measured walls by itself: the offsets check
+// the points.
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options);
 

@@ -92,13 +92,17 @@ bool lint_place(const Survey& survey, const SourcedTag& entry, const ExpectedPla
   return true;
 }
 
+bool is_turned(const Survey& survey, const PlacedTag& tag) {
+  return is_turned_from_wall(survey.tunnel, survey.tag_template, tag);
+}
+
 // Odd tags of a wall, by their pair.
 std::map<int, bool> lint_wall(const Survey& survey, const std::vector<const SourcedTag*>& wall,
                               FindingLog& log) {
   std::map<int, bool> odd;
   const std::vector<std::optional<ExpectedPlace>> places = expected_places(survey, wall);
   for (std::size_t i = 0; i < wall.size(); ++i) {
-    if (!places[i] || !wall[i]->tag.surveyed) continue;
+    if (!places[i] || !wall[i]->tag.surveyed || is_turned(survey, wall[i]->tag)) continue;
     odd[wall[i]->tag.pair] = !lint_place(survey, *wall[i], *places[i], log);
   }
   return odd;
@@ -106,7 +110,8 @@ std::map<int, bool> lint_wall(const Survey& survey, const std::vector<const Sour
 
 struct Pair {
   const SourcedTag* right;
-  double shift;  // of the right plate beyond the left one, along the drive
+  double shift;     // of the right plate beyond the left one, along the drive
+  double expected;  // by the design
 };
 
 void lint_pairs(const Survey& survey, const std::vector<Pair>& pairs, FindingLog& log) {
@@ -117,10 +122,14 @@ void lint_pairs(const Survey& survey, const std::vector<Pair>& pairs, FindingLog
   if (!designed && pairs.size() < kLeastPairs) return;
   std::vector<double> shifts;
   for (const Pair& pair : pairs) shifts.push_back(pair.shift);
-  const double expected = designed ? right_plate_shift(survey) : median(shifts);
-  for (double& shift : shifts) shift = std::abs(shift - expected);
+  const double usual = median(shifts);
+  const auto expected_of = [&](const Pair& pair) { return designed ? pair.expected : usual; };
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    shifts[i] = std::abs(shifts[i] - expected_of(pairs[i]));
+  }
   const double tolerance = std::max(kLeastTolerance, kScatterTolerance * median(std::move(shifts)));
   for (const Pair& pair : pairs) {
+    const double expected = expected_of(pair);
     if (std::abs(pair.shift - expected) <= tolerance) continue;
     const PlacedTag& tag = pair.right->tag;
     log.warning(
@@ -193,8 +202,10 @@ void lint_places(const Survey& survey, const std::vector<SourcedTag>& tags, Find
     const auto found = left.find(right->tag.pair);
     if (found == left.end() || odd_left[right->tag.pair] || odd_right[right->tag.pair]) continue;
     if (!right->tag.surveyed && !found->second->tag.surveyed) continue;
+    if (is_turned(survey, right->tag) || is_turned(survey, found->second->tag)) continue;
+    const double abreast = middle_chainage(survey, found->second->tag);
     pairs.push_back(
-        {right, middle_chainage(survey, right->tag) - middle_chainage(survey, found->second->tag)});
+        {right, middle_chainage(survey, right->tag) - abreast, right_plate_shift(survey, abreast)});
   }
   lint_pairs(survey, pairs, log);
 }
@@ -248,7 +259,8 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
 void lint_series(const Survey& survey, Place tags_place, FindingLog& log) {
   constexpr double kLeastPairAngle = radians(4);  // an error of d 14 times as large along the drive
   if (survey.series && survey.series->pairs > 0) {
-    const double theta = survey.series->pair_angle.value_or(facing_pair_angle(survey));
+    const double theta = survey.series->pair_angle.value_or(
+        std::atan2(survey.tag_template.frame_inner_length, greatest_width(survey.tunnel)));
     if (theta < kLeastPairAngle) {
       log.warning(
           tags_place, "small-theta",

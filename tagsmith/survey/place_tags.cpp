@@ -31,26 +31,35 @@ std::optional<TagName> parse_tag_name(std::string_view name) {
   return parsed;
 }
 
-double right_plate_shift(const Survey& survey) {
+double right_plate_shift(const Survey& survey, double chainage) {
   if (!survey.series || !survey.series->pair_angle) return 0;
-  return survey.tunnel.width * std::tan(*survey.series->pair_angle) -
+  return width_at(survey.tunnel, chainage) * std::tan(*survey.series->pair_angle) -
          survey.tag_template.frame_inner_length;
+}
+
+double left_middle(const Survey& survey, int pair) {
+  const TagTemplate& tag = survey.tag_template;
+  const double pitch = tag.plate_length + survey.series->spacing;
+  return survey.series->first + tag.frame_inner_length / 2 + pair * pitch;
 }
 
 PlacedTag place_in_series(const Survey& survey, int pair, Side side) {
   const TagSeries& series = *survey.series;
   const TagTemplate& tag_template = survey.tag_template;
-  const Centerline& line = survey.tunnel.centerline;
-  const double half_inner = tag_template.frame_inner_length / 2;
-  const double pitch = tag_template.plate_length + series.spacing;
-  const double shift = side == Side::right ? right_plate_shift(survey) : 0.0;
-  const double middle = series.first + half_inner + pair * pitch + shift;
+  const Tunnel& tunnel = survey.tunnel;
+  const Centerline& line = tunnel.centerline;
+  const double abreast = left_middle(survey, pair);
+  const double middle =
+      side == Side::right ? abreast + right_plate_shift(survey, abreast) : abreast;
 
   const CenterlinePoint point = line.at(middle);
   const double to_right = side == Side::left ? -1.0 : 1.0;
-  const Eigen::Vector3d back_to_p = to_right * half_inner * direction_of(point.heading);
-  Eigen::Vector3d p =
-      point.position + to_right * survey.tunnel.width / 2 * right_of(point.heading) + back_to_p;
+  const double heading = wall_heading(tunnel, side, middle, tag_template.plate_length);
+  const Eigen::Vector3d back_to_p =
+      to_right * tag_template.frame_inner_length / 2 * direction_of(heading);
+  Eigen::Vector3d p = point.position +
+                      to_right * wall_distance(tunnel, side, middle) * right_of(point.heading) +
+                      back_to_p;
   PlacedTag tag;
   tag.name = tag_name(pair, side);
   tag.sigma = survey.sigma;
@@ -59,14 +68,15 @@ PlacedTag place_in_series(const Survey& survey, int pair, Side side) {
   tag.chainage = line.locate(p.head<2>()).chainage;
   p.z() = line.at(tag.chainage).position.z() + series.mount_height;
   tag.p_in_grid = grid_from_world(survey.grid, p) + Eigen::Vector3d::Zero();  // -0 becomes 0
-  const Eigen::Vector3d x = -to_right * direction_of(point.heading);
-  tag.world_from_plate.rotation << x, -Eigen::Vector3d::UnitZ(), to_right * right_of(point.heading);
+  const Eigen::Vector3d x = -to_right * direction_of(heading);
+  tag.world_from_plate.rotation << x, -Eigen::Vector3d::UnitZ(), to_right * right_of(heading);
   tag.world_from_plate.translation = p;
   return tag;
 }
 
 PlacedTag place_surveyed(const Survey& survey, const TagName& name,
-                         const Eigen::Vector3d& p_in_grid) {
+                         const Eigen::Vector3d& p_in_grid,
+                         const std::optional<PlateAttitude>& attitude) {
   const Eigen::Vector3d p = world_from_grid(survey.grid, p_in_grid);
   PlacedTag tag;
   tag.name = tag_name(name.pair, name.side);
@@ -74,6 +84,12 @@ PlacedTag place_surveyed(const Survey& survey, const TagName& name,
   tag.side = name.side;
   tag.p_in_grid = p_in_grid;
   tag.world_from_plate = plate_on_wall(survey.tunnel, survey.tag_template, name.side, p);
+  tag.attitude = attitude;
+  if (attitude) {
+    const double facing = attitude->facing ? world_heading_from_grid(survey.grid, *attitude->facing)
+                                           : facing_of(tag.world_from_plate);
+    tag.world_from_plate.rotation = plate_rotation(facing, attitude->tilt, attitude->roll);
+  }
   tag.chainage = survey.tunnel.centerline.locate(p.head<2>()).chainage;
   tag.surveyed = true;
   tag.sigma = survey.sigma;

@@ -12,6 +12,7 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
@@ -147,6 +148,16 @@ std::optional<SurveyedPoint> read_point(const ListRow& row,
   return point;
 }
 
+// Lists of older versions do not have it.
+std::optional<PlateAttitude> read_attitude(const ListRow& row) {
+  if (row.text("facing").empty()) return std::nullopt;
+  PlateAttitude attitude;
+  attitude.facing = radians(row.number("facing").value_or(0));
+  attitude.tilt = radians(row.optional_number("tilt").value_or(0));
+  attitude.roll = radians(row.optional_number("roll").value_or(0));
+  return attitude;
+}
+
 std::optional<SurveyedPoint> read_own_point(const ListRow& row) {
   SurveyedPoint point;
   point.line = row.line();
@@ -164,6 +175,9 @@ std::optional<SurveyedPoint> read_own_point(const ListRow& row) {
   }
   point.height = row.number("height");
   point.chainage = row.number("chainage");
+  point.offset = row.number("offset");
+  point.tunnel_height = row.number("tunnel_height");
+  point.attitude = read_attitude(row);
   point.sigma = row.optional_number("sigma");
   point.date = row.text("date");
   if (!row.text("design_x").empty()) point.design_in_grid = row.point("design_");
@@ -178,7 +192,6 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
   ListedSurvey survey;
   survey.tag_template = row.text("template");
   const auto check = parse_check_digit(row.text("check_digit"));
-  const auto height = row.number("tunnel_height");
   const std::string& axis = row.text("x_axis");
   if (!check)
     row.error("check_digit", "bad-choice", "check_digit is no scheme, expected sum10 or gs1");
@@ -186,7 +199,7 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
     row.error("x_axis", "bad-choice",
               "x_axis is `" + axis.substr(0, 60) + "`, expected left or right");
   }
-  bool complete = check && height;
+  bool complete = check.has_value();
   const std::array<std::string, 3> axes{"x", "y", "z"};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto count = row.number("digits_" + axes[i]);
@@ -200,12 +213,16 @@ std::optional<ListedSurvey> read_listed_survey(const ListRow& row) {
   if (!complete) return std::nullopt;
   survey.code.check = *check;
   survey.grid.x_axis_left = axis == "left";
-  survey.tunnel_height = *height;
   return survey;
 }
 
-void check_own_header(const std::vector<std::string>& fields, int line, FindingLog& log) {
-  if (fields == own_columns()) return;
+// The columns that an own list has: of older versions without the plates' attitudes.
+constexpr std::size_t kOldColumns = 27;
+
+void check_own_header(const std::vector<std::string>& fields, int line,
+                      std::vector<std::string>& columns, FindingLog& log) {
+  if (fields.size() == kOldColumns) columns.resize(kOldColumns);
+  if (fields == columns) return;
   log.error({line, 0}, "missing-column",
             "the columns are not those of `tagsmith export`, expected " + csv_row(own_columns()),
             "give the order of the columns: --order PENZD");
@@ -271,7 +288,7 @@ std::vector<std::string> own_columns() {
   return split(
       "tag,side,digits,x,y,z,chainage,offset,height,sigma,date,design_x,design_y,design_z,template,"
       "check_digit,digits_x,digits_y,digits_z,resolution_x,resolution_y,resolution_z,origin_x,"
-      "origin_y,origin_z,x_axis,tunnel_height",
+      "origin_y,origin_z,x_axis,tunnel_height,facing,tilt,roll",
       ',');
 }
 
@@ -285,7 +302,9 @@ Result<PointListReading> read_point_list(const std::filesystem::path& path,
   FindingLog log(path.string());
   PointList list;
   std::vector<Line> lines = lines_of(*text, log);
-  if (own && !lines.empty()) check_own_header(lines.front().fields, lines.front().number, log);
+  if (own && !lines.empty()) {
+    check_own_header(lines.front().fields, lines.front().number, *columns, log);
+  }
   if (log.has_errors()) lines.clear();
   if ((own || options.header) && !lines.empty()) lines.erase(lines.begin());
   if (lines.empty() && !log.has_errors()) log.error({}, "no-points", "the file has no points");

@@ -37,6 +37,10 @@ struct SurveyedPoint {
   std::string digits;              // as printed; empty = not given
   std::optional<double> height;    // above the floor, where the list says it
   std::optional<double> chainage;  // where the list says it
+  std::optional<double> offset;    // from the center line, where the list says it
+  // Height of the roof above the floor there, where the list says it.
+  std::optional<double> tunnel_height;
+  std::optional<PlateAttitude> attitude;  // where the list says it
   std::optional<double> sigma;
   std::string date;
   std::optional<Eigen::Vector3d> design_in_grid;
@@ -47,7 +51,6 @@ struct ListedSurvey {
   std::string tag_template;
   PositionCode code;
   Grid grid;
-  double tunnel_height = 0;
 };
 
 struct PointList {

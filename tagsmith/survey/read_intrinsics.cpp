@@ -200,7 +200,10 @@ std::optional<Camera> read_intrinsics(const MapReader& map, const fs::path& fold
   for (const char* key : {"fx", "distortion", "calibration"}) {
     map.exclude_each_other({"focal_length_mm", key});
   }
-  for (const char* key : {"fx", "distortion"}) map.exclude_each_other({"calibration", key});
+  for (const char* key : {"fx", "fy", "cx", "cy", "distortion", "sensor_mm"}) {
+    map.exclude_each_other({"calibration", key});
+  }
+  map.exclude_each_other({"sensor_mm", "fx"});
   std::optional<Camera> camera;
   const char* source = "calibration";
   if (by_file) {

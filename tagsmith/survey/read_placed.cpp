@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
 namespace tagsmith {
@@ -98,10 +99,24 @@ std::optional<Eigen::Vector3d> read_point(const YamlNode* node, const std::strin
   return Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);
 }
 
+// Nothing when no key speaks of it.
+std::optional<PlateAttitude> read_attitude(const MapReader& map) {
+  if (!map.has("facing") && !map.has("tilt") && !map.has("roll")) return std::nullopt;
+  PlateAttitude attitude;
+  const auto facing = read_number(map.find("facing"), map.name_of("facing"),
+                                  between(-360, 360, "degrees"), map.log());
+  if (facing) attitude.facing = radians(*facing);
+  attitude.tilt = radians(map.number_or("tilt", 0, between(-90, 90, "degrees")));
+  attitude.roll = radians(map.number_or("roll", 0, between(-180, 180, "degrees")));
+  return attitude;
+}
+
 std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::string& label,
                                              const std::optional<CheckDigit>& check,
                                              FindingLog& log) {
-  const MapReader map(&node, label, {"tag", "side", "p", "digits", "sigma", "date", "design"}, log);
+  const MapReader map(
+      &node, label,
+      {"tag", "side", "p", "digits", "sigma", "date", "design", "facing", "tilt", "roll"}, log);
   if (!map.is_map()) return std::nullopt;
   const auto name = read_tag_name(map);
   const auto p = read_point(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), log);
@@ -111,6 +126,7 @@ std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::st
       read_number(map.find("sigma"), map.name_of("sigma"), between(0, kWorstSigma, "m"), log);
   entry.date = read_date(map.find("date"), map.name_of("date"), log);
   entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), log);
+  entry.attitude = read_attitude(map);
   const bool digits_fit = !map.has("digits") || entry.digits.has_value();
   if (!name || !p || !digits_fit) return std::nullopt;
   entry.name = *name;

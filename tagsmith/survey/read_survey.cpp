@@ -15,6 +15,7 @@
 #include "tagsmith/survey/lint_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_placed.hpp"
+#include "tagsmith/survey/read_room.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
@@ -178,12 +179,14 @@ SourcedTag coded(PlacedTag tag, const std::optional<Digits>& printed, Place plac
   const auto with_code = printed ? with_digits(tag, code, *printed) : with_own_digits(tag, code);
   entry.coded = with_code.has_value();
   entry.tag = with_code ? *with_code : std::move(tag);
+  entry.tag.line = place.line;
+  entry.tag.column = place.column;
   return entry;
 }
 
 // The tag where it was measured, with the design that the measurement replaces.
 PlacedTag as_built(const Survey& survey, const PlacedEntry& entry) {
-  PlacedTag tag = place_surveyed(survey, entry.name, entry.p_in_grid);
+  PlacedTag tag = place_surveyed(survey, entry.name, entry.p_in_grid, entry.attitude);
   tag.sigma = entry.sigma.value_or(survey.sigma);
   tag.date = entry.date;
   tag.design_in_grid = entry.design_in_grid;
@@ -225,9 +228,10 @@ std::vector<SourcedTag> place_tags(const Survey& survey,
 void check_pair_angle(const Survey& survey, Place place, FindingLog& log) {
   if (!survey.series || !survey.series->pair_angle) return;
   constexpr double kNoticeable = 0.005;  // metres
-  const double shift = right_plate_shift(survey);
-  const double asked = survey.tunnel.width * std::tan(*survey.series->pair_angle);
-  const std::string facing = format_number(degrees(facing_pair_angle(survey)), 2);
+  const double first = left_middle(survey, 0);
+  const double shift = right_plate_shift(survey, first);
+  const double asked = width_at(survey.tunnel, first) * std::tan(*survey.series->pair_angle);
+  const std::string facing = format_number(degrees(facing_pair_angle(survey, first)), 2);
   const std::string subject =
       "tags.theta is " + format_number(degrees(*survey.series->pair_angle), 3) +
       " degrees, plates that face each other have atan(L_CI / W_T) = " + facing;
@@ -356,9 +360,11 @@ std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
     for (const PlacedTag& tag : survey.tags) {
       const auto [first, is_new] = by_digits.emplace(tag.digits, Owner{&survey, &tag});
       if (is_new || first->second.survey == &survey) continue;
-      log.error({}, "code-collision",
+      const PlacedTag& other = *first->second.tag;
+      log.error({tag.line, tag.column}, "code-collision",
                 "tag " + tag.name + " has the code " + to_string(tag.digits) + ", and so has tag " +
-                    first->second.tag->name + " of " + first->second.survey->file.string(),
+                    other.name + " of " + first->second.survey->file.string() + ":" +
+                    std::to_string(other.line),
                 "give the surveys different code.origin or different check digits");
     }
     const std::vector<Diagnostic> found = log.sorted();

@@ -6,6 +6,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_room.hpp"
 
 namespace tagsmith {
 namespace {
@@ -23,26 +24,37 @@ std::optional<CenterlineElement> read_line(const MapReader& map) {
   return CenterlineElement{*length, 0, 0};
 }
 
-std::optional<CenterlineElement> read_arc(const MapReader& map, std::optional<double> width) {
+// False, with a finding, when the wall on the inner side of the arc has no radius left.
+bool leaves_room(const MapReader& map, double radius, bool turns_right, double start, double length,
+                 const Room& room) {
+  const std::optional<ChainageProfile>& inner = turns_right ? room.right : room.left;
+  if (!inner) return true;
+  const double inner_wall =
+      turns_right ? inner->greatest(start, start + length) : -inner->least(start, start + length);
+  if (radius > inner_wall) return true;
+  map.log().error(map.find("arc")->place, "tight-arc",
+                  map.name_of("arc") + " has a radius of " + format_number(radius) +
+                      " m, expected more than the distance of its inner wall, " +
+                      format_number(inner_wall) + " m",
+                  "the radius is that of the center line");
+  return false;
+}
+
+// `start`: chainage at which it begins.
+std::optional<CenterlineElement> read_arc(const MapReader& map, double start, const Room& room) {
   const auto radius = map.number("arc", above_zero(kLongest, "m"));
   const auto turn = read_choice(map.need("turn", "turn: left or turn: right"), map.name_of("turn"),
                                 {"left", "right"}, map.log());
   const auto angle = map.number("angle", above_zero(360, "degrees"));
-  if (radius && width && *radius <= *width / 2) {
-    map.log().error(map.find("arc")->place, "tight-arc",
-                    map.name_of("arc") + " has a radius of " + format_number(*radius) +
-                        " m, expected more than half the tunnel's width, " +
-                        format_number(*width / 2) + " m",
-                    "the radius is that of the center line");
-    return std::nullopt;
-  }
   if (!radius || !turn || !angle) return std::nullopt;
-  const double curvature = (*turn == "right" ? 1.0 : -1.0) / *radius;
-  return CenterlineElement{*radius * radians(*angle), curvature, 0};
+  const bool turns_right = *turn == "right";
+  const double length = *radius * radians(*angle);
+  if (!leaves_room(map, *radius, turns_right, start, length, room)) return std::nullopt;
+  return CenterlineElement{length, (turns_right ? 1.0 : -1.0) / *radius, 0};
 }
 
 std::optional<CenterlineElement> read_element(const YamlNode& node, const std::string& name,
-                                              std::optional<double> width, FindingLog& log) {
+                                              double start, const Room& room, FindingLog& log) {
   const MapReader map(&node, name, {"line", "arc", "turn", "angle", "grade"}, log);
   if (!map.is_map()) return std::nullopt;
   const double grade = map.number_or("grade", 0, between(-100, 100, "percent")) / 100;
@@ -53,7 +65,7 @@ std::optional<CenterlineElement> read_element(const YamlNode& node, const std::s
                   " `line` and `arc`, expected one of them",
               kElementHint);
   } else if (map.has("arc")) {
-    element = read_arc(map, width);
+    element = read_arc(map, start, room);
   } else {
     for (const char* key : {"turn", "angle"}) {
       if (!map.has(key)) continue;
@@ -66,7 +78,7 @@ std::optional<CenterlineElement> read_element(const YamlNode& node, const std::s
   return element;
 }
 
-Elements read_elements(const MapReader& centerline, std::optional<double> width) {
+Elements read_elements(const MapReader& centerline, const Room& room) {
   const std::string name = centerline.name_of("elements");
   FindingLog& log = centerline.log();
   const YamlNode* node = centerline.need("elements", "elements: [ { line: 10.0 } ]");
@@ -81,23 +93,27 @@ Elements read_elements(const MapReader& centerline, std::optional<double> width)
     result.complete = false;
     return result;
   }
+  double start = 0;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto element = read_element((*list)[i], name + "[" + std::to_string(i) + "]", width, log);
+    const auto element =
+        read_element((*list)[i], name + "[" + std::to_string(i) + "]", start, room, log);
     result.complete = result.complete && element.has_value();
-    if (element) result.elements.push_back(*element);
+    if (!element) continue;
+    start += element->length;
+    result.elements.push_back(*element);
   }
   return result;
 }
 
-std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid,
-                                          std::optional<double> width, FindingLog& log) {
+std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid, const Room& room,
+                                          FindingLog& log) {
   const MapReader map(node, "tunnel.centerline", {"start", "heading", "elements"}, log);
   const auto start =
       read_numbers(map.need("start", "start: [x, y, z] on the floor"), map.name_of("start"), 3,
                    between(-kFarthest, kFarthest, "m"), log);
   const auto heading =
       map.number("heading", between(-360, 360, "degrees"), "heading: degrees from +y towards +x");
-  const Elements elements = read_elements(map, width);
+  const Elements elements = read_elements(map, room);
   if (!start || !heading || !elements.complete) return std::nullopt;
   const Eigen::Vector3d start_in_grid((*start)[0], (*start)[1], (*start)[2]);
   return Centerline(world_from_grid(grid, start_in_grid),
@@ -107,15 +123,15 @@ std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid
 }  // namespace
 
 std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, FindingLog& log) {
-  const MapReader map(node, "tunnel", {"width", "height", "centerline"}, log);
-  const auto width = map.number("width", above_zero(kLargestRoom, "m"));
-  const auto height = map.number("height", above_zero(kLargestRoom, "m"));
+  const MapReader map(node, "tunnel",
+                      {"width", "height", "sections", "walls", "stand_off", "centerline"}, log);
+  const Room room = read_room(map);
   const auto centerline = read_centerline(
       map.need("centerline",
                "centerline: { start: [0, 0, 0], heading: 0, elements: [ { line: 10.0 } ] }"),
-      grid, width, log);
-  if (!width || !height || !centerline) return std::nullopt;
-  return Tunnel{*width, *height, *centerline};
+      grid, room, log);
+  if (!room.left || !room.right || !room.height || !centerline) return std::nullopt;
+  return Tunnel{*centerline, *room.left, *room.right, *room.height, room.stand_off};
 }
 
 Grid read_grid(const YamlNode* node, FindingLog& log) {

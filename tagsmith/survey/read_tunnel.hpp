@@ -10,11 +10,10 @@
 
 namespace tagsmith {
 
-// Metres: national grids reach 1e7; of tunnel, radius, spacing; of tunnel width and height; of a
-// coordinate's standard deviation.
+// Metres: national grids reach 1e7; of tunnel, radius, spacing; of a coordinate's standard
+// deviation.
 inline constexpr double kFarthest = 1e8;
 inline constexpr double kLongest = 1e5;
-inline constexpr double kLargestRoom = 1e3;
 inline constexpr double kWorstSigma = 10;
 inline constexpr std::size_t kMostElements = 1'000;
 

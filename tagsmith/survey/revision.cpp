@@ -27,10 +27,32 @@ class Content {
   std::string bytes_;
 };
 
+void add_profile(Content& content, const ChainageProfile& profile) {
+  content.number(static_cast<double>(profile.stations().size()));
+  for (const ProfileStation& station : profile.stations()) {
+    content.length(station.chainage);
+    content.length(station.value);
+  }
+}
+
+// Of a plain tunnel its two numbers alone, as revisions always had them.
+void add_room(Content& content, const Tunnel& tunnel) {
+  const bool in_the_middle = tunnel.left.at(0) == -tunnel.right.at(0);
+  if (is_plain(tunnel) && in_the_middle && tunnel.stand_off == 0) {
+    content.length(width_at(tunnel, 0));
+    content.length(tunnel.height.at(0));
+    return;
+  }
+  content.text("room");
+  for (const ChainageProfile* profile : {&tunnel.left, &tunnel.right, &tunnel.height}) {
+    add_profile(content, *profile);
+  }
+  content.length(tunnel.stand_off);
+}
+
 void add_tunnel(Content& content, const Survey& survey) {
   content.number(survey.grid.x_axis_left ? 1 : 0);
-  content.length(survey.tunnel.width);
-  content.length(survey.tunnel.height);
+  add_room(content, survey.tunnel);
   const Centerline& line = survey.tunnel.centerline;
   const CenterlinePoint start = line.at(0);
   content.point(start.position);
@@ -76,6 +98,12 @@ void add_tag(Content& content, const PlacedTag& tag) {
   content.point(tag.p_in_grid);
   content.length(tag.sigma);
   content.text(tag.date);
+  if (tag.design_in_grid) content.point(*tag.design_in_grid);
+  if (!tag.attitude) return;
+  content.text(tag.attitude->facing ? "faces" : "leans");
+  content.angle(tag.attitude->facing.value_or(0));
+  content.angle(tag.attitude->tilt);
+  content.angle(tag.attitude->roll);
 }
 
 }  // namespace
@@ -87,6 +115,7 @@ std::string survey_revision(const Survey& survey) {
   add_tunnel(content, survey);
   add_template(content, survey.tag_template);
   content.length(survey.sigma);
+  if (survey.angle_sigma != 0) content.angle(survey.angle_sigma);
   add_code(content, survey.code);
   for (const PlacedTag& tag : survey.tags) add_tag(content, tag);
   return sha256(content.bytes()).substr(0, kShown);

@@ -40,6 +40,9 @@ constexpr std::array kRules{
     Rule{"bad-quotes", "quotes in a table that do not match",
          "A field in quotes ends with a quote before the next comma; a quote inside it "
          "is written twice."},
+    Rule{"bad-station", "stations of walls or sections that are not in order",
+         "Sections and wall points run along the drive: chainages do not fall. Two at one chainage "
+         "are a step, the value before it first."},
     Rule{"bad-tag-name", "a tag's name that is no pair and side",
          "Tags are named by the pair in at least three digits and L or R of the drive: "
          "000L, 012R, 1234L."},
@@ -89,6 +92,10 @@ constexpr std::array kRules{
     Rule{"exchanged-axes", "x and y of the placed tags are exchanged",
          "Hardly any tag lies at its wall, but nearly all do with x and y exchanged. "
          "Many instruments list north (y) before east (x)."},
+    Rule{"faces-rock", "a plate with an attitude of its own that looks at a wall",
+         "Nobody can see a plate that faces the rock. facing is the direction that its face looks "
+         "to, from +y towards +x of the grid; the reading of an instrument sighted at the plate is "
+         "the opposite one."},
     Rule{"frame-outside-plate", "the feature frame is larger than the plate",
          "The frame with its stroke and offset must lie on the plate."},
     Rule{"height-outlier", "a tag higher or lower than the others",
@@ -207,9 +214,19 @@ constexpr std::array kRules{
          "OpenCV's YAML and XML, ROS camera_info and kalibr's camchain are read."},
     Rule{"unknown-key", "a key that nobody reads",
          "A misspelt key would be ignored silently otherwise."},
+    Rule{
+        "unseen-tag", "a tag that the rig's cameras cannot see",
+        "With --rig the vehicle is driven along the center line, at the edges of its envelope too. "
+        "No camera has all that the tag's frame encloses in its image anywhere, large enough to be "
+        "read. Another tags.height, a plate that looks elsewhere, a larger one, or another camera "
+        "helps; tagsmith plan shows what each does."},
     Rule{"unused-allow", "a comment that allows what is not warned of",
          "What it was written for has been mended, or the comment stands on another "
          "line."},
+    Rule{"wall-step", "a plate over a step of its wall",
+         "Where the section changes at once, a flat plate hangs free on one side. Steps of more "
+         "than "
+         "2 cm within the plate's length are named."},
     Rule{"wrong-check-digit", "a check digit that does not fit",
          "The twelfth digit follows from the other eleven, by code.check_digit. One "
          "digit is mistyped, or the plate follows the other scheme."},

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
+
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith {
 namespace {
@@ -15,8 +19,6 @@ const PlacedTag* find_if(const Survey& survey, const auto& matches) {
 }
 
 }  // namespace
-
-std::string to_string(Side side) { return side == Side::left ? "left" : "right"; }
 
 Eigen::Vector3d world_from_grid(const Grid& grid, const Eigen::Vector3d& point_in_grid) {
   const double x = grid.x_axis_left ? 0.0 - point_in_grid.x() : point_in_grid.x();
@@ -35,6 +37,26 @@ double grid_heading_from_world(const Grid& grid, double heading) {
   return world_heading_from_grid(grid, heading);
 }
 
+std::string attitude_text(const PlateAttitude& attitude) {
+  const auto in_degrees = [](double angle) {
+    return format_number(degrees(std::abs(angle)), 2) + " degrees";
+  };
+  std::vector<std::string> parts;
+  if (attitude.facing)
+    parts.push_back("faces " + format_number(degrees(*attitude.facing), 2) + " degrees");
+  if (attitude.tilt != 0) {
+    parts.push_back("leans " + in_degrees(attitude.tilt) +
+                    (attitude.tilt > 0 ? " forward" : " back"));
+  }
+  if (attitude.roll != 0) {
+    parts.push_back("is turned " + in_degrees(attitude.roll) +
+                    (attitude.roll > 0 ? " clockwise" : " anticlockwise"));
+  }
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text.empty() ? "stands upright" : text;
+}
+
 const PlacedTag* find_tag(const Survey& survey, const Digits& digits) {
   return find_if(survey, [&](const PlacedTag& tag) { return tag.digits == digits; });
 }
@@ -43,24 +65,51 @@ const PlacedTag* find_tag(const Survey& survey, std::string_view name) {
   return find_if(survey, [&](const PlacedTag& tag) { return tag.name == name; });
 }
 
-double facing_pair_angle(const Survey& survey) {
-  return std::atan2(survey.tag_template.frame_inner_length, survey.tunnel.width);
+double facing_pair_angle(const Survey& survey, double chainage) {
+  return std::atan2(survey.tag_template.frame_inner_length, width_at(survey.tunnel, chainage));
+}
+
+double pair_width(const Tunnel& tunnel, const PlacedTag& left, const PlacedTag& right) {
+  return wall_distance(tunnel, Side::left, left.chainage) +
+         wall_distance(tunnel, Side::right, right.chainage);
+}
+
+Eigen::Matrix3d plate_rotation(double facing, double tilt, double roll) {
+  const Eigen::Vector3d y = -Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d into_wall = -direction_of(facing);
+  Eigen::Matrix3d upright;
+  upright << y.cross(into_wall), y, into_wall;
+  if (tilt == 0 && roll == 0) return upright;
+  return upright * (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) *
+                    Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
+                       .toRotationMatrix();
+}
+
+double facing_of(const Pose& world_from_plate) {
+  constexpr double kLying = 1e-6;
+  const Eigen::Vector3d out = -world_from_plate.rotation.col(2);
+  const Eigen::Vector3d up = -world_from_plate.rotation.col(1);
+  const Eigen::Vector3d& facing = out.head<2>().norm() > kLying ? out : up;
+  return std::atan2(facing.x(), facing.y());
 }
 
 Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
                    const Eigen::Vector3d& p_in_world) {
   const double towards_right =
       side == Side::left ? 1.0 : -1.0;  // a viewer's right, along the drive
+  const auto along_wall = [&](double at) {
+    return direction_of(wall_heading(tunnel, side, at, tag.plate_length));
+  };
   double chainage = tunnel.centerline.locate(p_in_world.head<2>()).chainage;
   for (int iteration = 0; iteration < 50; ++iteration) {
-    const Eigen::Vector3d along = direction_of(tunnel.centerline.at(chainage).heading);
-    const Eigen::Vector3d middle = p_in_world + towards_right * tag.frame_inner_length / 2 * along;
+    const Eigen::Vector3d middle =
+        p_in_world + towards_right * tag.frame_inner_length / 2 * along_wall(chainage);
     const double next = tunnel.centerline.locate(middle.head<2>()).chainage;
     const bool settled = std::abs(next - chainage) < 1e-12;
     chainage = next;
     if (settled) break;
   }
-  const Eigen::Vector3d x = towards_right * direction_of(tunnel.centerline.at(chainage).heading);
+  const Eigen::Vector3d x = towards_right * along_wall(chainage);
   const Eigen::Vector3d y(0, 0, -1);
   Pose world_from_plate;
   world_from_plate.rotation.col(0) = x;
@@ -68,6 +117,15 @@ Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
   world_from_plate.rotation.col(2) = x.cross(y);
   world_from_plate.translation = p_in_world;
   return world_from_plate;
+}
+
+bool is_turned_from_wall(const Tunnel& tunnel, const TagTemplate& tag, const PlacedTag& placed) {
+  constexpr double kTurned = radians(15);
+  if (!placed.attitude || !placed.attitude->facing) return false;
+  const Pose& stands = placed.world_from_plate;
+  const Pose wall = plate_on_wall(tunnel, tag, placed.side, stands.translation);
+  return std::abs(std::remainder(facing_of(stands) - facing_of(wall), 2 * std::numbers::pi)) >
+         kTurned;
 }
 
 }  // namespace tagsmith

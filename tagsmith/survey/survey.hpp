@@ -10,16 +10,12 @@
 
 #include <Eigen/Core>
 
-#include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/pose.hpp"
+#include "tagsmith/survey/tunnel.hpp"
 #include "tagsmith/symbology/position_code.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith {
-
-enum class Side { left, right };  // of the drive
-
-std::string to_string(Side side);
 
 // The mine's grid. Geometry inside the program is right-handed, x, y, z up, and called "world"; a
 // grid whose x axis points to the left of +y is mirrored here and nowhere else.
@@ -34,12 +30,6 @@ Eigen::Vector3d grid_from_world(const Grid& grid, const Eigen::Vector3d& point_i
 double world_heading_from_grid(const Grid& grid, double heading);
 double grid_heading_from_world(const Grid& grid, double heading);
 
-struct Tunnel {
-  double width = 0;       // W_T, between the planes of the left and the right plates
-  double height = 0;      // of the roof above the floor
-  Centerline centerline;  // in the world frame
-};
-
 // The regular pairs (design: `tags`).
 struct TagSeries {
   double mount_height = 0;  // H_P, of corner P above the floor
@@ -48,6 +38,16 @@ struct TagSeries {
   int pairs = 0;
   std::optional<double> pair_angle;  // theta, radians; absent = plates face each other exactly
 };
+
+// How one plate stands where it does not hang as its wall says. Radians.
+struct PlateAttitude {
+  std::optional<double> facing;  // grid heading that its face looks to; absent = away from its wall
+  double tilt = 0;               // of its upper edge out of the wall: the plate looks down
+  double roll = 0;               // in its own plane, clockwise as a viewer sees it
+};
+
+// "faces 270 degrees, leans 3 degrees out of the wall": in words, for drawings and lists.
+std::string attitude_text(const PlateAttitude& attitude);
 
 // A tag where it hangs.
 struct PlacedTag {
@@ -63,6 +63,9 @@ struct PlacedTag {
   double sigma = 0;       // standard deviation of a coordinate of P, metres
   std::string date;       // of the measurement, as 2026-03-31; empty = not given
   std::optional<Eigen::Vector3d> design_in_grid;  // P as designed, where `placed` moved it
+  std::optional<PlateAttitude> attitude;          // its own; absent = as its wall says
+  int line = 0;  // where the survey's file speaks of it, from 1; 0 = it does not
+  int column = 0;
 };
 
 struct Survey {
@@ -82,12 +85,25 @@ struct Survey {
 const PlacedTag* find_tag(const Survey& survey, const Digits& digits);
 const PlacedTag* find_tag(const Survey& survey, std::string_view name);
 
-// The angle theta of facing plates, atan(L_CI / W_T).
-double facing_pair_angle(const Survey& survey);
+// The angle theta of facing plates, atan(L_CI / W_T), where the tunnel is as wide as here.
+double facing_pair_angle(const Survey& survey, double chainage);
+
+// W_T of two tags' walls, each at its own tag.
+double pair_width(const Tunnel& tunnel, const PlacedTag& left, const PlacedTag& right);
 
 // The pose of a plate whose corner P is at `p_in_world` on the given wall: vertical, parallel to
-// the wall at the plate's middle.
+// the wall over the plate's length about its frame's middle.
 Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
                    const Eigen::Vector3d& p_in_world);
+
+// The rotation world_from_plate of a plate whose face looks to `facing` (world heading).
+Eigen::Matrix3d plate_rotation(double facing, double tilt = 0, double roll = 0);
+
+// The world heading that a plate's face looks to; of a plate on its back, up its picture.
+double facing_of(const Pose& world_from_plate);
+
+// True when the plate turns out of its wall by more than 15 degrees: it hangs on a pillar or across
+// the drive, and what holds for plates on walls does not hold for it.
+bool is_turned_from_wall(const Tunnel& tunnel, const TagTemplate& tag, const PlacedTag& placed);
 
 }  // namespace tagsmith

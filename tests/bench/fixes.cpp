@@ -84,7 +84,7 @@ VehiclePose random_pose(const Site& site, Draws& draws) {
   const double to = site.survey.tags.back().chainage;
   const CenterlinePoint at = line.at(draws.uniform(from, to));
   VehiclePose pose;
-  const double side = draws.uniform(-0.25, 0.25) * site.survey.tunnel.width;
+  const double side = draws.uniform(-0.25, 0.25) * width_at(site.survey.tunnel, 0);
   pose.position = at.position + side * right_of(at.heading);
   pose.position.z() += site.rig.vehicle_height + draws.normal(site.rig.height_sigma);
   pose.heading = at.heading + draws.normal(radians(5));
@@ -175,8 +175,8 @@ Draw draw_from(const Site& site, Draws& draws) {
   for (const RigRange& range : site.rig.ranges) {
     if (draws.chance(kNoRange)) continue;
     const double side = range.wall == Side::left ? -0.5 : 0.5;
-    const ObservedWall wall = observe_wall(site.survey.tunnel.centerline,
-                                           side * site.survey.tunnel.width, draw.truth.position);
+    const ObservedWall wall = observe_wall(
+        site.survey.tunnel.centerline, side * width_at(site.survey.tunnel, 0), draw.truth.position);
     double distance = wall.distance + draws.normal(range.sigma);
     if (draws.chance(kGrossRange)) {
       distance = draws.uniform(range.min, range.max);

@@ -52,7 +52,7 @@ VehiclePose random_pose(const Survey& survey, const Rig& rig, std::mt19937_64& r
   const CenterlinePoint point = survey.tunnel.centerline.at(along(random));
   VehiclePose pose;
   pose.position = point.position +
-                  kStray * survey.tunnel.width * either(random) * right_of(point.heading) +
+                  kStray * width_at(survey.tunnel, 0) * either(random) * right_of(point.heading) +
                   rig.vehicle_height * Eigen::Vector3d::UnitZ();
   pose.heading = point.heading + radians(kYaw) * either(random);
   pose.pitch = radians(kTilt) * either(random);

@@ -15,7 +15,8 @@ namespace {
 Survey long_survey(double length, bool is_straight) {
   Survey survey;
   survey.name = "long";
-  survey.tunnel.width = 3;
+  survey.tunnel.left = -1.5;
+  survey.tunnel.right = 1.5;
   survey.tunnel.height = 3;
   std::vector<CenterlineElement> elements;
   for (double done = 0; done < length; done += 100) {

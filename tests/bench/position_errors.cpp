@@ -130,7 +130,7 @@ void print_sensitivity(const Corridor& corridor) {
     Sum paper;
     Corridor off = corridor;
     if (by.theta != 0) {
-      off.survey.series->pair_angle = facing_pair_angle(corridor.survey) + by.theta;
+      off.survey.series->pair_angle = facing_pair_angle(corridor.survey, 0) + by.theta;
     }
     const std::vector<Survey> surveys{off.survey};
     for (const Measurement& point : corridor.run.measurements) {

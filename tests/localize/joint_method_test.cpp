@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
@@ -92,6 +93,38 @@ TEST_CASE("exact corners give back the pose, straight and curved, in either grid
             0);
     }
   }
+}
+
+TEST_CASE("in a drive with surveyed walls, leaning and turned plates, corners and range agree") {
+  const Site site = site_named("drift");
+  const Tunnel& tunnel = site.survey.tunnel;
+  int with_pillar = 0;
+  for (double chainage = 1; chainage < 60; chainage += 1.5) {
+    CAPTURE(chainage);
+    const VehiclePose truth = pose_at(site, chainage, 0.2);
+    Observation observation = observation_at(site, truth);
+    if (observation.tags.empty()) continue;
+    for (const SeenTag& seen : observation.tags) with_pillar += seen.tag.name == "900R";
+    observation.ranges["d"] = observe_wall(tunnel.centerline, tunnel.left, truth.position).distance;
+    const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+    CHECK(error_of(fix, site, truth) < 2e-4);
+    CHECK(fix.ranges == std::vector<std::string>{"d"});
+    CHECK(fix.dropped.empty());
+  }
+  CHECK(with_pillar > 0);
+}
+
+TEST_CASE("a tag that was measured worse counts for less") {
+  Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 1.0, 0.0);
+  const auto sigma_of = [&](double tag_sigma) {
+    Observation observation = observation_at(site, truth);
+    for (SeenTag& seen : observation.tags) seen.tag.sigma = tag_sigma;
+    const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+    REQUIRE(fix.covariance_in_grid.has_value());
+    return std::sqrt((*fix.covariance_in_grid)(0, 0));
+  };
+  CHECK(sigma_of(0.02) > 5 * sigma_of(0.002));
 }
 
 TEST_CASE("two tags that contradict each other make no position, three outvote one") {

@@ -16,6 +16,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -161,7 +162,7 @@ TEST_CASE("exact corners and range give back the position, straight and curved, 
     CAPTURE(name);
     const Survey survey = survey_named(name);
     const Rig rig = rig_named(name);
-    const double width = survey.tunnel.width;
+    const double width = width_at(survey.tunnel, 0);
     std::uniform_real_distribution<double> behind(0.3 * width, 0.6 * width);
     std::uniform_real_distribution<double> offset(-0.2 * width, 0.2 * width);
     std::uniform_int_distribution<int> pair(0, static_cast<int>(survey.tags.size() / 2) - 1);
@@ -173,6 +174,40 @@ TEST_CASE("exact corners and range give back the position, straight and curved, 
       CHECK_FALSE(fix.attitude.has_value());
     }
   }
+}
+
+TEST_CASE("the paper's W_T is the width at the pair") {
+  const SurveyReading reading = read_survey_text("w.yaml", R"(survey: w
+tunnel:
+  height: 3
+  sections: [ { at: 0, width: 1.9 }, { at: 4.5, width: 1.9 }, { at: 4.5, width: 2.6 } ]
+  centerline: { start: [5, 0, 0], heading: 0, elements: [ { line: 10.0 } ] }
+tags: { template: tag-400x300, height: 0.4, spacing: 0.4, first: 0, pairs: 12 }
+code: { check_digit: sum10 }
+)");
+  REQUIRE_MESSAGE(reading.survey.has_value(), to_string(reading.diagnostics));
+  const Survey& survey = *reading.survey;
+  const Rig rig = rig_named("corridor");
+  for (const int pair : {1, 4, 8, 11}) {
+    CAPTURE(pair);
+    const View view = view_of_pair(survey, rig, pair, 0.8, 0.1);
+    const Fix fix = localize_by_paper(view.observation, {survey}, rig);
+    CHECK((position_of(fix) - grid_from_world(survey.grid, view.o_in_world)).norm() < 1e-7);
+  }
+}
+
+TEST_CASE("a plate that turns out of its wall is no tag of the paper's pairs") {
+  Survey survey = survey_named("corridor");
+  const Rig rig = rig_named("corridor");
+  View view = view_of_pair(survey, rig, 3, 0.7, 0.1);
+  for (SeenTag& seen : view.observation.tags) {
+    if (seen.tag.side != Side::left) continue;
+    const Eigen::Vector3d p = seen.tag.p_in_grid;
+    seen.tag = place_surveyed(survey, {3, Side::left}, p, PlateAttitude{radians(-60), 0, 0});
+  }
+  const Fix fix = localize_by_paper(view.observation, {survey}, rig);
+  CHECK_FALSE(fix.position_in_grid.has_value());
+  CHECK(fix.reason.find("no tag on the left wall") != std::string::npos);
 }
 
 TEST_CASE("the rig's distortion is undone before the distance is taken") {
@@ -190,7 +225,7 @@ TEST_CASE("the covariance is what noise of the stated size does") {
   std::mt19937 random(kSeed);
   std::normal_distribution<double> normal;
   Survey survey = survey_named("corridor");
-  survey.sigma = 0;
+  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
   Rig rig = rig_named("corridor");
   // Small enough for the closed form to be linear; a centimetre leaves it without solution.
   rig.ranges.front().sigma = 2e-4;
@@ -232,14 +267,14 @@ TEST_CASE("in a bend, where d is not the distance to the plate's plane, the solu
   const CenterlinePoint start = survey.tunnel.centerline.at(0);
   pit.tunnel.centerline = Centerline(start.position - Eigen::Vector3d(0, 0, 3), start.heading,
                                      survey.tunnel.centerline.elements());
-  pit.tunnel.height += 3;
+  pit.tunnel.height = pit.tunnel.height.scaled(1, 3);
   const Rig rig = rig_named("curved");
   for (int pair = 2; pair < 6; ++pair) {  // on the arc, and two metres behind them too
     CAPTURE(pair);
     View view = view_of_pair(survey, rig, pair, 1.4, 0.0);
     const Centerline& line = survey.tunnel.centerline;
     const double offset = line.locate(view.o_in_world.head<2>()).offset;
-    view.observation.ranges["d"] = survey.tunnel.width / 2 + offset;
+    view.observation.ranges["d"] = width_at(survey.tunnel, 0) / 2 + offset;
     const Fix refused = localize_by_paper(view.observation, {survey}, rig);
     CHECK_FALSE(refused.position_in_grid.has_value());
     CHECK(refused.reason.find("below the floor") != std::string::npos);
@@ -260,7 +295,7 @@ TEST_CASE("the covariance contains what wrong tag positions do") {
   Survey survey = survey_named("corridor");
   const Rig rig = rig_named("corridor");
   const View view = view_of_pair(survey, rig, 2, 0.55, 0.0);
-  survey.sigma = 0;
+  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
   const Eigen::Matrix3d without =
       localize_by_paper(view.observation, {survey}, rig).covariance_in_grid.value();
   survey.sigma = 0.002;

@@ -21,7 +21,8 @@ std::vector<Survey> hall() {
   Survey survey;
   survey.name = "hall";
   survey.tag_template = test::corridor_template();
-  survey.tunnel.width = 1000;
+  survey.tunnel.left = -500.0;
+  survey.tunnel.right = 500.0;
   survey.tunnel.height = 1000;
   survey.tunnel.centerline = Centerline({0, -500, -500}, 0, {{1000, 0, 0}});
   return {survey};

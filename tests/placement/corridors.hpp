@@ -19,7 +19,8 @@ inline Survey survey_along(std::vector<CenterlineElement> elements, int pairs,
   Survey survey;
   survey.file = "trial/survey.yaml";
   survey.name = "trial";
-  survey.tunnel.width = 1.9;
+  survey.tunnel.left = -0.95;
+  survey.tunnel.right = 0.95;
   survey.tunnel.height = 3;
   survey.tunnel.centerline = Centerline({0, 0, 0}, 0, std::move(elements));
   survey.tag_template = corridor_template();

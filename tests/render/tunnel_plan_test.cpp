@@ -25,7 +25,8 @@ Survey winding_survey(double line, int pairs) {
   Survey survey;
   survey.name = "winding";
   survey.tag_template = corridor_template();
-  survey.tunnel.width = 4;
+  survey.tunnel.left = -2.0;
+  survey.tunnel.right = 2.0;
   survey.tunnel.height = 3;
   survey.tunnel.centerline =
       Centerline({500, 1000, -30}, radians(35),

@@ -45,12 +45,31 @@ const Json& good_survey() {
   return survey;
 }
 
+// A tunnel as surveyed, with what excludes the keys of the one above.
+const Json& good_surveyed_tunnel() {
+  static const Json survey = [] {
+    Json json = good_survey();
+    json["tunnel"].erase("width");
+    json["tunnel"].erase("height");
+    json["tunnel"].update(Json::parse(R"({
+      "sections": [ { "at": 0.5, "height": 3.1 }, { "at": 8.5, "height": 3.3 } ],
+      "walls": { "left": [ [0.5, 2.1], [9.5, 2.3] ], "right": [ [0.5, 2.1] ] },
+      "stand_off": 0.03 })"));
+    json["placed"][0].update(Json::parse(R"({ "facing": 88.5, "tilt": 3.5, "roll": -1.5 })"));
+    return json;
+  }();
+  return survey;
+}
+
 const Json& good_template() {
   static const Json tag = Json::parse(R"({
     "tag": "trial", "plate": [0.4, 0.3],
     "feature_frame": { "inner": [0.343, 0.168], "stroke": 0.012, "offset": [0.001, 0.02] },
-    "symbol": { "quiet_zone": 9.5, "margin": 9.5 },
-    "label": { "shown": true, "text_height_mm": 8.5 } })");
+    "symbol": { "quiet_zone": 9.5, "margin": 9.5, "dots_per_inch": 300 },
+    "label": { "shown": true, "text_height_mm": 8.5 },
+    "patches": { "size_mm": 10.5 }, "material": "aluminium",
+    "holes": { "diameter_mm": 5.5, "at": [ [0.185, 0.135], [-0.185, 0.135] ] },
+    "cut": { "contour": true, "corner_radius_mm": 4.5 } })");
   return tag;
 }
 
@@ -75,15 +94,13 @@ const Json& good_rig() {
 
 // Rules that look at more than the structure.
 bool is_structural(const Diagnostic& finding) {
-  static const std::set<std::string> meaning{"bad-digit-counts",    "calibration-file",
-                                             "coarse-code",         "code-collision",
-                                             "code-range",          "duplicate-tag",
-                                             "frame-outside-plate", "no-bars",
-                                             "no-template",         "off-wall",
-                                             "outside-tunnel",      "overlap",
-                                             "side-mismatch",       "theta",
-                                             "tight-arc",           "too-many-tags",
-                                             "wrong-check-digit",   "wrong-side"};
+  static const std::set<std::string> meaning{
+      "bad-station",         "corner-radius",  "hole-misplaced",    "no-dots",
+      "no-room-for-patches", "faces-rock",     "bad-digit-counts",  "calibration-file",
+      "coarse-code",         "code-collision", "code-range",        "duplicate-tag",
+      "frame-outside-plate", "no-bars",        "no-template",       "off-wall",
+      "outside-tunnel",      "overlap",        "side-mismatch",     "theta",
+      "tight-arc",           "too-many-tags",  "wrong-check-digit", "wrong-side"};
   return finding.severity == Severity::error && !meaning.contains(finding.code);
 }
 
@@ -97,6 +114,8 @@ const std::vector<Format>& formats() {
   static const std::vector<Format> all{
       {"survey", [](const fs::path& path) { return read_survey(path).value().diagnostics; },
        good_survey()},
+      {"survey", [](const fs::path& path) { return read_survey(path).value().diagnostics; },
+       good_surveyed_tunnel()},
       {"template", [](const fs::path& path) { return read_template(path).value().diagnostics; },
        good_template()},
       {"rig", [](const fs::path& path) { return read_rig(path).value().diagnostics; }, good_rig()}};
@@ -191,6 +210,10 @@ void collect_undescribed(const Json& schema, const std::string& where,
       collect_undescribed(schema[part], where + "[]", undescribed);
     }
   }
+  for (const char* part : {"oneOf", "anyOf", "allOf"}) {
+    if (!schema.contains(part)) continue;
+    for (const Json& choice : schema[part]) collect_undescribed(choice, where, undescribed);
+  }
 }
 
 }  // namespace
@@ -256,10 +279,33 @@ TEST_CASE("schema and parser agree on keys that exclude or need each other") {
        true},
       {"rig", R"([{"op":"add","path":"/cameras/front/distortion","value":[0,0,0,0,0,0,0,0]}])",
        true},
+      {"survey", R"([{"op":"remove","path":"/tunnel/width"}])", false},
+      {"survey", R"([{"op":"add","path":"/tunnel/sections","value":[{"at":0.5,"width":4.5}]}])",
+       false},
+      {"survey",
+       R"([{"op":"add","path":"/tunnel/sections","value":[{"at":0.5,"width":4.5}]},
+         {"op":"remove","path":"/tunnel/width"}])",
+       true},
+      {"survey", R"([{"op":"add","path":"/tunnel/walls","value":{"left":[[0.5,2.5]]}}])", true},
+      {"survey",
+       R"([{"op":"add","path":"/tunnel/walls","value":{"left":[[0.5,2.5]],"right":[[0.5,2.5]]}}])",
+       false},
+      {"survey",
+       R"([{"op":"add","path":"/tunnel/walls","value":{"left":[[0.5,2.5]],"right":[[0.5,2.5]]}},
+         {"op":"remove","path":"/tunnel/width"}])",
+       true},
+      {"survey", R"([{"op":"add","path":"/tunnel/walls","value":{"left":[[0.5,-2.5]]}}])", false},
+      {"rig", R"([{"op":"add","path":"/cameras/rear/sensor_mm","value":[4.8,3.6]}])", false},
+      {"rig", R"([{"op":"add","path":"/cameras/front/sensor_mm","value":[4.8,3.6]}])", false},
+      {"rig", R"([{"op":"add","path":"/cameras/rear/cy","value":480.5}])", false},
+      {"template", R"([{"op":"add","path":"/holes/inset_mm","value":12.5}])", false},
+      {"template",
+       R"([{"op":"replace","path":"/holes","value":{"diameter_mm":5.5,"inset_mm":12.5}}])", true},
       {"template", R"([{"op":"remove","path":"/label"}])", true},
       {"template", R"([{"op":"replace","path":"/symbol/quiet_zone","value":8.5}])", false},
   };
   for (const Format& format : formats()) {
+    if (&format.good == &good_surveyed_tunnel()) continue;  // the patches are of the other one
     SchemaJudge judge(schema_json(format.name));
     for (const Row& row : rows) {
       if (row.format != format.name) continue;

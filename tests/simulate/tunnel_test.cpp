@@ -20,7 +20,8 @@ using Eigen::Vector3d;
 // Straight, a bend to the right, a bend to the left, straight.
 Survey winding() {
   Survey survey;
-  survey.tunnel.width = 3;
+  survey.tunnel.left = -1.5;
+  survey.tunnel.right = 1.5;
   survey.tunnel.height = 2.8;
   survey.tunnel.centerline =
       Centerline({5, -2, 1}, 0.4, {{4, 0, 0}, {6, 1 / 5.0, 0}, {7, -1 / 6.0, 0}, {5, 0, 0}});
@@ -82,6 +83,41 @@ TEST_CASE("Rays meet the walls where marching along them does") {
     CHECK(address.chainage == doctest::Approx(hit->chainage).epsilon(1e-4));
     CHECK((address.offset < 0) == (hit->side == Side::left));
   }
+}
+
+TEST_CASE("Rays meet walls that change, and their steps, where marching along them does") {
+  Survey survey = winding();
+  survey.tunnel.left = ChainageProfile({{0, -1.5}, {5, -1.2}, {9, -1.9}, {14, -1.9}, {20, -1.4}});
+  survey.tunnel.right = ChainageProfile({{6, 1.3}, {6, 2.4}, {12, 2.2}, {12, 1.4}});
+  survey.tunnel.stand_off = 0.05;
+  const TunnelWalls walls(survey.tunnel, 0.02, 8);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> chainage(0.5, 21);
+  std::uniform_real_distribution<double> offset(-1.1, 1.1);
+  std::uniform_real_distribution<double> turn(-3.1, 3.1);
+  const auto in_rock = [&](const Vector2d& point) {
+    const CenterlineAddress address = survey.tunnel.centerline.locate(point);
+    return behind_wall(survey.tunnel, Side::left, address) >= 0.05 ||
+           behind_wall(survey.tunnel, Side::right, address) >= 0.05;
+  };
+  int compared = 0;
+  for (int i = 0; i < 300; ++i) {
+    const CenterlinePoint foot = survey.tunnel.centerline.at(chainage(random));
+    const Vector2d origin = (foot.position + offset(random) * right_of(foot.heading)).head<2>();
+    const Vector2d direction = direction_of(turn(random)).head<2>();
+    double expected = 0;
+    while (expected < 40 && !in_rock(origin + expected * direction)) expected += 0.002;
+    if (expected >= 40) continue;
+    ++compared;
+    CAPTURE(i);
+    const auto hit = walls.first_hit(origin, direction);
+    REQUIRE(hit);
+    // Straight pieces miss the bends by 2 mm.
+    CHECK(std::abs(hit->way - expected) < 0.0045 / std::max(hit->cosine, 0.03));
+    const Vector2d point = origin + hit->way * direction;
+    CHECK(std::abs(survey.tunnel.centerline.locate(point).chainage - hit->chainage) < 0.01);
+  }
+  CHECK(compared > 200);
 }
 
 TEST_CASE("The walls stand clear of flat plates on both sides of a bend") {
@@ -149,7 +185,8 @@ TEST_CASE("Bends hide the plates behind them and show the others") {
 
 TEST_CASE("The backdrop's depths are those of walls, floor and roof") {
   Survey survey;
-  survey.tunnel.width = 2;
+  survey.tunnel.left = -1.0;
+  survey.tunnel.right = 1.0;
   survey.tunnel.height = 3;
   survey.tunnel.centerline = Centerline({0, 0, 0}, 0, {{10, 0, 0}});
   const RigCamera camera = forward_camera();
@@ -175,7 +212,8 @@ TEST_CASE("The backdrop's depths are those of walls, floor and roof") {
 
 TEST_CASE("On a grade the floor is met where the center line puts it") {
   Survey survey;
-  survey.tunnel.width = 4;
+  survey.tunnel.left = -2.0;
+  survey.tunnel.right = 2.0;
   survey.tunnel.height = 3;
   survey.tunnel.centerline = Centerline({0, 0, 0}, 0, {{10, 0, 0}, {30, 0, 0.1}});
   const RigCamera camera = forward_camera();

@@ -19,6 +19,50 @@ TEST_CASE("validate passes the shipped surveys and says so on standard error onl
   CHECK(output.err == "5 files: 0 errors, 0 warnings\n");
 }
 
+TEST_CASE("validate --rig names the tags that no camera of the rig can see") {
+  const TemporaryFolder folder;
+  const std::string rig = "surveys/corridor/rig.yaml";
+  const std::string high = replaced(right_survey(), "height: 1.4", "height: 2.7");
+  const std::string survey = write_text(folder.path() / "s.yaml",
+                                        replaced(high, "[12.0, 22.4, 1.4]", "[12.0, 22.4, 2.6]"));
+  const ProgramOutput output = run_tagsmith("validate --json '" + survey + "' --rig " + rig);
+  CHECK(output.exit_code == 0);
+  std::istringstream lines(output.out);
+  std::string line;
+  int unseen = 0;
+  while (std::getline(lines, line)) {
+    const auto finding = nlohmann::json::parse(line);
+    if (finding["code"] != "unseen-tag") continue;
+    ++unseen;
+    const std::string message = finding["message"];
+    const bool regular = finding["line"] == 12;
+    CHECK((regular || finding["line"] == 21 || finding["line"] == 22));
+    CHECK(message.find(regular ? "tag 000L is seen by no camera"
+                               : (finding["line"] == 21 ? "tag 001R" : "tag 004L")) == 0);
+    CHECK_FALSE(finding["hint"].get<std::string>().empty());
+  }
+  CHECK(unseen == 3);
+  const std::string allowed =
+      write_text(folder.path() / "s.yaml",
+                 replaced(high, "  - { tag: 001R",
+                          "  # tagsmith: allow unseen-tag: for people\n  - { tag: 001R"));
+  const ProgramOutput without = run_tagsmith("validate '" + allowed + "'");
+  CHECK(without.out.find("unused-allow") == std::string::npos);
+  CHECK(run_tagsmith("validate '" + allowed + "' --rig " + rig).out.find("tag 001R is seen") ==
+        std::string::npos);
+}
+
+TEST_CASE("codes that two surveys share are named with the lines of both") {
+  const TemporaryFolder folder;
+  const std::string one = write_text(folder.path() / "one.yaml", right_survey());
+  const std::string two = write_text(folder.path() / "two.yaml",
+                                     replaced(right_survey(), "survey: trial", "survey: other"));
+  const ProgramOutput output = run_tagsmith("validate '" + one + "' '" + two + "'");
+  CHECK(output.exit_code == 1);
+  CHECK(output.out.find(two + ":21:5: error: tag 001R has the code") != std::string::npos);
+  CHECK(output.out.find(one + ":21") != std::string::npos);
+}
+
 TEST_CASE("validate reports every error of several files in one run") {
   const TemporaryFolder folder;
   const std::string survey = write_text(

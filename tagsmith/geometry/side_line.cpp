@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/geometry/side_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Vector3d beside(const Centerline& line, double chainage, double offset) {
+  const CenterlinePoint point = line.at(chainage);
+  return point.position + offset * right_of(point.heading);
+}
+
+// Chainages within (from, to) where the center line's elements meet.
+std::vector<double> joints(const Centerline& line, double from, double to) {
+  std::vector<double> chainages;
+  double joint = 0;
+  for (const CenterlineElement& element : line.elements()) {
+    if (joint > from && joint < to) chainages.push_back(joint);
+    joint += element.length;
+  }
+  if (joint > from && joint < to) chainages.push_back(joint);
+  return chainages;
+}
+
+// Pieces for an arc of this curvature (of the side line's center line) and length.
+int pieces_of(double curvature, double greatest_offset, double length, double sag) {
+  if (curvature == 0) return 1;
+  constexpr double kMost = 1e5;
+  const double radius = 1 / std::abs(curvature) + greatest_offset;
+  const double turned = length * std::abs(curvature);
+  const double least_turn = std::sqrt(8 * sag / radius);  // sag = R (1 - cos(turn / 2))
+  return static_cast<int>(std::clamp(std::ceil(turned / least_turn), 1.0, kMost));
+}
+
+Vector2d nearest_of_piece(const Vector2d& a, const Vector2d& b, const Vector2d& position,
+                          double& share) {
+  const Vector2d along = b - a;
+  const double square = along.squaredNorm();
+  share = square > 0 ? std::clamp((position - a).dot(along) / square, 0.0, 1.0) : 0.0;
+  return a + share * along;
+}
+
+// From a foot on a straight piece to one on the curve, within [low, high].
+double refined(const Centerline& line, const ChainageProfile& offset, const Vector2d& position,
+               double chainage, double low, double high) {
+  const double slope = offset.slope(low, high);
+  for (int i = 0; i < 20; ++i) {
+    const CenterlinePoint at = line.at(chainage);
+    const double aside = offset.at(low) + slope * (chainage - low);
+    const Vector2d right = right_of(at.heading).head<2>();
+    const Vector2d point = at.position.head<2>() + aside * right;
+    const Vector2d tangent =
+        (1 - at.curvature * aside) * direction_of(at.heading).head<2>() + slope * right;
+    const double square = tangent.squaredNorm();
+    if (square == 0) break;
+    const double next = std::clamp(chainage + (position - point).dot(tangent) / square, low, high);
+    const bool settled = std::abs(next - chainage) < 1e-12;
+    chainage = next;
+    if (settled) break;
+  }
+  return chainage;
+}
+
+}  // namespace
+
+double side_heading(const Centerline& line, const ChainageProfile& offset, double chainage,
+                    double span) {
+  const CenterlinePoint point = line.at(chainage);
+  if (offset.is_constant()) return point.heading;
+  const double slope = offset.slope(chainage - span / 2, chainage + span / 2);
+  return point.heading + std::atan2(slope, 1 - point.curvature * offset.at(chainage));
+}
+
+std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile& offset,
+                                   double from, double to, double sag) {
+  std::vector<double> ends = joints(line, from, to);
+  std::ranges::copy(offset.breaks(from, to), std::back_inserter(ends));
+  ends.push_back(to);
+  std::ranges::sort(ends);
+  std::vector<SidePoint> points{{from, beside(line, from, offset.at(from))}};
+  double start = from;
+  for (const double end : ends) {
+    if (end <= start) continue;
+    const double curvature = line.at((start + end) / 2).curvature;
+    const double low = offset.at(start);
+    const double high = offset.before(end);
+    const int pieces =
+        pieces_of(curvature, std::max(std::abs(low), std::abs(high)), end - start, sag);
+    for (int i = 1; i <= pieces; ++i) {
+      const double share = static_cast<double>(i) / pieces;
+      const double chainage = i == pieces ? end : start + share * (end - start);
+      points.push_back({chainage, beside(line, chainage, low + share * (high - low))});
+    }
+    if (offset.at(end) != high && end < to) {
+      points.push_back({end, beside(line, end, offset.at(end))});
+    }
+    start = end;
+  }
+  return points;
+}
+
+SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
+                         const Vector2d& position) {
+  constexpr double kSag = 0.002;
+  const double abreast = line.locate(position).chainage;
+  const double away = (beside(line, abreast, offset.at(abreast)).head<2>() - position).norm();
+  const double reach = 2 * away + 0.1;  // chainages count on the center line: arcs stretch them
+  const std::vector<SidePoint> points =
+      side_points(line, offset, abreast - reach, abreast + reach, kSag);
+  SideFoot nearest;
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t piece = 1;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    double share = 0;
+    const Vector2d foot = nearest_of_piece(points[i - 1].position.head<2>(),
+                                           points[i].position.head<2>(), position, share);
+    const double distance = (foot - position).norm();
+    if (distance >= least) continue;
+    least = distance;
+    piece = i;
+    nearest = {points[i - 1].chainage + share * (points[i].chainage - points[i - 1].chainage),
+               foot};
+  }
+  const double low = points[piece - 1].chainage;
+  const double high = points[piece].chainage;
+  if (low < high && line.at((low + high) / 2).curvature != 0) {
+    nearest.chainage = refined(line, offset, position, nearest.chainage, low, high);
+    const double share = (nearest.chainage - low) / (high - low);
+    const double aside = offset.at(low) + share * (offset.before(high) - offset.at(low));
+    nearest.point = beside(line, nearest.chainage, aside).head<2>();
+  }
+  return nearest;
+}
+
+}  // namespace tagsmith

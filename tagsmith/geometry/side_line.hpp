@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lines that run beside the center line at a distance that changes: walls, seen from above.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/geometry/chainage_profile.hpp"
+
+namespace tagsmith {
+
+// Offsets here are metres to the right of the center line, negative to its left.
+
+// Direction of the side line about a chainage, radians from +y towards +x: what a straight board of
+// length `span` on it has. Steps do not turn it.
+double side_heading(const Centerline& line, const ChainageProfile& offset, double chainage,
+                    double span);
+
+// A corner of a side line drawn as straight pieces.
+struct SidePoint {
+  double chainage = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // z of the center line's floor
+};
+
+// The side line over [from, to] as straight pieces that miss it by at most `sag` metres. A step is
+// two points of one chainage.
+std::vector<SidePoint> side_points(const Centerline& line, const ChainageProfile& offset,
+                                   double from, double to, double sag);
+
+// The side line's point nearest to another one.
+struct SideFoot {
+  double chainage = 0;
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+};
+
+// The nearest of those near the center line's point nearest to `position`: round a bend the line
+// may come nearer again.
+SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
+                         const Eigen::Vector2d& position);
+
+}  // namespace tagsmith
