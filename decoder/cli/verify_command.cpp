@@ -248,7 +248,11 @@ int run(const Options& options) {
     if (!other) return report_failure("verify", other.error());
     also.push_back(std::move(*other));
   }
-  const VerifyRequest request{*survey, also, !options.crops.empty()};
+  VerifyRequest request{*survey, also, !options.crops.empty()};
+  if (*hanging) {
+    request.rig = &(*hanging)->rig;
+    request.cameras = &(*hanging)->cameras;
+  }
   const Result<std::set<std::string>> before = verified_before(options.resume, *survey);
   if (!before) return report_failure("verify", before.error());
   const Outcome outcome =

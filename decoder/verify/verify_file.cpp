@@ -13,6 +13,7 @@
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/diagnose.hpp"
+#include "decoder/verify/frame_bow.hpp"
 #include "decoder/verify/grade_tags.hpp"
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/manifest.hpp"
@@ -99,6 +100,13 @@ void find_repeats(std::vector<TagFinding>& tags) {
   }
 }
 
+// The camera that took the photo; null when it is not known.
+const Camera* camera_of(const VerifyRequest& request, const std::filesystem::path& path) {
+  if (request.rig == nullptr || request.cameras == nullptr) return nullptr;
+  const std::optional<PhotoOrigin> origin = request.cameras->origin_of(path);
+  return origin ? &request.rig->cameras[origin->camera].camera : nullptr;
+}
+
 Result<FileReport> verify_picture(const VerifyRequest& request, const std::filesystem::path& path) {
   const Result<GrayImage> loaded = load_gray_image(path);
   if (!loaded) return fail(loaded.error().message);
@@ -110,6 +118,7 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const std::files
                            PictureSize{image.width, image.height}, request.also);
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags);
   find_mirrored(image, survey.tag_template, report.tags);
+  find_bent(image, survey.tag_template, camera_of(request, path), report.tags);
   find_misplaced(survey, report.tags);
   report.width = image.width;
   report.height = image.height;

@@ -13,6 +13,8 @@ constexpr std::array kRules{
     VerifyRule{"bars-grown", "unreadable: the bars are wider or narrower than drawn",
                "Ink spread or a wrong exposure of the plate. Print it again, with less ink or with "
                "the printer's own resolution in the template (symbol.dpi)."},
+    VerifyRule{"bent", "a plate that is not flat: the sides of its feature frame bow",
+               "Screw or glue it down flat, or replace it: positions from a bent plate are off."},
     VerifyRule{"blurred", "unreadable: blur wider than the reader follows",
                "Hold the camera still, focus on the plate, or go nearer. If a sharp photo from one "
                "metre says the same, the print is blurred: replace the plate."},
