@@ -46,10 +46,6 @@ std::vector<TagFinding> found_in(const Shot& shot) {
   return tags;
 }
 
-std::string rule_of(const std::vector<TagFinding>& tags) {
-  return tags.empty() ? "nothing found" : tags[0].rule;
-}
-
 }  // namespace
 
 TEST_CASE("a tag that is in order has no diagnosis") {
@@ -64,15 +60,54 @@ TEST_CASE("a tag that is in order has no diagnosis") {
   }
 }
 
-TEST_CASE("EXPLORE") {
-  for (double d : {4.0, 6.0, 8.0, 10.0, 12.0, 14.0}) { auto t = found_in({d}); printf("dist %.1f: %s %s\n", d, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double y : {60.0, 68.0, 72.0, 75.0, 78.0}) { auto t = found_in({1.0, y}); printf("yaw %.1f: %s %s\n", y, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double e : {0.2, 0.1, 0.05, 0.02, 0.01}) { Shot s; s.sensor.exposure = e; auto t = found_in(s); printf("exp %.3f: %s %s\n", e, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double b : {2.0, 3.0, 4.0, 5.0, 6.0, 8.0}) { Shot s; s.sensor.blur_sigma_px = b; auto t = found_in(s); printf("blur %.1f: %s %s\n", b, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double g : {-0.9, -0.75, 0.5, 0.7, 0.8, 0.9}) { Shot s; s.finish.bar_growth = g; auto t = found_in(s); printf("growth %.2f: %s %s\n", g, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double w : {0.03, 0.06, 0.1, 0.15}) { Shot s; s.finish.cover = Cover{{0.1, 0.02, w, 0.13}, 0.15}; auto t = found_in(s); printf("cover %.2f: %s %s\n", w, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double w : {1.0, 3.0, 10.0, 30.0}) { Shot s; s.finish.glare = Glare{{0.17, 0.08}, 0.1, w}; auto t = found_in(s); printf("glare %.2f: %s %s\n", w, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
-  for (double w : {0.5, 0.7, 0.75, 0.78}) { Shot s; s.finish.ink_reflectance = w; auto t = found_in(s); printf("ink %.2f: %s %s\n", w, rule_of(t).c_str(), t.empty() ? "" : t[0].message.c_str()); }
+TEST_CASE("what keeps a tag from being read is named, with number and limit") {
+  struct Case {
+    const char* name;
+    Shot shot;
+    const char* rule;
+    const char* measured;
+  };
+  std::vector<Case> cases{
+      {"far away", {10}, "too-small", "0.49 pixels a module"},
+      {"farther", {12}, "too-small", "pixels a module"},
+      {"from the side", {1, 82}, "end-on", "degrees from its front, limit 72"},
+      {"from the other side", {1, -84}, "end-on", "degrees from its front, limit 72"},
+      {"out of focus", {2}, "blurred", "modules, limit 0.9"},
+      {"far out of focus", {2}, "blurred", "modules, limit 0.9"},
+      {"moved", {1.5}, "blurred", "modules, limit 0.9"},
+      {"ink spread", {}, "bars-grown", "bars wider by 0.70 modules, limit 0.7"},
+      {"a cable", {}, "covered", "at the middle left, limit 5 %"},
+      {"a pipe", {}, "covered", "32 % of the bars are covered or damaged, in the middle"},
+      {"dirt", {}, "covered", "of the bars are covered or damaged"},
+      {"a highlight", {}, "glare", "the darkest bars are"}};
+  cases[4].shot.sensor.blur_sigma_px = 6;
+  cases[5].shot.sensor.blur_sigma_px = 8;
+  cases[6].shot.sensor.motion_px = {15, 0};
+  cases[7].shot.finish.bar_growth = 0.7;
+  cases[8].shot.finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
+  cases[9].shot.finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
+  cases[10].shot.finish.dirt = Dirt{0.4, 0.03, 0.25, 5};
+  cases[11].shot.finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    const std::vector<TagFinding> tags = found_in(c.shot);
+    REQUIRE(tags.size() == 1);
+    CAPTURE(tags[0].message);
+    CHECK(tags[0].status == TagStatus::unreadable);
+    CHECK(tags[0].rule == c.rule);
+    CHECK(tags[0].message.find(c.measured) != std::string::npos);
+  }
+}
+
+TEST_CASE("a picture too dark to show a tag, or washed out, is told") {
+  const auto rule_of_light = [](std::uint8_t level) {
+    const GrayImage flat{64, 48, std::vector<std::uint8_t>(64 * 48, level)};
+    const auto diagnosis = diagnose_picture(flat.view());
+    return diagnosis ? diagnosis->rule : "";
+  };
+  CHECK(rule_of_light(12) == "too-dark");
+  CHECK(rule_of_light(250) == "glare");
+  CHECK(rule_of_light(120) == "low-contrast");
 }
 
 }  // namespace tagsmith
