@@ -4,11 +4,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
+#include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -32,6 +34,8 @@ std::string check_digit_name(const FramelessReading& reading);
 
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
 std::string to_json_line(const FileReport& report);
-std::string to_json_line(const VerifySummary& summary);
+// `hung`: where tags hang, when that was asked for.
+std::string to_json_line(const VerifySummary& summary,
+                         const std::optional<HungTags>& hung = std::nullopt);
 
 }  // namespace tagsmith

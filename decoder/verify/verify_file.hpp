@@ -8,7 +8,9 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
+#include "decoder/verify/photo_cameras.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -18,6 +20,9 @@ struct VerifyRequest {
   const Survey& survey;
   std::span<const Survey> also{};  // other surveys, whose tags do not belong here
   bool crops = false;              // whether TagFinding::crop of faults is filled
+  // Of photos, where known: their cameras. Both or neither.
+  const Rig* rig = nullptr;
+  const PhotoCameras* cameras = nullptr;
 };
 
 // Everything in the picture: first read without the survey, so that a tag that should not be there
