@@ -147,9 +147,10 @@ bool is_upside_down(const SightedPlate& plate, const Pose& pose) {
 }
 
 bool is_on_other_wall(const Survey& survey, const PlacedTag& tag, const Pose& pose) {
-  const double offset = survey.tunnel.centerline.locate(pose.translation.head<2>()).offset;
+  const CenterlineAddress address = survey.tunnel.centerline.locate(pose.translation.head<2>());
   const double side = tag.side == Side::left ? -1 : 1;
-  return side * offset < -survey.tunnel.width / 4;
+  const Side other = tag.side == Side::left ? Side::right : Side::left;
+  return side * address.offset < -wall_distance(survey.tunnel, other, address.chainage) / 2;
 }
 
 // Names what is wrong with a plate that is off.
