@@ -17,6 +17,7 @@
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -67,12 +68,11 @@ constexpr const char* kUnseenRemedy =
 
 // Tags that the rig cannot see anywhere. The regular ones together: they come from one line.
 std::vector<Diagnostic> unseen_findings(const Survey& survey, const Rig& rig) {
-  std::vector<Diagnostic> findings;
+  FindingLog log(survey.file.string());
   std::vector<std::size_t> regular;
   const auto add = [&](std::size_t tag, const std::string& message) {
     const PlacedTag& placed = survey.tags[tag];
-    findings.push_back({survey.file.string(), placed.line, placed.column, Severity::warning,
-                        std::string(kUnseenTagRule), message, kUnseenRemedy});
+    log.warning({placed.line, placed.column}, std::string(kUnseenTagRule), message, kUnseenRemedy);
   };
   for (const std::size_t tag : unseen_tags(survey, rig)) {
     if (survey.tags[tag].surveyed) {
@@ -81,14 +81,14 @@ std::vector<Diagnostic> unseen_findings(const Survey& survey, const Rig& rig) {
       regular.push_back(tag);
     }
   }
-  if (regular.empty()) return findings;
+  if (regular.empty()) return log.sorted();
   std::string message = unseen_words(survey, rig, regular.front());
   if (regular.size() > 1) {
     message += fmt::format("; {} of {} tags in all, the last is {}", regular.size(),
                            survey.tags.size(), survey.tags[regular.back()].name);
   }
   add(regular.front(), message);
-  return findings;
+  return log.sorted();
 }
 
 // Each survey with each rig, less what comments in the survey allow.

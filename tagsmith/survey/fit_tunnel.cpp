@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
 
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
 
 namespace tagsmith {
@@ -265,6 +267,9 @@ Error misfit_error(const std::vector<SurveyedPoint>& points, const PlanFit& fit,
 }
 
 Result<void> check_sides(const std::vector<PlanPoint>& points, const PlanFit& fit) {
+  if (std::ranges::none_of(points, [](const PlanPoint& point) { return point.side != 0; })) {
+    return {};
+  }
   double apart = 0;  // right minus left
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double expected = points[i].offset.value_or(points[i].side * fit.width / 2);
@@ -377,24 +382,69 @@ Result<PlanFit> fit_input(PlanInput input, double tolerance) {
   return *fit;
 }
 
-// The profile through the stations; those within 5 cm of each other become one, their mean.
+// Without the stations that lie on the line between those kept, to half a millimetre.
+std::vector<ProfileStation> simplified(const std::vector<ProfileStation>& stations) {
+  constexpr double kSame = 5e-4;
+  constexpr std::size_t kMostLeftOut = 200;  // in a row: keeps the work linear
+  std::vector<ProfileStation> kept{stations.front()};
+  std::size_t start = 0;
+  while (start + 1 < stations.size()) {
+    std::size_t end = start + 1;
+    const auto fits = [&](std::size_t next) {
+      const ProfileStation& a = stations[start];
+      const ProfileStation& b = stations[next];
+      for (std::size_t i = start + 1; i < next; ++i) {
+        const double share = (stations[i].chainage - a.chainage) / (b.chainage - a.chainage);
+        if (std::abs(a.value + share * (b.value - a.value) - stations[i].value) > kSame) {
+          return false;
+        }
+      }
+      return true;
+    };
+    while (end + 1 < stations.size() && end - start < kMostLeftOut && fits(end + 1)) ++end;
+    kept.push_back(stations[end]);
+    start = end;
+  }
+  return kept;
+}
+
+// The profile through the stations. Those within 5 cm of each other along the drive become one:
+// their mean, or the farthest where they contradict each other (rock is behind what stands before
+// it).
 ChainageProfile through(std::vector<ProfileStation> stations) {
   constexpr double kOne = 0.05;
+  constexpr double kContradict = 0.1;
   std::ranges::sort(stations, {}, &ProfileStation::chainage);
   std::vector<ProfileStation> merged;
   for (std::size_t i = 0; i < stations.size();) {
     ProfileStation sum;
+    double least = stations[i].value;
+    double most = least;
     std::size_t end = i;
     for (; end < stations.size() && stations[end].chainage - stations[i].chainage < kOne; ++end) {
       sum.chainage += stations[end].chainage;
       sum.value += stations[end].value;
+      least = std::min(least, stations[end].value);
+      most = std::max(most, stations[end].value);
     }
     const auto count = static_cast<double>(end - i);
-    const auto rounded = [&](double total) { return std::round(total / count * 1e6) / 1e6; };
-    merged.push_back({rounded(sum.chainage), rounded(sum.value)});
+    const double farthest = std::abs(least) > std::abs(most) ? least : most;
+    const double value = most - least > kContradict ? farthest : sum.value / count;
+    const auto rounded = [](double length) { return std::round(length * 1e6) / 1e6; };
+    merged.push_back({rounded(sum.chainage / count), rounded(value)});
     i = end;
   }
-  return ChainageProfile(std::move(merged));
+  return ChainageProfile(simplified(merged));
+}
+
+// A plate that looks along the drive rather than across it hangs on no wall.
+bool hangs_on_wall(const SurveyedPoint& point, const Grid& grid, double drive_heading) {
+  constexpr double kMostTurned = radians(20);
+  if (!point.attitude || !point.attitude->facing) return true;
+  const double away = side_of(point.kind) == -1 ? radians(90) : radians(-90);
+  const double facing = world_heading_from_grid(grid, *point.attitude->facing);
+  return std::abs(std::remainder(facing - drive_heading - away, 2 * std::numbers::pi)) <
+         kMostTurned;
 }
 
 // The wall through the points of one side of the center line.
@@ -408,7 +458,11 @@ Result<ChainageProfile> wall_through(const std::vector<SurveyedPoint>& points, c
     if (wanted * address.offset <= 0) {
       return fail(point_text(point) + " lies on the other side of the center line");
     }
+    if (!hangs_on_wall(point, grid, line.at(address.chainage).heading)) continue;
     stations.push_back({address.chainage, address.offset});
+  }
+  if (stations.empty()) {
+    return fail("no points on the " + to_string(side) + " wall: tags there look along the drive");
   }
   return through(std::move(stations));
 }

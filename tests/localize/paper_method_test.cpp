@@ -292,13 +292,13 @@ TEST_CASE("in a bend, where d is not the distance to the plate's plane, the solu
 }
 
 TEST_CASE("the covariance contains what wrong tag positions do") {
-  Survey survey = survey_named("corridor");
+  const Survey survey = survey_named("corridor");
   const Rig rig = rig_named("corridor");
-  const View view = view_of_pair(survey, rig, 2, 0.55, 0.0);
-  for (PlacedTag& tag : survey.tags) tag.sigma = 0;
+  View view = view_of_pair(survey, rig, 2, 0.55, 0.0);
+  for (SeenTag& seen : view.observation.tags) seen.tag.sigma = 0;
   const Eigen::Matrix3d without =
       localize_by_paper(view.observation, {survey}, rig).covariance_in_grid.value();
-  survey.sigma = 0.002;
+  for (SeenTag& seen : view.observation.tags) seen.tag.sigma = 0.002;
   const Eigen::Matrix3d with =
       localize_by_paper(view.observation, {survey}, rig).covariance_in_grid.value();
   for (int axis = 0; axis < 3; ++axis) CHECK(with(axis, axis) > without(axis, axis));

@@ -166,7 +166,7 @@ TEST_CASE("what does not fit is refused in words") {
   const Survey survey = straight_survey(10, 4);
   Rig wide = crawler();
   wide.envelope = VehicleEnvelope{0.95, 0, 0, 0, 0};
-  CHECK(plan_drive(survey, wide, {}).error().message.find("expected less than half the width") !=
+  CHECK(plan_drive(survey, wide, {}).error().message.find("expected less than the nearest wall") !=
         std::string::npos);
   PlanOptions backwards;
   backwards.from = 3;
