@@ -61,6 +61,12 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
 // none.
 double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b);
 
+// Standard deviation of how far plates are turned from their surveyed attitudes about each axis,
+// radians, from how single plates' pictures of one station turn against each other: where plates
+// hang shifted has no part in it. The median of all pairs, so that a few turned plates do not
+// matter. Nothing with fewer than four plates to tell.
+std::optional<double> attitude_scatter(const AdjustmentProblem& problem);
+
 // Raises a sighting's covariance until a rectangle explains its corners (two degrees of freedom).
 // False when none does even at a hundred times the covariance: it must not be used.
 bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting);

@@ -51,6 +51,17 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
   return problem;
 }
 
+// Where the survey does not say how plates are turned, their pictures do.
+void take_scatter(const Survey& survey, AdjustmentProblem& problem) {
+  constexpr double kMostScatter = 0.05;  // radians; beyond, something else is wrong
+  if (survey.angle_sigma > 0) return;
+  const double scatter = attitude_scatter(problem).value_or(0);
+  const double sigma = std::clamp(scatter, kLeastAngleSigma, kMostScatter);
+  for (SightedPlate& plate : problem.plates) {
+    plate.survey_variance.tail<3>().setConstant(sigma * sigma);
+  }
+}
+
 // The offset in the axes of who faces the plate. The plate's own are right, down, into the wall.
 void measure(const SightedPlate& plate, const PlateOffset& offset, HungTag& tag) {
   const Eigen::Matrix3d& rotation = plate.world_from_plate.rotation;
@@ -221,7 +232,8 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
 
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance) {
-  const AdjustmentProblem problem = problem_for(survey, rig, sighted);
+  AdjustmentProblem problem = problem_for(survey, rig, sighted);
+  take_scatter(survey, problem);
   const Consensus consensus = find_consensus(problem, tolerance);
   HungTags result;
   result.nothing_fits = consensus.nothing_fits;

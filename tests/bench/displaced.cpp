@@ -3,7 +3,8 @@
 //
 // The survey's place of one tag at a time is moved by 30 mm along the wall, up or down, into or out
 // of it, or turned by 5 degrees, and the same pictures are checked against it: the shipped runs,
-// and rendered ones of ROWS places. Last the survey as it is, for false alarms.
+// and rendered ones of ROWS places. All its places are off by the survey's standard deviation, too.
+// Last the survey with no more than that, for false alarms, and with plates hung by eye.
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -162,7 +163,34 @@ void print(const std::string& set, const std::string& what, const Tally& tally) 
              tally.accused_others, tally.checked_others);
 }
 
-void measure(const PictureSet& set, const std::vector<std::vector<SightedTag>>& groups) {
+// The survey as a surveyor brings it: every place off by normal errors.
+Survey surveyed(Survey survey, double angle_sigma, std::mt19937_64& random) {
+  for (PlacedTag& tag : survey.tags) {
+    Pose& pose = tag.world_from_plate;
+    for (double& coordinate : pose.translation) coordinate += normal(random, survey.sigma);
+    Vector3d turn;
+    for (double& angle : turn) angle = normal(random, angle_sigma);
+    pose.rotation *= Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  }
+  return survey;
+}
+
+using Groups = std::vector<std::vector<SightedTag>>;
+
+void measure_false_alarms(const PictureSet& set, const Groups& groups, const char* what,
+                          double angle_sigma, double stated_sigma) {
+  constexpr int kDraws = 20;
+  std::mt19937_64 random(3);
+  Tally none;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Survey survey = surveyed(set.survey, angle_sigma, random);
+    survey.angle_sigma = stated_sigma;
+    for (const auto& group : groups) count(none, "", check_hung_tags(survey, set.rig, group));
+  }
+  print(set.name, what, none);
+}
+
+void measure(const PictureSet& set, const Groups& groups) {
   const std::vector<Displacement> displacements{{"30 mm along the wall", {0.03, 0, 0}},
                                                 {"30 mm back along it", {-0.03, 0, 0}},
                                                 {"30 mm up", {0, -0.03, 0}},
@@ -170,10 +198,11 @@ void measure(const PictureSet& set, const std::vector<std::vector<SightedTag>>& 
                                                 {"30 mm out of the wall", {0, 0, -0.03}},
                                                 {"30 mm into the wall", {0, 0, 0.03}},
                                                 {"turned 5 degrees", {0, 0, 0}, radians(5)}};
+  std::mt19937_64 random(5);
   for (const Displacement& by : displacements) {
     Tally tally;
     for (std::size_t i = 0; i < set.survey.tags.size(); ++i) {
-      const Survey survey = displaced(set.survey, i, by);
+      const Survey survey = displaced(surveyed(set.survey, kLeastAngleSigma, random), i, by);
       for (const auto& group : groups) {
         if (std::ranges::find(group, survey.tags[i].name, &SightedTag::tag) == group.end())
           continue;
@@ -182,14 +211,16 @@ void measure(const PictureSet& set, const std::vector<std::vector<SightedTag>>& 
     }
     print(set.name, by.name, tally);
   }
-  Tally none;
-  for (const auto& group : groups) count(none, "", check_hung_tags(set.survey, set.rig, group));
-  print(set.name, "nothing", none);
+  measure_false_alarms(set, groups, "nothing", kLeastAngleSigma, 0);
+  measure_false_alarms(set, groups, "nothing; plates tilted by 0.5 degrees, and it is stated",
+                       radians(0.5), radians(0.5));
+  measure_false_alarms(set, groups, "nothing; plates tilted by 0.5 degrees, not stated",
+                       radians(0.5), 0);
 }
 
 // Each station's pictures apart, as one who verifies them one by one gets them.
-std::vector<std::vector<SightedTag>> by_station(const std::vector<SightedTag>& sighted) {
-  std::vector<std::vector<SightedTag>> groups;
+Groups by_station(const std::vector<SightedTag>& sighted) {
+  Groups groups;
   for (const SightedTag& seen : sighted) {
     if (groups.empty() || groups.back().front().station != seen.station) groups.emplace_back();
     groups.back().push_back(seen);
