@@ -78,10 +78,22 @@ std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
   return edits;
 }
 
+// `alpha` says that a camera is level; one that is not keeps its pitch and roll beside a new yaw.
+bool is_level(const RigCamera& camera) {
+  const Eigen::Matrix3d& rotation = camera.vehicle_from_camera.rotation;
+  constexpr double kRounding = 1e-9;
+  return std::abs(rotation(2, 2)) < kRounding && std::abs(rotation(2, 0)) < kRounding;
+}
+
 std::vector<YamlEdit> rig_edits(const Rig& rig, double alpha) {
   std::vector<YamlEdit> edits;
   for (const RigCamera& camera : rig.cameras) {
-    edits.push_back({{"cameras", camera.name}, "alpha", number(degrees(alpha), 3), "yaw"});
+    if (is_level(camera)) {
+      edits.push_back({{"cameras", camera.name}, "alpha", number(degrees(alpha), 3), "yaw"});
+    } else {
+      const double yaw = (camera.side == Side::left ? 90 : -90) * (1 - degrees(alpha) / 90);
+      edits.push_back({{"cameras", camera.name}, "yaw", number(yaw, 3), {}});
+    }
   }
   return edits;
 }
@@ -200,12 +212,34 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   return drive;
 }
 
+// What was tried of each freedom, and what never is.
+std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
+  const auto varies = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
+  std::string text = "\ntried: spacing from 0.05 to 20 m in steps of 0.05 m";
+  if (varies("plate")) text += "; every template of the tool and of the survey's folder";
+  if (varies("height")) text += "; height of P in steps of 0.2 m, up to 4 m";
+  if (varies("stagger")) text += "; plates facing or half a pitch apart";
+  if (varies("alpha") && alpha_can_vary) text += "; alpha from 15 to 75 deg in steps of 5 deg";
+  text +=
+      "\nnot varied: the first tag's chainage, one wall alone, spacings that change along the "
+      "drive, and the rig's cameras, lenses, places and exposure";
+  if (varies("alpha") && !alpha_can_vary) {
+    text += "; alpha: not every camera of the rig has a side";
+  }
+  return text +
+         "\nOne freedom after the other, twice over: the best found, not proven to be the best "
+         "there is.\n";
+}
+
 std::string optimisation_report(const Optimisation& optimisation, const OptimiseOptions& options) {
   std::string text = fmt::format(
       "required: plane at most {} mm at every pose, {} along {:.1f} % of the drive (no plate can "
       "serve the rest)\n\n",
       number(1000 * options.requirement.plane_sigma, 3),
-      options.requirement.tags_lost == 0 ? "a tag read" : "also with any one tag lost",
+      options.requirement.tags_lost == 0
+          ? "a tag read"
+          : "and with any one tag lost another is read at every pose and the plane keeps that on "
+            "the center line,",
       100 * optimisation.demanded_share);
   text +=
       fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>12}\n", "what varies", "tags",
@@ -214,7 +248,7 @@ std::string optimisation_report(const Optimisation& optimisation, const Optimise
   for (const LayoutReport& report : optimisation.alternatives) {
     text += row(report, is_same(report, optimisation.chosen));
   }
-  return text;
+  return text + limits_text(options, optimisation.alpha_can_vary);
 }
 
 std::string optimisation_json(const Optimisation& optimisation) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <tuple>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
@@ -51,6 +52,11 @@ int pairs_that_fit(const Survey& survey, const Layout& layout, double up_to) {
   const double room = std::min(last_chainage(survey, layout), up_to) - layout.series.first;
   const double pitch = layout.tag_template.plate_length + layout.series.spacing;
   return room < 0 ? 0 : static_cast<int>(std::floor(room / pitch + 1e-9)) + 1;
+}
+
+bool all_look_aside(const Rig& rig) {
+  return std::ranges::all_of(rig.cameras,
+                             [](const RigCamera& camera) { return camera.side.has_value(); });
 }
 
 class Search {
@@ -177,9 +183,7 @@ class Search {
 
   std::vector<Layout> alphas(const Layout& layout) const {
     std::vector<Layout> all;
-    const bool side_cameras = std::ranges::all_of(
-        rig_.cameras, [](const RigCamera& camera) { return camera.side.has_value(); });
-    if (!side_cameras) return all;
+    if (!all_look_aside(rig_)) return all;
     for (int alpha = 15; alpha <= 75; alpha += 5) {
       Layout other = layout;
       other.alpha = radians(alpha);
@@ -324,9 +328,12 @@ Rig with_alpha(const Rig& rig, std::optional<double> alpha) {
   Rig changed = rig;
   if (!alpha) return changed;
   for (RigCamera& camera : changed.cameras) {
-    const Eigen::Vector3d position = camera.vehicle_from_camera.translation;
-    camera.vehicle_from_camera = vehicle_from_side_camera(camera.side.value(), *alpha);
-    camera.vehicle_from_camera.translation = position;
+    const Eigen::Vector3d axis = camera.vehicle_from_camera.rotation.col(2);
+    const Eigen::Vector3d wanted =
+        vehicle_from_side_camera(camera.side.value(), *alpha).rotation.col(2);
+    const double turn = std::atan2(wanted.y(), wanted.x()) - std::atan2(axis.y(), axis.x());
+    camera.vehicle_from_camera.rotation =
+        Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * camera.vehicle_from_camera.rotation;
   }
   return changed;
 }
@@ -341,6 +348,7 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
   if (!demanded) return fail(demanded.error().message);
   Optimisation result;
   result.demanded_share = *demanded;
+  result.alpha_can_vary = all_look_aside(rig);
   result.given = search.report("as given", search.given(), true);
 
   const std::vector<Step> steps{

@@ -56,11 +56,13 @@ struct Optimisation {
   LayoutReport given;
   LayoutReport chosen;                     // the given one where no other is cheaper
   std::vector<LayoutReport> alternatives;  // one a freedom, then all freedoms together
+  bool alpha_can_vary = false;             // every camera of the rig looks to a side
   double demanded_share = 0;  // of the columns; the others no layout of this kind can serve
 };
 
 // The survey with its regular tags laid out so; digits are left empty.
 Survey with_layout(const Survey& survey, const Layout& layout);
+// The rig with its side cameras turned about the vertical to look so far forward.
 Rig with_alpha(const Rig& rig, std::optional<double> alpha);
 
 // Search at the plan's stretch and speed, coarsely; the chosen layout and the given one are then
