@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -186,6 +187,27 @@ TEST_CASE("calibrations, plates' angles, bends and grades are in the plan's cova
   survey.angle_sigma = radians(0.3);
   CHECK_FALSE(tags_tell_apart(survey, rig));
   check_ratios(joint_trials(survey, rig, 600));
+}
+
+TEST_CASE("a plate that two cameras see is off for both of them") {
+  Rig rig = crawler_of_uncertain_height();
+  RigCamera second = rig.cameras[0];
+  second.name = "second";
+  second.vehicle_from_camera.translation = {0.1, 0.05, 0.1};
+  rig.cameras.push_back(second);
+  Survey survey = straight_survey(10, 8);
+  survey.sigma = 0.01;
+  const SightModel model(survey, rig);
+  Draws draws(5);
+  int twice = 0;
+  for (int i = 0; i < 20; ++i) {
+    const PlanTrial trial = draw_trial(model, {0.5, 4.5, true}, {}, draws);
+    for (const PlateSight& sight : trial.sights) {
+      twice += std::ranges::count(trial.sights, sight.tag, &PlateSight::tag) > 1 ? 1 : 0;
+    }
+  }
+  REQUIRE(twice > 0);
+  check_ratios(joint_trials(survey, rig, 400));
 }
 
 TEST_CASE("together and tag by tag the sights say the same where the tags tell apart") {
