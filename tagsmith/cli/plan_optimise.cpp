@@ -215,31 +215,29 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
 // What was tried of each freedom, and what never is.
 std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
   const auto varies = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
-  std::string text = "\ntried: spacing from 0.05 to 20 m in steps of 0.05 m";
-  if (varies("plate")) text += "; every template of the tool and of the survey's folder";
-  if (varies("height")) text += "; height of P in steps of 0.2 m, up to 4 m";
-  if (varies("stagger")) text += "; plates facing or half a pitch apart";
-  if (varies("alpha") && alpha_can_vary) text += "; alpha from 15 to 75 deg in steps of 5 deg";
-  text +=
-      "\nnot varied: the first tag's chainage, one wall alone, spacings that change along the "
-      "drive, and the rig's cameras, lenses, places and exposure";
-  if (varies("alpha") && !alpha_can_vary) {
-    text += "; alpha: not every camera of the rig has a side";
-  }
+  std::string text = "\ntried       spacing from 0.05 to 20 m in steps of 0.05 m\n";
+  const auto add = [&](const char* line) { text += std::string(12, ' ') + line + "\n"; };
+  if (varies("plate")) add("every template of the tool and of the survey's folder");
+  if (varies("height")) add("height of P in steps of 0.2 m, up to 4 m");
+  if (varies("stagger")) add("plates facing, and half a pitch apart");
+  if (varies("alpha") && alpha_can_vary) add("alpha from 15 to 75 deg in steps of 5 deg");
+  text += "not varied  the first tag's chainage, tags on one wall alone, a spacing that changes\n";
+  add("the rig's cameras, lenses, places and exposure");
+  if (varies("alpha") && !alpha_can_vary) add("alpha: not every camera of the rig has a side");
   return text +
-         "\nOne freedom after the other, twice over: the best found, not proven to be the best "
+         "One freedom after the other, twice over: the best found, which need not be the best\n"
          "there is.\n";
 }
 
 std::string optimisation_report(const Optimisation& optimisation, const OptimiseOptions& options) {
   std::string text = fmt::format(
-      "required: plane at most {} mm at every pose, {} along {:.1f} % of the drive (no plate can "
-      "serve the rest)\n\n",
+      "required: plane at most {} mm at every pose{}\n"
+      "          along {:.1f} % of the drive (no plate can serve the rest)\n\n",
       number(1000 * options.requirement.plane_sigma, 3),
       options.requirement.tags_lost == 0
-          ? "a tag read"
-          : "and with any one tag lost another is read at every pose and the plane keeps that on "
-            "the center line,",
+          ? ""
+          : "; with any one tag lost a tag at every\n"
+            "          pose still, and that plane on the center line",
       100 * optimisation.demanded_share);
   text +=
       fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>12}\n", "what varies", "tags",

@@ -20,6 +20,7 @@ namespace {
 constexpr double kSpacingStep = 0.05;     // metres: what an installer measures off
 constexpr double kDensest = 0.05;         // clear gap of plates hung as densely as possible
 constexpr double kWidest = 20;            // clear gap
+constexpr int kStepsBeyond = 12;          // of the spacing, tried beyond the first that fails
 constexpr double kCoarseStep = 0.10;      // of the chainage while searching
 constexpr int kCoarseOffsets = 3;         // over the envelope while searching
 constexpr int kRounds = 2;                // over all freedoms
@@ -132,6 +133,10 @@ class Search {
         static_cast<int>(std::floor(survey_.series->spacing / kSpacingStep)), densest, high - 1);
     for (int middle = likely; high - low > 1; middle = (low + high) / 2) {
       (report(name, spaced(layout, middle * kSpacingStep), false).meets ? low : high) = middle;
+    }
+    // In bends, and where the drive ends, a wider spacing may do what a closer one does not.
+    for (int wider = low + 1; wider <= low + kStepsBeyond && low >= densest; ++wider) {
+      if (report(name, spaced(layout, wider * kSpacingStep), false).meets) low = wider;
     }
     const double spacing = std::max(low, densest) * kSpacingStep;
     return trimmed(report(name, spaced(layout, spacing), false));
