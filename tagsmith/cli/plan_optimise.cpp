@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
 #include "tagsmith/survey/place_tags.hpp"
@@ -200,7 +202,14 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   for (const auto& [path, tag] : templates) plates.push_back(tag);
   const auto may = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
   const Freedom freedom{may("height"), may("plate"), may("stagger"), may("alpha")};
-  auto found = optimise(survey, rig, plates, options.requirement, options.order, freedom, plan);
+  std::optional<ProgressBar> bar;
+  const auto show = [&bar](std::size_t, std::size_t total) {
+    if (!bar) bar.emplace("layouts", total);
+    bar->advance([] {});
+  };
+  auto found =
+      optimise(survey, rig, plates, options.requirement, options.order, freedom, plan, show);
+  bar.reset();
   if (!found) return fail(found.error().message);
   OptimisedDrive drive;
   drive.optimisation = std::move(*found);

@@ -126,12 +126,12 @@ VehicleCovariance sum_of_cameras(const Survey& survey, const Rig& rig, const Veh
       const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
       const double sigma = expected_corner_sigma(rig, sight, options);
       Eigen::Matrix<double, kPlateRows, kPlateRows> covariance =
-          rows.by_plate * rows.by_plate.transpose();
+          rows.by_plate.lazyProduct(rows.by_plate.transpose());
       covariance.diagonal().array() += sigma * sigma;
       Eigen::Matrix<double, kPlateRows, kCount> by_all;
       by_all << rows.by_vehicle, rows.by_calibration;
       covariance.llt().matrixL().solveInPlace(by_all);
-      information.noalias() += by_all.transpose() * by_all;
+      information += by_all.transpose().lazyProduct(by_all);  // small: no kernels of large ones
     }
     const Eigen::Matrix<double, kVehicleCount, kCalibrationCount> shared =
         information.topRightCorner<kVehicleCount, kCalibrationCount>();

@@ -23,7 +23,7 @@ constexpr double kWidest = 20;            // clear gap
 constexpr int kStepsBeyond = 12;          // of the spacing, tried beyond the first that fails
 constexpr double kCoarseStep = 0.10;      // of the chainage while searching
 constexpr int kCoarseOffsets = 3;         // over the envelope while searching
-constexpr int kRounds = 2;                // over all freedoms
+constexpr std::size_t kRounds = 2;        // over all freedoms
 constexpr double kFloorClearance = 0.05;  // of a plate's edge from floor and roof, metres
 
 // Half the pitch between the walls' plates: each wall's tags stand before the other's gaps.
@@ -365,7 +365,8 @@ Rig with_alpha(const Rig& rig, std::optional<double> alpha) {
 Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
                               const std::vector<TagTemplate>& templates,
                               const Requirement& requirement, CostOrder order,
-                              const Freedom& freedom, const PlanOptions& options) {
+                              const Freedom& freedom, const PlanOptions& options,
+                              const SearchProgress& progress) {
   if (auto good = check(survey); !good) return fail(good.error().message);
   Search search(survey, rig, templates, requirement, order, options);
   const Result<double> demanded = search.find_demanded();
@@ -381,9 +382,15 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
        [&](const Layout& l) { return search.heights(l); }},
       {"stagger and spacing", freedom.stagger, [&](const Layout& l) { return search.staggers(l); }},
       {"alpha and spacing", freedom.alpha, [&](const Layout& l) { return search.alphas(l); }}};
+  std::size_t total = 0;
+  for (const Step& step : steps) {
+    if (step.allowed) total += (1 + kRounds) * step.layouts(search.given()).size();
+  }
+  std::size_t done = 0;
   const auto best_of = [&](const std::string& name, const LayoutReport& from, const Step& step) {
     LayoutReport best = from;
     for (const Layout& layout : step.layouts(from.layout)) {
+      if (progress) progress(done++, total);
       LayoutReport tried = search.stretched(name, layout);
       if (search.is_cheaper(tried, best)) best = std::move(tried);
     }
@@ -398,7 +405,7 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
     found.back().name = step.name;
     if (search.is_cheaper(found.back(), together)) together = found.back();
   }
-  for (int round = 0; round < kRounds; ++round) {
+  for (std::size_t round = 0; round < kRounds; ++round) {
     for (const Step& step : steps) {
       if (step.allowed) together = best_of("all together", together, step);
     }
