@@ -11,6 +11,8 @@
 #include <Eigen/LU>
 #include <ceres/tiny_solver.h>
 
+#include "tagsmith/geometry/vehicle_stance.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -50,24 +52,11 @@ struct PriorRows {
 };
 
 PriorRows prior_rows(const JointProblem& problem, const VehiclePose& vehicle) {
-  using namespace vehicle_parameter;
-  const Centerline& line = problem.tunnel->centerline;
-  const CenterlinePoint floor = line.at(line.locate(vehicle.position.head<2>()).chainage);
-  const double turned = vehicle.heading - floor.heading;
-  const double ahead = floor.grade * std::cos(turned);
-  const double to_left = floor.grade * std::sin(turned);
+  const ObservedStance stance = observe_stance(problem.tunnel->centerline, vehicle);
   const Eigen::Array3d sigmas(problem.rig->height_sigma, problem.rig->pitch_sigma,
                               problem.rig->roll_sigma);
-  PriorRows rows;
-  rows.residual << vehicle.position.z() - floor.position.z() - problem.rig->vehicle_height,
-      vehicle.pitch + std::atan(ahead), vehicle.roll - std::atan(to_left);
-  rows.jacobian.setZero();
-  rows.jacobian.block<1, 3>(0, 0) =
-      -floor.grade * direction_of(floor.heading).transpose() + Vector3d::UnitZ().transpose();
-  rows.jacobian(1, kPitch) = 1;
-  rows.jacobian(1, kHeading) = -to_left / (1 + ahead * ahead);
-  rows.jacobian(2, kRoll) = 1;
-  rows.jacobian(2, kHeading) = -ahead / (1 + to_left * to_left);
+  PriorRows rows{stance.height_pitch_roll, stance.by_vehicle};
+  rows.residual[0] -= problem.rig->vehicle_height;
   rows.residual.array() /= sigmas;
   rows.jacobian.array().colwise() /= sigmas;
   return rows;

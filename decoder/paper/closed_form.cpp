@@ -9,6 +9,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/centerline.hpp"
+#include "tagsmith/geometry/pair_circle.hpp"
 
 namespace tagsmith {
 namespace {
@@ -83,35 +84,24 @@ std::optional<ClosedFormFailure> fault_of(const ClosedFormInput& input) {
 
 // (11)-(17): the points of the circle e, on which D1 and D2 put O, at the distance d from the wall.
 tl::expected<CircleSolution, ClosedFormFailure> solve_circle(const ClosedFormInput& input) {
-  const double cosine = std::cos(input.pair_angle);
-  const double pair_length = input.tunnel_width / cosine;  // P1P2
-  const double d1_sq = input.distance1 * input.distance1;
-  const double d2_sq = input.distance2 * input.distance2;
-  CircleSolution solution;
-  solution.p1_e = (d1_sq - d2_sq + pair_length * pair_length) / (2 * pair_length);
-  solution.p2_e = pair_length - solution.p1_e;
-  const double r_sq = d1_sq - solution.p1_e * solution.p1_e;
-  if (r_sq < -kRoundingSquared) {
+  const PairCircle circle = pair_circle({input.distance1, input.distance2, input.wall_distance},
+                                        input.tunnel_width, input.pair_angle);
+  if (circle.r_sq < -kRoundingSquared) {
     return no_solution(NoSolution::spheres_do_not_meet,
                        fmt::format("D1 = {:.3f} m and D2 = {:.3f} m reach no common point "
                                    "(r^2 = {:.4f} m^2)",
-                                   input.distance1, input.distance2, r_sq));
+                                   input.distance1, input.distance2, circle.r_sq));
   }
-  // The a of (14): d cos(theta) + d sin(theta) tan(theta) is d / cos(theta).
-  const double a = solution.p1_e - input.wall_distance / cosine;
-  solution.er = a / std::tan(input.pair_angle);
-  const double er_sq = solution.er * solution.er;
-  const std::optional<double> height_difference = real_root(r_sq - er_sq);
+  const std::optional<double> height_difference = real_root(circle.height_difference_sq());
   if (!height_difference) {
-    return no_solution(
-        NoSolution::no_real_height,
-        fmt::format("no real solution: r^2 = {:.4f} m^2 is less than "
-                    "(a / tan theta)^2 = {:.4f} m^2 for D1 = {:.3f} m, "
-                    "D2 = {:.3f} m, d = {:.3f} m",
-                    r_sq, er_sq, input.distance1, input.distance2, input.wall_distance));
+    return no_solution(NoSolution::no_real_height,
+                       fmt::format("no real solution: r^2 = {:.4f} m^2 is less than "
+                                   "(a / tan theta)^2 = {:.4f} m^2 for D1 = {:.3f} m, "
+                                   "D2 = {:.3f} m, d = {:.3f} m",
+                                   circle.r_sq, circle.er * circle.er, input.distance1,
+                                   input.distance2, input.wall_distance));
   }
-  solution.height_difference = *height_difference;
-  return solution;
+  return CircleSolution{circle.p1_e, circle.p2_e, circle.er, *height_difference};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "decoder/simulate/tunnel_backdrop.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 
 namespace tagsmith {
@@ -112,12 +113,16 @@ Result<void> check_in_tunnel(const Survey& survey, const Vector3d& position_in_w
 
 Pose vehicle_in_tunnel(const Survey& survey, const Vector3d& position_in_grid,
                        std::optional<double> heading_in_grid) {
-  const Vector3d position = world_from_grid(survey.grid, position_in_grid);
-  if (heading_in_grid) {
-    return world_from_vehicle(position, world_heading_from_grid(survey.grid, *heading_in_grid));
-  }
   const Centerline& line = survey.tunnel.centerline;
-  return world_from_vehicle(position, line.at(line.locate(position.head<2>()).chainage).heading);
+  const Vector3d position = world_from_grid(survey.grid, position_in_grid);
+  const CenterlinePoint floor = line.at(line.locate(position.head<2>()).chainage);
+  FloorStance stance;
+  if (heading_in_grid) {
+    stance.yaw = world_heading_from_grid(survey.grid, *heading_in_grid) - floor.heading;
+  }
+  VehiclePose vehicle = vehicle_on_floor(floor, stance);
+  vehicle.position = position;
+  return world_from_vehicle(vehicle);
 }
 
 double distance_to_wall(const Survey& survey, Side wall, const Vector3d& position_in_world) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "decoder/simulate/noise.hpp"
+#include "tagsmith/placement/floor_and_roof.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 
 namespace tagsmith {
@@ -85,12 +86,11 @@ struct Height {
   }
 };
 
-// The way to where `height` passes 0, between 0 and `way`, at whose ends it lies on different
-// sides: regula falsi (Illinois). The height is all but linear along a ray.
-double way_to_height(const auto& height, const Vector3d& origin, const Vector3d& ray, double way) {
-  double low = 0;
-  double high = way;
-  double low_value = height(origin);
+// The way to where `height` passes 0, between `low` and `high`, where it lies on different sides:
+// regula falsi (Illinois). The height is all but linear along a ray.
+double way_to_height(const auto& height, const Vector3d& origin, const Vector3d& ray, double low,
+                     double high) {
+  double low_value = height(origin + low * ray);
   double high_value = height(origin + high * ray);
   for (int i = 0; i < 12 && std::abs(high - low) > 1e-4; ++i) {
     const double middle = (low * high_value - high * low_value) / (high_value - low_value);
@@ -109,19 +109,36 @@ double way_to_height(const auto& height, const Vector3d& origin, const Vector3d&
   return high;
 }
 
-Place look(const TunnelWalls& walls, const Height& height, const Vector3d& origin,
-           const Vector3d& ray) {
+// A ray meets the floor or the roof within this part of its way.
+struct Meeting {
+  double low = 0;
+  double high = 0;
+  bool down = false;
+};
+
+// On the way to a wall: where the grade changes, or at the latest where the wall is.
+std::optional<Meeting> meeting(const FloorAndRoof& floor_and_roof, const Height& height,
+                               const Vector3d& origin, const Vector3d& ray, double way) {
+  if (const auto exit = floor_and_roof.first_exit(origin, ray, way)) {
+    return Meeting{exit->last_inside, exit->first_outside, exit->through_floor};
+  }
+  const Vector3d at_wall = origin + way * ray;
+  const bool down = height.above_floor(at_wall) < 0;
+  if (!down && height.above_roof(at_wall) <= 0) return std::nullopt;
+  return Meeting{0, way, down};
+}
+
+Place look(const TunnelWalls& walls, const FloorAndRoof& floor_and_roof, const Height& height,
+           const Vector3d& origin, const Vector3d& ray) {
   Place place;
   const std::optional<WallHit> wall = walls.first_hit(origin.head<2>(), ray.head<2>());
   const double way = wall ? wall->way : kFar;
-  const double height_there = height.above_floor(origin + way * ray);
-  const bool down = height_there < 0;
-  if (down || height.above_roof(origin + way * ray) > 0) {
-    place.kind = down ? Place::Kind::floor : Place::Kind::roof;
+  if (const auto found = meeting(floor_and_roof, height, origin, ray, way)) {
+    place.kind = found->down ? Place::Kind::floor : Place::Kind::roof;
     const auto above = [&](const Vector3d& point) {
-      return down ? height.above_floor(point) : height.above_roof(point);
+      return found->down ? height.above_floor(point) : height.above_roof(point);
     };
-    place.depth = way_to_height(above, origin, ray, way);
+    place.depth = way_to_height(above, origin, ray, found->low, found->high);
     const Vector3d point = origin + place.depth * ray;
     place.u = point.x();
     place.v = point.y();
@@ -130,7 +147,7 @@ Place look(const TunnelWalls& walls, const Height& height, const Vector3d& origi
     place.kind = wall->side == Side::left ? Place::Kind::left : Place::Kind::right;
     place.depth = way;
     place.u = wall->chainage;
-    place.v = height_there;
+    place.v = height.above_floor(origin + way * ray);
     place.cosine = wall->cosine * ray.head<2>().norm() / ray.norm();
   }
   return place;
@@ -151,6 +168,7 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
   const Vector3d origin = world_from_camera.translation;
   const double chainage = tunnel.centerline.locate(origin.head<2>()).chainage;
   const TunnelWalls walls(tunnel, standoff, chainage);
+  const FloorAndRoof floor_and_roof(tunnel, chainage);
   const Height height{tunnel, is_level(tunnel)};
   Backdrop backdrop{LightImage(camera.width, camera.height),
                     LightImage(camera.width, camera.height, static_cast<float>(kFar))};
@@ -160,7 +178,7 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
           ray_through(camera, {static_cast<double>(x), static_cast<double>(y)});
       if (!ray_in_camera) continue;
       const Vector3d ray = world_from_camera.rotation * *ray_in_camera;
-      const Place place = look(walls, height, origin, ray);
+      const Place place = look(walls, floor_and_roof, height, origin, ray);
       if (place.kind == Place::Kind::nothing) continue;
       const double distance = place.depth * ray.norm();
       const double footprint = distance / camera.fx / std::sqrt(std::max(place.cosine, 0.01));

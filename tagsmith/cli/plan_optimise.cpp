@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
 #include "tagsmith/survey/place_tags.hpp"
@@ -79,10 +81,22 @@ std::vector<YamlEdit> survey_edits(const Survey& survey, const Layout& layout,
   return edits;
 }
 
+// `alpha` says that a camera is level; one that is not keeps its pitch and roll beside a new yaw.
+bool is_level(const RigCamera& camera) {
+  const Eigen::Matrix3d& rotation = camera.vehicle_from_camera.rotation;
+  constexpr double kRounding = 1e-9;
+  return std::abs(rotation(2, 2)) < kRounding && std::abs(rotation(2, 0)) < kRounding;
+}
+
 std::vector<YamlEdit> rig_edits(const Rig& rig, double alpha) {
   std::vector<YamlEdit> edits;
   for (const RigCamera& camera : rig.cameras) {
-    edits.push_back({{"cameras", camera.name}, "alpha", number(degrees(alpha), 3), "yaw"});
+    if (is_level(camera)) {
+      edits.push_back({{"cameras", camera.name}, "alpha", number(degrees(alpha), 3), "yaw"});
+    } else {
+      const double yaw = (camera.side == Side::left ? 90 : -90) * (1 - degrees(alpha) / 90);
+      edits.push_back({{"cameras", camera.name}, "yaw", number(yaw, 3), {}});
+    }
   }
   return edits;
 }
@@ -189,7 +203,14 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   for (const auto& [path, tag] : templates) plates.push_back(tag);
   const auto may = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
   const Freedom freedom{may("height"), may("plate"), may("stagger"), may("alpha")};
-  auto found = optimise(survey, rig, plates, options.requirement, options.order, freedom, plan);
+  std::optional<ProgressBar> bar;
+  const auto show = [&bar](std::size_t, std::size_t total) {
+    if (!bar) bar.emplace("layouts", total);
+    bar->advance([] {});
+  };
+  auto found =
+      optimise(survey, rig, plates, options.requirement, options.order, freedom, plan, show);
+  bar.reset();
   if (!found) return fail(found.error().message);
   OptimisedDrive drive;
   drive.optimisation = std::move(*found);
@@ -201,12 +222,32 @@ Result<OptimisedDrive> optimise_drive(const Survey& survey, const Rig& rig,
   return drive;
 }
 
+// What was tried of each freedom, and what never is.
+std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
+  const auto varies = [&](const char* what) { return std::ranges::count(options.vary, what) > 0; };
+  std::string text = "\ntried       spacing from 0.05 to 20 m in steps of 0.05 m\n";
+  const auto add = [&](const char* line) { text += std::string(12, ' ') + line + "\n"; };
+  if (varies("plate")) add("every template of the tool and of the survey's folder");
+  if (varies("height")) add("height of P in steps of 0.2 m, up to 4 m");
+  if (varies("stagger")) add("plates facing, and half a pitch apart");
+  if (varies("alpha") && alpha_can_vary) add("alpha from 15 to 75 deg in steps of 5 deg");
+  text += "not varied  the first tag's chainage, tags on one wall alone, a spacing that changes\n";
+  add("the rig's cameras, lenses, places and exposure");
+  if (varies("alpha") && !alpha_can_vary) add("alpha: not every camera of the rig has a side");
+  return text +
+         "One freedom after the other, twice over: the best found, which need not be the best\n"
+         "there is.\n";
+}
+
 std::string optimisation_report(const Optimisation& optimisation, const OptimiseOptions& options) {
   std::string text = fmt::format(
-      "required: plane at most {} mm at every pose, {} along {:.1f} % of the drive (no plate can "
-      "serve the rest)\n\n",
+      "required: plane at most {} mm at every pose{}\n"
+      "          along {:.1f} % of the drive (no plate can serve the rest)\n\n",
       number(1000 * options.requirement.plane_sigma, 3),
-      options.requirement.tags_lost == 0 ? "a tag read" : "also with any one tag lost",
+      options.requirement.tags_lost == 0
+          ? ""
+          : "; with any one tag lost a tag at every\n"
+            "          pose still, and that plane on the center line",
       100 * optimisation.demanded_share);
   text +=
       fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>12}\n", "what varies", "tags",
@@ -215,7 +256,7 @@ std::string optimisation_report(const Optimisation& optimisation, const Optimise
   for (const LayoutReport& report : optimisation.alternatives) {
     text += row(report, is_same(report, optimisation.chosen));
   }
-  return text;
+  return text + limits_text(options, optimisation.alpha_can_vary);
 }
 
 std::string optimisation_json(const Optimisation& optimisation) {

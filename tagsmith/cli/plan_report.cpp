@@ -113,12 +113,15 @@ std::string exposure_text(const PlannedDrive& drive) {
 }
 
 std::string paper_text(const PaperSummary& paper) {
+  const std::string errors =
+      paper.plane
+          ? fmt::format("errors in the plane of {}, in height of {} (medians); ",
+                        short_length(paper.plane->median), short_length(paper.height->median))
+          : std::string();
   return fmt::format(
       "a pair of tags along {} of the drive; 1/tan(theta) = {:.2f}: an error of d moves the place "
-      "{:.2f} times as far along the tunnel; plane {}, height {} (medians); {} of measurements "
-      "have no real solution",
-      percent(paper.share), paper.magnification, paper.magnification,
-      short_length(paper.plane.median), short_length(paper.height.median),
+      "{:.2f} times as far along the tunnel; {}{} of measurements have no solution",
+      percent(paper.share), paper.magnification, paper.magnification, errors,
       percent(paper.no_solution_share));
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -16,6 +17,8 @@
 #include <tbb/task_arena.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
+#include "tagsmith/placement/expected_by_paper.hpp"
 
 namespace tagsmith {
 namespace {
@@ -74,14 +77,23 @@ std::vector<Attitude> attitudes(const VehicleEnvelope& envelope, const PlanOptio
   return all;
 }
 
-VehiclePose strayed(const CenterlinePoint& point, double vehicle_height, const Stray& stray) {
-  VehiclePose pose;
-  pose.position =
-      point.position + stray.lateral * right_of(point.heading) + vehicle_height * Vector3d::UnitZ();
-  pose.heading = point.heading + stray.yaw;
-  pose.pitch = stray.pitch;
-  pose.roll = stray.roll;
-  return pose;
+FloorStance stance_of(const Rig& rig, const Stray& stray) {
+  return {rig.vehicle_height, stray.lateral, stray.yaw, stray.pitch, stray.roll};
+}
+
+// How far apart the angles of the floor's slopes are over a stretch.
+double slope_range(const Centerline& line, double low, double high) {
+  double least = line.at(low).grade;
+  double most = least;
+  double start = 0;
+  for (const CenterlineElement& element : line.elements()) {
+    if (start <= high && start + element.length >= low) {
+      least = std::min(least, element.grade);
+      most = std::max(most, element.grade);
+    }
+    start += element.length;
+  }
+  return std::atan(most) - std::atan(least);
 }
 
 ColumnSigma sigmas_along(const Eigen::Matrix3d& covariance, double heading) {
@@ -140,6 +152,7 @@ struct Scratch {
   std::vector<std::vector<std::size_t>> candidates;  // by attitude and camera
   std::vector<PlateSight> sights;
   std::vector<PlateSight> read;
+  std::vector<PlateSight> kept;  // of `read`, without a tag that is lost
   std::vector<std::size_t> read_tags;
   std::vector<TagInformation> tags;
   LogHistogram travels;
@@ -160,7 +173,9 @@ class Sweep {
         options_(options),
         plan_(plan),
         model_(survey, rig),
-        attitudes_(attitudes(rig.envelope.value_or(VehicleEnvelope{}), options)) {
+        attitudes_(attitudes(rig.envelope.value_or(VehicleEnvelope{}), options)),
+        accuracy_{options.corner_sigma_px, plan.speed},
+        tags_apart_(tags_tell_apart(survey, rig)) {
     for (const RigCamera& camera : rig.cameras) {
       moved_.push_back(plan.speed * camera.exposure.value_or(0));
     }
@@ -176,7 +191,10 @@ class Sweep {
     const double last = plan_.columns[end - 1].chainage;
     gather_candidates(first, last, scratch);
     const std::unique_ptr<TunnelWalls> walls = walls_near(first, last);
-    for (std::size_t i = begin; i < end; ++i) assess(i, walls.get(), scratch, result);
+    const FloorAndRoof floor_and_roof(survey_.tunnel, (first + last) / 2,
+                                      model_.reach() + (last - first));
+    const Surroundings around{walls.get(), floor_and_roof.is_even() ? nullptr : &floor_and_roof};
+    for (std::size_t i = begin; i < end; ++i) assess(i, around, scratch, result);
     return result;
   }
 
@@ -193,7 +211,8 @@ class Sweep {
     const CenterlinePoint start = survey_.tunnel.centerline.at(first);
     const CenterlinePoint end = survey_.tunnel.centerline.at(last);
     const double turn =
-        std::max(std::abs(start.heading - middle.heading), std::abs(end.heading - middle.heading));
+        std::max(std::abs(start.heading - middle.heading), std::abs(end.heading - middle.heading)) +
+        slope_range(survey_.tunnel.centerline, first, last);
     const double half = std::max((start.position - middle.position).norm(),
                                  (end.position - middle.position).norm());
     const double lateral = rig_.envelope ? rig_.envelope->lateral : 0;
@@ -204,7 +223,7 @@ class Sweep {
     std::size_t list = 0;
     for (const Attitude& attitude : attitudes_) {
       const Stray stray{0, attitude.yaw, attitude.roll, attitude.pitch};
-      const Pose pose = world_from_vehicle(strayed(middle, rig_.vehicle_height, stray));
+      const Pose pose = world_from_vehicle(vehicle_on_floor(middle, stance_of(rig_, stray)));
       for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera, ++list) {
         const CameraStand stand = model_.stand(camera, pose, middle.curvature);
         scratch.candidates[list].clear();
@@ -226,7 +245,7 @@ class Sweep {
     return longest;
   }
 
-  void assess(std::size_t index, const TunnelWalls* walls, Scratch& scratch,
+  void assess(std::size_t index, const Surroundings& around, Scratch& scratch,
               BlockResult& result) const {
     PlanColumn& column = plan_.columns[index];
     const CenterlinePoint point = survey_.tunnel.centerline.at(column.chainage);
@@ -234,19 +253,20 @@ class Sweep {
     const std::size_t first_sole = result.sole_tags.size();
     for (std::size_t a = 0; a < attitudes_.size(); ++a) {
       for (const Stray& stray : attitudes_[a].strays) {
-        const VehicleFrame vehicle = vehicle_frame(strayed(point, rig_.vehicle_height, stray));
-        look(vehicle.world_from_vehicle, point.curvature, a, walls, scratch);
+        const VehiclePose pose = vehicle_on_floor(point, stance_of(rig_, stray));
+        const VehicleFrame vehicle = vehicle_frame(pose);
+        look(vehicle.world_from_vehicle, point.curvature, a, around, scratch);
         count_sights(column, scratch);
         note_sole_tag(index, first_sole, scratch, result);
         if (stray.is_nominal()) note_uses(column.chainage, scratch, result);
-        if (options_.accuracy) expect(column, point, stray, vehicle, scratch);
+        if (options_.accuracy) expect(column, point, pose, vehicle, stray.is_nominal(), scratch);
       }
     }
   }
 
   // All that the pose sees into scratch.sights, what it reads at the planned speed into
   // scratch.read, and those tags, each once, into scratch.read_tags.
-  void look(const Pose& vehicle, double curvature, std::size_t attitude, const TunnelWalls* walls,
+  void look(const Pose& vehicle, double curvature, std::size_t attitude, const Surroundings& around,
             Scratch& scratch) const {
     scratch.sights.clear();
     scratch.read.clear();
@@ -256,7 +276,7 @@ class Sweep {
       if (candidates.empty()) continue;
       const CameraStand stand = model_.stand(camera, vehicle, curvature);
       for (const std::size_t tag : candidates) {
-        const std::optional<PlateSight> sight = model_.look(camera, stand, tag, walls);
+        const std::optional<PlateSight> sight = model_.look(camera, stand, tag, around);
         if (!sight) continue;
         scratch.sights.push_back(*sight);
         if (sight->travel_book < moved_[camera]) continue;
@@ -319,61 +339,77 @@ class Sweep {
     }
   }
 
-  AccuracyOptions accuracy_options(std::size_t camera) const {
-    return {options_.corner_sigma_px, moved_[camera]};
-  }
-
-  void gather_information(const VehicleFrame& vehicle, Scratch& scratch) const {
+  // All that is known of the pose: its stance, its ranges, and the tags it reads. What each of them
+  // tells goes into scratch.tags where it can be told apart.
+  VehicleCovariance gather_information(const CenterlinePoint& floor, const VehiclePose& pose,
+                                       const VehicleFrame& frame, Scratch& scratch) const {
+    VehicleCovariance information = rig_information(survey_, rig_, floor, pose);
     scratch.tags.clear();
+    if (!tags_apart_) {
+      return information + sights_information(survey_, rig_, frame, scratch.read, accuracy_);
+    }
     for (const PlateSight& sight : scratch.read) {
-      const VehicleCovariance information =
-          corner_information(survey_, rig_, vehicle, sight, accuracy_options(sight.camera));
+      const VehicleCovariance seen = corner_information(survey_, rig_, frame, sight, accuracy_);
       const auto known = std::ranges::find(scratch.tags, sight.tag, &TagInformation::tag);
       if (known == scratch.tags.end()) {
-        scratch.tags.push_back({sight.tag, information});
+        scratch.tags.push_back({sight.tag, seen});
       } else {
-        known->information += information;
+        known->information += seen;
       }
     }
     for (TagInformation& tag : scratch.tags) {
       tag.information = with_survey_error(tag.information, survey_.tags[tag.tag].sigma);
+      information += tag.information;
     }
+    return information;
   }
 
-  void expect(PlanColumn& column, const CenterlinePoint& point, const Stray& stray,
-              const VehicleFrame& vehicle, Scratch& scratch) const {
+  void expect(PlanColumn& column, const CenterlinePoint& point, const VehiclePose& pose,
+              const VehicleFrame& frame, bool is_nominal, Scratch& scratch) const {
     if (scratch.read.empty()) return;
-    gather_information(vehicle, scratch);
-    const VehiclePose pose = strayed(point, rig_.vehicle_height, stray);
-    VehicleCovariance information = rig_information(survey_, rig_, pose);
-    for (const TagInformation& tag : scratch.tags) information += tag.information;
+    const VehicleCovariance information = gather_information(point, pose, frame, scratch);
     const std::optional<VehicleCovariance> covariance = covariance_from(information);
     if (!covariance) return;
     const ColumnSigma sigma = sigmas_along(*covariance, point.heading);
     raise(column.worst, sigma);
-    if (!stray.is_nominal()) return;
+    if (!is_nominal) return;
     column.nominal = sigma;
-    if (scratch.tags.size() > 1) column.nominal_one_lost = one_lost(information, point, scratch);
+    column.nominal_one_lost = one_lost(information, point, pose, frame, scratch);
     expect_paper(column, point, pose, scratch);
   }
 
-  // The plane's sigma when the tag that costs most is lost.
-  static double one_lost(const VehicleCovariance& information, const CenterlinePoint& point,
-                         const Scratch& scratch) {
+  // The plane's sigma when the tag that costs most is lost; infinite when it is the only one.
+  double one_lost(const VehicleCovariance& information, const CenterlinePoint& point,
+                  const VehiclePose& pose, const VehicleFrame& frame, Scratch& scratch) const {
+    if (scratch.read_tags.size() < 2) return kInfinity;
     double most = 0;
-    for (const TagInformation& tag : scratch.tags) {
-      const auto covariance = covariance_from(information - tag.information);
+    for (const std::size_t tag : scratch.read_tags) {
+      const auto covariance =
+          covariance_from(without(tag, information, point, pose, frame, scratch));
       most =
           std::max(most, covariance ? sigmas_along(*covariance, point.heading).plane : kInfinity);
     }
     return most;
   }
 
+  VehicleCovariance without(std::size_t lost, const VehicleCovariance& information,
+                            const CenterlinePoint& floor, const VehiclePose& pose,
+                            const VehicleFrame& frame, Scratch& scratch) const {
+    if (tags_apart_) {
+      return information - std::ranges::find(scratch.tags, lost, &TagInformation::tag)->information;
+    }
+    scratch.kept.clear();
+    std::ranges::copy_if(scratch.read, std::back_inserter(scratch.kept),
+                         [&](const PlateSight& sight) { return sight.tag != lost; });
+    return rig_information(survey_, rig_, floor, pose) +
+           sights_information(survey_, rig_, frame, scratch.kept, accuracy_);
+  }
+
   void expect_paper(PlanColumn& column, const CenterlinePoint& point, const VehiclePose& pose,
                     const Scratch& scratch) const {
-    const auto expected = expect_by_paper(survey_, rig_, pose, scratch.read, accuracy_options(0));
+    const auto expected = expect_by_paper(survey_, rig_, pose, scratch.read, accuracy_);
     if (!expected) return;
-    column.paper.sigma = sigmas_along(expected->covariance, point.heading);
+    column.paper.sigma = sigmas_along(expected->mean_square, point.heading);
     column.paper.magnification = expected->magnification;
     column.paper.no_solution_share = expected->no_solution_share;
   }
@@ -384,6 +420,8 @@ class Sweep {
   DrivePlan& plan_;
   SightModel model_;
   std::vector<Attitude> attitudes_;
+  AccuracyOptions accuracy_;
+  bool tags_apart_;
   std::vector<double> moved_;  // by camera: metres during the exposure at the planned speed
 };
 

@@ -51,7 +51,7 @@ struct ColumnSigma {
 
 // What the paper's method would give at the nominal pose.
 struct ColumnPaper {
-  ColumnSigma sigma;             // heading stays infinite: the method gives none
+  ColumnSigma sigma;             // root mean squares about the truth; the heading stays infinite
   double magnification = 0;      // 1 / tan(theta) of the pair; 0 without a pair
   double no_solution_share = 1;  // of measurements that have no real solution
 };

@@ -3,122 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <tuple>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include "tagsmith/geometry/vehicle_stance.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-double corner_sigma(const PlateSight& sight, const AccuracyOptions& options) {
-  if (options.corner_sigma_px) return *options.corner_sigma_px;
-  const double motion = sight.smear_px * options.moved;
-  const double blur = std::sqrt(sight.blur_px * sight.blur_px + motion * motion / 12);
-  return corner_sigma_px(sight.module_px, blur);
-}
-
-// A sight with its distance D from O to P; the method takes the camera to be at O.
-struct RangedSight {
-  const PlateSight* sight = nullptr;
-  const PlacedTag* tag = nullptr;
-  double distance = 0;
-};
-
-struct Pair {
-  RangedSight left;
-  RangedSight right;
-};
-
-// Smaller is better, as localize_by_paper ranks.
-auto rank_of(const Pair& pair) {
-  const PlacedTag& left = *pair.left.tag;
-  const PlacedTag& right = *pair.right.tag;
-  const bool is_one_pair = left.pair == right.pair;
-  const long apart_mm =
-      is_one_pair ? 0 : std::lround(1000 * std::abs(left.chainage - right.chainage));
-  return std::tuple(!is_one_pair, apart_mm, pair.left.distance + pair.right.distance);
-}
-
-bool is_turned(const Survey& survey, const PlateSight& sight) {
-  return is_turned_from_wall(survey.tunnel, survey.tag_template, survey.tags[sight.tag]);
-}
-
-std::optional<Pair> choose_pair(const Survey& survey, const Vector3d& position,
-                                std::span<const PlateSight> sights) {
-  const auto ranged = [&](const PlateSight& sight) {
-    const PlacedTag& tag = survey.tags[sight.tag];
-    return RangedSight{&sight, &tag, (tag.world_from_plate.translation - position).norm()};
-  };
-  std::optional<Pair> best;
-  for (const PlateSight& left : sights) {
-    if (survey.tags[left.tag].side != Side::left || is_turned(survey, left)) continue;
-    for (const PlateSight& right : sights) {
-      if (survey.tags[right.tag].side != Side::right || left.camera == right.camera) continue;
-      if (is_turned(survey, right)) continue;
-      const Pair pair{ranged(left), ranged(right)};
-      if (!best || rank_of(pair) < rank_of(*best)) best = pair;
-    }
-  }
-  return best;
-}
-
-const RigRange* left_range(const Rig& rig, double distance) {
-  const RigRange* best = nullptr;
-  for (const RigRange& range : rig.ranges) {
-    const bool usable = range.wall == Side::left && distance >= range.min && distance <= range.max;
-    if (usable && (best == nullptr || range.sigma < best->sigma)) best = &range;
-  }
-  return best;
-}
-
-// (10): D is inversely proportional to |P'Q'|.
-double distance_sigma(const Survey& survey, const Rig& rig, const Pose& world_from_vehicle,
-                      const RangedSight& ranged, const AccuracyOptions& options) {
-  const RigCamera& camera = rig.cameras[ranged.sight->camera];
-  const Pose camera_from_world = inverse(world_from_vehicle * camera.vehicle_from_camera);
-  const Pose camera_from_plate = camera_from_world * ranged.tag->world_from_plate;
-  const double edge = survey.tag_template.frame_inner_height;
-  const auto p = project(camera.camera, camera_from_plate.translation);
-  const auto q = project(camera.camera, camera_from_plate * Vector3d(0, edge, 0));
-  if (!p || !q) return 0;
-  const double by_corners =
-      ranged.distance * std::sqrt(2.0) * corner_sigma(*ranged.sight, options) / (*q - *p).norm();
-  return std::hypot(by_corners, ranged.tag->sigma);
-}
-
-// Share of measurements with r^2 < (a / tan(theta))^2, the root in (18), when d, D1 and D2 have
-// these standard deviations. a and r are those of the true place; a moves with d by 1 / cos(theta)
-// and with D by D / L, r with D by about D / r.
-double no_solution_share(const Vector3d& p1, const Vector3d& p2, const Vector3d& position,
-                         double wall_distance, double pair_angle, const Vector3d& sigmas) {
-  const Vector3d line = p2 - p1;
-  const double length = line.norm();
-  const double distance1 = (position - p1).norm();
-  const double distance2 = (position - p2).norm();
-  const double p1e = (position - p1).dot(line) / length;
-  const double r = std::sqrt(std::max(0.0, distance1 * distance1 - p1e * p1e));
-  const double a = p1e - wall_distance / std::cos(pair_angle);
-  const double limit = r * std::tan(pair_angle);
-  if (r < 1e-9) return 1;
-  // What lies between a and either limit, and how that varies.
-  const auto share_beyond = [&](double way) {
-    const double by_d = 1 / std::cos(pair_angle);
-    const double by_1 = way * distance1 / length -
-                        std::tan(pair_angle) * (distance1 - p1e * distance1 / length) / r;
-    const double by_2 =
-        -way * distance2 / length - std::tan(pair_angle) * (p1e * distance2 / length) / r;
-    const double sigma = Vector3d(by_1 * sigmas[0], by_2 * sigmas[1], by_d * sigmas[2]).norm();
-    const double room = limit - way * a;
-    if (sigma <= 0) return room < 0 ? 1.0 : 0.0;
-    return 0.5 * std::erfc(room / sigma * std::numbers::sqrt2 / 2);
-  };
-  return std::min(1.0, share_beyond(1) + share_beyond(-1));
-}
 
 // The inverse of a symmetric matrix; nothing unless it is positive definite (its leading minors
 // are).
@@ -132,7 +28,159 @@ std::optional<Matrix3d> inverse_of_positive(const Matrix3d& matrix) {
   return matrix.inverse();
 }
 
+bool is_exact(const CalibrationSigma& sigma) {
+  return sigma.position == 0 && sigma.angle == 0 && sigma.focal == 0 && sigma.center == 0;
+}
+
+constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
+constexpr Eigen::Index kCalibrationCount = 9;
+constexpr Eigen::Index kPlateRows = 8;
+
+// Derivatives of a plate's corners in one image, those by what is uncertain in units of its
+// standard deviations.
+struct CornerRows {
+  Eigen::Matrix<double, kPlateRows, kVehicleCount> by_vehicle;
+  Eigen::Matrix<double, kPlateRows, 6> by_plate;
+  Eigen::Matrix<double, kPlateRows, kCalibrationCount> by_calibration;
+};
+
+// Rows of corners that cannot be seen are zero.
+CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
+                       const PlateSight& sight) {
+  const TagTemplate& tag = survey.tag_template;
+  const PlacedTag& placed = survey.tags[sight.tag];
+  const RigCamera& camera = rig.cameras[sight.camera];
+  const CalibrationSigma& sigma = camera.calibration_sigma;
+  CornerRows rows;
+  rows.by_vehicle.setZero();
+  rows.by_plate.setZero();
+  rows.by_calibration.setZero();
+  Eigen::Index row = 0;
+  for (const double x : {0.0, tag.frame_inner_length}) {
+    for (const double y : {0.0, tag.frame_inner_height}) {
+      const auto point = observe_point(camera.camera, camera.vehicle_from_camera, vehicle,
+                                       placed.world_from_plate, Vector3d(x, y, 0));
+      row += 2;
+      if (!point) continue;
+      rows.by_vehicle.middleRows<2>(row - 2) = point->by_vehicle;
+      rows.by_plate.middleRows<2>(row - 2) << placed.sigma * point->by_plate.leftCols<3>(),
+          survey.angle_sigma * point->by_plate.rightCols<3>();
+      rows.by_calibration.middleRows<2>(row - 2)
+          << sigma.position * point->by_mounting.leftCols<3>(),
+          sigma.angle * point->by_mounting.rightCols<3>(),
+          sigma.focal * point->by_intrinsics.leftCols<1>(),
+          sigma.center * point->by_intrinsics.rightCols<2>();
+    }
+  }
+  return rows;
+}
+
+// Adds one tag's information about the vehicle and all cameras' calibrations.
+void add_tag(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
+             std::span<const PlateSight> sights, std::size_t tag, const AccuracyOptions& options,
+             Eigen::MatrixXd& information) {
+  const auto count = std::ranges::count(sights, tag, &PlateSight::tag);
+  const Eigen::Index size = kPlateRows * static_cast<Eigen::Index>(count);
+  Eigen::MatrixXd by_all = Eigen::MatrixXd::Zero(size, information.cols());
+  Eigen::MatrixXd by_plate(size, 6);
+  Eigen::VectorXd variance(size);
+  Eigen::Index row = 0;
+  for (const PlateSight& sight : sights) {
+    if (sight.tag != tag) continue;
+    const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
+    const double sigma = expected_corner_sigma(rig, sight, options);
+    by_all.block<kPlateRows, kVehicleCount>(row, 0) = rows.by_vehicle;
+    by_all.block<kPlateRows, kCalibrationCount>(
+        row, kVehicleCount + kCalibrationCount * static_cast<Eigen::Index>(sight.camera)) =
+        rows.by_calibration;
+    by_plate.middleRows<kPlateRows>(row) = rows.by_plate;
+    variance.segment<kPlateRows>(row).setConstant(sigma * sigma);
+    row += kPlateRows;
+  }
+  Eigen::MatrixXd covariance = by_plate * by_plate.transpose();
+  covariance.diagonal() += variance;
+  Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solveInPlace(by_all);
+  information.noalias() += by_all.transpose() * by_all;
+}
+
+bool sees_a_tag_twice(std::span<const PlateSight> sights) {
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const auto earlier = sights.first(i);
+    if (std::ranges::find(earlier, sights[i].tag, &PlateSight::tag) != earlier.end()) return true;
+  }
+  return false;
+}
+
+// The information of each camera by itself, its calibration taken out, for sights of which no two
+// share a plate: the same as all together, and several times as fast.
+VehicleCovariance sum_of_cameras(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
+                                 std::span<const PlateSight> sights,
+                                 const AccuracyOptions& options) {
+  constexpr Eigen::Index kCount = kVehicleCount + kCalibrationCount;
+  VehicleCovariance sum = VehicleCovariance::Zero();
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    Eigen::Matrix<double, kCount, kCount> information =
+        Eigen::Matrix<double, kCount, kCount>::Zero();
+    information.diagonal().tail<kCalibrationCount>().setOnes();
+    for (const PlateSight& sight : sights) {
+      if (sight.camera != camera) continue;
+      const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
+      const double sigma = expected_corner_sigma(rig, sight, options);
+      Eigen::Matrix<double, kPlateRows, kPlateRows> covariance =
+          rows.by_plate.lazyProduct(rows.by_plate.transpose());
+      covariance.diagonal().array() += sigma * sigma;
+      Eigen::Matrix<double, kPlateRows, kCount> by_all;
+      by_all << rows.by_vehicle, rows.by_calibration;
+      covariance.llt().matrixL().solveInPlace(by_all);
+      information += by_all.transpose().lazyProduct(by_all);  // small: no kernels of large ones
+    }
+    const Eigen::Matrix<double, kVehicleCount, kCalibrationCount> shared =
+        information.topRightCorner<kVehicleCount, kCalibrationCount>();
+    sum +=
+        information.topLeftCorner<kVehicleCount, kVehicleCount>() -
+        shared * information.bottomRightCorner<kCalibrationCount, kCalibrationCount>().llt().solve(
+                     shared.transpose());
+  }
+  return sum;
+}
+
 }  // namespace
+
+double expected_corner_sigma(const Rig& rig, const PlateSight& sight,
+                             const AccuracyOptions& options) {
+  if (options.corner_sigma_px) return *options.corner_sigma_px;
+  const double moved = options.speed * rig.cameras[sight.camera].exposure.value_or(0);
+  const double motion = sight.smear_px * moved;
+  const double blur = std::sqrt(sight.blur_px * sight.blur_px + motion * motion / 12);
+  return corner_sigma_px(sight.module_px, blur);
+}
+
+bool tags_tell_apart(const Survey& survey, const Rig& rig) {
+  return survey.angle_sigma == 0 && std::ranges::all_of(rig.cameras, [](const RigCamera& camera) {
+           return is_exact(camera.calibration_sigma);
+         });
+}
+
+VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
+                                     const VehicleFrame& vehicle,
+                                     std::span<const PlateSight> sights,
+                                     const AccuracyOptions& options) {
+  if (!sees_a_tag_twice(sights)) return sum_of_cameras(survey, rig, vehicle, sights, options);
+  const Eigen::Index calibrated = kCalibrationCount * static_cast<Eigen::Index>(rig.cameras.size());
+  Eigen::MatrixXd information =
+      Eigen::MatrixXd::Zero(kVehicleCount + calibrated, kVehicleCount + calibrated);
+  information.diagonal().tail(calibrated).setOnes();
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const auto earlier = sights.first(i);
+    const std::size_t tag = sights[i].tag;
+    if (std::ranges::find(earlier, tag, &PlateSight::tag) != earlier.end()) continue;
+    add_tag(survey, rig, vehicle, sights, tag, options, information);
+  }
+  const Eigen::MatrixXd shared = information.topRightCorner(kVehicleCount, calibrated);
+  return information.topLeftCorner<kVehicleCount, kVehicleCount>() -
+         shared *
+             information.bottomRightCorner(calibrated, calibrated).llt().solve(shared.transpose());
+}
 
 VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
                                      const VehicleFrame& vehicle, const PlateSight& sight,
@@ -149,7 +197,7 @@ VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
       information.noalias() += point->by_vehicle.transpose() * point->by_vehicle;
     }
   }
-  const double sigma = corner_sigma(sight, options);
+  const double sigma = expected_corner_sigma(rig, sight, options);
   return information / (sigma * sigma);
 }
 
@@ -163,15 +211,15 @@ VehicleCovariance with_survey_error(const VehicleCovariance& information, double
   return information - shared * on_shift.inverse() * shared.transpose();
 }
 
-VehicleCovariance rig_information(const Survey& survey, const Rig& rig, const VehiclePose& pose) {
+VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
+                                  const CenterlinePoint& floor, const VehiclePose& pose) {
   VehicleCovariance information = VehicleCovariance::Zero();
-  information(vehicle_parameter::kRoll, vehicle_parameter::kRoll) =
-      1 / (rig.roll_sigma * rig.roll_sigma);
-  information(vehicle_parameter::kPitch, vehicle_parameter::kPitch) =
-      1 / (rig.pitch_sigma * rig.pitch_sigma);
-  if (rig.height_sigma > 0) {
-    information(vehicle_parameter::kZ, vehicle_parameter::kZ) =
-        1 / (rig.height_sigma * rig.height_sigma);
+  const ObservedStance stance = observe_stance(floor, pose);
+  const Vector3d sigmas(rig.height_sigma, rig.pitch_sigma, rig.roll_sigma);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (sigmas[i] <= 0) continue;
+    const Eigen::Matrix<double, 1, 6> row = stance.by_vehicle.row(i) / sigmas[i];
+    information.noalias() += row.transpose() * row;
   }
   for (const RigRange& range : rig.ranges) {
     const ObservedWall wall =
@@ -197,46 +245,6 @@ std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& inform
   covariance << *of_place - mixed * carried.transpose(), mixed, mixed.transpose(), *attitude;
   if (!covariance.allFinite()) return std::nullopt;
   return covariance;
-}
-
-std::optional<PaperExpectation> expect_by_paper(const Survey& survey, const Rig& rig,
-                                                const VehiclePose& pose,
-                                                std::span<const PlateSight> sights,
-                                                const AccuracyOptions& options) {
-  const std::optional<Pair> pair = choose_pair(survey, pose.position, sights);
-  if (!pair) return std::nullopt;
-  const ObservedWall wall =
-      observe_wall(survey.tunnel.centerline, survey.tunnel.left, pose.position);
-  const RigRange* range = left_range(rig, wall.distance);
-  if (range == nullptr) return std::nullopt;
-  const Pose from_vehicle = world_from_vehicle(pose);
-  const Vector3d p1 = pair->left.tag->world_from_plate.translation;
-  const Vector3d p2 = pair->right.tag->world_from_plate.translation;
-  const Vector3d sigmas(distance_sigma(survey, rig, from_vehicle, pair->left, options),
-                        distance_sigma(survey, rig, from_vehicle, pair->right, options),
-                        range->sigma);
-  // d is taken for the distance to the plane of the left plate, along the pair's own cross section.
-  const Vector3d along = (pair->left.tag->world_from_plate.rotation.col(0) -
-                          pair->right.tag->world_from_plate.rotation.col(0))
-                             .normalized();
-  const Vector3d across = along.cross(Vector3d::UnitZ());
-  Matrix3d derivative;
-  derivative.row(0) = (pose.position - p1).normalized().transpose();
-  derivative.row(1) = (pose.position - p2).normalized().transpose();
-  derivative.row(2) = across.transpose();
-  const Eigen::FullPivLU<Matrix3d> factors(derivative);
-  if (!factors.isInvertible()) return std::nullopt;
-  const Matrix3d inverse_derivative = factors.inverse();
-  PaperExpectation expectation;
-  expectation.covariance =
-      inverse_derivative * sigmas.cwiseAbs2().asDiagonal() * inverse_derivative.transpose();
-  const double stagger = std::abs((p2 - p1).dot(along));
-  const double pair_angle =
-      std::atan2(stagger, pair_width(survey.tunnel, *pair->left.tag, *pair->right.tag));
-  expectation.magnification = 1 / std::tan(pair_angle);
-  expectation.no_solution_share =
-      no_solution_share(p1, p2, pose.position, wall.distance, pair_angle, sigmas);
-  return expectation;
 }
 
 }  // namespace tagsmith

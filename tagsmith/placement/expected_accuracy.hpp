@@ -19,8 +19,12 @@ namespace tagsmith {
 struct AccuracyOptions {
   // Of a coordinate of a corner, pixels; absent = what the reader was measured to reach.
   std::optional<double> corner_sigma_px;
-  double moved = 0;  // metres that the vehicle moves during the exposure: blurs the corners
+  double speed = 0;  // metres a second: during a camera's exposure it blurs the corners
 };
+
+// Standard deviation of a coordinate of the sight's corners, pixels.
+double expected_corner_sigma(const Rig& rig, const PlateSight& sight,
+                             const AccuracyOptions& options);
 
 // A plate's four inner corners as a camera sees them: information about the vehicle's pose, were
 // the plate's position known exactly.
@@ -32,26 +36,23 @@ VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
 // deviation of a coordinate, metres.
 VehicleCovariance with_survey_error(const VehicleCovariance& information, double survey_sigma);
 
-// Information from all else than tags: the rig's priors of height and attitude and its ranges to
-// the walls.
-VehicleCovariance rig_information(const Survey& survey, const Rig& rig, const VehiclePose& pose);
+// True when all that is uncertain of plates and cameras is where each plate's P is:
+// corner_information and with_survey_error then say it all, tag by tag.
+bool tags_tell_apart(const Survey& survey, const Rig& rig);
+
+// The information of all sights together, as the joint fit weighs it: plates uncertain in place and
+// angle, each camera in its mounting, focal length and principal point.
+VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
+                                     const VehicleFrame& vehicle,
+                                     std::span<const PlateSight> sights,
+                                     const AccuracyOptions& options);
+
+// Information from all else than tags: the rig's priors of height and attitude above `floor`, the
+// center line's place abreast of the vehicle, and its ranges to the walls.
+VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
+                                  const CenterlinePoint& floor, const VehiclePose& pose);
 
 // The covariance of x, y, z, heading, pitch, roll; nothing when the information does not suffice.
 std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& information);
-
-// The method of Xu et al. (2017) with two tags of facing walls and the distance d to the left wall.
-struct PaperExpectation {
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of x, y, z, world frame, metres^2
-  double magnification = 0;      // 1 / tan(theta): metres along the tunnel for a metre of d
-  double no_solution_share = 0;  // of measurements whose d fits no real solution
-};
-
-// Of the sights, the pair of tags that the method takes (see localize_by_paper), with D1 and D2
-// from the corners P and Q. Nothing without such a pair, without a range to the left wall, or where
-// D1, D2 and d do not determine a place at all.
-std::optional<PaperExpectation> expect_by_paper(const Survey& survey, const Rig& rig,
-                                                const VehiclePose& pose,
-                                                std::span<const PlateSight> sights,
-                                                const AccuracyOptions& options);
 
 }  // namespace tagsmith

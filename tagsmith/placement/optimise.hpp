@@ -2,6 +2,7 @@
 // The cheapest layout of the regular tags that keeps a promise along the whole drive.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,12 +57,17 @@ struct Optimisation {
   LayoutReport given;
   LayoutReport chosen;                     // the given one where no other is cheaper
   std::vector<LayoutReport> alternatives;  // one a freedom, then all freedoms together
+  bool alpha_can_vary = false;             // every camera of the rig looks to a side
   double demanded_share = 0;  // of the columns; the others no layout of this kind can serve
 };
 
 // The survey with its regular tags laid out so; digits are left empty.
 Survey with_layout(const Survey& survey, const Layout& layout);
+// The rig with its side cameras turned about the vertical to look so far forward.
 Rig with_alpha(const Rig& rig, std::optional<double> alpha);
+
+// Called as the search goes on: searches done of all.
+using SearchProgress = std::function<void(std::size_t done, std::size_t total)>;
 
 // Search at the plan's stretch and speed, coarsely; the chosen layout and the given one are then
 // planned with `options` as they are. Demanded are the columns that the given layout serves or
@@ -70,6 +76,7 @@ Rig with_alpha(const Rig& rig, std::optional<double> alpha);
 Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
                               const std::vector<TagTemplate>& templates,
                               const Requirement& requirement, CostOrder order,
-                              const Freedom& freedom, const PlanOptions& options);
+                              const Freedom& freedom, const PlanOptions& options,
+                              const SearchProgress& progress = {});
 
 }  // namespace tagsmith

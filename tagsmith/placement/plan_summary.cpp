@@ -142,23 +142,21 @@ void find_first_readings(const DrivePlan& plan, PlanSummary& summary) {
 }
 
 std::optional<PaperSummary> summarize_paper(const DrivePlan& plan) {
-  const auto plane = range_of(plan, [](const auto& column) { return column.paper.sigma.plane; });
-  if (!plane) return std::nullopt;
   PaperSummary paper;
-  paper.plane = *plane;
-  paper.height =
-      range_of(plan, [](const auto& column) { return column.paper.sigma.height; }).value();
   std::vector<double> magnifications;
   for (const PlanColumn& column : plan.columns) {
     if (column.paper.magnification == 0) continue;
     magnifications.push_back(column.paper.magnification);
     paper.no_solution_share += column.paper.no_solution_share;
   }
+  if (magnifications.empty()) return std::nullopt;
   std::ranges::sort(magnifications);
   const auto count = static_cast<double>(magnifications.size());
   paper.magnification = quantile(magnifications, 0.5);
   paper.no_solution_share /= count;
   paper.share = count / static_cast<double>(plan.columns.size());
+  paper.plane = range_of(plan, [](const auto& column) { return column.paper.sigma.plane; });
+  paper.height = range_of(plan, [](const auto& column) { return column.paper.sigma.height; });
   return paper;
 }
 
@@ -196,8 +194,9 @@ PlanSummary summarize(const DrivePlan& plan) {
     summary.travel_all = std::min(summary.travel_all, column.travel);
     summary.speed_all = std::min(summary.speed_all, column.speed);
   }
-  summary.travel_most = plan.travels.quantile(kMayBeLost);
-  summary.speed_most = plan.speeds.quantile(kMayBeLost);
+  // The histograms round down.
+  summary.travel_most = std::max(summary.travel_all, plan.travels.quantile(kMayBeLost));
+  summary.speed_most = std::max(summary.speed_all, plan.speeds.quantile(kMayBeLost));
   find_first_readings(plan, summary);
   find_critical_tags(plan, summary);
   summary.paper = summarize_paper(plan);

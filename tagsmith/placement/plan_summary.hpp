@@ -47,9 +47,9 @@ struct ReadingDistances {
 };
 
 struct PaperSummary {
-  double share = 0;  // of the columns that have a pair at the nominal pose
-  SigmaRange plane;
-  SigmaRange height;
+  double share = 0;                 // of the columns that have a pair at the nominal pose
+  std::optional<SigmaRange> plane;  // nothing where no measurement has a solution
+  std::optional<SigmaRange> height;
   double magnification = 0;      // 1 / tan(theta), the median
   double no_solution_share = 0;  // of measurements, the mean
 };

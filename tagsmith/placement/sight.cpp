@@ -214,8 +214,8 @@ bool SightModel::fits_in_image(std::size_t camera, const Vector3d& middle, const
   return true;
 }
 
-bool SightModel::is_hidden(const CameraStand& stand, const Plate& plate,
-                           const TunnelWalls& walls) const {
+bool SightModel::is_behind(const TunnelWalls& walls, const CameraStand& stand,
+                           const Plate& plate) const {
   const Vector2d origin = stand.centre.head<2>();
   for (const double side : {-half_length_, half_length_}) {
     const Vector2d way = (plate.middle + side * plate.right).head<2>() - origin;
@@ -225,8 +225,19 @@ bool SightModel::is_hidden(const CameraStand& stand, const Plate& plate,
   return false;
 }
 
+bool SightModel::is_behind(const FloorAndRoof& floor_and_roof, const CameraStand& stand,
+                           const Plate& plate) const {
+  for (const double side : {-half_length_, half_length_}) {
+    for (const double edge : {-half_height_, half_height_}) {
+      const Vector3d way = plate.middle + side * plate.right + edge * plate.down - stand.centre;
+      if (floor_and_roof.first_exit(stand.centre, way, 1)) return true;
+    }
+  }
+  return false;
+}
+
 std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand& stand,
-                                           std::size_t tag, const TunnelWalls* walls) const {
+                                           std::size_t tag, const Surroundings& around) const {
   const Plate& plate = plates_[tag];
   const Lens& lens = lenses_[camera];
   const RigCamera& rig_camera = rig_->cameras[camera];
@@ -244,7 +255,10 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
   sight.module_px = module_ * px_per_metre;
   if (sight.module_px < book_.least_module_px()) return std::nullopt;
   if (!fits_in_image(camera, middle, right, rotation * plate.down)) return std::nullopt;
-  if (walls != nullptr && is_hidden(stand, plate, *walls)) return std::nullopt;
+  if (around.walls != nullptr && is_behind(*around.walls, stand, plate)) return std::nullopt;
+  if (around.floor_and_roof != nullptr && is_behind(*around.floor_and_roof, stand, plate)) {
+    return std::nullopt;
+  }
 
   sight.camera = camera;
   sight.tag = tag;

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "tagsmith/geometry/pose.hpp"
+#include "tagsmith/placement/floor_and_roof.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -31,6 +32,12 @@ struct CameraStand {
   // What the camera does while the vehicle goes on by a metre, in the camera frame.
   Eigen::Vector3d travel = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // rotation vector, radians
+};
+
+// What may stand between a camera and a plate; null where nothing of it can.
+struct Surroundings {
+  const TunnelWalls* walls = nullptr;
+  const FloorAndRoof* floor_and_roof = nullptr;
 };
 
 // A plate of which all that the feature frame encloses is in the image and in the open, of a size
@@ -66,9 +73,8 @@ class SightModel {
   bool may_see(std::size_t camera, const CameraStand& stand, std::size_t tag, double slack,
                double turn) const;
 
-  // `walls`: what may stand in the way; null where the drive is straight as far as can be seen.
   std::optional<PlateSight> look(std::size_t camera, const CameraStand& stand, std::size_t tag,
-                                 const TunnelWalls* walls) const;
+                                 const Surroundings& around) const;
 
   // No plate further from the camera than this can be read, metres.
   double reach() const { return reach_; }
@@ -107,7 +113,9 @@ class SightModel {
   Lens make_lens(const RigCamera& camera) const;
   bool fits_in_image(std::size_t camera, const Eigen::Vector3d& middle,
                      const Eigen::Vector3d& right, const Eigen::Vector3d& down) const;
-  bool is_hidden(const CameraStand& stand, const Plate& plate, const TunnelWalls& walls) const;
+  bool is_behind(const TunnelWalls& walls, const CameraStand& stand, const Plate& plate) const;
+  bool is_behind(const FloorAndRoof& floor_and_roof, const CameraStand& stand,
+                 const Plate& plate) const;
 
   const Survey* survey_;
   const Rig* rig_;

@@ -12,6 +12,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
@@ -244,10 +245,8 @@ Colour colour_of(Service service) {
 std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
                                                          const DrivePlan& plan, double from,
                                                          double to) {
-  const CenterlinePoint point = survey.tunnel.centerline.at(from + (to - from) / 3);
-  VehiclePose pose;
-  pose.position = point.position + rig.vehicle_height * Eigen::Vector3d::UnitZ();
-  pose.heading = point.heading;
+  const VehiclePose pose = vehicle_on_floor(survey.tunnel.centerline.at(from + (to - from) / 3),
+                                            {.height = rig.vehicle_height});
   const double reach = usual_reach(survey, plan);
   std::vector<std::vector<Eigen::Vector3d>> fields;
   for (const RigCamera& rig_camera : rig.cameras) {

@@ -70,7 +70,7 @@ Pose random_vehicle(const PictureSet& set, std::mt19937_64& random) {
   const CenterlinePoint at = line.at(chainage);
   VehiclePose pose;
   pose.position =
-      at.position + normal(random, 0.1 * set.survey.tunnel.width) * right_of(at.heading);
+      at.position + normal(random, 0.1 * least_width(set.survey.tunnel)) * right_of(at.heading);
   pose.position.z() += set.rig.vehicle_height + normal(random, 0.01);
   pose.heading = at.heading + normal(random, radians(3));
   pose.pitch = normal(random, radians(1));

@@ -11,12 +11,10 @@
 #include <cstdlib>
 #include <ctime>
 #include <map>
-#include <random>
 #include <string>
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
@@ -25,9 +23,13 @@
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/draws.hpp"
 
 using namespace tagsmith;
 using Eigen::Vector3d;
+using test::disturbed;
+using test::Draws;
+using test::small_turn;
 
 namespace {
 
@@ -39,44 +41,6 @@ struct Site {
   Survey survey;
   Rig rig;
 };
-
-class Draws {
- public:
-  explicit Draws(std::uint64_t seed) : random_(seed) {}
-  double normal(double sigma) { return sigma * normal_(random_); }
-  double uniform(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  bool chance(double probability) { return uniform(0, 1) < probability; }
-  Vector3d normals(double sigma) { return {normal(sigma), normal(sigma), normal(sigma)}; }
-  std::size_t index(std::size_t size) {
-    return std::uniform_int_distribution<std::size_t>(0, size - 1)(random_);
-  }
-
- private:
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-};
-
-// A turn about each axis with this standard deviation.
-Eigen::Matrix3d small_turn(Draws& draws, double sigma) {
-  const Vector3d turn = draws.normals(sigma);
-  return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-}
-
-Rig disturbed(Rig rig, Draws& draws) {
-  for (RigCamera& camera : rig.cameras) {
-    const CalibrationSigma& sigma = camera.calibration_sigma;
-    const double focal = 1 + draws.normal(sigma.focal);
-    camera.camera.fx *= focal;
-    camera.camera.fy *= focal;
-    camera.camera.cx += draws.normal(sigma.center);
-    camera.camera.cy += draws.normal(sigma.center);
-    camera.vehicle_from_camera.translation += draws.normals(sigma.position);
-    camera.vehicle_from_camera.rotation *= small_turn(draws, sigma.angle);
-  }
-  return rig;
-}
 
 VehiclePose random_pose(const Site& site, Draws& draws) {
   const Centerline& line = site.survey.tunnel.centerline;

@@ -67,7 +67,7 @@ std::vector<PlateSight> look(const SightModel& model, std::size_t camera, const 
   const TunnelWalls walls(model.survey().tunnel, wall_standoff(model.survey(), chainage), chainage);
   std::vector<PlateSight> sights;
   for (std::size_t tag = 0; tag < model.survey().tags.size(); ++tag) {
-    const auto sight = model.look(camera, stand, tag, &walls);
+    const auto sight = model.look(camera, stand, tag, {&walls});
     if (sight && sight->travel_book >= 0) sights.push_back(*sight);
   }
   return sights;

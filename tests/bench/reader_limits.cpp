@@ -30,8 +30,10 @@ namespace {
 
 constexpr const char* kTable = "tagsmith/placement/reader_limits.inc";
 
-constexpr std::array<double, 5> kIncidences{0, 60, 70, 73, 76};  // degrees
-constexpr std::array<double, 4> kBlurs{0.35, 0.7, 1.4, 2.8};
+// Degrees: finer where plates turn edge on. The last one is the greatest at which plans count on a
+// plate at all.
+constexpr std::array<double, 7> kIncidences{0, 60, 70, 76, 79, 82, 84};
+constexpr std::array<double, 6> kBlurs{0.35, 0.7, 1.0, 1.4, 2.0, 2.8};
 constexpr std::array<double, 5> kSigmaModules{0.4, 0.6, 1.0, 2.0, 4.0};
 constexpr std::array<double, 4> kSigmaBlurs{0.35, 0.7, 1.4, 2.8};
 

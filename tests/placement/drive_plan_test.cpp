@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tests/placement/corridors.hpp"
 
@@ -30,22 +31,21 @@ WallCount seen_by_force(const Survey& survey, const Rig& rig, double chainage) {
   const SightModel model(survey, rig);
   const CenterlinePoint point = survey.tunnel.centerline.at(chainage);
   const TunnelWalls walls(survey.tunnel, wall_standoff(survey, chainage), chainage);
+  const FloorAndRoof floor_and_roof(survey.tunnel, chainage);
   WallCount count;
   for (int h = -2; h <= 2; ++h) {
     for (int l = -2; l <= 2; ++l) {
       for (int tilt = 0; tilt < 5; ++tilt) {
-        VehiclePose pose;
-        pose.position = point.position + 0.1 * l * right_of(point.heading) +
-                        rig.vehicle_height * Eigen::Vector3d::UnitZ();
-        pose.heading = point.heading + radians(3) * h;
-        pose.roll = tilt == 1 ? radians(1) : tilt == 2 ? -radians(1) : 0;
-        pose.pitch = tilt == 3 ? radians(1) : tilt == 4 ? -radians(1) : 0;
+        FloorStance stance{rig.vehicle_height, 0.1 * l, radians(3) * h, 0, 0};
+        stance.roll = tilt == 1 ? radians(1) : tilt == 2 ? -radians(1) : 0;
+        stance.pitch = tilt == 3 ? radians(1) : tilt == 4 ? -radians(1) : 0;
+        const VehiclePose pose = vehicle_on_floor(point, stance);
         bool left = false;
         bool right = false;
         for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
           const CameraStand stand = model.stand(camera, world_from_vehicle(pose), point.curvature);
           for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
-            if (!model.look(camera, stand, tag, &walls)) continue;
+            if (!model.look(camera, stand, tag, {&walls, &floor_and_roof})) continue;
             (survey.tags[tag].side == Side::left ? left : right) = true;
           }
         }
@@ -68,7 +68,8 @@ TEST_CASE("the sweep sees what looking at every tag from every pose sees") {
   PlanOptions options;
   options.step = 0.31;
   options.accuracy = false;
-  for (const Survey& survey : {straight_survey(10, 6, 0.9), bend}) {
+  const Survey hills = survey_along({{3, 0, 0.15}, {2, 0.1, -0.2}, {4, 0, 0.15}}, 8, 0.5);
+  for (const Survey& survey : {straight_survey(10, 6, 0.9), bend, hills}) {
     const DrivePlan plan = planned(survey, rig, options);
     CHECK(plan.poses_per_column == 125);
     for (const PlanColumn& column : plan.columns) {

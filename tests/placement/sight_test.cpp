@@ -43,7 +43,7 @@ void check_against_simulation(const Survey& survey, const Rig& rig) {
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
       const CameraStand stand = model.stand(c, pose, 0);
       for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
-        const auto sight = model.look(c, stand, tag, nullptr);
+        const auto sight = model.look(c, stand, tag, {});
         const PlateTruth truth = truth_of(survey, rig.cameras[c], pose, tag);
         const bool is_whole = truth.incidence < radians(89) && truth.module_px >= 0.8 &&
                               is_inside(rig.cameras[c].camera, truth, kBorderPx);
@@ -79,7 +79,7 @@ TEST_CASE("a plate is not seen from behind, nor behind the camera") {
   const Rig rig = crawler();
   const SightModel model(survey, rig);
   const auto sees = [&](const Pose& pose, std::size_t tag) {
-    return model.look(0, model.stand(0, pose, 0), tag, nullptr).has_value();
+    return model.look(0, model.stand(0, pose, 0), tag, {}).has_value();
   };
   const Pose inside = world_from_vehicle({0, 2, 0.24}, 0);
   CHECK(sees(inside, 6));  // 003L, ahead to the left
@@ -102,8 +102,8 @@ TEST_CASE("the inner wall of a bend hides what lies behind it") {
   int open = 0;
   int hidden = 0;
   for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
-    const bool in_open = model.look(1, stand, tag, &walls).has_value();
-    if (model.look(1, stand, tag, nullptr)) ++(in_open ? open : hidden);
+    const bool in_open = model.look(1, stand, tag, {&walls}).has_value();
+    if (model.look(1, stand, tag, {})) ++(in_open ? open : hidden);
     if (in_open) CHECK(survey.tags[tag].chainage < 7);
   }
   CHECK(open >= 1);
@@ -115,7 +115,7 @@ TEST_CASE("the picture smears by speed, exposure and nearness") {
   const Rig rig = crawler();
   const SightModel model(survey, rig);
   const Pose pose = world_from_vehicle({0, 2, 0.24}, 0);
-  const auto sight = model.look(0, model.stand(0, pose, 0), 6, nullptr);
+  const auto sight = model.look(0, model.stand(0, pose, 0), 6, {});
   REQUIRE(sight.has_value());
   // By the simulation: where the middle of the frame goes when the vehicle goes on by 1 mm.
   const Pose ahead = world_from_vehicle({0, 2.001, 0.24}, 0);
@@ -134,11 +134,11 @@ TEST_CASE("out of focus is blurred") {
   Rig rig = crawler();
   const Pose pose = world_from_vehicle({0, 2, 0.24}, 0);
   const SightModel sharp(survey, rig);
-  const auto without = sharp.look(0, sharp.stand(0, pose, 0), 6, nullptr);
+  const auto without = sharp.look(0, sharp.stand(0, pose, 0), 6, {});
   rig.cameras[0].focus = 0.3;
   rig.cameras[0].aperture = 0.003;
   const SightModel near(survey, rig);
-  const auto with = near.look(0, near.stand(0, pose, 0), 6, nullptr);
+  const auto with = near.look(0, near.stand(0, pose, 0), 6, {});
   REQUIRE(without.has_value());
   REQUIRE(with.has_value());
   // Thin lens: 1600 px * 3 mm * |1/0.3 - 1/depth| / 4.
