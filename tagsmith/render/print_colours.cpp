@@ -80,8 +80,8 @@ std::string with_print_colours(std::string_view content, bool has_contour) {
 std::string deflated(std::string_view bytes) {
   uLongf size = compressBound(bytes.size());
   std::string result(size, '\0');
-  compress(reinterpret_cast<Bytef*>(result.data()), &size,
-           reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  compress2(reinterpret_cast<Bytef*>(result.data()), &size,
+            reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED);
   result.resize(size);
   return result;
 }
