@@ -124,10 +124,7 @@ void warn(const PrintJob& job) {
         ": install one, for example fonts-noto-cjk");
   }
   if (!job.rounding.empty()) {
-    say(fmt::format(
-        "{}. Cameras look for the bars where the template says: write dots_per_inch: {} "
-        "into symbol of template {}",
-        job.rounding, job.style.dots_per_inch, tag.name));
+    fmt::print(stderr, "tagsmith print: {}\n", job.rounding);
   }
 }
 
@@ -224,14 +221,16 @@ void add_paper_options(CLI::App& app, PrintOptions& options) {
 }
 
 void add_printer_options(CLI::App& app, PrintOptions& options) {
-  app.add_option("--dpi", options.dots_per_inch,
-                 "The printer's dots per inch: modules fill whole dots; also the resolution of PNG "
-                 "and of the proof (default: the template's dots_per_inch, else 300 for those)")
+  app.add_option(
+         "--dpi", options.dots_per_inch,
+         "The printer's dots per inch: every edge stands on a whole dot; also the resolution "
+         "of PNG and of the proof (default: the template's dots_per_inch, else 300 for "
+         "those)")
       ->check(CLI::Range(50, 10'000));
   app.add_option("--bar-adjust", options.bar_adjustment_mm,
                  "Added to the width of every bar and of the frame, mm; -0.1 takes away what the "
                  "ink adds (default: 0)")
-      ->check(CLI::Range(-1.0, 1.0));
+      ->check(CLI::Range(-10.0, 10.0));
   app.add_flag("--proof", options.proof,
                "Draw the files as pixels, read them, and write nothing unless digits, sizes and "
                "corners are the survey's");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <span>
 #include <utility>
@@ -44,6 +45,38 @@ Error paper_too_small(const TagTemplate& tag, const Rectangle& plate, const Prin
   return {text};
 }
 
+// The printer's dots, when it was said how many it has.
+Result<void> draw_on_dots(PrintJob& job) {
+  const int dots_per_inch = job.style.dots_per_inch;
+  if (dots_per_inch == 0) return {};
+  const TagTemplate& wanted = job.survey->tag_template;
+  const double dots = module_width(wanted) / kMetresPerInch * dots_per_inch;
+  if (dots < kLeastDots) {
+    return fail(
+        fmt::format("--dpi {}: a module of {} mm ({}) is {} dots wide, expected at least {}: "
+                    "a finer printer or a larger template",
+                    dots_per_inch, format_number(module_width(wanted) * 1000, 3), wanted.name,
+                    format_number(dots, 2), kLeastDots));
+  }
+  job.printed = drawn_on_dots(wanted, dots_per_inch);
+  job.printed.dots_per_inch = dots_per_inch;
+  job.rounding = describe_rounding(wanted, job.printed, dots_per_inch);
+  return {};
+}
+
+// Readers fail where bars are 0.6 modules wider or narrower than they should be; at 0.4 they do
+// not.
+Result<void> check_bar_adjustment(const PrintJob& job) {
+  constexpr double kMost = 0.4;
+  const double most = kMost * std::min(module_width(job.printed), job.printed.frame_stroke);
+  if (std::abs(job.style.bar_adjustment) <= most) return {};
+  return fail(
+      fmt::format("--bar-adjust {}: expected at most {} mm either way, {} of a module or of the "
+                  "frame's stroke of {}",
+                  format_number(job.style.bar_adjustment * 1000),
+                  format_number(std::floor(most * 1e5) / 100), kMost, job.printed.name));
+}
+
 // Chooses among one page a plate, several plates a page and several pages a plate.
 Result<void> plan_pages(PrintJob& job) {
   const PrintStyle& style = job.style;
@@ -51,12 +84,12 @@ Result<void> plan_pages(PrintJob& job) {
   const Rectangle plate = draw_tag(job.printed, Digits{}).plate;
   if (style.tiled) {
     const Result<TilePlan> tiles =
-        plan_tiles(plate, *style.paper, style.overlap, job.dots_per_inch());
+        plan_tiles(plate, *style.paper, style.overlap, job.png_dots_per_inch());
     if (!tiles) return fail(tiles.error().message);
     job.tiles = *tiles;
     return {};
   }
-  job.nest = plan_nest(plate, *style.paper, style.bleed, job.dots_per_inch());
+  job.nest = plan_nest(plate, *style.paper, style.bleed, job.png_dots_per_inch());
   if (!job.nest) return tl::unexpected(paper_too_small(job.printed, plate, style));
   return {};
 }
@@ -158,11 +191,8 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   job.survey = &survey;
   job.style = style;
   job.printed = survey.tag_template;
-  if (style.dots_per_inch > 0) {
-    job.printed.dots_per_inch = style.dots_per_inch;
-    job.printed = fitted_to_dots(job.printed, style.dots_per_inch);
-    job.rounding = describe_rounding(survey.tag_template, job.printed, style.dots_per_inch);
-  }
+  if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn.error().message);
+  if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted.error().message);
   if (auto planned = plan_pages(job); !planned) return fail(planned.error().message);
   job.units = units_of(job, tags);
   return job;
@@ -171,18 +201,29 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
 TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag) {
   TagDrawing drawing =
       draw_tag(job.printed, tag.digits, tag_text(*job.survey, tag, job.style.revision));
-  if (job.dots_per_inch() > 0) drawing = on_whole_dots(std::move(drawing), job.dots_per_inch());
-  if (job.style.bar_adjustment == 0) return drawing;
-  return with_bar_adjustment(std::move(drawing), job.style.bar_adjustment, job.dots_per_inch());
+  return job.dots_per_inch() > 0 ? on_whole_dots(std::move(drawing), job.dots_per_inch()) : drawing;
 }
 
-std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit) {
+std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit) {
   if (job.nest) return {nested_page(job, unit)};
   const PlacedTag& tag = *unit.tags.front();
   const TagDrawing drawing = printed_drawing(job, tag);
   if (job.tiles) return lay_out_tiles(tag.name, drawing, notes_of(job, tag), *job.tiles);
-  const PageStyle style{.bleed = job.style.bleed, .dots_per_inch = job.dots_per_inch()};
+  const PageStyle style{.bleed = job.style.bleed, .dots_per_inch = job.png_dots_per_inch()};
   return {lay_out_page(tag.name, drawing, notes_of(job, tag), style)};
+}
+
+std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit) {
+  std::vector<Page> pages = nominal_pages(job, unit);
+  if (job.style.bar_adjustment == 0) return pages;
+  for (Page& page : pages) {
+    for (PageTag& tag : page.tags) {
+      if (!tag.at_true_scale) continue;
+      tag.drawing = with_bar_adjustment(std::move(tag.drawing), job.style.bar_adjustment,
+                                        job.dots_per_inch());
+    }
+  }
+  return pages;
 }
 
 int pages_a_unit(const PrintJob& job) { return job.tiles ? 1 + job.tiles->tiles() : 1; }

@@ -22,7 +22,7 @@ struct PrintStyle {
   bool svg = true;
   bool png = false;
   bool single = false;        // all pages in one PDF, tags.pdf
-  int dots_per_inch = 0;      // modules fill whole dots of this printer; 0 = of the template's
+  int dots_per_inch = 0;      // edges stand on whole dots of this printer; 0 = of the template's
   double bar_adjustment = 0;  // metres added to the width of every bar; negative = less
   double bleed = 0.003;       // metres
   std::optional<PrintPaper> paper{};  // none = the page is the plate with its margin
@@ -32,7 +32,8 @@ struct PrintStyle {
   int jobs = 0;                       // cores to use; 0 = all
 };
 
-// PNG files have the printer's resolution, or this one where none is stated.
+// PNG files have the printer's resolution, or this one where none is stated; so do proofs, and P
+// stands on its dots.
 inline constexpr int kUsualDotsPerInch = 300;
 
 inline constexpr const char* kSinglePdf = "tags.pdf";
@@ -47,7 +48,7 @@ struct PrintUnit {
 struct PrintJob {
   const Survey* survey = nullptr;
   PrintStyle style;
-  TagTemplate printed;   // the survey's template, fitted to the printer's dots
+  TagTemplate printed;   // the survey's template as it is drawn on the printer's dots
   std::string rounding;  // what that changed, for people; empty = nothing
   std::optional<NestPlan> nest;
   std::optional<TilePlan> tiles;
@@ -62,7 +63,10 @@ struct PrintJob {
 Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
                             const PrintStyle& style);
 
+// The unit's pages as they are printed, and as they look when the ink has grown by what the bars'
+// adjustment takes away: the same but for the edges of bars and frame.
 std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit);
+std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit);
 
 // Names of the files that hold the unit's pages; tags.pdf among them with `single`.
 std::vector<std::string> files_of(const PrintJob& job, const PrintUnit& unit);
@@ -80,7 +84,7 @@ std::vector<PageInFile> pages_in_files(const PrintJob& job, const PrintUnit& uni
 // Pages of one unit; the same for every unit of the job.
 int pages_a_unit(const PrintJob& job);
 
-// The drawing of a tag as this job prints it, in the plate frame.
+// The drawing of a tag as this job prints it, in the plate frame, before the bars' adjustment.
 TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag);
 
 // Makes all files. `done` is called after each unit, one at a time.

@@ -88,7 +88,8 @@ std::vector<ProofPage> proof_pages(const StagedFiles& files, std::span<const Pag
 Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const PrintExtras& extras,
                                          const StagedFiles& files, std::size_t index) {
   const PrintUnit& unit = job.units[index];
-  const std::vector<Page> pages = pages_of(job, unit);
+  // The reader takes the growth of bars off the frame, so it finds the corners where they will be.
+  const std::vector<Page> pages = nominal_pages(job, unit);
   const int first_page = static_cast<int>(index) * pages_a_unit(job) + 1;
   const std::vector<PageInFile> places = pages_in_files(job, unit, first_page);
   std::vector<TagProof> proofs;

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <unistd.h>
 
 #include <sys/file.h>
@@ -92,6 +94,22 @@ void remove_abandoned(const fs::path& folder) {
   }
 }
 
+void remove_traces(const fs::path& staging, const std::vector<fs::path>& made_folders) {
+  std::error_code ignored;
+  if (!staging.empty()) fs::remove_all(staging, ignored);
+  for (const fs::path& made : made_folders) fs::remove(made, ignored);  // only when empty
+}
+
+// Threads that had begun to write a file may still make it, and its folder.
+void remove_while_written(const fs::path& staging, const std::vector<fs::path>& made_folders) {
+  constexpr int kAttempts = 5;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    remove_traces(staging, made_folders);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  remove_traces(staging, made_folders);
+}
+
 }  // namespace
 
 Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
@@ -110,7 +128,14 @@ Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
     if (mkdtemp(pattern.data()) == nullptr) break;
     files.staging_ = pattern;
     files.lock_ = lock_folder(files.staging_);
-    if (files.lock_ >= 0 && fs::exists(files.staging_, error)) return files;
+    if (files.lock_ >= 0 && fs::exists(files.staging_, error)) {
+      files.guard_ = InterruptGuard(
+          [staging = files.staging_, made = files.made_folders_, flag = files.interrupted_] {
+            flag->store(true);
+            remove_while_written(staging, made);
+          });
+      return files;
+    }
     if (files.lock_ >= 0) ::close(std::exchange(files.lock_, -1));
   }
   return fail(folder.string() +
@@ -118,18 +143,17 @@ Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
 }
 
 StagedFiles::~StagedFiles() {
-  std::error_code ignored;
-  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  remove_traces(staging_, made_folders_);
   if (lock_ >= 0) ::close(lock_);
-  for (const fs::path& made : made_folders_) fs::remove(made, ignored);  // only when empty
 }
 
 Result<void> StagedFiles::add(const fs::path& name, std::string_view bytes) const {
-  if (write_file(staging_ / name, bytes)) return {};
+  if (!*interrupted_ && write_file(staging_ / name, bytes)) return {};
   return fail((folder_ / name).string() + ": cannot be written, is the disk full?");
 }
 
 Result<void> StagedFiles::publish() {
+  const auto whole = InterruptGuard::hold_off();
   std::error_code error;
   std::vector<Move> moves;
   for (const fs::path& file : files_in(staging_, error)) {

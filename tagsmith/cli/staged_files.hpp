@@ -2,19 +2,22 @@
 // A set of output files that appears in its folder as a whole or not at all.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/interrupt_guard.hpp"
 
 namespace tagsmith {
 
 // Files gather in a hidden folder inside the target folder; publish() moves them to their names.
 // Without publish(), or when it fails, the destructor leaves the disk as it was before, folders
-// included. A process that was killed leaves its hidden folder behind: the next begin() in the same
-// folder removes it.
+// included; so does an interrupt (SIGINT, SIGTERM, SIGHUP). A process that was killed otherwise
+// leaves its hidden folder behind: the next begin() in the same folder removes it.
 class StagedFiles {
  public:
   // Makes the folder where it is missing. Fails when files cannot be made in it.
@@ -25,7 +28,9 @@ class StagedFiles {
       : folder_(std::move(other.folder_)),
         staging_(std::exchange(other.staging_, {})),
         lock_(std::exchange(other.lock_, -1)),
-        made_folders_(std::exchange(other.made_folders_, {})) {}
+        made_folders_(std::exchange(other.made_folders_, {})),
+        interrupted_(std::move(other.interrupted_)),
+        guard_(std::move(other.guard_)) {}
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
   StagedFiles& operator=(StagedFiles&&) = delete;
@@ -46,6 +51,8 @@ class StagedFiles {
   std::filesystem::path staging_;
   int lock_ = -1;  // descriptor of staging_, locked for as long as its process lives
   std::vector<std::filesystem::path> made_folders_;  // innermost first
+  std::shared_ptr<std::atomic<bool>> interrupted_ = std::make_shared<std::atomic<bool>>(false);
+  InterruptGuard guard_;
 };
 
 }  // namespace tagsmith

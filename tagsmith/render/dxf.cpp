@@ -23,8 +23,13 @@ struct DxfLayer {
   int colour;  // AutoCAD colour index
 };
 
-constexpr std::array<DxfLayer, 6> kLayers{
-    {{"CENTERLINE", 8}, {"WALLS", 7}, {"PLATES", 5}, {"FRAMES", 3}, {"P", 1}, {"NAMES", 7}}};
+constexpr std::array<DxfLayer, 7> kLayers{{{"CENTERLINE", 8},
+                                           {"WALLS", 7},
+                                           {"PLATES", 5},
+                                           {"FRAMES", 3},
+                                           {"P", 1},
+                                           {"HOLES", 6},
+                                           {"NAMES", 7}}};
 
 // Group codes and values, a line each (AutoCAD 2000 DXF Reference, "ASCII DXF Files").
 class DxfWriter {
@@ -222,6 +227,11 @@ void write_line(DxfWriter& dxf, const char* layer, const Vector3d& from, const V
   dxf.point(11, to);
 }
 
+void write_point(DxfWriter& dxf, const char* layer, const Vector3d& at) {
+  begin_entity(dxf, "POINT", layer, "AcDbPoint");
+  dxf.point(10, at);
+}
+
 void write_outline(DxfWriter& dxf, const char* layer, const std::array<Vector3d, 4>& corners) {
   for (std::size_t i = 0; i < 4; ++i) write_line(dxf, layer, corners[i], corners[(i + 1) % 4]);
 }
@@ -299,8 +309,11 @@ void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
   const double height = plate.frame_inner_height;
   write_outline(dxf, "FRAMES",
                 {in_grid(0, 0), in_grid(length, 0), in_grid(length, height), in_grid(0, height)});
-  begin_entity(dxf, "POINT", "P", "AcDbPoint");
-  dxf.point(10, tag.p_in_grid);
+  write_point(dxf, "P", tag.p_in_grid);
+  for (const DrillHole& hole : plate.holes) {
+    write_point(dxf, "HOLES",
+                in_grid((left + right) / 2 + hole.right, (top + bottom) / 2 - hole.up));
+  }
   begin_entity(dxf, "TEXT", "NAMES", "AcDbText");
   dxf.point(10, tag.p_in_grid);
   dxf.real(40, 0.1);

@@ -190,6 +190,16 @@ void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& w
                       .text = "plate " + metres(b.x() - a.x())});
 }
 
+// To the millimetre as the table beside it has them, never "-0.000".
+std::string millimetres(double metres) {
+  return fmt::format("{:.3f}", std::round(metres * 1000) / 1000 + 0.0);
+}
+
+// What a tape shows from P to P; on a curve neither the chainage nor the unrolled wall does.
+double distance(const PlacedTag& a, const PlacedTag& b) {
+  return (a.p_in_grid - b.p_in_grid).norm();
+}
+
 }  // namespace
 
 DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style,
@@ -236,18 +246,19 @@ DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side si
 DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, Side side,
                                   std::span<const SettingOut> places) {
   DrawingView view = wall_elevation(survey, strip, side, false);
+  view.title += "; distances are straight from P to P";
   const Unrolled wall(survey, strip, side);
   SketchLayer& layer = view.sketch.layer("dimensions");
   std::optional<Vector2d> last;
+  const PlacedTag* last_tag = nullptr;
   for (const SettingOut& place : places) {
     const bool inside = place.tag->chainage >= strip.from && place.tag->chainage < strip.to;
     if (!inside || place.tag->side != side) continue;
     const Vector2d p = wall.on_plate(*place.tag, 0, 0);
     const Vector2d foot(p.x(), 0);
-    layer.add(
-        Dimension{.from = foot, .to = p, .offset = 0, .text = fmt::format("{:.3f}", place.height)});
+    layer.add(Dimension{.from = foot, .to = p, .offset = 0, .text = millimetres(place.height)});
     layer.add(Polyline{{foot, {foot, Vector2d(0, -0.005)}}, {.width = kExtraNarrow}});
-    layer.add(Words{.text = fmt::format("{:.3f}", place.chainage + 0.0),
+    layer.add(Words{.text = millimetres(place.chainage),
                     .at = {foot, Vector2d(-0.0013, -0.0055)},
                     .angle = std::numbers::pi / 2,
                     .align = TextAlign::right,
@@ -257,9 +268,10 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
       layer.add(Dimension{.from = rightwards ? *last : foot,
                           .to = rightwards ? foot : *last,
                           .offset = -0.020,
-                          .text = fmt::format("{:.3f}", std::abs(foot.x() - last->x()))});
+                          .text = millimetres(distance(*last_tag, *place.tag))});
     }
     last = foot;
+    last_tag = place.tag;
   }
   return view;
 }

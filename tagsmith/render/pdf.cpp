@@ -5,8 +5,8 @@
 #include <cairo-pdf.h>
 #include <cairo.h>
 #include <fstream>
+#include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -20,15 +20,10 @@ namespace {
 constexpr double kPointsPerMetre = 72 / 0.0254;
 constexpr double kMostPoints = 14400;
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
-  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
-  return CAIRO_STATUS_SUCCESS;
-}
-
-cairo_status_t write(void* stream, const unsigned char* data, unsigned int length) {
-  auto& out = *static_cast<std::ofstream*>(stream);
-  out.write(reinterpret_cast<const char*>(data), length);
-  return out ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+cairo_status_t take(void* filter, const unsigned char* data, unsigned int length) {
+  const std::string_view bytes(reinterpret_cast<const char*>(data), length);
+  return static_cast<PrintSettingsFilter*>(filter)->take(bytes) ? CAIRO_STATUS_SUCCESS
+                                                                : CAIRO_STATUS_WRITE_ERROR;
 }
 
 void set_metadata(cairo_surface_t* surface, const PageNotes& notes) {
@@ -56,12 +51,14 @@ PdfPageSettings settings_of(const Page& page) {
   return settings;
 }
 
-// Cairo's half of the work: a PDF that says nothing yet about how to print it.
+// A PDF that goes to the sink page by page.
 class CairoPdf {
  public:
-  CairoPdf(cairo_write_func_t sink, void* target, const PageNotes& notes)
-      : surface_(cairo_pdf_surface_create_for_stream(sink, target, 0, 0)),
+  CairoPdf(PrintSettingsFilter::Sink sink, const PageNotes& notes)
+      : filter_(std::move(sink)),
+        surface_(cairo_pdf_surface_create_for_stream(take, &filter_, 0, 0)),
         context_(cairo_create(surface_)) {
+    cairo_pdf_surface_restrict_to_version(surface_, CAIRO_PDF_VERSION_1_4);
     set_metadata(surface_, notes);
   }
   ~CairoPdf() {
@@ -82,19 +79,19 @@ class CairoPdf {
     cairo_scale(context_, kPointsPerMetre, kPointsPerMetre);
     draw_page(context_, page, true);
     cairo_restore(context_);
+    filter_.add_page(settings_of(page));
     cairo_show_page(context_);
-    settings_.push_back(settings_of(page));
+    has_page_ = true;
   }
 
-  // The settings of each page for with_print_settings.
-  Result<std::vector<PdfPageSettings>> finish() {
+  Result<void> finish() {
     const cairo_status_t drawn = cairo_status(context_);
     cairo_surface_finish(surface_);
     const cairo_status_t finished = drawn ? drawn : cairo_surface_status(surface_);
     if (!problem_.empty()) return fail(problem_);
-    if (settings_.empty()) return fail("PDF: no page to print, expected at least one");
+    if (!has_page_) return fail("PDF: no page to print, expected at least one");
     if (finished) return fail(std::string("PDF: ") + cairo_status_to_string(finished));
-    return std::move(settings_);
+    return filter_.finish();
   }
 
  private:
@@ -103,9 +100,10 @@ class CairoPdf {
                        page.notes.title, page.width, page.height);
   }
 
+  PrintSettingsFilter filter_;
   cairo_surface_t* surface_;
   cairo_t* context_;
-  std::vector<PdfPageSettings> settings_;
+  bool has_page_ = false;
   std::string problem_;
 };
 
@@ -117,27 +115,30 @@ Result<std::string> render_pdf(std::span<const Page> pages) {
 
 Result<std::string> render_pdf(std::span<const Page> pages, const PageNotes& notes) {
   std::string bytes;
-  CairoPdf pdf(append, &bytes, notes);
+  CairoPdf pdf(
+      [&](std::string_view part) {
+        bytes += part;
+        return true;
+      },
+      notes);
   for (const Page& page : pages) pdf.add(page);
-  const Result<std::vector<PdfPageSettings>> settings = pdf.finish();
-  if (!settings) return fail(settings.error().message);
-  return with_print_settings(bytes, *settings);
+  const Result<void> finished = pdf.finish();
+  return finished ? Result<std::string>(std::move(bytes)) : fail(finished.error().message);
 }
 
 Result<void> write_pdf(const std::filesystem::path& path, const PageSource& pages,
                        const PageNotes& notes) {
-  std::filesystem::path part = path;
-  part += ".part";
-  std::ofstream stream(part, std::ios::binary);
-  CairoPdf pdf(write, &stream, notes);
+  std::ofstream stream(path, std::ios::binary);
+  CairoPdf pdf(
+      [&](std::string_view part) {
+        stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+        return stream.good();
+      },
+      notes);
   pages([&](const Page& page) { pdf.add(page); });
-  const Result<std::vector<PdfPageSettings>> settings = pdf.finish();
+  if (auto finished = pdf.finish(); !finished) return finished;
   stream.close();
-  Result<void> written = settings ? add_print_settings(part, path, *settings)
-                                  : Result<void>(fail(settings.error().message));
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  return written;
+  return stream ? Result<void>{} : fail(path.string() + ": cannot be written, is the disk full?");
 }
 
 }  // namespace tagsmith

@@ -25,7 +25,7 @@ Result<std::string> render_pdf(std::span<const Page> pages, const PageNotes& not
 using PageSource = std::function<void(const std::function<void(const Page&)>&)>;
 
 // The same PDF, written to the file page by page: only one page is in memory at any time. The
-// file's folder must be there; a file beside it, NAME.part, is made and removed.
+// file's folder must be there.
 Result<void> write_pdf(const std::filesystem::path& path, const PageSource& pages,
                        const PageNotes& notes);
 

@@ -168,6 +168,7 @@ Result<std::string> render_sheets_pdf(std::span<const Sheet> sheets) {
   if (sheets.empty()) return fail("PDF: no sheet to draw, expected at least one");
   std::string bytes;
   const Surface surface(cairo_pdf_surface_create_for_stream(append, &bytes, 0, 0));
+  cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE,
                                  printable_text(sheets.front().title).c_str());
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_SUBJECT,

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cairo.h>
+#include <map>
 #include <memory>
 #include <numbers>
+#include <tuple>
 
 #include <pango/pangocairo.h>
 
@@ -100,7 +102,7 @@ void ellipsize(PangoLayout* layout, double width) {
   pango_layout_set_width(layout, static_cast<int>(units));
 }
 
-SetText set_text(const TextItem& item) {
+SetText lay_out_text(const TextItem& item) {
   SetText set;
   const auto& [context, capital] = text_tools();
   if (capital <= 0) return set;
@@ -117,6 +119,17 @@ SetText set_text(const TextItem& item) {
   set.scale = scale * shrink;
   set.width = extents.width;
   return set;
+}
+
+// Pages of one print repeat most of their texts: the last ones are kept, for each thread its own.
+const SetText& set_text(const TextItem& item) {
+  constexpr std::size_t kKept = 64;
+  using Key = std::tuple<std::string, double, double>;
+  thread_local std::map<Key, SetText> kept;
+  const Key key{item.text, item.height, item.max_width};
+  if (const auto found = kept.find(key); found != kept.end()) return found->second;
+  if (kept.size() == kKept) kept.clear();
+  return kept.emplace(key, lay_out_text(item)).first->second;
 }
 
 // User space becomes layout units with the origin at the left end of the baseline.
@@ -189,7 +202,7 @@ double text_width(const std::string& text, double height) {
 }
 
 void show_text(cairo_t* context, const TextItem& item) {
-  const SetText set = set_text(item);
+  const SetText& set = set_text(item);
   if (set.layout == nullptr) return;
   cairo_save(context);
   enter_text_space(context, item, set);
@@ -199,7 +212,7 @@ void show_text(cairo_t* context, const TextItem& item) {
 }
 
 std::vector<PathSegment> text_outline(const TextItem& item) {
-  const SetText set = set_text(item);
+  const SetText& set = set_text(item);
   if (set.layout == nullptr) return {};
   // Cairo keeps paths in 1/256 of a device unit: the device is made fine enough.
   constexpr double kDeviceScale = 64;

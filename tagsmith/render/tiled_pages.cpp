@@ -217,8 +217,19 @@ void add_instructions(Page& page, const std::vector<std::string>& lines, double 
   }
 }
 
-// The sheets' windows over the reduced plate: `at` is the plate frame's origin on the page.
-void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double scale) {
+// The middle of what a span shows of another, or of all of it when it shows too little for a text.
+double shown_middle(double from, double to, double shown_from, double shown_to) {
+  constexpr double kText = 0.012;
+  const double first = std::max(from, shown_from);
+  const double last = std::min(to, shown_to);
+  return last - first >= kText ? (first + last) / 2 : (from + to) / 2;
+}
+
+// The sheets' windows over the reduced plate: `at` is the plate frame's origin on the page. Their
+// addresses stand inside the frame, where the bars are left out.
+void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double scale,
+                  const Rectangle& frame_inner) {
+  constexpr double kAddressHeight = 0.006;
   for (int row = 0; row < plan.rows; ++row) {
     for (int column = 0; column < plan.columns; ++column) {
       const PlatePoint corner = window_in_plate(plan, column, row);
@@ -231,14 +242,14 @@ void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double
       for (std::size_t i = 0; i < corners.size(); ++i) {
         page.lines.push_back({corners[i], corners[(i + 1) % corners.size()], true});
       }
-      page.texts.push_back({.text = tile_address(column, row),
-                            .x = (left + right) / 2,
-                            .y = row == 0               ? top + 0.008
-                                 : row + 1 == plan.rows ? bottom - 0.003
-                                                        : (top + bottom) / 2,
-                            .height = 0.006,
-                            .max_width = 0.03,
-                            .centred = true});
+      page.texts.push_back(
+          {.text = tile_address(column, row),
+           .x = shown_middle(left, right, frame_inner.x, frame_inner.x + frame_inner.width),
+           .y = shown_middle(top, bottom, frame_inner.y, frame_inner.y + frame_inner.height) +
+                kAddressHeight / 2,
+           .height = kAddressHeight,
+           .max_width = 0.03,
+           .centred = true});
     }
   }
 }
@@ -264,9 +275,12 @@ Page lay_out_assembly(const std::string& name, const TagDrawing& tag, const Page
   reduced.cut_contour = false;
   reduced.bars.clear();  // the addresses stand in their place
   reduced.label.clear();
+  reduced.patches.reset();
+  reduced.holes.clear();
+  const Rectangle frame_inner = reduced.frame_inner;
   add_plate_edge(page, reduced.plate, area);
   page.tags.push_back({name, std::move(reduced), std::nullopt, false});
-  add_tile_map(page, plan, at, scale);
+  add_tile_map(page, plan, at, scale, frame_inner);
   add_instructions(page, lines, area.y + scale * map_height + 0.008);
   add_paper_notes(page, notes.title + "  \u00b7  " + notes.subject,
                   "how the sheets of " + name + " go together; not to scale");

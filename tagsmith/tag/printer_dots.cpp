@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/tag/printer_dots.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tagsmith/base/text.hpp"
@@ -22,10 +23,28 @@ Rectangle grown(const Rectangle& box, double before, double after) {
   return {box.x - before, box.y - before, box.width + before + after, box.height + before + after};
 }
 
+constexpr double kWhole = 0.01;   // dots: what differs less is the same
+constexpr double kQuietZone = 9;  // modules (GS1 General Specifications)
+
+bool is_whole(double dots) { return std::abs(dots - std::round(dots)) < kWhole; }
+
+// The symbol's outer edges where quiet zones that had 9 modules have them still.
+void keep_quiet_zones(TagDrawing& drawing, double gap, double dot) {
+  if (drawing.bars.empty() || gap < kQuietZone * drawing.module - kWhole * dot) return;
+  const double least = std::ceil(kQuietZone * drawing.module / dot - kWhole) * dot;
+  Rectangle& first = drawing.bars.front();
+  Rectangle& last = drawing.bars.back();
+  const double left = std::max(first.x, drawing.frame_inner.x + least);
+  const double right =
+      std::min(last.x + last.width, drawing.frame_inner.x + drawing.frame_inner.width - least);
+  first.width -= left - first.x;
+  first.x = left;
+  last.width = right - last.x;
+}
+
 }  // namespace
 
 TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch) {
-  constexpr double kWhole = 0.01;  // dots
   const double dot = dot_of(dots_per_inch);
   const double before = module_width(tag);
   const double dots = std::floor(before / dot + kWhole);
@@ -37,10 +56,19 @@ TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch) {
   return tag;
 }
 
+TagTemplate drawn_on_dots(const TagTemplate& tag, int dots_per_inch) {
+  constexpr double kMostMove = 0.1;  // modules: little beside the blur of a camera
+  const TagTemplate whole = fitted_to_dots(tag, dots_per_inch);
+  const double move = kModuleCount / 2.0 * (1 - module_width(whole) / module_width(tag));
+  return move <= kMostMove ? whole : tag;
+}
+
 TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch) {
   const double dot = dot_of(dots_per_inch);
+  const double gap = drawing.bars.empty() ? 0 : drawing.bars.front().x - drawing.frame_inner.x;
   for (Rectangle* box : {&drawing.frame_outer, &drawing.frame_inner}) *box = rounded(*box, dot);
   for (Rectangle& bar : drawing.bars) bar = rounded(bar, dot);
+  keep_quiet_zones(drawing, gap, dot);
   return drawing;
 }
 
@@ -60,17 +88,23 @@ TagDrawing with_bar_adjustment(TagDrawing drawing, double adjustment, int dots_p
   return drawing;
 }
 
-std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& fitted,
+std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& drawn,
                               int dots_per_inch) {
   const double dot = dot_of(dots_per_inch);
-  const double before = module_width(wanted);
-  const double after = module_width(fitted);
-  if (std::abs(before - after) < 1e-12) return {};
-  return "module " + format_number(before * 1e3, 4) + " mm = " + format_number(before / dot, 2) +
-         " dots of " + std::to_string(dots_per_inch) + " dpi, printed as " +
-         format_number(after / dot, 0) + " dots = " + format_number(after * 1e3, 4) +
+  const double before = module_width(wanted) / dot;
+  const double after = module_width(drawn) / dot;
+  const std::string module = "module " + format_number(before * dot * 1e3, 4) +
+                             " mm = " + format_number(before, 2) + " dots of " +
+                             std::to_string(dots_per_inch) + " dpi, printed as ";
+  if (!is_whole(after)) {
+    return module + format_number(std::floor(after)) + " or " + format_number(std::ceil(after)) +
+           " dots, every edge on the nearest one; quiet zone not under " +
+           format_number(std::min(kQuietZone, wanted.quiet_zone_modules), 3) + " modules";
+  }
+  if (std::abs(before - after) < 1e-9 / dot) return {};
+  return module + format_number(after, 0) + " dots = " + format_number(after * dot * 1e3, 4) +
          " mm; quiet zone " + format_number(wanted.quiet_zone_modules, 3) + " -> " +
-         format_number(fitted.quiet_zone_modules, 3) + " modules";
+         format_number(drawn.quiet_zone_modules, 3) + " modules";
 }
 
 }  // namespace tagsmith

@@ -17,8 +17,18 @@ inline constexpr double kMetresPerInch = 0.0254;
 // template as it is when a module is narrower than one dot.
 TagTemplate fitted_to_dots(TagTemplate tag, int dots_per_inch);
 
+// The template as a printer of so many dots is to draw it. Cameras look for the bars where the
+// template says, so its module becomes whole dots only where that moves no bar by more than a tenth
+// of a module. Elsewhere the template stays: on_whole_dots then makes modules of two widths, one
+// dot apart, that end within a dot of where they should.
+TagTemplate drawn_on_dots(const TagTemplate& tag, int dots_per_inch);
+
+// A module has fewer dots than this: rounding its edges would change its width by a fifth or more.
+inline constexpr double kLeastDots = 5;
+
 // The drawing, in the plate frame, with every edge of feature frame and bars at the nearest dot as
-// counted from P.
+// counted from P. Quiet zones keep 9 modules where they had them: the outermost edges then go to
+// the next dot inwards.
 TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch);
 
 // The drawing with `adjustment` metres (negative = less) added to the width of every bar and to the
@@ -26,9 +36,9 @@ TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch);
 // (dots_per_inch not 0) it is the nearest whole number of them, an odd one to the right and below.
 TagDrawing with_bar_adjustment(TagDrawing drawing, double adjustment, int dots_per_inch = 0);
 
-// What the two templates differ in, for people: module, dots and quiet zone before and after; empty
-// when nothing was rounded.
-std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& fitted,
+// What drawing the template on dots changes, for people; empty when nothing. `drawn`: from
+// drawn_on_dots.
+std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& drawn,
                               int dots_per_inch);
 
 }  // namespace tagsmith

@@ -56,7 +56,13 @@ void print_into_one_pdf(benchmark::State& state) {
   state.counters["bytes_a_tag"] = bytes / static_cast<double>(tags.size());
   state.counters["peak_MB"] = peak_megabytes();
 }
-BENCHMARK(print_into_one_pdf)->Arg(200)->Arg(2000)->Unit(benchmark::kMillisecond);
+BENCHMARK(print_into_one_pdf)
+    ->Arg(500)
+    ->Arg(1000)
+    ->Arg(2000)
+    ->Arg(4000)
+    ->Arg(8000)
+    ->Unit(benchmark::kMillisecond);
 
 void zint_svgs(benchmark::State& state) {
   const fs::path folder = fs::temp_directory_path() / "tagsmith-bench-zint";

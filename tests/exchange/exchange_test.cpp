@@ -453,6 +453,21 @@ TEST_CASE("a DXF has metres, layers, and positions to the micrometre in a nation
   CHECK(lines[lines.size() - 2] == "EOF");
 }
 
+TEST_CASE("a DXF has the drill holes as points on the plate") {
+  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  survey.tag_template.holes = {{.right = 0.19, .up = 0.14, .diameter = 0.006}};
+  const std::string dxf = render_dxf(survey);
+  const TagTemplate& plate = survey.tag_template;
+  const Eigen::Vector3d in_plate(plate.frame_inner_length / 2 + 0.19,
+                                 plate.frame_inner_height / 2 - 0.14, 0);
+  const Eigen::Vector3d at =
+      grid_from_world(survey.grid, survey.tags[0].world_from_plate * in_plate);
+  const std::string point =
+      fmt::format("HOLES\n100\nAcDbPoint\n 10\n{:.6f}\n 20\n{:.6f}\n 30\n{:.6f}\n", at.x() + 0.0,
+                  at.y() + 0.0, at.z() + 0.0);
+  CHECK_MESSAGE(dxf.find(point) != std::string::npos, point);
+}
+
 TEST_CASE("export chooses by the name, prints to -, and refuses other names") {
   const TemporaryFolder folder;
   const std::string survey = "surveys/corridor/survey.yaml";

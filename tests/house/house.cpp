@@ -36,7 +36,7 @@ constexpr std::array<ThirdParty, 14> kThirdParty{{
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
-    {"qpdf", "qpdf/.*", "tagsmith/render", true},
+    {"zlib", "zlib\\.h", "tagsmith/render", true},
     {"libpng", "png\\.h", "tagsmith/render", true},
     {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},
     {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",

@@ -139,7 +139,7 @@ TEST_CASE("what breaks a wall is found") {
        "Cairo, Pango is allowed"},
       {"Pango elsewhere", "tagsmith/cli/a.cpp", "#include <pango/pangocairo.h>\n",
        "Cairo, Pango is allowed"},
-      {"qpdf elsewhere", "tagsmith/cli/a.cpp", "#include <qpdf/QPDF.hh>\n", "qpdf is allowed"},
+      {"zlib elsewhere", "tagsmith/cli/a.cpp", "#include <zlib.h>\n", "zlib is allowed"},
       {"CLI11 in a library", "decoder/verify/a.cpp", "#include <CLI/CLI.hpp>\n",
        "CLI11 is allowed"},
       {"OpenCV in tagsmith", "tagsmith/render/a.cpp", "#include <opencv2/core.hpp>\n",

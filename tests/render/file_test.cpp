@@ -127,6 +127,19 @@ TEST_CASE("black is the grey 0 of the black ink alone") {
   CHECK(plain.find(" RG") == std::string::npos);
 }
 
+TEST_CASE("names that look like PDF stay names") {
+  REQUIRE_MESSAGE(has_program("qpdf"), "qpdf is missing: install qpdf");
+  const Page page = sample_page(small_template(), "0 0 0 rg /Type /Page endobj /CreationDate (D:");
+  const Result<std::string> pdf = render_pdf(std::span(&page, 1));
+  REQUIRE(pdf);
+  CHECK(run_on_pdf(*pdf, "qpdf --check FILE", "qpdf").find("No syntax or stream encoding errors") !=
+        std::string::npos);
+  const std::string text = run_on_pdf(*pdf, "pdftotext -layout FILE -", "pdftotext");
+  CHECK(text.find("0 0 0 rg /Type /Page endobj /CreationDate (D:") != std::string::npos);
+  const std::string info = run_on_pdf(*pdf, "pdfinfo FILE", "pdfinfo");
+  CHECK(info.find("CreationDate: ") == std::string::npos);
+}
+
 TEST_CASE("several pages make one PDF") {
   const std::vector<Page> pages = many_pages();
   const Result<std::string> pdf = render_pdf(pages, {"corridor", "24 position tags"});

@@ -82,14 +82,56 @@ TEST_CASE("the office template nests on A4 and Letter; zbar reads gs1 codes; has
   }
 }
 
+TEST_CASE("any template prints on whole dots and is read; too coarse a printer is refused") {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  for (const char* dpi : {"150", "300"}) {
+    CAPTURE(dpi);
+    const ProgramOutput output = print(
+        kCorridor, out, std::string("--tags 000L,003R --format pdf,png --proof --dpi ") + dpi);
+    REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+    CHECK(output.err.find("every edge on the nearest one") != std::string::npos);
+    CHECK(manifest_in(out)["rounding"].get<std::string>().find("quiet zone not under 9 modules") !=
+          std::string::npos);
+  }
+  const ProgramOutput coarse = print(gs1_survey(folder.path(), "tag-a4"), folder.path() / "coarse",
+                                     "--tags 000L --format pdf --dpi 50");
+  CHECK(coarse.exit_code == 2);
+  CHECK(coarse.err.find("--dpi 50: a module of 1.948 mm (tag-a4) is 3.83 dots") !=
+        std::string::npos);
+}
+
+TEST_CASE("adjusted bars prove where the frame will be, in one piece and in tiles") {
+  const TemporaryFolder folder;
+  for (const char* options :
+       {"--bar-adjust -0.2", "--bar-adjust -0.1 --paper A4 --tile", "--bar-adjust 0.1 --dpi 300"}) {
+    CAPTURE(options);
+    const fs::path out = folder.path() / "out";
+    const ProgramOutput output =
+        print(kCorridor, out, std::string("--tags 000L --format pdf --proof ") + options);
+    REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+    const json proof = manifest_in(out)["proof"][0];
+    CHECK(std::abs(proof["length_error_mm"].get<double>()) < 0.1);
+    const std::string text =
+        run_shell("pdftotext -layout '" + (out / "000L.pdf").string() + "' -").out;
+    const bool on_dots = std::string(options).find("--dpi") != std::string::npos;
+    const char* inside = on_dots ? "inside 342.985 \u00d7 167.979 mm" : "inside 343 \u00d7 168 mm";
+    CHECK_MESSAGE(text.find(inside) != std::string::npos, text);
+    fs::remove_all(out);
+  }
+}
+
 TEST_CASE("a proof that fails writes nothing and tells why") {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
-  const ProgramOutput output = print(kCorridor, out, "--tags 000L --format pdf --dpi 150 --proof");
-  CHECK(output.exit_code == 1);  // the module of whole dots is not where the template says
-  CHECK(output.err.find("proof: 000L in 000L.pdf: was not read") != std::string::npos);
-  CHECK(output.err.find("write dots_per_inch: 150 into symbol of template tag-400x300") !=
-        std::string::npos);
+  const std::string survey = gs1_survey(folder.path(), "tag-a4");
+  std::string hairline = read_file("templates/tag-a4.yaml").value();
+  hairline.replace(hairline.find("stroke: 0.008"), 13, "stroke: 0.0001");
+  REQUIRE(write_file(folder.path() / "tag-a4.yaml", hairline));
+  const ProgramOutput output = print(survey, out, "--tags 000L --format pdf --proof");
+  CHECK(output.exit_code == 1);
+  CHECK(output.err.find("proof: 000L in 000L.pdf: ") != std::string::npos);
+  CHECK(output.err.find("nothing was written") != std::string::npos);
   CHECK_FALSE(fs::exists(out));
 }
 
@@ -106,6 +148,7 @@ TEST_CASE("papers that cannot carry a plate, and options that make no sense, are
   CHECK(error("--tile").find("--tile needs the paper") != std::string::npos);
   CHECK(error("--paper B17").find("expected A4, A3") != std::string::npos);
   CHECK(error("--format png --single").find("--format has no pdf") != std::string::npos);
+  CHECK(error("--bar-adjust -2").find("expected at most 1.21 mm either way") != std::string::npos);
   error("--dpi 3");
   error("--tags 000L --only x");
 }

@@ -70,6 +70,25 @@ TEST_CASE("when one file cannot take its place, the others give theirs back") {
   CHECK(entries(folder) == 2);
 }
 
+TEST_CASE("an interrupt leaves nothing, not even the folders, and ends the process by its signal") {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  REQUIRE(write_file(folder / "drive.yaml",
+                     "survey: long\ntunnel: { width: 3, height: 3, centerline: { start: [0, 0, 0], "
+                     "heading: 0, elements: [ { line: 2000 } ] } }\ntags: { template: tag-400x300, "
+                     "height: 1, spacing: 0.6, first: 1, pairs: 1500 }\ncode: { check_digit: gs1, "
+                     "resolution: [0.1, 0.01, 0.1], digits: [2, 7, 2], origin: [-5, 0, 0] }\n"));
+  for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}}) {
+    CAPTURE(name);
+    const std::string out = (folder / "out/print").string();
+    const ProgramOutput output = run_shell(
+        "timeout --preserve-status -s " + std::string(name) + " 0.5 \"$TAGSMITH_PROGRAM\" print '" +
+        (folder / "drive.yaml").string() + "' -o '" + out + "' --format pdf,svg");
+    CHECK(output.exit_code == code);
+    CHECK(entries(folder) == 1);
+  }
+}
+
 TEST_CASE("what a killed process left is removed, what a living one gathers is not") {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();

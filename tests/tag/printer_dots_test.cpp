@@ -55,6 +55,39 @@ TEST_CASE("every edge of frame and bars stands on a dot as counted from P") {
   }
 }
 
+TEST_CASE("a template without dots keeps its layout, and every edge goes to a dot") {
+  const TagTemplate wanted = test::corridor_template();
+  const TagDrawing exact = draw_tag(wanted, *parse_digits("019000000404"));
+  for (const int dpi : {72, 150, 203, 300, 360, 600, 720, 1200, 1440}) {
+    CAPTURE(dpi);
+    const double dot = kMetresPerInch / dpi;
+    const TagTemplate drawn = drawn_on_dots(wanted, dpi);
+    const TagDrawing drawing = on_whole_dots(draw_tag(drawn, *parse_digits("019000000404")), dpi);
+    const double module = module_width(drawn);
+    for (std::size_t i = 0; i < exact.bars.size(); ++i) {
+      CHECK(on_a_dot(drawing.bars[i].x, dpi));
+      CHECK(on_a_dot(drawing.bars[i].width, dpi));
+      CHECK(std::abs(drawing.bars[i].x - exact.bars[i].x) <= 1.01 * dot + 0.1 * module);
+    }
+    const Rectangle& last = drawing.bars.back();
+    CHECK(drawing.bars.front().x >= 9 * module - 0.02 * dot);
+    CHECK(drawing.frame_inner.width - last.x - last.width >= 9 * module - 0.02 * dot);
+    CHECK_FALSE(describe_rounding(wanted, drawn, dpi).empty());
+  }
+  CHECK(describe_rounding(wanted, drawn_on_dots(wanted, 300), 300) ==
+        "module 3.0354 mm = 35.85 dots of 300 dpi, printed as 35 or 36 dots, every edge on the "
+        "nearest one; quiet zone not under 9 modules");
+}
+
+TEST_CASE("a module that is nearly whole becomes whole without a word in the template") {
+  TagTemplate tag = test::corridor_template();
+  tag.frame_inner_length = 113 * 36.02 * kMetresPerInch / 300;
+  const TagTemplate drawn = drawn_on_dots(tag, 300);
+  CHECK(module_width(drawn) == Approx(36 * kMetresPerInch / 300));
+  CHECK(describe_rounding(tag, drawn, 300).find("printed as 36 dots") != std::string::npos);
+  CHECK(describe_rounding(drawn, drawn_on_dots(drawn, 600), 600).empty());
+}
+
 TEST_CASE("bars lose what the ink adds, on both sides; the frame's stroke too") {
   const TagDrawing exact = draw_tag(test::corridor_template(), *parse_digits("019000000404"));
   const TagDrawing thinner = with_bar_adjustment(exact, -0.0002);
