@@ -337,13 +337,16 @@ std::vector<BarBlock> search_around_bars(PictureReader& reader, const SearchLeve
   return symbols;
 }
 
-// The tiles of a level around these blocks, as far as a frame reaches.
+// The tiles of a level around these blocks, as far as a frame reaches. Blocks as long as those that
+// the next coarser level shows well are left to it.
 TileMask tiles_around(const std::vector<BarBlock>& blocks, const SearchLevel& at) {
   constexpr double kWider = 1.4, kHigher = 2;
+  constexpr double kLongest = 1.5 * kMaxFinestSize;
   TileMask mask{at.texture.columns, at.texture.rows,
                 std::vector<std::uint8_t>(at.texture.tiles.size())};
   for (BarBlock block : blocks) {
     block = scaled(block, 1 / at.level.scale);
+    if (at.level.scale == 1 && 2 * block.half_width > kLongest) continue;
     const PixelPoint right = (kWider * block.half_width + 2 * kTile) * block.across;
     const PixelPoint down = (kHigher * block.half_height + 2 * kTile) * block.along;
     const PixelPoint& c = block.centre;
@@ -424,6 +427,7 @@ void search(PictureReader& reader, const GrayView& image) {
   const bool everywhere = !reader.has_read_any();
   for (const SearchLevel& at : pyramid.levels()) {
     const TileMask around = tiles_around(symbols, at);
+    if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
     search_regions(reader, at.level, everywhere ? nullptr : &around, true);
   }
 }

@@ -125,6 +125,8 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
   const PixelPoint along = region[1] - region[0];
   const int x_step = std::abs(along.x) < std::abs(along.y) ? skip : 1;
   const int y_step = std::abs(along.x) < std::abs(along.y) ? 1 : skip;
+  const auto width = static_cast<std::size_t>(image.width);
+  std::vector<float> samples(width), heights(width), places(width);
   for (int y = y_begin; y <= y_end; y += y_step) {
     const std::uint8_t* row = image.row(y);
     const RowSpan span = span_of_row(region, y, image.width);
@@ -133,24 +135,30 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
     const float u0 = h[1] * fy + h[2];
     const float v0 = h[4] * fy + h[5];
     const float w0 = h[7] * fy + h[8];
-    for (int x = begin; x <= span.end; x += x_step) {
-      const auto fx = static_cast<float>(x);
+    // First what the compiler can work out for several pixels at a time.
+    std::size_t count = 0;
+    for (int x = begin; x <= span.end; x += x_step) samples[count++] = light[row[x]];
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto fx = static_cast<float>(begin + static_cast<int>(i) * x_step);
       const float scale = 1 / (h[6] * fx + w0);
       const float u = (h[0] * fx + u0) * scale;
       const float v = (h[3] * fx + v0) * scale;
-      const float height = (v - top) * bands_per_height;
-      const float place = u * modules - first_place;
-      const float position = place * per_bin;
-      if (!(height >= 0 && position >= 0)) continue;
-      const int band = static_cast<int>(height);
+      heights[i] = (v - top) * bands_per_height;
+      places[i] = u * modules - first_place;
+      const float paper = white.at(u, v);
+      const float contrast = paper - black.at(u, v);
+      samples[i] = (paper - samples[i]) / (contrast < 1e-3F ? 1e-3F : contrast);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const float position = places[i] * per_bin;
+      if (!(heights[i] >= 0 && position >= 0)) continue;
+      const int band = static_cast<int>(heights[i]);
       const int bin = static_cast<int>(position);
       if (band >= static_cast<int>(bands) || bin > last_bin) continue;
-      const float paper = white.at(u, v);
-      const float darkness = (paper - light[row[x]]) / std::max(paper - black.at(u, v), 1e-3F);
       Cell& cell = grid.at(static_cast<std::size_t>(band), static_cast<std::size_t>(bin));
-      cell.sum += darkness;
-      cell.sum_of_squares += darkness * darkness;
-      cell.place += place;
+      cell.sum += samples[i];
+      cell.sum_of_squares += samples[i] * samples[i];
+      cell.place += places[i];
       cell.count += 1;
     }
   }
