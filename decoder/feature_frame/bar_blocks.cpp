@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -14,83 +12,32 @@
 namespace tagsmith {
 namespace {
 
-constexpr int kTileSize = 8;
-
-// Sums of products of the gradient over a tile (Bigun and Granlund 1987, "Optimal orientation
-// detection of linear symmetry"): x x - y y and 2 x y give the direction, x x + y y the strength.
-struct Tensor {
-  std::int32_t difference = 0;
-  std::int32_t twice_product = 0;
-  std::int32_t strength = 0;
-
-  double agreement() const {
-    return std::hypot(difference, twice_product) / std::max(1.0, static_cast<double>(strength));
-  }
-};
-
-struct TensorGrid {
-  int columns = 0;
-  int rows = 0;
-  std::vector<Tensor> tiles;
-
-  std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(column);
-  }
-};
-
-// Adds the gradients of eight pixels of a row.
-void add_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-             Tensor& tensor) {
-  std::int32_t xx = 0;
-  std::int32_t yy = 0;
-  std::int32_t xy = 0;
-  for (int x = 0; x < kTileSize; ++x) {
-    const auto dx = static_cast<std::int16_t>(here[x + 1] - here[x - 1]);
-    const auto dy = static_cast<std::int16_t>(below[x] - above[x]);
-    xx += dx * dx;
-    yy += dy * dy;
-    xy += dx * dy;
-  }
-  tensor.difference += xx - yy;
-  tensor.twice_product += 2 * xy;
-  tensor.strength += xx + yy;
+bool same_direction(const Gradient& a, const Gradient& b) {
+  constexpr float kCosine = 0.7F;  // of twice the angle: 23 degrees
+  const auto square = [](const Gradient& gradient) {
+    const auto x = static_cast<float>(gradient.cos2), y = static_cast<float>(gradient.sin2);
+    return x * x + y * y;
+  };
+  const float product = static_cast<float>(a.cos2) * static_cast<float>(b.cos2) +
+                        static_cast<float>(a.sin2) * static_cast<float>(b.sin2);
+  return product > 0 && product * product > kCosine * kCosine * square(a) * square(b);
 }
 
-// Every other row is enough: bars are longer than that.
-TensorGrid tensors_of(const GrayView& image) {
-  TensorGrid grid{image.width / kTileSize, image.height / kTileSize, {}};
-  grid.tiles.resize(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
-  for (int y = 2; y + 2 < grid.rows * kTileSize; y += 2) {
-    for (int column = 1; column + 1 < grid.columns; ++column) {
-      const int x = column * kTileSize;
-      add_row(image.row(y - 1) + x, image.row(y) + x, image.row(y + 1) + x,
-              grid.tiles[grid.index(column, y / kTileSize)]);
+// Tiles of bars that belong to no cluster yet, by their index in the grid.
+std::vector<bool> barred_tiles(const TextureGrid& grid, std::span<const Quad> known) {
+  constexpr int kLeastStrength = 120;  // 4 grey levels from pixel to pixel
+  std::vector<bool> open(grid.tiles.size());
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    open[i] = is_directed(gradient_of(grid.tiles[i]), kLeastStrength);
+  }
+  for (int row = 0; row < grid.rows; ++row) {
+    const auto first = static_cast<std::ptrdiff_t>(row) * grid.columns;
+    for (const Quad& quad : known) {
+      const auto [begin, end] = tiles_in_row(quad, row, grid.columns);
+      std::fill(open.begin() + first + begin, open.begin() + first + end, false);
     }
   }
-  return grid;
-}
-
-// Bars make a tile's gradients strong and of one direction.
-bool is_barred(const Tensor& tensor) {
-  constexpr int kLeastStrength = 32 * 6 * 6;  // 6 grey levels between a pixel's neighbours
-  constexpr double kLeastAgreement = 0.35;    // isotropic noise of twice the strength of the bars
-  return tensor.strength > kLeastStrength && tensor.agreement() > kLeastAgreement;
-}
-
-bool same_direction(const Tensor& a, const Tensor& b) {
-  constexpr double kCosine = 0.7;  // of twice the angle: 23 degrees
-  const double product = static_cast<double>(a.difference) * b.difference +
-                         static_cast<double>(a.twice_product) * b.twice_product;
-  return product > kCosine * std::hypot(a.difference, a.twice_product) *
-                       std::hypot(b.difference, b.twice_product);
-}
-
-bool contains(const Quad& quad, PixelPoint point) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (cross(quad[(i + 1) % 4] - quad[i], point - quad[i]) < 0) return false;
-  }
-  return true;
+  return open;
 }
 
 struct Cluster {
@@ -99,23 +46,25 @@ struct Cluster {
 };
 
 // Collects the tiles that hang together with this one, diagonal neighbours included.
-Cluster grow(const TensorGrid& grid, std::vector<bool>& open, std::size_t start) {
+Cluster grow(const TextureGrid& grid, std::vector<bool>& open, std::size_t start) {
+  const auto columns = static_cast<std::size_t>(grid.columns);
   Cluster cluster;
   std::vector<std::size_t> queue{start};
   open[start] = false;
   while (!queue.empty()) {
     const std::size_t at = queue.back();
     queue.pop_back();
-    const int column = static_cast<int>(at % static_cast<std::size_t>(grid.columns));
-    const int row = static_cast<int>(at / static_cast<std::size_t>(grid.columns));
-    const Tensor& tensor = grid.tiles[at];
-    cluster.centres.push_back({kTileSize * (column + 0.5) - 0.5, kTileSize * (row + 0.5) - 0.5});
-    cluster.direction = cluster.direction + PixelPoint{static_cast<double>(tensor.difference),
-                                                       static_cast<double>(tensor.twice_product)};
+    const int column = static_cast<int>(at % columns);
+    const int row = static_cast<int>(at / columns);
+    const Gradient gradient = gradient_of(grid.tiles[at]);
+    cluster.centres.push_back({kTile * (column + 0.5) - 0.5, kTile * (row + 0.5) - 0.5});
+    cluster.direction = cluster.direction + PixelPoint{static_cast<double>(gradient.cos2),
+                                                       static_cast<double>(gradient.sin2)};
     for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid.rows - 1); ++r) {
       for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid.columns - 1); ++c) {
-        const std::size_t next = grid.index(c, r);
-        if (!open[next] || !same_direction(tensor, grid.tiles[next])) continue;
+        const std::size_t next =
+            static_cast<std::size_t>(r) * columns + static_cast<std::size_t>(c);
+        if (!open[next] || !same_direction(gradient, gradient_of(grid.tiles[next]))) continue;
         open[next] = false;
         queue.push_back(next);
       }
@@ -152,10 +101,10 @@ std::optional<BarBlock> block_of(const Cluster& cluster) {
   const double left = quantile(across, kStragglers), right = quantile(across, 1 - kStragglers);
   const double top = quantile(along, kStragglers), bottom = quantile(along, 1 - kStragglers);
   block.centre = (left + right) / 2 * block.across + (top + bottom) / 2 * block.along;
-  block.half_width = (right - left + kTileSize) / 2;
-  block.half_height = (bottom - top + kTileSize) / 2;
-  if (block.half_width < 2 * kTileSize || block.half_height < kTileSize) return std::nullopt;
-  const double tiles = 4 * block.half_width * block.half_height / (kTileSize * kTileSize);
+  block.half_width = (right - left + kTile) / 2;
+  block.half_height = (bottom - top + kTile) / 2;
+  if (block.half_width < 2 * kTile || block.half_height < kTile) return std::nullopt;
+  const double tiles = 4 * block.half_width * block.half_height / (kTile * kTile);
   if (static_cast<double>(cluster.centres.size()) < kLeastFill * tiles) return std::nullopt;
   return block;
 }
@@ -180,6 +129,16 @@ BarBlock scaled(const BarBlock& block, double scale) {
           scale * block.half_width, scale * block.half_height};
 }
 
+bool runs_off(const GrayView& image, const BarBlock& block) {
+  constexpr double kMargin = kTile + 2;
+  const auto is_at_border = [&](PixelPoint at) {
+    return at.x < kMargin || at.y < kMargin || at.x > image.width - 1 - kMargin ||
+           at.y > image.height - 1 - kMargin;
+  };
+  const PixelPoint reach = block.half_width * block.across;
+  return is_at_border(block.centre - reach) || is_at_border(block.centre + reach);
+}
+
 bool is_symbol_like(const GrayView& image, const BarBlock& block) {
   constexpr double kMiddle = 0.6;   // of the block: bars, not the frame's sides
   constexpr double kLeastStep = 2;  // grey levels
@@ -192,23 +151,14 @@ bool is_symbol_like(const GrayView& image, const BarBlock& block) {
   return steps.along > kLeastStep && steps.along > kLeastRatio * steps.across;
 }
 
-std::vector<BarBlock> find_bar_blocks(const GrayView& image, std::span<const Quad> known) {
+std::vector<BarBlock> find_bar_blocks(const TextureGrid& texture, std::span<const Quad> known) {
   constexpr std::size_t kMaxClusters = 12;
   constexpr std::size_t kLeastTiles = 4;
-  const TensorGrid grid = tensors_of(image);
-  std::vector<bool> open(grid.tiles.size());
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const PixelPoint centre{kTileSize * (column + 0.5), kTileSize * (row + 0.5)};
-      const auto holds = [&](const Quad& quad) { return contains(quad, centre); };
-      const std::size_t index = grid.index(column, row);
-      open[index] = is_barred(grid.tiles[index]) && std::ranges::none_of(known, holds);
-    }
-  }
+  std::vector<bool> open = barred_tiles(texture, known);
   std::vector<Cluster> clusters;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (!open[i]) continue;
-    Cluster cluster = grow(grid, open, i);
+    Cluster cluster = grow(texture, open, i);
     if (cluster.centres.size() >= kLeastTiles) clusters.push_back(std::move(cluster));
   }
   std::ranges::sort(clusters, [](const Cluster& a, const Cluster& b) {

@@ -111,6 +111,7 @@ std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOpti
   region_options.min_contrast = level.min_contrast;
   region_options.max_size = options.max_size;
   region_options.max_changes = options.max_changes;
+  region_options.searched = options.searched;
   region_options.known = options.known;
   std::vector<Quad> candidates;
   std::vector<Piece> pieces;

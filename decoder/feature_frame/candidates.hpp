@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"
 
 namespace tagsmith {
@@ -30,6 +31,8 @@ struct CandidateOptions {
   int max_size = std::numeric_limits<int>::max();
   // A bound on the time, see RegionOptions.
   std::size_t max_changes = std::numeric_limits<std::size_t>::max();
+  // The tiles of the level that are searched; null = all.
+  const TileMask* searched = nullptr;
   // Parts of the level that need no search.
   std::vector<Quad> known;
   // Whether pairs of regions are tried as well: something in front has cut a frame apart.

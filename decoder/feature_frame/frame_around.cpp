@@ -21,27 +21,40 @@ struct Fall {
 
 constexpr int kScanLines = 28;
 
+// How many steps from `start` stay inside the image and clear of its last row and column, at most
+// `count`.
+int steps_inside(const GrayView& image, PixelPoint start, PixelPoint step, int count) {
+  double most = count;
+  const auto limit = [&](double at, double by, double end) {
+    if (at < 0 || at > end) most = 0;
+    if (by > 0) most = std::min(most, (end - at) / by);
+    if (by < 0) most = std::min(most, at / -by);
+  };
+  limit(start.x, step.x, image.width - 1.001);
+  limit(start.y, step.y, image.height - 1.001);
+  return static_cast<int>(most);
+}
+
 // Adds where a scan line falls from white to dark: local maxima, not much less than the strongest.
-// `step` is one pixel of the scan line.
+// `step` is one pixel of the scan line, which ends at the border of the image.
 template <class ToFall>
 void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int count,
                const ToFall& to_fall, std::vector<Fall>& falls) {
-  constexpr double kLeastFall = 6;      // grey levels over two pixels
-  constexpr double kLeastShare = 0.35;  // of the strongest
-  std::vector<double> drops{0};
-  double strongest = 0;
-  double before = sample_bilinear(image, start);
-  double here = sample_bilinear(image, start + step);
-  for (int i = 2; i < count; ++i) {
-    const double next = sample_bilinear(image, start + static_cast<double>(i) * step);
-    drops.push_back(before - next);
-    strongest = std::max(strongest, drops.back());
-    before = here;
-    here = next;
+  constexpr float kLeastFall = 6;       // grey levels over two pixels
+  constexpr float kLeastShare = 0.35F;  // of the strongest
+  const int inside = steps_inside(image, start, step, count - 1);
+  if (inside < 3) return;
+  std::vector<float> levels(static_cast<std::size_t>(inside) + 1);
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    levels[i] = sample_inside(image, start + static_cast<double>(i) * step);
   }
-  const double least = std::max(kLeastFall, kLeastShare * strongest);
-  for (std::size_t i = 1; i + 1 < drops.size(); ++i) {
-    if (drops[i] < least || drops[i - 1] > drops[i] || drops[i + 1] >= drops[i]) continue;
+  const auto drop_at = [&](std::size_t i) { return levels[i - 1] - levels[i + 1]; };
+  float strongest = 0;
+  for (std::size_t i = 1; i + 1 < levels.size(); ++i) strongest = std::max(strongest, drop_at(i));
+  const float least = std::max(kLeastFall, kLeastShare * strongest);
+  for (std::size_t i = 1; i + 2 < levels.size(); ++i) {
+    const float drop = drop_at(i);
+    if (drop < least || (i > 1 && drop_at(i - 1) > drop) || drop_at(i + 1) >= drop) continue;
     falls.push_back(to_fall(start + static_cast<double>(i) * step));
   }
 }

@@ -60,13 +60,13 @@ std::uint32_t join(RunMap& map, std::uint32_t a, std::uint32_t b) {
   return a;
 }
 
-// Appends where the colour changes along a row of bits; `row` has room for all changes.
-void append_runs(std::span<const std::uint64_t> bits, int width, std::vector<int>& row,
+// Appends where the colour changes along a row of bits, which begin at pixel `offset`: all beside
+// them is white. `row` has room for all changes.
+void append_runs(std::span<const std::uint64_t> bits, int offset, int width, std::vector<int>& row,
                  std::vector<int>& begins) {
   int* next = row.data();
   *next++ = 0;
   std::uint64_t before = 0;
-  int offset = 0;
   for (const std::uint64_t word : bits) {
     for (std::uint64_t changes = word ^ (word << 1U | before); changes != 0;
          changes &= changes - 1) {
@@ -75,6 +75,7 @@ void append_runs(std::span<const std::uint64_t> bits, int width, std::vector<int
     before = word >> 63U;
     offset += 64;
   }
+  if (before != 0 && offset < width) *next++ = offset;
   if (next[-1] == width) --next;  // the end of a dark run at the end of the row
   *next++ = width;
   begins.insert(begins.end(), row.data(), next);
@@ -121,7 +122,9 @@ void label_row(RunMap& map, std::size_t y) {
 }
 
 RunMap find_runs(const GrayView& image, const RegionOptions& options) {
-  TileThresholds thresholds = tile_thresholds(tile_extremes(image), options.min_contrast);
+  TileThresholds thresholds =
+      tile_thresholds(tile_extremes(image, options.searched), options.min_contrast);
+  if (options.searched != nullptr) keep_tiles(*options.searched, thresholds);
   for (const Quad& quad : options.known) clear_tiles(quad, thresholds);
   const DarkPixels dark = mark_dark(image, std::move(thresholds), options.max_changes);
   RunMap map;
@@ -134,7 +137,9 @@ RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   std::vector<int> row(width + 2);
   for (int y = 0; y < image.height; ++y) {
     map.first_of_row.push_back(map.begins.size());
-    append_runs({dark.row(y), dark.words}, image.width, row, map.begins);
+    const auto [begin, end] = dark.used[static_cast<std::size_t>(y / kTile)];
+    append_runs({dark.row(y) + begin, end - begin}, static_cast<int>(begin) * 64, image.width, row,
+                map.begins);
     label_row(map, static_cast<std::size_t>(y));
   }
   map.first_of_row.push_back(map.begins.size());

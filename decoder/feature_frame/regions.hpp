@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
@@ -23,6 +24,8 @@ struct RegionOptions {
   // About so many changes of colour along the rows are followed, those of the greatest contrast: a
   // bound on the time for images full of texture or noise.
   std::size_t max_changes = std::numeric_limits<std::size_t>::max();
+  // The tiles that are searched, the others are taken for flat; null = all.
+  const TileMask* searched = nullptr;
   // Parts of the image that are taken for flat: what they show is known already.
   std::vector<Quad> known;
 };

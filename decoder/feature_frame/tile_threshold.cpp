@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace tagsmith {
 namespace {
@@ -143,27 +144,6 @@ std::uint64_t dark_word(const std::uint8_t* samples, const std::uint8_t* thresho
 }
 #endif
 
-// Bits of one row; `thresholds` are those of its tiles.
-void mark_row(const std::uint8_t* samples, int width, const std::uint8_t* thresholds,
-              std::uint64_t* bits) {
-  int x = 0;
-  for (; x + 64 <= width; x += 64, ++bits) {
-    std::uint64_t any = 0;
-    std::memcpy(&any, thresholds + x / kTile, sizeof any);
-    *bits = any == 0 ? 0 : dark_word(samples + x, thresholds + x / kTile);
-  }
-  if (x < width) *bits = dark_bits(samples + x, thresholds + x / kTile, width - x);
-}
-
-void mark_rows(const GrayView& image, const TileThresholds& thresholds, DarkPixels& dark) {
-  const auto columns = static_cast<std::size_t>(thresholds.columns);
-  for (int y = 0; y < image.height; ++y) {
-    mark_row(image.row(y), image.width,
-             thresholds.levels.data() + static_cast<std::size_t>(y / kTile) * columns,
-             dark.bits.data() + static_cast<std::size_t>(y) * dark.words);
-  }
-}
-
 // The number of ones in each byte.
 std::uint64_t ones_of_bytes(std::uint64_t bits) {
   bits -= bits >> 1U & 0x5555555555555555U;
@@ -171,28 +151,76 @@ std::uint64_t ones_of_bytes(std::uint64_t bits) {
   return (bits + (bits >> 4U)) & 0x0F0F0F0F0F0F0F0FU;
 }
 
-// How many changes of colour along the rows lie in tiles of each contrast.
-std::array<std::size_t, 256> changes_by_contrast(const DarkPixels& dark,
-                                                 const TileThresholds& thresholds) {
-  std::array<std::size_t, 256> changes{};
-  std::vector<std::uint64_t> sums(dark.words);  // of the eight tiles of a word, one a byte
+// The first and the last word of a row of tiles with a threshold that is not flat: begin and end.
+std::array<std::size_t, 2> used_words(const std::uint8_t* thresholds, std::size_t columns) {
+  const auto is_used = [](std::uint8_t threshold) { return threshold != 0; };
+  const std::uint8_t* end = thresholds + columns;
+  const std::uint8_t* first = std::find_if(thresholds, end, is_used);
+  if (first == end) return {0, 0};
+  while (!is_used(end[-1])) --end;
+  return {static_cast<std::size_t>(first - thresholds) / kTile,
+          static_cast<std::size_t>(end - 1 - thresholds) / kTile + 1};
+}
+
+// Marks a row of tiles and counts the changes of colour in each of them.
+class TileRowMarker {
+ public:
+  TileRowMarker(const GrayView& image, int row, DarkPixels& dark)
+      : image_(image), y_(row * kTile), rows_(std::min(kTile, image.height - y_)), dark_(dark) {}
+
+  void mark(std::size_t word, const std::uint8_t* thresholds, std::uint8_t* changes, int tiles) {
+    const int x = static_cast<int>(word) * 64;
+    const int count = std::min(64, image_.width - x);
+    std::uint64_t sums = 0;
+    std::array<std::uint64_t, kTile> last{};  // the last pixel of the word before
+    for (int i = 0; i < rows_; ++i) {
+      std::uint64_t* target = dark_.bits.data() + static_cast<std::size_t>(y_ + i) * dark_.words;
+      const std::uint8_t* samples = image_.row(y_ + i) + x;
+      const std::uint64_t bits =
+          count == 64 ? dark_word(samples, thresholds) : dark_bits(samples, thresholds, count);
+      if (word > 0) last[static_cast<std::size_t>(i)] = target[word - 1] >> 63U;
+      sums += ones_of_bytes(bits ^ (bits << 1U | last[static_cast<std::size_t>(i)]));
+      target[word] = bits;
+    }
+    for (int tile = 0; tile < tiles; ++tile) {
+      changes[tile] = static_cast<std::uint8_t>(sums >> (8 * tile));
+    }
+  }
+
+ private:
+  const GrayView& image_;
+  int y_;
+  int rows_;
+  DarkPixels& dark_;
+};
+
+// Marks all rows; returns the number of changes of colour in each tile.
+Samples mark_tiles(const GrayView& image, const TileThresholds& thresholds, DarkPixels& dark) {
   const auto columns = static_cast<std::size_t>(thresholds.columns);
-  for (int y = 0; y < dark.height; ++y) {
-    std::uint64_t before = 0;
-    for (std::size_t word = 0; word < dark.words; ++word) {
-      const std::uint64_t bits = dark.row(y)[word];
-      sums[word] += ones_of_bytes(bits ^ (bits << 1U | before));
-      before = bits >> 63U;
+  Samples changes(thresholds.levels.size());
+  for (std::size_t row = 0; row < dark.used.size(); ++row) {
+    const std::uint8_t* levels = thresholds.levels.data() + row * columns;
+    TileRowMarker marker(image, static_cast<int>(row), dark);
+    dark.used[row] = used_words(levels, columns);
+    for (std::size_t word = dark.used[row][0]; word < dark.used[row][1]; ++word) {
+      const std::size_t first = word * kTile;
+      const std::size_t tiles = std::min<std::size_t>(kTile, columns - first);
+      std::uint64_t any = 0;
+      std::memcpy(&any, levels + first, tiles);
+      if (any == 0) continue;
+      marker.mark(word, levels + first, changes.data() + row * columns + first,
+                  static_cast<int>(tiles));
     }
-    if ((y + 1) % kTile != 0 && y + 1 != dark.height) continue;
-    const std::uint8_t* contrast =
-        thresholds.contrast.data() + static_cast<std::size_t>(y / kTile) * columns;
-    for (std::size_t column = 0; column < columns; ++column) {
-      changes[contrast[column]] += sums[column / kTile] >> (8 * (column % kTile)) & 0xFFU;
-    }
-    std::ranges::fill(sums, 0);
   }
   return changes;
+}
+
+// How many changes of colour along the rows lie in tiles of each contrast.
+std::array<std::size_t, 256> changes_by_contrast(const Samples& changes,
+                                                 const TileThresholds& thresholds) {
+  std::array<std::size_t, 256> sums{};
+  for (std::size_t i = 0; i < changes.size(); ++i) sums[thresholds.contrast[i]] += changes[i];
+  return sums;
 }
 
 // The least contrast that leaves at most so many changes.
@@ -205,33 +233,30 @@ int contrast_for(const std::array<std::size_t, 256>& changes, std::size_t max_ch
   return contrast;
 }
 
-bool contains(const Quad& quad, PixelPoint point) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (cross(quad[(i + 1) % 4] - quad[i], point - quad[i]) < 0) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-TileExtremes tile_extremes(const GrayView& image) {
+TileExtremes tile_extremes(const GrayView& image, const TileMask* searched) {
   TileExtremes extremes;
   extremes.columns = (image.width + kTile - 1) / kTile;
   extremes.rows = (image.height + kTile - 1) / kTile;
   const auto columns = static_cast<std::size_t>(extremes.columns);
   const auto width = static_cast<std::size_t>(image.width);
-  extremes.low.resize(columns * static_cast<std::size_t>(extremes.rows));
+  extremes.low.resize(columns * static_cast<std::size_t>(extremes.rows), 255);
   extremes.high.resize(extremes.low.size());
   for (int row = 0; row < extremes.rows; ++row) {
     TileRows rows{};  // beyond the image its last row is repeated
     for (int i = 0; i < kTile; ++i) {
       rows[static_cast<std::size_t>(i)] = image.row(std::min(row * kTile + i, image.height - 1));
     }
-    std::uint8_t* low = extremes.low.data() + static_cast<std::size_t>(row) * columns;
-    std::uint8_t* high = extremes.high.data() + static_cast<std::size_t>(row) * columns;
+    const std::size_t first = static_cast<std::size_t>(row) * columns;
+    std::uint8_t* low = extremes.low.data() + first;
+    std::uint8_t* high = extremes.high.data() + first;
+    const std::uint8_t* wanted = searched != nullptr ? searched->tiles.data() + first : nullptr;
     std::size_t x = 0;
     for (; x + kLanes <= width; x += kLanes) {
-      two_tile_extremes(rows, x, low + x / kTile, high + x / kTile);
+      const std::size_t tile = x / kTile;
+      if (wanted != nullptr && wanted[tile] == 0 && wanted[tile + 1] == 0) continue;
+      two_tile_extremes(rows, x, low + tile, high + tile);
     }
     for (; x < width; x += kTile) {
       const std::size_t rest = std::min<std::size_t>(kTile, width - x);
@@ -249,7 +274,7 @@ TileThresholds tile_thresholds(const TileExtremes& extremes, int min_contrast) {
   std::uint8_t* __restrict contrast = thresholds.contrast.data();
   const auto least = static_cast<std::uint8_t>(std::clamp(min_contrast, 1, 255));
   for (std::size_t i = 0; i < low.size(); ++i) {
-    const auto range = static_cast<std::uint8_t>(high[i] - low[i]);
+    const auto range = static_cast<std::uint8_t>(high[i] < low[i] ? 0 : high[i] - low[i]);
     const auto middle = static_cast<std::uint8_t>((low[i] + high[i] + 1) / 2);
     levels[i] = range < least ? std::uint8_t{0} : middle;
     contrast[i] = range;
@@ -257,34 +282,57 @@ TileThresholds tile_thresholds(const TileExtremes& extremes, int min_contrast) {
   return thresholds;
 }
 
+void keep_tiles(const TileMask& searched, TileThresholds& thresholds) {
+  for (std::size_t i = 0; i < thresholds.levels.size(); ++i) {
+    if (searched.tiles[i] == 0) thresholds.levels[i] = 0;
+  }
+}
+
+std::array<int, 2> tiles_in_row(const Quad& quad, int row, int columns) {
+  const double y = kTile * (row + 0.5);
+  double left = std::numeric_limits<double>::infinity();
+  double right = -left;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const PixelPoint a = quad[i];
+    const PixelPoint b = quad[(i + 1) % 4];
+    if ((a.y < y) == (b.y < y)) continue;
+    const double x = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+    left = std::min(left, x);
+    right = std::max(right, x);
+  }
+  if (!(left < right)) return {0, 0};
+  const auto column = [&](double x) {
+    return static_cast<int>(std::clamp(std::ceil(x / kTile - 0.5), 0.0, 1.0 * columns));
+  };
+  return {column(left), column(right)};
+}
+
 void clear_tiles(const Quad& quad, TileThresholds& thresholds) {
   const int columns = thresholds.columns;
   const int rows = static_cast<int>(thresholds.levels.size()) / columns;
-  const auto [left, right] = std::minmax({quad[0].x, quad[1].x, quad[2].x, quad[3].x});
-  const auto [top, bottom] = std::minmax({quad[0].y, quad[1].y, quad[2].y, quad[3].y});
-  const auto tile_of = [](double at, int count) {
-    return static_cast<int>(std::clamp(at / kTile, 0.0, static_cast<double>(count) - 1));
-  };
-  for (int row = tile_of(top, rows); row <= tile_of(bottom, rows); ++row) {
-    for (int column = tile_of(left, columns); column <= tile_of(right, columns); ++column) {
-      const PixelPoint centre{kTile * (column + 0.5), kTile * (row + 0.5)};
-      if (!contains(quad, centre)) continue;
-      thresholds.levels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                        static_cast<std::size_t>(column)] = 0;
-    }
+  for (int row = 0; row < rows; ++row) {
+    const auto [begin, end] = tiles_in_row(quad, row, columns);
+    std::uint8_t* levels = thresholds.levels.data() +
+                           static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
+    std::fill(levels + begin, levels + end, std::uint8_t{0});
   }
 }
 
 DarkPixels mark_dark(const GrayView& image, TileThresholds thresholds, std::size_t max_changes) {
-  DarkPixels dark{image.width, image.height, (static_cast<std::size_t>(image.width) + 63) / 64, {}};
+  DarkPixels dark;
+  dark.width = image.width;
+  dark.height = image.height;
+  dark.words = (static_cast<std::size_t>(image.width) + 63) / 64;
   dark.bits.resize(dark.words * static_cast<std::size_t>(image.height));
-  mark_rows(image, thresholds, dark);
-  const int contrast = contrast_for(changes_by_contrast(dark, thresholds), max_changes);
+  dark.used.resize(static_cast<std::size_t>((image.height + kTile - 1) / kTile));
+  const Samples changes = mark_tiles(image, thresholds, dark);
+  const int contrast = contrast_for(changes_by_contrast(changes, thresholds), max_changes);
   if (contrast == 0) return dark;
   for (std::size_t i = 0; i < thresholds.levels.size(); ++i) {
     if (thresholds.contrast[i] < contrast) thresholds.levels[i] = 0;
   }
-  mark_rows(image, thresholds, dark);
+  std::ranges::fill(dark.bits, 0);
+  mark_tiles(image, thresholds, dark);
   return dark;
 }
 

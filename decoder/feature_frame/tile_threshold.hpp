@@ -2,6 +2,7 @@
 // A threshold for every tile of an image, and the pixels below it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -25,7 +26,16 @@ struct TileExtremes {
   std::vector<std::uint8_t> high;
 };
 
-TileExtremes tile_extremes(const GrayView& image);
+// A flag for each tile of an image, row by row.
+struct TileMask {
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::uint8_t> tiles;  // 0 or 1
+};
+
+// With a mask of the image's tiles only those of the mask, and some beside them, are looked at; the
+// others get 255 and 0, which no neighbour is darker or brighter by.
+TileExtremes tile_extremes(const GrayView& image, const TileMask* searched = nullptr);
 
 // Per tile, a threshold and how much the 3 x 3 tiles around it differ; grids as those of the
 // extremes.
@@ -39,6 +49,13 @@ struct TileThresholds {
 // less than `min_contrast`, the tile is flat and nothing in it is dark.
 TileThresholds tile_thresholds(const TileExtremes& extremes, int min_contrast);
 
+// Makes the tiles flat that are not in the mask.
+void keep_tiles(const TileMask& searched, TileThresholds& thresholds);
+
+// The tiles of a row whose centres lie in a convex quadrilateral: begin and end of their columns,
+// within `columns`.
+std::array<int, 2> tiles_in_row(const Quad& quad, int row, int columns);
+
 // Makes the tiles flat whose centre lies in the quadrilateral.
 void clear_tiles(const Quad& quad, TileThresholds& thresholds);
 
@@ -48,6 +65,8 @@ struct DarkPixels {
   int height = 0;
   std::size_t words = 0;  // of a row
   std::vector<std::uint64_t> bits;
+  // For every row of tiles the words that may hold dark pixels: begin and end.
+  std::vector<std::array<std::size_t, 2>> used;
 
   const std::uint64_t* row(int y) const {
     return bits.data() + static_cast<std::size_t>(y) * words;

@@ -17,7 +17,9 @@ inline PixelPoint operator-(PixelPoint a, PixelPoint b) { return {a.x - b.x, a.y
 inline PixelPoint operator*(double scale, PixelPoint a) { return {scale * a.x, scale * a.y}; }
 inline double dot(PixelPoint a, PixelPoint b) { return a.x * b.x + a.y * b.y; }
 inline double cross(PixelPoint a, PixelPoint b) { return a.x * b.y - a.y * b.x; }
-inline double length(PixelPoint a) { return std::hypot(a.x, a.y); }
+// Pixels are far from where squares overflow, so this needs no std::hypot, which is ten times as
+// slow.
+inline double length(PixelPoint a) { return std::sqrt(dot(a, a)); }
 inline double distance(PixelPoint a, PixelPoint b) { return length(b - a); }
 
 }  // namespace tagsmith

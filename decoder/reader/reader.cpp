@@ -14,6 +14,7 @@
 
 #include "decoder/feature_frame/bar_blocks.hpp"
 #include "decoder/feature_frame/bar_direction.hpp"
+#include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/quad.hpp"
@@ -255,6 +256,12 @@ std::size_t max_changes(const PyramidLevel& level) {
   return std::max(kLeast, pixels / per_change);
 }
 
+// A level and what its tiles show.
+struct SearchLevel {
+  PyramidLevel level;
+  TextureGrid texture;
+};
+
 // The image at full, half, quarter size and so on, the coarsest first.
 class Pyramid {
  public:
@@ -262,32 +269,36 @@ class Pyramid {
     // Noise halves from level to level, and with it the contrast that stands out from it.
     constexpr std::array<int, 3> kContrasts{20, 12, 7};
     constexpr int kLeastSize = 160;
-    levels_.push_back({image, 1, kContrasts[0]});
-    while (levels_.size() < 3 ||
-           std::min(levels_.back().image.width, levels_.back().image.height) >= 2 * kLeastSize) {
-      const PyramidLevel& finer = levels_.back();
-      reduced_.push_back(half_size(finer.image));
-      const int contrast = kContrasts[std::min<std::size_t>(levels_.size(), 2)];
-      levels_.push_back({reduced_.back().view(), 2 * finer.scale, contrast});
+    add({image, 1, kContrasts[0]});
+    while (levels_.size() < 3 || std::min(coarsest().width, coarsest().height) >= 2 * kLeastSize) {
+      const double scale = 2 * levels_.front().level.scale;
+      reduced_.push_back(half_size(coarsest()));
+      add({reduced_.back().view(), scale, kContrasts[std::min<std::size_t>(levels_.size(), 2)]});
     }
-    std::ranges::reverse(levels_);
   }
 
-  const std::vector<PyramidLevel>& levels() const { return levels_; }
+  const std::deque<SearchLevel>& levels() const { return levels_; }
 
   // The level of a half (2) or a quarter (4) of the size.
-  const PyramidLevel& scaled_down(int times) const {
+  const SearchLevel& scaled_down(int times) const {
     return levels_[levels_.size() - (times == 2 ? 2 : 3)];
   }
 
  private:
+  const GrayView& coarsest() const { return levels_.front().level.image; }
+
+  void add(const PyramidLevel& level) { levels_.push_front({level, texture_of(level.image)}); }
+
   std::deque<GrayImage> reduced_;
-  std::vector<PyramidLevel> levels_;
+  std::deque<SearchLevel> levels_;
 };
 
-// Tries the regions of a level, and pairs of them, that look like frames.
-void search_regions(PictureReader& reader, const PyramidLevel& level, bool join_pieces) {
+// Tries the regions of a level, and pairs of them, that look like frames; those near bars alone
+// where a mask says where these are.
+void search_regions(PictureReader& reader, const PyramidLevel& level, const TileMask* near_bars,
+                    bool join_pieces) {
   CandidateOptions search;
+  search.searched = near_bars;
   search.known = reader.known_in(level);
   if (level.scale == 1 && !join_pieces) search.max_size = kMaxFinestSize;
   search.max_changes = max_changes(level);
@@ -297,18 +308,56 @@ void search_regions(PictureReader& reader, const PyramidLevel& level, bool join_
   }
 }
 
-// Looks for frames whose outline is in pieces, by the bars inside: in the blocks of bars of a
-// coarse level that no reading explains. Returns whether there were any.
-bool search_around_bars(PictureReader& reader, const PyramidLevel& coarse,
-                        const PyramidLevel& fine) {
-  bool any = false;
-  for (const BarBlock& coarse_block : find_bar_blocks(coarse.image, reader.known_in(coarse))) {
-    const BarBlock block = scaled(coarse_block, coarse.scale / fine.scale);
+// Searches all levels, the coarsest first, the others near bars alone. In the coarsest the bars of
+// a large tag are wider than a tile's texture shows; what it does not hold is smaller.
+void search_near_bars(PictureReader& reader, const Pyramid& pyramid) {
+  for (const SearchLevel& at : pyramid.levels()) {
+    if (&at == &pyramid.levels().front()) {
+      search_regions(reader, at.level, nullptr, false);
+    } else {
+      const TileMask near_bars = tiles_near_bars(at.texture, reader.known_in(at.level));
+      search_regions(reader, at.level, &near_bars, false);
+    }
+  }
+}
+
+// Looks for frames whose outline is in pieces, by the bars inside: around the blocks of bars of a
+// level that no reading explains. Returns those blocks that are like symbols, in pixels of the full
+// image. Bars that run off the picture are part of a symbol: not looked at where others are read.
+std::vector<BarBlock> search_around_bars(PictureReader& reader, const SearchLevel& coarse,
+                                         const PyramidLevel& fine) {
+  std::vector<BarBlock> symbols;
+  for (const BarBlock& found : find_bar_blocks(coarse.texture, reader.known_in(coarse.level))) {
+    if (reader.has_read_any() && runs_off(coarse.level.image, found)) continue;
+    const BarBlock block = scaled(found, coarse.level.scale / fine.scale);
     if (!is_symbol_like(fine.image, block)) continue;
-    any = true;
+    symbols.push_back(scaled(found, coarse.level.scale));
     if (const auto quad = frame_around(fine.image, block)) reader.try_candidate(fine, *quad);
   }
-  return any;
+  return symbols;
+}
+
+// The tiles of a level around these blocks, as far as a frame reaches. Blocks as long as those that
+// the next coarser level shows well are left to it.
+TileMask tiles_around(const std::vector<BarBlock>& blocks, const SearchLevel& at) {
+  constexpr double kWider = 1.4, kHigher = 2;
+  constexpr double kLongest = 1.5 * kMaxFinestSize;
+  TileMask mask{at.texture.columns, at.texture.rows,
+                std::vector<std::uint8_t>(at.texture.tiles.size())};
+  for (BarBlock block : blocks) {
+    block = scaled(block, 1 / at.level.scale);
+    if (at.level.scale == 1 && 2 * block.half_width > kLongest) continue;
+    const PixelPoint right = (kWider * block.half_width + 2 * kTile) * block.across;
+    const PixelPoint down = (kHigher * block.half_height + 2 * kTile) * block.along;
+    const PixelPoint& c = block.centre;
+    const Quad around{c - right - down, c + right - down, c + right + down, c - right + down};
+    for (int row = 0; row < mask.rows; ++row) {
+      const auto [begin, end] = tiles_in_row(around, row, mask.columns);
+      const auto first = mask.tiles.begin() + static_cast<std::ptrdiff_t>(row) * mask.columns;
+      std::fill(first + begin, first + end, std::uint8_t{1});
+    }
+  }
+  return mask;
 }
 
 // The part of the image around an expected tag.
@@ -363,18 +412,24 @@ void look_for(PictureReader& reader, const GrayView& image, const ExpectedTag& e
   reader.try_frame(level, to_level(level, expected.corners));
   if (reader.has_read(expected)) return;
   std::ranges::reverse(levels);
-  for (const PyramidLevel& part : levels) search_regions(reader, part, false);
+  for (const PyramidLevel& part : levels) search_regions(reader, part, nullptr, false);
 }
 
 void search(PictureReader& reader, const GrayView& image) {
   const Pyramid pyramid(image);
-  for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, false);
+  search_near_bars(reader, pyramid);
   // Bars that no reading explains, or a picture without any reading, are worth a closer look.
-  const PyramidLevel& half = pyramid.scaled_down(2);
-  const bool bars = search_around_bars(reader, pyramid.scaled_down(4), half);
-  if (!bars && reader.has_read_any()) return;
-  search_around_bars(reader, half, half);
-  for (const PyramidLevel& level : pyramid.levels()) search_regions(reader, level, true);
+  const SearchLevel& half = pyramid.scaled_down(2);
+  std::vector<BarBlock> symbols = search_around_bars(reader, pyramid.scaled_down(4), half.level);
+  if (symbols.empty() && reader.has_read_any()) return;
+  const std::vector<BarBlock> small = search_around_bars(reader, half, half.level);
+  symbols.insert(symbols.end(), small.begin(), small.end());
+  const bool everywhere = !reader.has_read_any();
+  for (const SearchLevel& at : pyramid.levels()) {
+    const TileMask around = tiles_around(symbols, at);
+    if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
+    search_regions(reader, at.level, everywhere ? nullptr : &around, true);
+  }
 }
 
 }  // namespace

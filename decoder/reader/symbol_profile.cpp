@@ -51,6 +51,7 @@ struct CellGrid {
   std::size_t bands = 0;
   std::size_t bins = 0;
   double bin_width = 0;  // modules
+  double bins_per_module = 0;
   std::vector<Cell> cells;
 
   Cell& at(std::size_t band, std::size_t bin) { return cells[band * bins + bin]; }
@@ -103,6 +104,7 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
   grid.bands = bands;
   grid.bins = static_cast<std::size_t>(bins_per_module * (kModuleCount + 2 * kBeyond));
   grid.bin_width = 1.0 / bins_per_module;
+  grid.bins_per_module = bins_per_module;
   grid.cells.resize(bands * grid.bins);
   std::array<float, 256> light{};
   for (std::size_t i = 0; i < light.size(); ++i) {
@@ -125,6 +127,8 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
   const PixelPoint along = region[1] - region[0];
   const int x_step = std::abs(along.x) < std::abs(along.y) ? skip : 1;
   const int y_step = std::abs(along.x) < std::abs(along.y) ? 1 : skip;
+  const auto width = static_cast<std::size_t>(image.width);
+  std::vector<float> samples(width), heights(width), places(width);
   for (int y = y_begin; y <= y_end; y += y_step) {
     const std::uint8_t* row = image.row(y);
     const RowSpan span = span_of_row(region, y, image.width);
@@ -133,24 +137,30 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
     const float u0 = h[1] * fy + h[2];
     const float v0 = h[4] * fy + h[5];
     const float w0 = h[7] * fy + h[8];
-    for (int x = begin; x <= span.end; x += x_step) {
-      const auto fx = static_cast<float>(x);
+    // First what the compiler can work out for several pixels at a time.
+    std::size_t count = 0;
+    for (int x = begin; x <= span.end; x += x_step) samples[count++] = light[row[x]];
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto fx = static_cast<float>(begin + static_cast<int>(i) * x_step);
       const float scale = 1 / (h[6] * fx + w0);
       const float u = (h[0] * fx + u0) * scale;
       const float v = (h[3] * fx + v0) * scale;
-      const float height = (v - top) * bands_per_height;
-      const float place = u * modules - first_place;
-      const float position = place * per_bin;
-      if (!(height >= 0 && position >= 0)) continue;
-      const int band = static_cast<int>(height);
+      heights[i] = (v - top) * bands_per_height;
+      places[i] = u * modules - first_place;
+      const float paper = white.at(u, v);
+      const float contrast = paper - black.at(u, v);
+      samples[i] = (paper - samples[i]) / (contrast < 1e-3F ? 1e-3F : contrast);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const float position = places[i] * per_bin;
+      if (!(heights[i] >= 0 && position >= 0)) continue;
+      const int band = static_cast<int>(heights[i]);
       const int bin = static_cast<int>(position);
       if (band >= static_cast<int>(bands) || bin > last_bin) continue;
-      const float paper = white.at(u, v);
-      const float darkness = (paper - light[row[x]]) / std::max(paper - black.at(u, v), 1e-3F);
       Cell& cell = grid.at(static_cast<std::size_t>(band), static_cast<std::size_t>(bin));
-      cell.sum += darkness;
-      cell.sum_of_squares += darkness * darkness;
-      cell.place += place;
+      cell.sum += samples[i];
+      cell.sum_of_squares += samples[i] * samples[i];
+      cell.place += places[i];
       cell.count += 1;
     }
   }
@@ -174,9 +184,11 @@ double pixel_variance(const CellGrid& grid) {
 // cells' own.
 double clear_variance(const CellGrid& grid) {
   constexpr double kLeast = 1e-4;
+  constexpr std::size_t kStep = 5;  // thousands of cells: every fifth tells the middle as well
   std::vector<float> variances;
-  variances.reserve(grid.cells.size());
-  for (const Cell& cell : grid.cells) {
+  variances.reserve(grid.cells.size() / kStep + 1);
+  for (std::size_t i = 0; i < grid.cells.size(); i += kStep) {
+    const Cell& cell = grid.cells[i];
     if (cell.count < 3) continue;
     const float mean = cell.sum / cell.count;
     variances.push_back((cell.sum_of_squares - mean * cell.sum) / (cell.count - 1));
@@ -201,6 +213,80 @@ std::optional<double> median_of_bands(const CellGrid& grid, std::size_t bin) {
   return *middle;
 }
 
+// Four bins side by side, in the compiler's own vectors.
+constexpr std::size_t kLanes = 4;
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+
+// The pairs that sort a list of `Count` values when each is put in order in turn (Batcher 1968,
+// "Sorting networks and their applications"): no branch depends on the values.
+template <std::size_t Count>
+constexpr auto sorting_network() {
+  struct Network {
+    std::array<std::array<std::uint8_t, 2>, Count * Count / 2> pairs{};
+    std::size_t size = 0;
+  } network;
+  for (std::size_t p = 1; p < Count; p *= 2) {
+    for (std::size_t k = p; k >= 1; k /= 2) {
+      for (std::size_t j = k % p; j + k < Count; j += 2 * k) {
+        for (std::size_t i = j; i < j + k && i + k < Count; ++i) {
+          if (i / (2 * p) != (i + k) / (2 * p)) continue;
+          network.pairs[network.size++] = {static_cast<std::uint8_t>(i),
+                                           static_cast<std::uint8_t>(i + k)};
+        }
+      }
+    }
+  }
+  return network;
+}
+
+// The middle ones of `Count` bands of the bins from `first` on, all of whose cells have pixels.
+template <std::size_t Count>
+Floats middle_of_bands(const CellGrid& grid, std::size_t first) {
+  static constexpr auto kNetwork = sorting_network<Count>();
+  std::array<Floats, Count> means{};
+  for (std::size_t band = 0; band < Count; ++band) {
+    const Cell* cell = &grid.at(band, first);
+    const Floats sums{cell[0].sum, cell[1].sum, cell[2].sum, cell[3].sum};
+    const Floats counts{cell[0].count, cell[1].count, cell[2].count, cell[3].count};
+    means[band] = sums / counts;
+  }
+  for (std::size_t i = 0; i < kNetwork.size; ++i) {
+    const auto [upper, lower] = kNetwork.pairs[i];
+    const Floats a = means[upper], b = means[lower];
+    means[upper] = a < b ? a : b;
+    means[lower] = a < b ? b : a;
+  }
+  return means[Count / 2];
+}
+
+bool have_pixels(const CellGrid& grid, std::size_t first) {
+  bool all = true;
+  for (std::size_t band = 0; band < grid.bands; ++band) {
+    for (std::size_t bin = first; bin < first + kLanes; ++bin) {
+      all = all && grid.at(band, bin).count > 0;
+    }
+  }
+  return all;
+}
+
+// The medians of all bins' bands.
+std::vector<std::optional<double>> medians_of_bands(const CellGrid& grid) {
+  std::vector<std::optional<double>> medians(grid.bins);
+  std::size_t bin = 0;
+  while (bin < grid.bins) {
+    if (bin + kLanes > grid.bins || !have_pixels(grid, bin)) {
+      medians[bin] = median_of_bands(grid, bin);
+      ++bin;
+      continue;
+    }
+    const Floats middle = grid.bands == kMaxBands ? middle_of_bands<kMaxBands>(grid, bin)
+                                                  : middle_of_bands<kMaxBands / 2>(grid, bin);
+    for (std::size_t i = 0; i < kLanes; ++i) medians[bin + i] = static_cast<double>(middle[i]);
+    bin += kLanes;
+  }
+  return medians;
+}
+
 // What a bin's bands agree on, before covers are known.
 struct Consensus {
   std::size_t bin = 0;
@@ -212,8 +298,9 @@ struct Consensus {
 std::vector<Consensus> consensus_of(const CellGrid& grid) {
   std::vector<Consensus> all;
   all.reserve(grid.bins);
+  const std::vector<std::optional<double>> medians = medians_of_bands(grid);
   for (std::size_t bin = 0; bin < grid.bins; ++bin) {
-    if (const auto median = median_of_bands(grid, bin)) all.push_back({bin, *median, 0, 0});
+    if (medians[bin]) all.push_back({bin, *medians[bin], 0, 0});
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double before = all[i == 0 ? 0 : i - 1].median;
@@ -228,12 +315,13 @@ std::vector<Consensus> consensus_of(const CellGrid& grid) {
 bool agrees(const CellGrid& grid, const Cell& cell, const Consensus& with, double variance) {
   constexpr double kShading = 0.1;   // of the contrast: differences along a clean bar
   constexpr double kSlanted = 0.35;  // of the steepest change: what a slope does not tell of a bend
-  const auto count = static_cast<double>(cell.count);
-  const double offset = static_cast<double>(cell.place) / count / grid.bin_width -
+  const double per_pixel = 1 / static_cast<double>(cell.count);
+  const double offset = static_cast<double>(cell.place) * per_pixel * grid.bins_per_module -
                         static_cast<double>(with.bin) - 0.5;
-  const double tolerance = kShading + kSlanted * with.steepest + 4 * std::sqrt(variance / count);
   const double expected = with.median + with.slope * offset;
-  return std::abs(static_cast<double>(cell.sum) / count - expected) <= tolerance;
+  const double off = std::abs(static_cast<double>(cell.sum) * per_pixel - expected);
+  const double systematic = kShading + kSlanted * with.steepest;
+  return off <= systematic || (off - systematic) * (off - systematic) <= 16 * variance * per_pixel;
 }
 
 struct CellState {

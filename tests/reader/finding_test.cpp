@@ -2,8 +2,10 @@
 // Finding feature frames: the steps against plain implementations, and frames that are hard to see.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <random>
 #include <set>
 #include <span>
@@ -13,6 +15,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/bar_blocks.hpp"
+#include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/regions.hpp"
@@ -123,7 +126,7 @@ struct Shot {
   ViewOptions view;
 };
 
-Shot shot_of_tag(double module_px, double incidence_deg) {
+Shot shot_of_tag(double module_px, double incidence_deg, double roll_deg = 5) {
   Shot shot;
   shot.camera.width = 640;
   shot.camera.height = 480;
@@ -136,7 +139,7 @@ Shot shot_of_tag(double module_px, double incidence_deg) {
       shot.camera.fx * shot.plate.drawing.module * std::cos(incidence) / module_px;
   shot.plate.camera_from_plate =
       camera_from_turned_plate(shot.camera, shot.plate.drawing, {319.5, 239.5}, distance, incidence,
-                               radians(3.0), radians(5.0));
+                               radians(3.0), radians(roll_deg));
   shot.view.sensor.exposure = 0.85;
   shot.view.seed = 3;
   return shot;
@@ -234,6 +237,130 @@ TEST_CASE("regions are those that flooding finds") {
   }
 }
 
+TEST_CASE(
+    "a tile's texture is the sum of differences to its neighbours, whatever the image's size") {
+  std::mt19937 random(17);
+  for (const auto& [width, height] : {std::pair{7, 9}, {8, 8}, {16, 16}, {48, 24}, {77, 20}}) {
+    CAPTURE(width);
+    const GrayImage image = noise(width, height, random);
+    const GrayView view = image.view();
+    const TextureGrid grid = texture_of(view);
+    REQUIRE(grid.columns == (width + kTile - 1) / kTile);
+    for (int row = 0; row < grid.rows; ++row) {
+      for (int column = 0; column < grid.columns; ++column) {
+        Texture sum;
+        const bool whole = (column + 1) * kTile <= width && (row + 1) * kTile <= height;
+        for (int y = row * kTile; whole && y < (row + 1) * kTile; y += 2) {
+          for (int x = column * kTile; x < std::min((column + 1) * kTile, width - 1); ++x) {
+            const auto add = [&](std::uint16_t& to, std::uint8_t a, std::uint8_t b) {
+              to = static_cast<std::uint16_t>(to + std::abs(a - b));
+            };
+            add(sum.right, view.at(x, y), view.at(x + 1, y));
+            add(sum.down, view.at(x, y), view.at(x, y + 1));
+            add(sum.falling, view.at(x, y), view.at(x + 1, y + 1));
+            add(sum.rising, view.at(x + 1, y), view.at(x, y + 1));
+          }
+        }
+        const Texture& found = grid.tiles[static_cast<std::size_t>(row * grid.columns + column)];
+        CHECK(std::array{found.right, found.down, found.falling, found.rising} ==
+              std::array{sum.right, sum.down, sum.falling, sum.rising});
+      }
+    }
+  }
+}
+
+TEST_CASE("a gradient's direction is told from differences in four directions") {
+  for (int angle_deg = 0; angle_deg < 360; angle_deg += 5) {
+    CAPTURE(angle_deg);
+    const double angle = radians(angle_deg);
+    GrayImage ramp{32, 32, {}};
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 0; x < 32; ++x) {
+        const double level = 128 + 2.8 * ((x - 16) * std::cos(angle) + (y - 16) * std::sin(angle));
+        ramp.samples.push_back(static_cast<std::uint8_t>(std::lround(level)));
+      }
+    }
+    const Gradient gradient = gradient_of(texture_of(ramp.view()).tiles[5]);
+    const double off =
+        std::remainder(std::atan2(gradient.sin2, gradient.cos2) - 2 * angle, 2 * std::acos(-1.0));
+    CHECK(std::abs(off) < radians(12));
+    CHECK(is_directed(gradient, 60));
+  }
+}
+
+TEST_CASE("the tiles near bars hold the whole frame of small tags, and no walls") {
+  for (const double module_px : {0.5, 1.0, 2.0}) {
+    for (const double roll_deg : {0.0, 20.0, 45.0, 110.0}) {
+      CAPTURE(module_px);
+      CAPTURE(roll_deg);
+      const View view = render(shot_of_tag(module_px, 20, roll_deg));
+      const TileMask mask = tiles_near_bars(texture_of(view.image.view()));
+      for (const auto& corner : view.plates.front().corners) {
+        const int column = static_cast<int>(corner->x() / kTile);
+        const int row = static_cast<int>(corner->y() / kTile);
+        CHECK(mask.tiles.at(static_cast<std::size_t>(row * mask.columns + column)) == 1);
+      }
+    }
+  }
+  std::mt19937 random(19);
+  const GrayImage wall = noise(640, 480, random);
+  const TileMask mask = tiles_near_bars(texture_of(wall.view()));
+  CHECK(std::ranges::count(mask.tiles, 1) < static_cast<std::ptrdiff_t>(mask.tiles.size() / 50));
+}
+
+TEST_CASE("bars that are known have no tiles near them") {
+  const View view = render(shot_of_tag(1, 10));
+  const TextureGrid texture = texture_of(view.image.view());
+  REQUIRE(std::ranges::count(tiles_near_bars(texture).tiles, 1) > 0);
+  const std::vector<Quad> all{{PixelPoint{0, 0}, {640, 0}, {640, 480}, {0, 480}}};
+  CHECK(std::ranges::count(tiles_near_bars(texture, all).tiles, 1) == 0);
+}
+
+TEST_CASE("the tiles of a row in a quadrilateral are those whose centres it holds") {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> off(-20, 20);
+  for (int i = 0; i < 50; ++i) {
+    const auto corner = [&](double x, double y) {
+      return PixelPoint{x + off(random), y + off(random)};
+    };
+    const Quad quad{corner(40, 40), corner(160, 40), corner(160, 120), corner(40, 120)};
+    for (int row = 0; row < 20; ++row) {
+      const auto [begin, end] = tiles_in_row(quad, row, 18);
+      for (int column = 0; column < 18; ++column) {
+        const PixelPoint centre{kTile * (column + 0.5), kTile * (row + 0.5)};
+        bool inside = true;
+        for (std::size_t k = 0; k < 4; ++k) {
+          inside = inside && cross(quad[(k + 1) % 4] - quad[k], centre - quad[k]) > 0;
+        }
+        CHECK((column >= begin && column < end) == inside);
+      }
+    }
+  }
+}
+
+TEST_CASE("the parts of a level outside the searched tiles show no regions") {
+  const View view = render(shot_of_tag(2, 10));
+  const PyramidLevel level{view.image.view(), 1, 20};
+  TileMask mask = tiles_near_bars(texture_of(view.image.view()));
+  CandidateOptions options;
+  options.searched = &mask;
+  CHECK_FALSE(find_candidates(level, options).empty());
+  std::ranges::fill(mask.tiles, std::uint8_t{0});
+  CHECK(find_candidates(level, options).empty());
+}
+
+TEST_CASE("bars at the border of a picture run off it") {
+  const GrayView image{nullptr, 640, 480, 640};
+  const BarBlock whole{{320, 240}, {1, 0}, {0, 1}, 200, 60};
+  CHECK_FALSE(runs_off(image, whole));
+  BarBlock cut = whole;
+  cut.centre.x = 435;
+  CHECK(runs_off(image, cut));
+  BarBlock long_bars = whole;  // along the bars only their ends are lost
+  long_bars.half_height = 240;
+  CHECK_FALSE(runs_off(image, long_bars));
+}
+
 TEST_CASE("known parts of a picture show no regions") {
   const View view = render(shot_of_tag(2, 10));
   const PyramidLevel level{view.image.view(), 1, 20};
@@ -249,7 +376,7 @@ TEST_CASE("the frame is found around its bars when it does not show as one piece
   shot.plate.finish.cover = {{-0.1, 0.1, 0.6, 0.02}, 0.8};
   const View view = render(shot);
   const GrayView image = view.image.view();
-  const std::vector<BarBlock> found = find_bar_blocks(image, {});
+  const std::vector<BarBlock> found = find_bar_blocks(texture_of(image), {});
   const auto around = [&](const BarBlock& block) {
     const auto quad = frame_around(image, block);
     if (!quad) return false;
@@ -267,7 +394,7 @@ TEST_CASE("the frame is found around its bars when it does not show as one piece
 TEST_CASE("a wall without bars holds no symbol") {
   std::mt19937 random(13);
   const GrayImage image = noise(320, 240, random);
-  for (const BarBlock& block : find_bar_blocks(image.view(), {})) {
+  for (const BarBlock& block : find_bar_blocks(texture_of(image.view()), {})) {
     CHECK_FALSE(is_symbol_like(image.view(), block));
   }
 }
