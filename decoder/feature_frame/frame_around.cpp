@@ -64,13 +64,13 @@ struct Line {
   double slope = 0;  // pixels outwards a pixel along
 };
 
-// The nearest straight line that half of the scan lines have a fall on (Hough transform over slope
-// and distance).
-std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
-  constexpr double kLeastShown = 0.5;  // of the scan lines
-  constexpr double kOfBest = 0.75;     // of those of the line that shows best
-  constexpr int kSlopes = 24;          // to both sides
-  constexpr double kMaxSlope = 0.8;    // of a plate seen and turned obliquely
+// The straight lines that this share of the scan lines have a fall on, and not much fewer than on
+// the line that shows best, nearest first (Hough transform over slope and distance).
+std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double least_shown,
+                           double of_best, std::size_t most) {
+  constexpr int kSlopes = 24;        // to both sides
+  constexpr double kMaxSlope = 0.8;  // of a plate seen and turned obliquely
+  constexpr std::size_t kApart = 4;  // pixels between two lines
   const auto bins = static_cast<std::size_t>(reach + 3);
   const auto slope_of = [](std::size_t k) {
     return kMaxSlope * (static_cast<double>(k) - kSlopes) / kSlopes;
@@ -88,29 +88,42 @@ std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
       best = std::max(best, bin[i]);
     }
   }
-  const double least = std::max(kLeastShown * kScanLines, kOfBest * best);
-  for (std::size_t i = 0; i + 1 < bins; ++i) {
+  const double least = std::max(least_shown * kScanLines, of_best * best);
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i + 1 < bins && lines.size() < most; ++i) {
     const auto shows = [&](const std::vector<int>& bin) { return bin[i] >= least; };
     if (std::ranges::none_of(votes, shows)) continue;
     // Neighbouring slopes and distances share the line; it is where most agree.
     Line line;
-    int most = 0;
-    for (std::size_t near = i; near < std::min(i + 4, bins - 1); ++near) {
+    int votes_of_line = 0;
+    std::size_t at = i;
+    for (std::size_t near = i; near < std::min(i + kApart, bins - 1); ++near) {
       for (std::size_t k = 0; k < votes.size(); ++k) {
-        if (votes[k][near] <= most) continue;
-        most = votes[k][near];
+        if (votes[k][near] <= votes_of_line) continue;
+        votes_of_line = votes[k][near];
         line = {static_cast<double>(near) + 1, slope_of(k)};
+        at = near;
       }
     }
-    return line;
+    lines.push_back(line);
+    i = at + kApart;
   }
-  return std::nullopt;
+  return lines;
 }
+
+std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
+  constexpr double kLeastShown = 0.5;  // of the scan lines
+  constexpr double kOfBest = 0.75;     // of those of the line that shows best
+  const std::vector<Line> lines = lines_of(falls, reach, kLeastShown, kOfBest, 1);
+  return lines.empty() ? std::nullopt : std::optional(lines.front());
+}
+
+double reach_at_ends(const BarBlock& block) { return 3.6 * block.half_height; }
 
 // The frame's side beyond the ends of the bars, upwards (-1) or downwards (1): along the bars there
 // is no other edge on the way.
-std::optional<Line> side_at_ends(const GrayView& image, const BarBlock& block, double direction) {
-  const double reach = 3.6 * block.half_height;
+std::vector<Fall> falls_at_ends(const GrayView& image, const BarBlock& block, double direction) {
+  const double reach = reach_at_ends(block);
   const PixelPoint step = direction * block.along;
   std::vector<Fall> falls;
   for (int k = 0; k < kScanLines; ++k) {
@@ -121,7 +134,11 @@ std::optional<Line> side_at_ends(const GrayView& image, const BarBlock& block, d
     };
     add_falls(image, start, step, static_cast<int>(reach), to_fall, falls);
   }
-  return nearest_line(falls, reach);
+  return falls;
+}
+
+std::optional<Line> side_at_ends(const GrayView& image, const BarBlock& block, double direction) {
+  return nearest_line(falls_at_ends(image, block, direction), reach_at_ends(block));
 }
 
 // The frame's side to the left (-1) or right (1) of the bars, by scan lines between the bars' ends
@@ -162,7 +179,55 @@ SideLine side_line(const BarBlock& block, PixelPoint axis, PixelPoint outward, c
   return side;
 }
 
+// How much the bars show inside the frame and not in its white margin above and below them, grey
+// levels; the less, the worse the upper and lower sides suit.
+double shown_between(const GrayView& image, const Quad& quad) {
+  constexpr int kPlaces = 60;
+  const Homography map = homography_to(quad);
+  const auto change = [&](double v) {
+    double sum = 0, before = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const double value = sample_bilinear(image, map(0.12 + 0.76 * k / (kPlaces - 1), v));
+      if (k > 0) sum += std::abs(value - before);
+      before = value;
+    }
+    return sum / (kPlaces - 1);
+  };
+  const double bars = std::min(change(0.22), change(0.78));
+  const double margins =
+      std::max(std::max(change(0.05), change(0.11)), std::max(change(0.89), change(0.95)));
+  return bars - margins;
+}
+
 }  // namespace
+
+std::optional<Quad> frame_between(const GrayView& image, const BarBlock& block,
+                                  const SideLine& left, const SideLine& right) {
+  constexpr double kLeastShown = 0.4;
+  constexpr double kOfBest = 0.5;
+  constexpr std::size_t kMost = 4;
+  const double reach = reach_at_ends(block);
+  const auto lines = [&](double direction) {
+    return lines_of(falls_at_ends(image, block, direction), reach, kLeastShown, kOfBest, kMost);
+  };
+  const double width = block.half_width;
+  const std::vector<Line> lowers = lines(1);
+  std::optional<Quad> best;
+  double most_shown = 0;
+  for (const Line& upper : lines(-1)) {
+    for (const Line& lower : lowers) {
+      const auto quad = corners_of(
+          {side_line(block, block.across, -1.0 * block.along, upper, -width, width), right,
+           side_line(block, block.across, block.along, lower, width, -width), left});
+      if (!quad) continue;
+      const double shown = shown_between(image, *quad);
+      if (best && shown <= most_shown) continue;
+      best = quad;
+      most_shown = shown;
+    }
+  }
+  return best;
+}
 
 std::optional<Quad> frame_around(const GrayView& image, const BarBlock& block) {
   const auto upper = side_at_ends(image, block, -1);

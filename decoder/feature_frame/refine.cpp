@@ -327,4 +327,61 @@ Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   return frame;
 }
 
+namespace {
+
+// Levels, blur and stroke of a side that does not show: the mean of those that do.
+FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
+  FrameSide mean;
+  double count = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!frame.shown[i]) continue;
+    const FrameSide& side = frame.sides[i];
+    mean.blur_px += side.blur_px;
+    mean.stroke_px += side.stroke_px;
+    mean.white_begin += (side.white_begin + side.white_end) / 2;
+    mean.black_begin += (side.black_begin + side.black_end) / 2;
+    ++count;
+  }
+  mean.blur_px /= count;
+  mean.stroke_px /= count;
+  mean.white_begin /= count;
+  mean.black_begin /= count;
+  mean.white_end = mean.white_begin;
+  mean.black_end = mean.black_begin;
+  mean.covariance = sigma * sigma * Eigen::Matrix2d::Identity();
+  return mean;
+}
+
+}  // namespace
+
+Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
+                                        const std::array<bool, 4>& shown, double hidden_sigma) {
+  constexpr std::ptrdiff_t kLeastShown = 2;
+  std::array<SideLine, 4> lines{};
+  RefinedFrame frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    lines[i] = side_of(settled, i);
+    frame.shown[i] = false;
+    if (!shown[i]) continue;
+    SideSamples samples(edge_samples(image, lines[i]));
+    if (samples.samples.size() < 2 * kParameters) continue;
+    const Solution solution = solve_side(samples, lines[i], kStartBlur);
+    if (!stays_near(solution, lines[i])) continue;
+    const SideFit fit = describe(solution, lines[i]);
+    lines[i] = fit.line;
+    frame.sides[i] = fit.side;
+    frame.shown[i] = true;
+  }
+  if (std::ranges::count(frame.shown, true) < kLeastShown) {
+    return fail("feature frame: most of it is covered");
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!frame.shown[i]) frame.sides[i] = hidden_side(frame, hidden_sigma);
+  }
+  const std::optional<Quad> corners = corners_of(lines);
+  if (!corners) return fail("feature frame: its sides do not close");
+  frame.corners = *corners;
+  return frame;
+}
+
 }  // namespace tagsmith

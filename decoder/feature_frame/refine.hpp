@@ -27,11 +27,20 @@ struct FrameSide {
 struct RefinedFrame {
   Quad corners{};  // of the inner edge, clockwise in the image
   std::array<FrameSide, 4> sides{};
+  // Whether a side was fitted; otherwise it is known from elsewhere, and its levels are its
+  // neighbours'.
+  std::array<bool, 4> shown{true, true, true, true};
 };
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
 // and, where the stroke is thin, back to white, in light. Fails with the reason when one does not
 // converge near where it was.
 Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled);
+
+// The same where something hides sides: those not `shown`, and those that cannot be fitted near
+// where they are, stay there with `hidden_sigma` pixels of uncertainty at their ends. Fails when
+// fewer than two sides are fitted or the sides do not close.
+Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
+                                        const std::array<bool, 4>& shown, double hidden_sigma);
 
 }  // namespace tagsmith

@@ -170,4 +170,22 @@ Result<Quad> settle_frame(const GrayView& image, const Quad& rough) {
   return quad;
 }
 
+std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough) {
+  ShownSides result{rough, {}};
+  for (int pass = 0; pass < 2; ++pass) {
+    std::array<SideLine, 4> sides{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      sides[i] = side_of(result.quad, i);
+      const double reach = pass == 0 ? sides[i].reach + 1 : std::min(sides[i].reach, 3.0);
+      const auto settled = settle_side(image, sides[i], reach);
+      result.shown[i] = settled.has_value();
+      if (settled) sides[i] = *settled;
+    }
+    const std::optional<Quad> corners = corners_of(sides);
+    if (!corners) return std::nullopt;
+    result.quad = *corners;
+  }
+  return result;
+}
+
 }  // namespace tagsmith

@@ -2,6 +2,9 @@
 // From a rough quadrilateral to the edges of a feature frame, to about half a pixel.
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
@@ -16,5 +19,15 @@ bool looks_framed(const GrayView& image, const Quad& rough);
 // outside that most of a side's length agrees on. Fails with the reason when a side shows no such
 // edge.
 Result<Quad> settle_frame(const GrayView& image, const Quad& rough);
+
+// A quadrilateral of which not every side may show.
+struct ShownSides {
+  Quad quad{};
+  std::array<bool, 4> shown{};  // side i runs from corner i to corner i + 1
+};
+
+// As settle_frame, but sides that show no edge stay where they are. Nothing when the sides do not
+// close.
+std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough);
 
 }  // namespace tagsmith

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "decoder/image/tone_curve.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
 namespace {
@@ -112,6 +115,74 @@ ScanLine light_along(const GrayView& image, const LineFrame& frame, double offse
   }
   for (float& sample : line) sample /= static_cast<float>(rows);
   return line;
+}
+
+namespace {
+
+// How often a line turns dark.
+int count_of_bars(const std::vector<float>& darkness) {
+  constexpr float kDark = 0.6F, kBright = 0.4F;
+  int bars = 0;
+  bool dark = false;
+  for (const float at : darkness) {
+    if (!dark && at > kDark) ++bars;
+    if (at > kDark || at < kBright) dark = at > kDark;
+  }
+  return bars;
+}
+
+// Greatest correlation of two lines, one moved along the other by up to `most` samples.
+float likeness(const std::vector<float>& a, const std::vector<float>& b, int most) {
+  float best = -1;
+  const int size = static_cast<int>(std::min(a.size(), b.size()));
+  for (int shift = -most; shift <= most; ++shift) {
+    float sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0, n = 0;
+    for (int i = std::max(0, -shift); i < std::min(size, size - shift); ++i) {
+      const float x = a[static_cast<std::size_t>(i)];
+      const float y = b[static_cast<std::size_t>(i + shift)];
+      sa += x;
+      sb += y;
+      saa += x * x;
+      sbb += y * y;
+      sab += x * y;
+      n += 1;
+    }
+    if (n < 40) continue;
+    const float variance = (saa - sa * sa / n) * (sbb - sb * sb / n);
+    best = std::max(best, (sab - sa * sb / n) / std::sqrt(std::max(variance, 1e-6F)));
+  }
+  return best;
+}
+
+}  // namespace
+
+bool has_bars(const GrayView& image, const BarRegion& region) {
+  constexpr int kLeast = 12;  // of a symbol's 30 bars
+  constexpr int kMost = 34;
+  constexpr double kStepsPerModule = 3;
+  constexpr double kApart = 0.2;  // of the height: two lines that should be alike
+  constexpr double kMostLean = 0.25;
+  constexpr float kAlike = 0.6F;
+  LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
+  frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
+  const auto [low, high] = inside(image, region.centre, region.across, 0.5 * region.length);
+  frame.begin = low;
+  frame.count = static_cast<std::size_t>((high - low) / frame.step);
+  if (frame.count < 60) return false;
+  std::vector<float> before;
+  for (const double share : {-0.3, -0.1, 0.1, 0.3}) {
+    const ScanLine line =
+        light_along(image, frame, share * region.height, std::min(12.0, region.height / 8));
+    std::vector<float> darkness = local_darkness(line, line.size() / 10);
+    const int bars = count_of_bars(darkness);
+    const int most = static_cast<int>(kMostLean * kApart * region.height / frame.step) + 1;
+    if (!before.empty() && bars >= kLeast && bars <= kMost &&
+        likeness(before, darkness, most) > kAlike) {
+      return true;
+    }
+    before = std::move(darkness);
+  }
+  return false;
 }
 
 }  // namespace tagsmith

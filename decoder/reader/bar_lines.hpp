@@ -32,4 +32,8 @@ LineFrame line_frame_for(const GrayView& image, const BarRegion& region);
 ScanLine light_along(const GrayView& image, const LineFrame& frame, double offset,
                      double thickness);
 
+// Whether a line along the middle of a region changes between dark and bright about as often as a
+// symbol does of which at least half shows: a quick look.
+bool has_bars(const GrayView& image, const BarRegion& region);
+
 }  // namespace tagsmith

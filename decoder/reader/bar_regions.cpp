@@ -95,6 +95,13 @@ bool is_striped(const Texture& texture) {
   return texture.energy > kLeastEnergy && texture.strength() > kCoherence * texture.energy;
 }
 
+// One cell alone: noise makes it less sure of its direction.
+bool is_striped_cell(const Texture& texture) {
+  constexpr float kCoherence = 0.4F;
+  constexpr float kLeastEnergy = 32 * 36.0F;
+  return texture.energy > kLeastEnergy && texture.strength() > kCoherence * texture.energy;
+}
+
 bool same_direction(const Texture& a, const Texture& b) {
   constexpr float kCosine = 0.82F;  // of the doubled angle: 17 degrees
   return a.cos2 * b.cos2 + a.sin2 * b.sin2 > kCosine * a.strength() * b.strength();
@@ -168,10 +175,29 @@ bool may_be_symbol(const BarRegion& region, std::size_t cells) {
          static_cast<double>(cells) > kLeastFilled * area;
 }
 
-void add_regions(const GrayView& image, double scale, std::vector<BarRegion>& regions) {
-  const TextureGrid grid = smoothed(texture_of(image));
+// The cells whose neighbours above, below and beside them are taken too: what hangs together by
+// the edge of a plate or of a cable comes apart.
+std::vector<bool> cores_of(const TextureGrid& grid, const std::vector<bool>& striped) {
+  std::vector<bool> cores(striped.size());
+  for (int row = 1; row + 1 < grid.rows; ++row) {
+    for (int column = 1; column + 1 < grid.columns; ++column) {
+      cores[grid.index(column, row)] =
+          striped[grid.index(column, row)] && striped[grid.index(column - 1, row)] &&
+          striped[grid.index(column + 1, row)] && striped[grid.index(column, row - 1)] &&
+          striped[grid.index(column, row + 1)];
+    }
+  }
+  return cores;
+}
+
+void add_regions(const GrayView& image, double scale, bool apart, std::vector<BarRegion>& regions) {
+  const TextureGrid texture = texture_of(image);
+  const TextureGrid grid = apart ? texture : smoothed(texture);
   std::vector<bool> open(grid.cells.size());
-  for (std::size_t i = 0; i < open.size(); ++i) open[i] = is_striped(grid.cells[i]);
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    open[i] = apart ? is_striped_cell(grid.cells[i]) : is_striped(grid.cells[i]);
+  }
+  if (apart) open = cores_of(grid, open);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
       if (!open[grid.index(column, row)]) continue;
@@ -195,14 +221,14 @@ bool same_region(const BarRegion& a, const BarRegion& b) {
 
 }  // namespace
 
-std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most) {
+std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most, bool apart) {
   std::vector<BarRegion> found;
   GrayImage reduced;
   GrayView level = image;
   double scale = 1;
   for (int levels = 0; levels < kLevels && std::min(level.width, level.height) >= kLeastSide;) {
     if (static_cast<double>(level.width) * level.height <= kMaxPixels) {
-      add_regions(level, scale, found);
+      add_regions(level, scale, apart, found);
       ++levels;
     }
     reduced = half_size(level);

@@ -22,6 +22,9 @@ struct BarRegion {
 // image so that modules from half a pixel to some ten pixels fill the cells. Images of more than
 // two million pixels are searched reduced, so that modules below about one pixel of the reduced
 // image are missed.
-std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most);
+// With `apart`, patches that only hang together by thin necks are several, and each is a cell
+// smaller on all sides.
+std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most,
+                                        bool apart = false);
 
 }  // namespace tagsmith

@@ -9,6 +9,9 @@
 #include <string>
 #include <utility>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/bar_regions.hpp"
 #include "decoder/scan/decode.hpp"
@@ -144,12 +147,10 @@ bool is_inside(const GrayView& image, PixelPoint at) {
 
 // Reads the region's lines from the first one outwards, each where its neighbour was.
 RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarRegion& region,
-                       ReadLine first) {
+                       ReadLine first, const Shape& shape, int lines) {
   constexpr double kWorst = 4;  // a line worse than this is dirt or lies beyond the bars
-  constexpr double kLines = 12;
   constexpr int kMostMisses = 3;
-  const Shape& shape = best_shape(first);
-  RegionScan scan{frame, std::max(1.0, region.height / kLines), &shape, {}};
+  RegionScan scan{frame, std::max(1.0, region.height / lines), &shape, {}};
   for (const double direction : {-1.0, 1.0}) {
     SymbolPlace place = place_of(first.reading.alignment);
     int misses = 0;
@@ -175,10 +176,12 @@ RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarR
   return scan;
 }
 
+// Modules of an alignment's boundaries.
+constexpr std::array<double, 16> kModules{0,  3,  10, 17, 24, 31, 38, 45,
+                                          50, 57, 64, 71, 78, 85, 92, 95};
+
 // Module coordinate of a place of the line, by the line's own distortion; linear beyond the ends.
 double module_at(const ElasticAlignment& alignment, double place) {
-  static constexpr std::array<double, 16> kModules{0,  3,  10, 17, 24, 31, 38, 45,
-                                                   50, 57, 64, 71, 78, 85, 92, 95};
   const auto& at = alignment.boundaries;
   const double sign = at.back() > at.front() ? 1 : -1;
   std::size_t i = 0;
@@ -453,9 +456,11 @@ std::optional<FramelessTrace> trace_region(const GrayView& image, const BarRegio
   constexpr double kSymbolLike = 0.85;
   constexpr double kMostBlur = 1.5;  // modules
   const LineFrame frame = line_frame_for(image, region);
-  const auto first = first_line(image, frame, region);
+  constexpr int kLines = 12;
+  auto first = first_line(image, frame, region);
   if (!first) return std::nullopt;
-  const RegionScan scan = scan_region(image, frame, region, *first);
+  const Shape& shape = best_shape(*first);
+  const RegionScan scan = scan_region(image, frame, region, std::move(*first), shape, kLines);
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
   const Evidence evidence = evidence_of(scan.lines);
@@ -524,6 +529,61 @@ FramelessResult read_frameless(const GrayView& image, const ReadOptions& options
   };
   std::erase_if(result.rejected, read);
   return result;
+}
+
+namespace {
+
+// Fits the modules of the lines' boundaries; those that most others contradict count little.
+LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
+  constexpr double kTolerance = 0.5;  // modules
+  constexpr int kRounds = 6;
+  constexpr double kUnit = 100;  // pixels: conditions the equations
+  LocatedBars bars;
+  bars.centre = centre;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+    Eigen::Matrix<double, 5, 1> right = Eigen::Matrix<double, 5, 1>::Zero();
+    for (const ReadLine& line : scan.lines) {
+      for (std::size_t i = 0; i < kModules.size(); ++i) {
+        const PixelPoint pixel =
+            scan.frame.pixel(line.reading.alignment.boundaries[i], line.offset);
+        const PixelPoint p = 1 / kUnit * (pixel - centre);
+        const double module = kModules[i];
+        const double below = 1 + kUnit * dot(bars.c, p);
+        const double off = (bars.a + kUnit * dot(bars.b, p)) / below - module;
+        const double ratio = round == 0 ? 0 : off / kTolerance;
+        const double weight = 1 / (below * below * (1 + ratio * ratio));
+        Eigen::Matrix<double, 5, 1> row;
+        row << 1, p.x, p.y, -module * p.x, -module * p.y;
+        normal += weight * row * row.transpose();
+        right += weight * module * row;
+      }
+    }
+    const Eigen::Matrix<double, 5, 1> x = normal.ldlt().solve(right);
+    bars.a = x[0];
+    bars.b = {x[1] / kUnit, x[2] / kUnit};
+    bars.c = {x[3] / kUnit, x[4] / kUnit};
+  }
+  return bars;
+}
+
+}  // namespace
+
+std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region) {
+  constexpr std::size_t kLeastLines = 3;
+  const LineFrame frame = line_frame_for(image, region);
+  constexpr int kLines = 10;
+  auto first = first_line(image, frame, region);
+  if (!first) return std::nullopt;
+  const auto& boundaries = first->reading.alignment.boundaries;
+  const double middle = (boundaries.front() + boundaries.back()) / 2;
+  const Shape& shape = best_shape(*first);
+  const RegionScan scan = scan_region(image, frame, region, std::move(*first), shape, kLines);
+  if (scan.lines.size() < kLeastLines) return std::nullopt;
+  const double offset = (scan.lines.front().offset + scan.lines.back().offset) / 2;
+  LocatedBars bars = fit_bars(scan, scan.frame.pixel(middle, offset));
+  bars.height = scan.lines.back().offset - scan.lines.front().offset + scan.spacing;
+  return bars;
 }
 
 ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "decoder/image/gray.hpp"
+#include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/scan/decode.hpp"
@@ -35,6 +36,23 @@ struct FramelessTrace {
 };
 
 std::vector<FramelessTrace> trace_frameless(const GrayView& image, const ReadOptions& options = {});
+
+// Where the bars of a symbol stand, read or not.
+struct LocatedBars {
+  // Module of a pixel, from the first bar on: (a + b . p) / (1 + c . p) with p = pixel - centre.
+  double a = 0;
+  PixelPoint b;
+  PixelPoint c;
+  PixelPoint centre;
+  double height = 0;  // along the bars over which they were followed, pixels
+
+  // The line of all pixels of a module: normal . (pixel - centre) + distance = 0.
+  PixelPoint normal_at(double module) const { return b - module * c; }
+  double distance_at(double module) const { return a - module; }
+};
+
+// Follows the bars of a region line by line; nothing where they are not much like a symbol.
+std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region);
 
 // The result with what options.frameless asks for; a tag that was read by its frame is not given
 // again.

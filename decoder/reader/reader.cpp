@@ -22,6 +22,10 @@
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
+#include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/covered_profile.hpp"
+#include "decoder/reader/frame_by_bars.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
@@ -29,6 +33,13 @@
 
 namespace tagsmith {
 namespace {
+
+bool contains(const Quad& quad, PixelPoint point) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (cross(quad[(i + 1) % 4] - quad[i], point - quad[i]) < 0) return false;
+  }
+  return true;
+}
 
 PixelPoint centre_of(const Quad& quad) { return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]); }
 
@@ -65,26 +76,50 @@ struct Attempt {
   Decoding decoding;
   std::size_t first_corner = 0;
   SymbolProfile profile;
+  SymbolLayout layout;
 };
 
-// The best explained attempt along the symbol direction(s) that are possible.
+// The best explained attempt along the symbol direction(s) that are possible. `to_profile` is
+// profile_symbol or profile_covered_symbol.
+template <class ToProfile>
 std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& frame,
-                                    const ReadOptions& options) {
+                                    const ReadOptions& options, const ToProfile& to_profile) {
   const DecodeOptions decode_options{options.check, options.code_book};
   std::optional<Attempt> best;
   const auto attempt = [&](std::size_t first_corner, const SymbolLayout& layout) {
-    const SymbolProfile profile = profile_symbol(image, frame, first_corner, layout);
+    const SymbolProfile profile = to_profile(image, frame, first_corner, layout);
     SymbolImage start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
     const auto decoding = decode_profile(profile.bins, start, decode_options);
     if (!decoding) return;
     if (best && decoding->fit.explained <= best->decoding.fit.explained) return;
-    best = Attempt{*decoding, (first_corner + (decoding->upside_down ? 2 : 0)) % 4, profile};
+    best =
+        Attempt{*decoding, (first_corner + (decoding->upside_down ? 2 : 0)) % 4, profile, layout};
   };
   for (const std::size_t first_corner : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) attempt(first_corner, layout);
   }
   return best;
+}
+
+// Where the bars put the frame's corners, from P on: along the symbol by its modules, across by the
+// frame's own sides.
+FrameCorners corners_by_bars(const RefinedFrame& frame, const Attempt& attempt) {
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    corners[i] = frame.corners[(attempt.first_corner + i) % 4];
+  }
+  const SymbolImage& image = attempt.decoding.fit.image;
+  const double quiet = attempt.layout.quiet_zone_modules;
+  const auto u_of = [&](double module) {
+    const double from_middle = module - kModuleCount / 2.0;
+    const double t = 2 * from_middle / kModuleCount;
+    const double seen = module + image.shift + image.stretch * from_middle + image.bend * t * t;
+    return (quiet + seen) / (kModuleCount + 2 * quiet);
+  };
+  const double left = u_of(-quiet), right = u_of(kModuleCount + quiet);
+  const Homography map = homography_to(corners);
+  return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
 // The frame's corners from P on. Whatever widens the bars, ink or a tone curve that is not sRGB,
@@ -94,6 +129,16 @@ FrameCorners corners_of(const RefinedFrame& frame, const Attempt& attempt) {
   const Quad quad = widened(frame.corners, growth_px / 2);
   FrameCorners corners{};
   for (std::size_t i = 0; i < 4; ++i) corners[i] = quad[(attempt.first_corner + i) % 4];
+  // The bars say better where a hidden side is than what said it before.
+  const FrameCorners by_bars = corners_by_bars(frame, attempt);
+  if (!frame.shown[(attempt.first_corner + 1) % 4]) {
+    corners[1] = by_bars[1];
+    corners[2] = by_bars[2];
+  }
+  if (!frame.shown[(attempt.first_corner + 3) % 4]) {
+    corners[3] = by_bars[3];
+    corners[0] = by_bars[0];
+  }
   return corners;
 }
 
@@ -125,8 +170,24 @@ std::optional<std::string> objection(
   return std::nullopt;
 }
 
-Reading reading_from(const RefinedFrame& frame, const Attempt& attempt,
-                     const FrameCorners& corners) {
+// Whether a symbol shows too little for its covered digits to be more than guesses.
+bool too_little_shown(const SymbolProfile& profile) {
+  constexpr double kMostHidden = 0.25;  // of the places
+  constexpr double kSaysNothing = 1;    // variance
+  const auto hidden = std::ranges::count_if(
+      profile.bins, [](const ScanBin& bin) { return bin.variance > kSaysNothing; });
+  return static_cast<double>(hidden) > kMostHidden * static_cast<double>(profile.bins.size());
+}
+
+// Width of a module of a symbol along the frame's longer sides, pixels; roughly.
+double module_across(const Quad& frame) {
+  const double one = (distance(frame[0], frame[1]) + distance(frame[2], frame[3])) / 2;
+  const double other = (distance(frame[1], frame[2]) + distance(frame[3], frame[0])) / 2;
+  return std::max(one, other) / (kModuleCount + 2 * SymbolLayout{}.quiet_zone_modules);
+}
+
+Reading reading_from(const RefinedFrame& frame, const Attempt& attempt, const FrameCorners& corners,
+                     const char* method) {
   Reading reading;
   reading.digits = attempt.decoding.digits;
   reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
@@ -135,7 +196,7 @@ Reading reading_from(const RefinedFrame& frame, const Attempt& attempt,
   reading.corner_covariance = turned(corner_covariance(frame), attempt.first_corner);
   reading.module_px = attempt.profile.module_px;
   reading.confidence = attempt.decoding.confidence;
-  reading.method = "frame";
+  reading.method = method;
   return reading;
 }
 
@@ -167,9 +228,23 @@ class PictureReader {
     if (!frame) return pass_over(quad, frame.error().message);
     if (was_tried(refined_, frame->corners, 0.1)) return;
     refined_.push_back(frame->corners);
-    const auto attempt = best_attempt(image_, *frame, options_);
-    if (!attempt) return pass_over(quad, "no guard patterns inside");
-    judge(*frame, *attempt);
+    judge_inside(*frame);
+  }
+
+  // Reads what stands in frames that are completed by the bars of a region. `half` is the image at
+  // half its size.
+  void try_bars(const GrayView& half, const BarRegion& region) {
+    constexpr double kSymbolLike = 0.7;  // explained
+    for (const SymbolLayout& layout : options_.layouts) {
+      const auto rough = frame_by_bars(image_, half, region, layout);
+      if (!rough) continue;
+      if (is_read(rough->corners)) return;
+      const auto attempt = best_attempt(image_, *rough, options_, profile_covered_symbol);
+      if (!attempt || attempt->decoding.fit.explained < kSymbolLike) continue;
+      const auto frame = frame_by_symbol(image_, half, corners_by_bars(*rough, *attempt),
+                                         attempt->profile.module_px);
+      if (frame && judge_covered(*frame)) return;
+    }
   }
 
   // The plates read so far, in pixels of a level.
@@ -226,13 +301,38 @@ class PictureReader {
     if (options_.tell_passed_over) result_.passed_over.push_back({reason, quad});
   }
 
-  void judge(const RefinedFrame& frame, const Attempt& attempt) {
-    const FrameCorners corners = corners_of(frame, attempt);
-    if (const auto reason = objection(attempt, options_)) {
-      result_.rejected.push_back({*reason, corners});
-    } else {
-      result_.tags.push_back(reading_from(frame, attempt, corners));
+  // Reads the symbol inside a frame; where that does not convince, carefully.
+  void judge_inside(const RefinedFrame& frame) {
+    const auto attempt = best_attempt(image_, frame, options_, profile_symbol);
+    const auto reason = attempt ? objection(*attempt, options_) : std::nullopt;
+    if (attempt && !reason) return accept(frame, *attempt, "frame");
+    constexpr double kLeastGuards = 0.5;  // other symbols' are below
+    const bool symbol_like = !attempt || attempt->decoding.guards > kLeastGuards;
+    if (symbol_like && may_be_covered(frame) && judge_covered(frame)) return;
+    if (!attempt) return pass_over(frame.corners, "no guard patterns inside");
+    result_.rejected.push_back({*reason, corners_of(frame, *attempt)});
+  }
+
+  // Reads the symbol inside a frame carefully; whether it was believed.
+  bool judge_covered(const RefinedFrame& frame) {
+    const auto attempt = best_attempt(image_, frame, options_, profile_covered_symbol);
+    if (!attempt || objection(*attempt, options_) || too_little_shown(attempt->profile)) {
+      return false;
     }
+    accept(frame, *attempt, "frame, partly covered");
+    return true;
+  }
+
+  void accept(const RefinedFrame& frame, const Attempt& attempt, const char* method) {
+    result_.tags.push_back(reading_from(frame, attempt, corners_of(frame, attempt), method));
+  }
+
+  // Whether the careful way may help: it needs bars that stand apart, and takes time.
+  bool may_be_covered(const RefinedFrame& frame) {
+    constexpr int kMostTries = 4;         // in one picture
+    constexpr double kLeastModule = 1.2;  // pixels
+    const double across = module_across(frame.corners);
+    return across >= kLeastModule && careful_tries_++ < kMostTries;
   }
 
   GrayView image_;
@@ -240,6 +340,7 @@ class PictureReader {
   ReadResult result_;
   std::vector<Quad> settled_;  // frames tried, before and after the fine fit
   std::vector<Quad> refined_;
+  int careful_tries_ = 0;
 };
 
 // Frames larger than this are seen in the image at half its size, pixels.
@@ -415,6 +516,55 @@ void look_for(PictureReader& reader, const GrayView& image, const ExpectedTag& e
   for (const PyramidLevel& part : levels) search_regions(reader, part, nullptr, false);
 }
 
+// Whether bars reach the border of the image: part of the symbol is out of sight.
+bool is_cut_off(const GrayView& image, const BarRegion& region) {
+  constexpr double kNear = 0.08;   // of the length: their quiet zone is longer
+  constexpr double kBlurred = 12;  // pixels by which a region may be too short
+  const PixelPoint half = ((0.5 + kNear) * region.length + kBlurred) * region.across;
+  const auto outside = [&](PixelPoint at) {
+    return at.x < 0 || at.y < 0 || at.x > image.width - 1 || at.y > image.height - 1;
+  };
+  return outside(region.centre - half) || outside(region.centre + half);
+}
+
+// The largest fields of bars that no reading explains.
+std::vector<BarRegion> unexplained_bars(const PictureReader& reader, const GrayView& image,
+                                        const PyramidLevel& half) {
+  constexpr std::size_t kLooked = 24;
+  constexpr std::size_t kMost = 3;
+  constexpr double kLeastLength = 90;  // pixels: a symbol of about a pixel a module
+  constexpr double kLeastProportion = 0.6, kMostProportion = 6;
+  const PyramidLevel full{image, 1};
+  const std::vector<Quad> known = reader.known_in(full);
+  std::vector<BarRegion> bars;
+  for (const bool apart : {true, false}) {
+    for (const BarRegion& region : find_bar_regions(image, kLooked, apart)) {
+      if (bars.size() == kMost) return bars;
+      const double proportion = region.length / std::max(region.height, 1.0);
+      if (region.length < kLeastLength || proportion < kLeastProportion ||
+          proportion > kMostProportion) {
+        continue;
+      }
+      const auto holds = [&](const Quad& quad) { return contains(quad, region.centre); };
+      if (std::ranges::any_of(known, holds) || is_cut_off(image, region)) continue;
+      const auto same = [&](const BarRegion& other) {
+        return distance(other.centre, region.centre) < 0.25 * region.length &&
+               region.length > 0.75 * other.length && region.length < 1.33 * other.length;
+      };
+      if (std::ranges::any_of(bars, same)) continue;
+      const BarBlock block{region.centre,
+                           region.across,
+                           {-region.across.y, region.across.x},
+                           region.length / 2,
+                           region.height / 2};
+      if (is_symbol_like(half.image, scaled(block, 1 / half.scale)) && has_bars(image, region)) {
+        bars.push_back(region);
+      }
+    }
+  }
+  return bars;
+}
+
 void search(PictureReader& reader, const GrayView& image) {
   const Pyramid pyramid(image);
   search_near_bars(reader, pyramid);
@@ -429,6 +579,9 @@ void search(PictureReader& reader, const GrayView& image) {
     const TileMask around = tiles_around(symbols, at);
     if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
     search_regions(reader, at.level, everywhere ? nullptr : &around, true);
+  }
+  for (const BarRegion& region : unexplained_bars(reader, image, half.level)) {
+    reader.try_bars(half.level.image, region);
   }
 }
 

@@ -49,6 +49,30 @@ struct Picture {
 // quick.
 Picture draw(std::uint64_t seed);
 
+// One thing at a time that makes a tag of 1.3 to 4 px a module hard to read, strongly.
+enum class Trouble {
+  none,
+  steep_cable,     // dark, along the bars or nearly so
+  diagonal_cable,  // dark, over most digits, each elsewhere
+  pale_cable,      // of the plate's colour
+  hidden_side,     // a board over one of the frame's sides, not over the bars
+  dirt,            // blotches
+  glare,
+  veil,           // dust: little contrast
+  dark,           // little light, much noise
+  motion_along,   // of the bars, up to 8 px
+  motion_across,  // up to 1.2 modules
+  steep,          // seen at 65 to 75 degrees
+  several,        // three of them
+  count
+};
+
+const char* name_of(Trouble trouble);
+
+// As draw(), but with this trouble alone; two pictures of three show a tag, the others something
+// that must not be read.
+Picture draw_troubled(Trouble trouble, std::uint64_t seed);
+
 // Twelve random digits with a valid check digit (gs1).
 Digits random_code(std::mt19937_64& random);
 

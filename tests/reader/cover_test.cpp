@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tags with something in front of a part of their bars' height.
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <span>
 #include <string>
 
+#include <Eigen/Core>
 #include <doctest/doctest.h>
 
 #include "decoder/reader/reader.hpp"
@@ -17,8 +20,13 @@ namespace {
 
 constexpr const char* kCode = "019002400404";
 
-// The tag at 3 px a module, seen squarely.
-ReadResult read_covered(const Cover& cover) {
+struct CoveredPicture {
+  View view;
+  ReadResult result;
+};
+
+// The tag at 3 px a module, seen a little obliquely, with something in front.
+CoveredPicture read_behind(const PlateFinish& finish, const std::string& code = kCode) {
   Camera camera;
   camera.width = 480;
   camera.height = 340;
@@ -26,16 +34,29 @@ ReadResult read_covered(const Cover& cover) {
   camera.cx = (camera.width - 1) / 2.0;
   camera.cy = (camera.height - 1) / 2.0;
   ScenePlate plate;
-  plate.drawing = draw_tag(test::corridor_template(), *parse_digits(kCode));
-  plate.finish.cover = cover;
+  plate.drawing = draw_tag(test::corridor_template(), *parse_digits(code));
+  plate.finish = finish;
   const double distance = camera.fx * plate.drawing.module / 3;
   plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, {camera.cx, camera.cy},
                                                      distance, 0.3, 0.1, 0.2);
-  ViewOptions view;
-  view.sensor.noise_sigma = 2;
-  ReadOptions options;
-  options.check = CheckDigit::gs1;
-  return read_tags(render_view(camera, std::span(&plate, 1), view).image.view(), options);
+  ViewOptions options;
+  options.sensor.noise_sigma = 2;
+  CoveredPicture picture{render_view(camera, std::span(&plate, 1), options), {}};
+  ReadOptions read_options;
+  read_options.check = CheckDigit::gs1;
+  picture.result = read_tags(picture.view.image.view(), read_options);
+  return picture;
+}
+
+ReadResult read_covered(const Cover& cover) {
+  PlateFinish finish;
+  finish.cover = cover;
+  return read_behind(finish).result;
+}
+
+bool reads_wrongly(const ReadResult& result) {
+  return std::ranges::any_of(result.tags,
+                             [](const Reading& tag) { return to_string(tag.digits) != kCode; });
 }
 
 }  // namespace
@@ -55,9 +76,55 @@ TEST_CASE("what hides most of the bars' height is never taken for bars") {
       CAPTURE(reflectance);
       CAPTURE(height);
       const ReadResult result = read_covered({{0.09, 0.025, 0.1, height}, reflectance});
-      const bool wrong = std::ranges::any_of(
-          result.tags, [](const Reading& tag) { return to_string(tag.digits) != kCode; });
-      CHECK_FALSE(wrong);
+      CHECK_FALSE(reads_wrongly(result));
+    }
+  }
+}
+
+TEST_CASE("a board over a side of the frame: the bars say where the side is, and how surely") {
+  // Left, right: over the frame's stroke and the quiet zone's first half, not over the bars.
+  const double module = 0.343 / 113;
+  for (const double x : {-0.02, 0.343 - 4 * module}) {
+    CAPTURE(x);
+    PlateFinish finish;
+    finish.cover = Cover{{x, -0.08, 0.02 + 4 * module, 0.32}, 0.1};
+    const CoveredPicture picture = read_behind(finish);
+    REQUIRE(picture.result.tags.size() == 1);
+    const Reading& tag = picture.result.tags[0];
+    CHECK(to_string(tag.digits) == kCode);
+    CHECK(tag.method == "frame, partly covered");
+    for (std::size_t i = 0; i < 4; ++i) {
+      CAPTURE(i);
+      const Eigen::Vector2d truth = *picture.view.plates.front().corners[i];
+      const auto row = static_cast<Eigen::Index>(2 * i);
+      const double off = std::hypot(tag.corners[i].x - truth.x(), tag.corners[i].y - truth.y());
+      const double sigma = std::sqrt(tag.corner_covariance.block<2, 2>(row, row).trace());
+      CHECK(off < 1);
+      CHECK(off < 4 * sigma + 0.05);
+    }
+  }
+}
+
+TEST_CASE("a highlight on the bars is read around") {
+  PlateFinish finish;
+  finish.glare = Glare{{0.12, 0.11}, 0.025, 1.5};
+  const ReadResult result = read_behind(finish).result;
+  REQUIRE(result.tags.size() == 1);
+  CHECK(to_string(result.tags[0].digits) == kCode);
+}
+
+TEST_CASE("a digit that no row shows is not filled in from the check digit") {
+  // Eight modules wide over the whole height, at every digit in turn.
+  const double module = 0.343 / 113;
+  for (int digit = 0; digit < 12; ++digit) {
+    CAPTURE(digit);
+    const double first = 9 + 3 + 7 * digit + (digit >= 6 ? 5 : 0);
+    for (const double reflectance : {0.05, 0.4, 0.82}) {
+      CAPTURE(reflectance);
+      const ReadResult result =
+          read_covered({{(first - 0.5) * module, -0.08, 8 * module, 0.32}, reflectance});
+      CHECK_FALSE(reads_wrongly(result));
+      CHECK(result.tags.empty());
     }
   }
 }

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/cover_strips.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "decoder/image/bilinear.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+// Places around the bars, clockwise, where the plate should be all white, or all black.
+struct Loop {
+  std::vector<PixelPoint> at;    // unit square of the frame's inside
+  std::vector<double> level;     // grey level seen there
+  std::vector<double> expected;  // that of the places around that agree
+};
+
+constexpr int kPerSide = 192;
+
+// A rectangle around the bars at these distances from the frame's inner edge (negative: outside).
+Loop loop_at(const GrayView& image, const Homography& image_from_unit, double from_side,
+             double from_top, double spread_u, double spread_v) {
+  Loop loop;
+  const std::array<PixelPoint, 5> corners{{{from_side, from_top},
+                                           {1 - from_side, from_top},
+                                           {1 - from_side, 1 - from_top},
+                                           {from_side, 1 - from_top},
+                                           {from_side, from_top}}};
+  for (std::size_t side = 0; side < 4; ++side) {
+    for (int k = 0; k < kPerSide; ++k) {
+      const double t = (k + 0.5) / kPerSide;
+      const PixelPoint at = (1 - t) * corners[side] + t * corners[side + 1];
+      double sum = 0;
+      for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+          sum += sample_bilinear(image, image_from_unit(at.x + i * spread_u, at.y + j * spread_v));
+        }
+      }
+      loop.at.push_back(at);
+      loop.level.push_back(sum / 9);
+    }
+  }
+  return loop;
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+// The level that a loop should show: of the places within a side's length the upper or lower part
+// of the middle, so that covers up to half of them do not count.
+void expect(Loop& loop, double share) {
+  const int size = static_cast<int>(loop.level.size());
+  for (int i = 0; i < size; ++i) {
+    std::vector<double> near;
+    for (int k = -kPerSide / 2; k <= kPerSide / 2; k += 4) {
+      near.push_back(loop.level[static_cast<std::size_t>((i + k + size) % size)]);
+    }
+    loop.expected.push_back(quantile(std::move(near), share));
+  }
+}
+
+// Consecutive places of a loop that do not show what they should.
+struct Crossing {
+  int begin = 0;
+  int count = 0;
+};
+
+std::vector<Crossing> crossings_of(const Loop& loop, double tolerance) {
+  constexpr int kBridge = 3;
+  constexpr int kMost = 2 * kPerSide;
+  const int size = static_cast<int>(loop.level.size());
+  const auto is_odd = [&](int i) {
+    const auto at = static_cast<std::size_t>((i + size) % size);
+    return std::abs(loop.level[at] - loop.expected[at]) > tolerance;
+  };
+  std::vector<Crossing> crossings;
+  int start = 0;  // a place that shows what it should: no crossing is cut there
+  while (start < size && is_odd(start)) ++start;
+  for (int i = start; i < start + size; ++i) {
+    if (!is_odd(i)) continue;
+    int last = i;
+    for (int k = i + 1; k <= last + kBridge && k < start + size; ++k) {
+      if (is_odd(k)) last = k;
+    }
+    if (last + 1 - i <= kMost) crossings.push_back({i, last + 1 - i});
+    i = last;
+  }
+  return crossings;
+}
+
+PixelPoint point_of(const Loop& loop, int i) {
+  const int size = static_cast<int>(loop.at.size());
+  return loop.at[static_cast<std::size_t>((i % size + size) % size)];
+}
+
+double level_at(const Loop& loop, int i) {
+  const int size = static_cast<int>(loop.at.size());
+  return loop.level[static_cast<std::size_t>((i % size + size) % size)];
+}
+
+// The strip between two crossings, a little wider; clockwise because the loop is.
+CoverStrip strip_between(const Loop& loop, const Crossing& a, const Crossing& b) {
+  constexpr int kBeyond = 1;  // places: its blurred outline
+  return {point_of(loop, a.begin - kBeyond), point_of(loop, a.begin + a.count - 1 + kBeyond),
+          point_of(loop, b.begin - kBeyond), point_of(loop, b.begin + b.count - 1 + kBeyond)};
+}
+
+bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
+  const int size = static_cast<int>(loop.at.size());
+  const auto side = [&](const Crossing& c) { return ((c.begin + c.count / 2) % size) / kPerSide; };
+  return side(a) == side(b);
+}
+
+// Whether the light along a strip changes evenly from one crossing to the other: along its middle
+// and halfway to its sides.
+bool is_plain(const GrayView& image, const Homography& image_from_unit, const Loop& loop,
+              const Crossing& a, const Crossing& b, double tolerance) {
+  constexpr int kPlaces = 64;
+  constexpr double kLeastEven = 0.85;
+  const auto place = [](const Crossing& crossing, double share) {
+    return crossing.begin + static_cast<int>(std::lround(share * (crossing.count - 1)));
+  };
+  for (const double share : {0.25, 0.5, 0.75}) {
+    // Clockwise on one crossing is anticlockwise on the other.
+    const int first = place(a, share), second = place(b, 1 - share);
+    const PixelPoint begin = point_of(loop, first), end = point_of(loop, second);
+    const double from = level_at(loop, first), to = level_at(loop, second);
+    int even = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const double t = (k + 0.5) / kPlaces;
+      const PixelPoint at = (1 - t) * begin + t * end;
+      const double level = sample_bilinear(image, image_from_unit(at.x, at.y));
+      even += std::abs(level - ((1 - t) * from + t * to)) < tolerance ? 1 : 0;
+    }
+    if (even < kLeastEven * kPlaces) return false;
+  }
+  return true;
+}
+
+void add_strips(const GrayView& image, const Homography& image_from_unit, const Loop& loop,
+                double contrast, std::vector<CoverStrip>& strips) {
+  constexpr double kOdd = 0.3;      // of the contrast
+  constexpr double kEven = 0.3;     // of the contrast
+  constexpr double kMostWidth = 3;  // of two crossings of one strip, against each other
+  const std::vector<Crossing> crossings = crossings_of(loop, kOdd * contrast);
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    const Crossing& a = crossings[i];
+    if (a.count >= kPerSide / 6) {
+      // It may cut off a corner or a whole side: what lies between its ends and the loop.
+      const int third = a.count / 3;
+      strips.push_back({point_of(loop, a.begin - 1), point_of(loop, a.begin + third),
+                        point_of(loop, a.begin + 2 * third), point_of(loop, a.begin + a.count)});
+    }
+    for (std::size_t j = i + 1; j < crossings.size(); ++j) {
+      const Crossing& b = crossings[j];
+      if (same_side(loop, a, b)) continue;
+      const auto [thin, thick] = std::minmax(a.count, b.count);
+      if (thick > kMostWidth * thin + 2) continue;
+      if (!is_plain(image, image_from_unit, loop, a, b, kEven * contrast)) continue;
+      strips.push_back(strip_between(loop, a, b));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<CoverStrip> find_cover_strips(const GrayView& image, const Homography& image_from_unit,
+                                          const SymbolLayout& layout, double stroke) {
+  const double module = 1 / (kModuleCount + 2 * layout.quiet_zone_modules);
+  const double quiet = layout.quiet_zone_modules * module;
+  const double margin = std::min(layout.bars_top, 1 - layout.bars_bottom);
+  const double stroke_u = stroke * quiet / margin;  // as thick on all sides
+  Loop white = loop_at(image, image_from_unit, quiet / 2, margin / 2, quiet / 12, margin / 12);
+  Loop black =
+      loop_at(image, image_from_unit, -stroke_u / 2, -stroke / 2, stroke_u / 8, stroke / 8);
+  expect(white, 0.7);
+  expect(black, 0.3);
+  const double contrast = quantile(white.expected, 0.5) - quantile(black.expected, 0.5);
+  std::vector<CoverStrip> strips;
+  if (!(contrast > 0)) return strips;
+  add_strips(image, image_from_unit, white, contrast, strips);
+  add_strips(image, image_from_unit, black, contrast, strips);
+  return strips;
+}
+
+bool covers(const CoverStrip& strip, PixelPoint unit) {
+  for (std::size_t i = 0; i < strip.size(); ++i) {
+    if (cross(strip[(i + 1) % 4] - strip[i], unit - strip[i]) < 0) return false;
+  }
+  return true;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cables, pipes and boards across a tag, told by where they cross what is known beforehand.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/symbol_layout.hpp"
+
+namespace tagsmith {
+
+// The area between two crossings, clockwise in the unit square of the frame's inside; its corners
+// may lie outside of it.
+using CoverStrip = std::array<PixelPoint, 4>;
+
+// Whatever is straight, crosses the white between bars and frame (or the frame's stroke) twice, and
+// shows no bars on the way. `stroke` is the stroke's thickness as a share of the inner height.
+std::vector<CoverStrip> find_cover_strips(const GrayView& image, const Homography& image_from_unit,
+                                          const SymbolLayout& layout, double stroke);
+
+bool covers(const CoverStrip& strip, PixelPoint unit);
+
+}  // namespace tagsmith

@@ -1,0 +1,517 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/covered_profile.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "decoder/reader/cover_strips.hpp"
+#include "decoder/reader/light_grid.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr double kBeyond = 4;  // modules of quiet zone taken on both sides
+constexpr double kHidden = 4;  // variance that says nothing
+
+// The cells of the bars' height with what is known of each.
+struct BarRows {
+  LightGrid grid;
+  std::size_t first_row = 0;
+  std::size_t rows = 0;
+  std::size_t first_bin = 0;
+  std::size_t bins = 0;
+  std::vector<float> counts;   // pixels that may be used: 0 under a cover
+  std::vector<float> middles;  // mean place of a bin's pixels over all rows, bins; -1 = no pixel
+
+  const LightCell& cell(std::size_t row, std::size_t bin) const {
+    return grid.at(first_row + row, first_bin + bin);
+  }
+  float count(std::size_t row, std::size_t bin) const { return counts[row * bins + bin]; }
+  // Place of a cell's pixels, in bins from the first one.
+  float position(std::size_t row, std::size_t bin) const {
+    return cell(row, bin).place * static_cast<float>(grid.per_module) -
+           static_cast<float>(first_bin);
+  }
+};
+
+double quantile(std::vector<double>& values, double share) {
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+// Where the bars run along the columns of pixels, a bin's pixels all lie off its middle.
+float middle_of(const BarRows& rows, std::size_t bin) {
+  float sum = 0, count = 0;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const float here = rows.cell(row, bin).count;
+    if (here > 0) sum += here * rows.position(row, bin);
+    count += here;
+  }
+  return count > 0 ? sum / count : -1.0F;
+}
+
+BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const CoverStrip> strips) {
+  constexpr double kClear = 0.06;  // of the bars' height at each end
+  const double clear = kClear * (layout.bars_bottom - layout.bars_top);
+  const auto row_at = [&](double v) {
+    return static_cast<std::size_t>(std::lround(v * static_cast<double>(grid.rows)));
+  };
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  BarRows rows;
+  rows.first_row = row_at(layout.bars_top + clear);
+  rows.rows = row_at(layout.bars_bottom - clear) - rows.first_row;
+  const double begin = std::max(0.0, layout.quiet_zone_modules - kBeyond) * grid.per_module;
+  rows.first_bin = static_cast<std::size_t>(std::ceil(begin));
+  rows.bins = std::min(grid.bins - 2 * rows.first_bin,
+                       static_cast<std::size_t>((kModuleCount + 2 * kBeyond) * grid.per_module));
+  rows.grid = std::move(grid);
+  rows.counts.resize(rows.rows * rows.bins);
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const double v = rows.grid.height_of(rows.first_row + row);
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+      const PixelPoint at{rows.grid.place_of(rows.first_bin + bin) / modules, v};
+      const auto hides = [&](const CoverStrip& strip) { return covers(strip, at); };
+      if (std::ranges::any_of(strips, hides)) continue;
+      rows.counts[row * rows.bins + bin] = rows.cell(row, bin).count;
+    }
+  }
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) rows.middles.push_back(middle_of(rows, bin));
+  return rows;
+}
+
+// What the rows have in common: the darkness at the middle of every bin's pixels.
+struct Common {
+  std::vector<float> darkness;
+  std::vector<float> certainty;  // 0 where nothing is known
+  std::vector<float> slope;      // change of darkness a bin
+
+  // At a place in a bin.
+  float at(const BarRows& rows, std::size_t bin, float position) const {
+    return darkness[bin] + slope[bin] * (position - rows.middles[bin]);
+  }
+};
+
+// Slopes from the known bins on both sides of each.
+void find_slopes(const BarRows& rows, Common& common) {
+  common.slope.assign(rows.bins, 0);
+  std::vector<std::size_t> known;
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    if (common.certainty[bin] > 0 && rows.middles[bin] >= 0) known.push_back(bin);
+  }
+  for (std::size_t i = 1; i + 1 < known.size(); ++i) {
+    const float run = rows.middles[known[i + 1]] - rows.middles[known[i - 1]];
+    const float rise = common.darkness[known[i + 1]] - common.darkness[known[i - 1]];
+    if (run < 4) common.slope[known[i]] = rise / std::max(run, 0.5F);
+  }
+}
+
+// How the common darkness d shows on a stretch of a row: light = white - contrast d.
+struct Stretch {
+  float white = 0;
+  float contrast = 0;
+  float variance = 0;  // of a pixel's light about that
+};
+
+// Weighted sums along a row, up to each bin.
+struct RunningSums {
+  double w = 0, d = 0, dd = 0, l = 0, ll = 0, dl = 0;
+  int cells = 0;
+
+  void add(double weight, double darkness, double light) {
+    w += weight;
+    d += weight * darkness;
+    dd += weight * darkness * darkness;
+    l += weight * light;
+    ll += weight * light * light;
+    dl += weight * darkness * light;
+    ++cells;
+  }
+};
+
+std::optional<Stretch> fit_stretch(const RunningSums& a, const RunningSums& b) {
+  constexpr double kLeastModulation = 0.03;  // variance of the common darkness
+  const double w = b.w - a.w;
+  const int cells = b.cells - a.cells;
+  if (cells < 8 || w <= 0) return std::nullopt;
+  const double d = (b.d - a.d) / w;
+  const double l = (b.l - a.l) / w;
+  const double dd = (b.dd - a.dd) / w - d * d;
+  const double ll = (b.ll - a.ll) / w - l * l;
+  const double dl = (b.dl - a.dl) / w - d * l;
+  if (dd < kLeastModulation) return std::nullopt;
+  const double slope = dl / dd;
+  const double residual = std::max(0.0, ll - slope * dl) * w / (cells - 2);
+  return Stretch{static_cast<float>(l - slope * d), static_cast<float>(-slope),
+                 static_cast<float>(residual)};
+}
+
+// The stretches of every row, one a module, each ten modules long.
+struct Stretches {
+  std::size_t per_row = 0;
+  std::size_t reach = 0;   // bins to both sides of a stretch's middle
+  std::size_t stride = 0;  // bins from one middle to the next
+  std::vector<std::optional<Stretch>> all;
+  float contrast = 0;  // usual
+  float variance = 0;
+
+  const std::optional<Stretch>& at(std::size_t row, std::size_t i) const {
+    return all[row * per_row + i];
+  }
+};
+
+Stretches fit_stretches(const BarRows& rows, const Common& common) {
+  constexpr double kHalf = 5;  // modules
+  Stretches result;
+  result.stride = static_cast<std::size_t>(rows.grid.per_module);
+  result.reach = static_cast<std::size_t>(kHalf * rows.grid.per_module);
+  result.per_row = (rows.bins + result.stride - 1) / result.stride;
+  std::vector<RunningSums> sums(rows.bins + 1);
+  std::vector<double> contrasts, variances;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+      sums[bin + 1] = sums[bin];
+      const float count = rows.count(row, bin);
+      if (count == 0 || common.certainty[bin] == 0) continue;
+      const float darkness = common.at(rows, bin, rows.position(row, bin));
+      sums[bin + 1].add(static_cast<double>(count), static_cast<double>(darkness),
+                        static_cast<double>(rows.cell(row, bin).light));
+    }
+    for (std::size_t i = 0; i < result.per_row; ++i) {
+      const std::size_t middle = i * result.stride;
+      const std::size_t begin = middle > result.reach ? middle - result.reach : 0;
+      const std::size_t end = std::min(rows.bins, middle + result.reach + 1);
+      result.all.push_back(fit_stretch(sums[begin], sums[end]));
+      if (!result.all.back()) continue;
+      contrasts.push_back(static_cast<double>(result.all.back()->contrast));
+      variances.push_back(static_cast<double>(result.all.back()->variance));
+    }
+  }
+  if (contrasts.empty()) return result;
+  result.contrast = static_cast<float>(quantile(contrasts, 0.6));
+  result.variance = std::max(1e-6F, static_cast<float>(quantile(variances, 0.4)));
+  return result;
+}
+
+// Whether a stretch follows the common darkness.
+bool follows(const Stretch& stretch, const Stretches& all) {
+  constexpr float kLeastContrast = 0.2F;  // of the usual one
+  constexpr float kMostVariance = 3;      // times the usual one
+  constexpr float kModel = 0.006F;        // of the contrast squared: 8 % off anywhere
+  return stretch.contrast > kLeastContrast * all.contrast &&
+         stretch.variance <
+             kMostVariance * all.variance + kModel * stretch.contrast * stretch.contrast;
+}
+
+// A cell's darkness by the stretch around it that follows best.
+struct Vote {
+  float darkness = 0;
+  float weight = 0;
+};
+
+Vote vote_of(const BarRows& rows, const Stretches& stretches, std::size_t row, std::size_t bin,
+             const Common& common) {
+  const float count = rows.count(row, bin);
+  if (count == 0) return {};
+  const std::size_t reach = stretches.reach / stretches.stride;
+  const std::size_t here = bin / stretches.stride;
+  const std::size_t begin = here > reach ? here - reach + 1 : 0;
+  const std::size_t end = std::min(stretches.per_row, here + reach);
+  const Stretch* best = nullptr;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::optional<Stretch>& stretch = stretches.at(row, i);
+    if (!stretch || !follows(*stretch, stretches)) continue;
+    if (!best || stretch->variance * best->contrast * best->contrast <
+                     best->variance * stretch->contrast * stretch->contrast) {
+      best = &*stretch;
+    }
+  }
+  if (best == nullptr) return {};
+  const float off = rows.position(row, bin) - rows.middles[bin];
+  const float variance = std::max(stretches.variance, best->variance);
+  return {(best->white - rows.cell(row, bin).light) / best->contrast - off * common.slope[bin],
+          count * best->contrast * best->contrast / variance};
+}
+
+float weighted_median(std::vector<Vote>& votes) {
+  std::ranges::sort(votes, {}, &Vote::darkness);
+  float total = 0;
+  for (const Vote& vote : votes) total += vote.weight;
+  float sum = 0;
+  for (const Vote& vote : votes) {
+    sum += vote.weight;
+    if (sum >= total / 2) return vote.darkness;
+  }
+  return votes.empty() ? 0.0F : votes.back().darkness;
+}
+
+// A bin's rows put together.
+struct Agreed {
+  float darkness = 0;
+  float weight = 0;  // inverse variance; 0 = no row shows it
+  float doubt = 0;   // share of the weight that disagrees
+  float shown = 0;   // share of the rows
+};
+
+Agreed agree(std::vector<Vote>& votes, std::size_t rows) {
+  constexpr float kTolerance = 0.2F;  // of the contrast
+  Agreed agreed;
+  if (votes.empty()) return agreed;
+  const float middle = weighted_median(votes);
+  float sum = 0, odd = 0;
+  std::size_t used = 0;
+  for (const Vote& vote : votes) {
+    if (std::abs(vote.darkness - middle) > kTolerance + 3 / std::sqrt(vote.weight)) {
+      odd += vote.weight;
+      continue;
+    }
+    sum += vote.weight * vote.darkness;
+    agreed.weight += vote.weight;
+    ++used;
+  }
+  agreed.darkness = sum / agreed.weight;
+  agreed.doubt = odd / (odd + agreed.weight);
+  agreed.shown = static_cast<float>(used) / static_cast<float>(rows);
+  return agreed;
+}
+
+// Mean light of a few rows, bin by bin, and which bins it is known for.
+struct Band {
+  std::vector<float> light;
+  std::vector<float> count;
+};
+
+Band band_of(const BarRows& rows, std::size_t first, std::size_t end) {
+  Band band{std::vector<float>(rows.bins), std::vector<float>(rows.bins)};
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    for (std::size_t row = first; row < end; ++row) {
+      band.light[bin] += rows.count(row, bin) * rows.cell(row, bin).light;
+      band.count[bin] += rows.count(row, bin);
+    }
+    if (band.count[bin] > 0) band.light[bin] /= band.count[bin];
+  }
+  return band;
+}
+
+// Levels near a place.
+struct Levels {
+  float low = 0;
+  float high = 0;
+};
+
+// Of the known values within `reach` bins, farther inside at the ends; noise and single outliers
+// left out.
+Levels levels_at(const std::vector<float>& values, const std::vector<float>& known, std::size_t bin,
+                 std::size_t reach) {
+  constexpr double kLeftOut = 0.1;
+  static thread_local std::vector<float> near;
+  near.clear();
+  // Of one length everywhere: a quiet zone and a guard alone show little black.
+  const std::size_t length = std::min(values.size(), 2 * reach + 1);
+  const std::size_t begin = std::min(bin > reach ? bin - reach : 0, values.size() - length);
+  for (std::size_t i = begin; i < begin + length; ++i) {
+    if (known[i] > 0) near.push_back(values[i]);
+  }
+  if (near.empty()) return {};
+  const auto place = [&](double share) {
+    return near.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(near.size() - 1));
+  };
+  std::nth_element(near.begin(), place(kLeftOut), near.end());
+  const float low = *place(kLeftOut);
+  std::nth_element(near.begin(), place(1 - kLeftOut), near.end());
+  return {low, *place(1 - kLeftOut)};
+}
+
+// The same for every bin, found once a module.
+std::vector<Levels> levels_near(const std::vector<float>& values, const std::vector<float>& known,
+                                double reach_modules, double per_module) {
+  const auto reach = static_cast<std::size_t>(reach_modules * per_module);
+  const auto stride = static_cast<std::size_t>(per_module);
+  std::vector<Levels> levels(values.size());
+  for (std::size_t begin = 0; begin < values.size(); begin += stride) {
+    const std::size_t end = std::min(values.size(), begin + stride);
+    const Levels here = levels_at(values, known, (begin + end) / 2, reach);
+    std::fill(levels.begin() + static_cast<std::ptrdiff_t>(begin),
+              levels.begin() + static_cast<std::ptrdiff_t>(end), here);
+  }
+  return levels;
+}
+
+constexpr double kLevelsReach = 7;  // modules: two digits, which hold wide elements
+
+// Darkness between the white and the black near by; how far these are apart within a digit's
+// length: hardly where the bars do not show.
+struct LocalDarkness {
+  std::vector<float> darkness;
+  std::vector<float> contrast;
+};
+
+LocalDarkness local_darkness_of(const Band& band, double per_module) {
+  constexpr double kContrastReach = 4;  // modules
+  const std::size_t bins = band.light.size();
+  LocalDarkness result{std::vector<float>(bins), std::vector<float>(bins)};
+  const auto levels = levels_near(band.light, band.count, kLevelsReach, per_module);
+  const auto close = levels_near(band.light, band.count, kContrastReach, per_module);
+  for (std::size_t bin = 0; bin < bins; ++bin) {
+    if (band.count[bin] == 0) continue;
+    result.contrast[bin] = close[bin].high - close[bin].low;
+    result.darkness[bin] =
+        (levels[bin].high - band.light[bin]) / std::max(levels[bin].high - levels[bin].low, 1e-4F);
+  }
+  return result;
+}
+
+// The first guess: the middle of what a few rows at a time show between their own white and black,
+// those with clear bars before others.
+Common first_guess(const BarRows& rows) {
+  constexpr std::size_t kBands = 14;
+  constexpr float kLeastContrast = 0.2F;  // of the usual one
+  std::vector<Band> bands;
+  std::vector<LocalDarkness> seen;
+  std::vector<double> contrasts;
+  const std::size_t step = std::max<std::size_t>(2, rows.rows / kBands);
+  for (std::size_t row = 0; row + step <= rows.rows; row += step) {
+    bands.push_back(band_of(rows, row, row + step));
+    seen.push_back(local_darkness_of(bands.back(), rows.grid.per_module));
+    for (const float contrast : seen.back().contrast) {
+      contrasts.push_back(static_cast<double>(contrast));
+    }
+  }
+  Common common{std::vector<float>(rows.bins), std::vector<float>(rows.bins), {}};
+  const auto least = kLeastContrast * static_cast<float>(quantile(contrasts, 0.6));
+  std::vector<Vote> votes;
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    votes.clear();
+    for (std::size_t i = 0; i < bands.size(); ++i) {
+      const float contrast = seen[i].contrast[bin];
+      if (bands[i].count[bin] == 0 || contrast < least) continue;
+      votes.push_back({seen[i].darkness[bin], bands[i].count[bin] * contrast * contrast});
+    }
+    common.darkness[bin] = weighted_median(votes);
+    common.certainty[bin] = votes.empty() ? 0.0F : 1.0F;
+  }
+  find_slopes(rows, common);
+  return common;
+}
+
+std::vector<Agreed> agree_on_all(const BarRows& rows, const Stretches& stretches,
+                                 const Common& common) {
+  std::vector<Agreed> agreed;
+  agreed.reserve(rows.bins);
+  std::vector<Vote> votes;
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    votes.clear();
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+      const Vote vote = vote_of(rows, stretches, row, bin, common);
+      if (vote.weight > 0) votes.push_back(vote);
+    }
+    agreed.push_back(agree(votes, rows.rows));
+  }
+  return agreed;
+}
+
+// Rows are fitted to what they have in common and that is made of them again, which leaves its
+// level and contrast adrift: they are set anew from the elements near by.
+void anchor(std::vector<Agreed>& agreed, double per_module) {
+  std::vector<float> values, known;
+  for (const Agreed& at : agreed) {
+    values.push_back(at.darkness);
+    known.push_back(at.weight);
+  }
+  constexpr double kReach =
+      10;  // modules: the drift is slow, and many elements tell the levels well
+  const auto levels = levels_near(values, known, kReach, per_module);
+  for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
+    if (agreed[bin].weight == 0) continue;
+    const float contrast = std::max(levels[bin].high - levels[bin].low, 0.1F);
+    agreed[bin].darkness = (agreed[bin].darkness - levels[bin].low) / contrast;
+    agreed[bin].weight *= contrast * contrast;
+  }
+}
+
+Common common_of(const BarRows& rows, const std::vector<Agreed>& agreed, const Common& before) {
+  Common common = before;
+  for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
+    common.certainty[bin] = agreed[bin].weight > 0 ? 1.0F : 0.0F;
+    if (agreed[bin].weight > 0) common.darkness[bin] = agreed[bin].darkness;
+  }
+  find_slopes(rows, common);
+  return common;
+}
+
+ScanProfile profile_of(const BarRows& rows, const std::vector<Agreed>& agreed,
+                       const SymbolLayout& layout) {
+  constexpr float kModelError = 0.02F;  // of the contrast
+  constexpr float kFewRows = 0.1F;      // of the contrast where hardly a row shows
+  constexpr float kLeastShown = 0.05F;
+  ScanProfile profile;
+  for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
+    const Agreed& at = agreed[bin];
+    if (rows.middles[bin] < 0) continue;
+    const double place =
+        (static_cast<double>(rows.first_bin) + static_cast<double>(rows.middles[bin])) /
+            rows.grid.per_module -
+        layout.quiet_zone_modules;
+    if (at.weight == 0 || at.shown < kLeastShown) {
+      profile.push_back({place, 0.5, kHidden, 1});
+      continue;
+    }
+    const float few = kFewRows * (1 - at.shown) * (1 - at.shown);
+    const float doubt = std::min(1.0F, 2 * at.doubt);
+    const float variance =
+        1 / at.weight + kModelError * kModelError + few * few + doubt * doubt * doubt * doubt;
+    profile.push_back({place, static_cast<double>(at.darkness), static_cast<double>(variance), 1});
+  }
+  return profile;
+}
+
+}  // namespace
+
+SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
+                                     std::size_t first_corner, const SymbolLayout& layout) {
+  constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
+  constexpr int kRounds = 4;
+  Quad corners{};
+  std::array<FrameSide, 4> sides{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    corners[i] = frame.corners[(first_corner + i) % 4];
+    sides[i] = frame.sides[(first_corner + i) % 4];
+  }
+  const Homography image_from_unit = homography_to(corners);
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  SymbolProfile profile;
+  profile.module_px = distance(image_from_unit(0.5 - 0.5 / modules, 0.5),
+                               image_from_unit(0.5 + 0.5 / modules, 0.5));
+  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  const auto row_count =
+      static_cast<std::size_t>(std::clamp(std::lround(height / kRowHeight), 24L, 96L));
+  const int bins_per_module =
+      std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 6);
+  const double stroke =
+      std::clamp((sides[0].stroke_px + sides[2].stroke_px) / 2 / height, 0.02, 0.2);
+  const std::vector<CoverStrip> strips = find_cover_strips(image, image_from_unit, layout, stroke);
+  const BarRows rows = bar_rows(
+      light_grid(image, image_from_unit, modules, bins_per_module, row_count), layout, strips);
+  Common common = first_guess(rows);
+  std::vector<Agreed> agreed;
+  for (int round = 0; round < kRounds; ++round) {
+    const Stretches stretches = fit_stretches(rows, common);
+    agreed = agree_on_all(rows, stretches, common);
+    anchor(agreed, rows.grid.per_module);
+    common = common_of(rows, agreed, common);
+  }
+  profile.bins = profile_of(rows, agreed, layout);
+  const double smear = 1.0 / (bins_per_module * bins_per_module * 12.0);
+  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
+  profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);
+  return profile;
+}
+
+}  // namespace tagsmith

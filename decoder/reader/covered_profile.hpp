@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scan profile of a symbol that something hides in part: the careful and slow way.
+#pragma once
+
+#include <cstddef>
+
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/symbol_layout.hpp"
+#include "decoder/reader/symbol_profile.hpp"
+
+namespace tagsmith {
+
+// As profile_symbol, for pictures where that is not enough. What is common to the rows of the bars
+// is sought together with every row's own local white and contrast (about ten modules long), so
+// that glare, shadows and thin dust only make a row count less; stretches of rows that do not
+// follow the others, and cables across the tag (find_cover_strips), do not count at all. Places
+// that no row shows get a variance that says nothing.
+SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
+                                     std::size_t first_corner, const SymbolLayout& layout);
+
+}  // namespace tagsmith

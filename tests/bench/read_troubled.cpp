@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the reader manages where cables, dirt, glare, dust, darkness, motion or a steep view make it
+// hard, one cause at a time (mass_picture.hpp), and whether anything is read wrongly there; two
+// pictures of three show a tag, the others what must not be read. Usage:
+// bench_read_troubled [PICTURES_PER_CAUSE] [FIRST]
+#include <atomic>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "decoder/reader/reader.hpp"
+#include "tests/bench/mass_picture.hpp"
+#include "tests/bench/other_readers.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+struct Outcome {
+  bool is_tag = false;
+  bool read = false;
+  bool carefully = false;  // by the way for partly covered tags
+  bool wrong = false;
+  std::string story;
+  std::vector<bool> others;
+};
+
+// Spoilt symbols that still look most like what they were may be read as that.
+bool may_be_read(mass::Kind kind) {
+  return kind == mass::Kind::tag || kind == mass::Kind::misshapen || kind == mass::Kind::moved_edge;
+}
+
+Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
+  const mass::Picture picture = mass::draw_troubled(trouble, number);
+  ReadOptions options;
+  options.check = CheckDigit::gs1;
+  Outcome outcome;
+  outcome.is_tag = picture.kind == mass::Kind::tag;
+  for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
+    const bool right = may_be_read(picture.kind) && reading.digits == picture.code;
+    outcome.read = outcome.read || (right && outcome.is_tag);
+    outcome.carefully = outcome.carefully || (right && reading.method != "frame");
+    if (right) continue;
+    outcome.wrong = true;
+    outcome.story =
+        fmt::format("{} {}, {}: {} for {}, confidence 1 - {:.2g}, {:.2f} px/module", number,
+                    mass::name_of(trouble), mass::name_of(picture.kind), to_string(reading.digits),
+                    to_string(picture.code), 1 - reading.confidence, picture.module_px);
+  }
+  for (const bench::OtherReader& reader : bench::other_readers()) {
+    outcome.others.push_back(outcome.is_tag &&
+                             reader.read(picture.image.view()).contains(to_string(picture.code)));
+  }
+  return outcome;
+}
+
+void run_cause(mass::Trouble trouble, std::size_t count, std::uint64_t first) {
+  std::vector<Outcome> outcomes(count);
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) outcomes[i] = run_one(trouble, first + i);
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    threads.emplace_back(work);
+  }
+  threads.clear();
+  int tags = 0, read = 0, carefully = 0, wrong = 0;
+  std::vector<int> others(bench::other_readers().size());
+  for (const Outcome& outcome : outcomes) {
+    tags += outcome.is_tag ? 1 : 0;
+    read += outcome.read ? 1 : 0;
+    carefully += outcome.carefully ? 1 : 0;
+    wrong += outcome.wrong ? 1 : 0;
+    if (outcome.wrong) fmt::print("WRONG {}\n", outcome.story);
+    for (std::size_t r = 0; r < others.size(); ++r) others[r] += outcome.others[r] ? 1 : 0;
+  }
+  const auto percent = [&](int part) { return 100.0 * part / std::max(1, tags); };
+  fmt::print("| {} | {} | {:.0f} % | {:.0f} % | {} |", mass::name_of(trouble), tags, percent(read),
+             percent(carefully), wrong);
+  for (const int other : others) fmt::print(" {:.0f} % |", percent(other));
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int count = argc > 1 ? std::atoi(argv[1]) : 100;
+  const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 0;
+  if (count < 1) {
+    fmt::print(stderr, "usage: bench_read_troubled [PICTURES_PER_CAUSE] [FIRST]\n");
+    return 2;
+  }
+  fmt::print("| cause | tags | read | of them carefully | wrong |");
+  for (const bench::OtherReader& reader : bench::other_readers()) fmt::print(" {} |", reader.name);
+  fmt::print("\n|---|---|---|---|---|");
+  for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
+  fmt::print("\n");
+  for (int cause = 0; cause < static_cast<int>(mass::Trouble::count); ++cause) {
+    run_cause(static_cast<mass::Trouble>(cause), static_cast<std::size_t>(count), first);
+  }
+  return 0;
+}
