@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/cli/verify_merge.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -33,5 +34,12 @@ std::string check_digit_name(const FramelessReading& reading);
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
 std::string to_json_line(const FileReport& report);
 std::string to_json_line(const VerifySummary& summary);
+
+// The summary with `completeness`: what the files, and those of earlier runs, cover of the survey.
+std::string to_json_line(const VerifySummary& summary, const Survey& survey,
+                         const VerifyMerge& merged);
+
+// The summary of `report`.
+std::string report_json_line(const Survey& survey, const VerifyMerge& merged);
 
 }  // namespace tagsmith
