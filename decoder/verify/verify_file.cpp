@@ -249,14 +249,19 @@ Result<std::optional<FileReport>> verify_tile_files(const VerifyRequest& request
   if (!stem.ends_with(first)) return std::nullopt;
   const std::string name = stem.substr(0, stem.size() - first.size());
   std::vector<TilePage> tiles;
+  FileReport incomplete;
   for (int row = 0; row < plan.rows; ++row) {
     for (int column = 0; column < plan.columns; ++column) {
       std::filesystem::path tile = file.path;
       tile.replace_filename(name + "-" + tile_address(column, row) +
                             file.path.extension().string());
       tiles.push_back({tile, 0});
+      if (std::filesystem::exists(tile)) continue;
+      incomplete.rules.insert("missing-in-file");
+      incomplete.findings.push_back("its tile " + tile.filename().string() + " is not here");
     }
   }
+  if (!incomplete.findings.empty()) return incomplete;
   const Result<PageImage> plate =
       dots_per_inch > 0 ? assemble_tiles(plan, tiles, dots_per_inch) : assemble_tiles(plan, tiles);
   if (!plate) return fail(plate.error().message);
