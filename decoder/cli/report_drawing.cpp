@@ -2,6 +2,8 @@
 // The report of verified files as a document.
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -71,7 +73,6 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   DrawingView view;
   view.title = "Summary";
   view.scale = 1;
-  view.new_row = true;
   SketchLayer& layer = view.sketch.layer("summary");
   double y = 0;
   struct Count {
@@ -84,7 +85,7 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
                                      {"faulty", covered.faulty, "faulty"},
                                      {"unseen", covered.tags - covered.seen, "not seen"}}};
   for (const Count& count : counts) {
-    layer.add(Dot{on_paper(0.002, y + 0.0009), 0.0016, status_colour(count.status)});
+    add_status_mark(layer, on_paper(0.002, y + 0.0012), count.status);
     layer.add(words_at(fmt::format("{} tags {}", count.count, count.words), 0.006, y,
                        colours::kBlack, 0.0025));
     y -= 0.0055;
@@ -222,8 +223,8 @@ DrawingPart fault_part(const VerifyMerge& merged, Paper paper) {
 
 Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& merged) {
   constexpr Paper kPaper = Paper::a3;
-  DrawingPart first{report_map(survey, merged), {kPaper, coarsest_plan_scale(survey)}};
-  first.views.push_back(summary_view(survey, merged));
+  DrawingPart first{{summary_view(survey, merged)}, {kPaper, coarsest_plan_scale(survey)}};
+  std::ranges::move(report_map(survey, merged), std::back_inserter(first.views));
   std::vector<DrawingPart> parts{std::move(first)};
   if (!merged.faults.empty()) parts.push_back(fault_part(merged, kPaper));
   if (!survey.tags.empty()) {

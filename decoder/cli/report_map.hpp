@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tunnel from above with a disc on every tag, coloured by its status.
+// The tunnel from above with a mark on every tag, coloured and shaped by its status.
 #pragma once
 
 #include <string>
@@ -13,7 +13,10 @@ namespace tagsmith {
 // Of the statuses of status_of.
 Colour status_colour(const std::string& status);
 
-// A view for each strip of the tunnel; discs in the layer `status`.
+// Adds the mark of that status: a disc, a diamond for `faulty`, a ring for `unseen`.
+void add_status_mark(SketchLayer& layer, const SketchPoint& at, const std::string& status);
+
+// A view for each strip of the tunnel; marks in the layer `status`.
 std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& merged);
 
 }  // namespace tagsmith

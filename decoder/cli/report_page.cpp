@@ -41,13 +41,16 @@ p { margin: 0 0 8px; }
 .cover { display: grid; grid-template-columns: max-content 1fr max-content; gap: 4px 10px;
   align-items: center; max-width: 560px; }
 progress { width: 100%; accent-color: var(--ok); }
+summary { cursor: pointer; padding: 8px 0; }
 ul { margin: 8px 0; padding-left: 20px; }
 .map { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px; margin: 0 0 8px; }
 .map svg { display: block; width: 100%; min-width: 720px; height: auto; }
 .wall { fill: none; stroke: var(--ink); stroke-width: 1.5; }
 .axis { fill: none; stroke: var(--grey); stroke-width: .8; stroke-dasharray: 10 3 2 3; }
 svg text { font: 11px system-ui, "DejaVu Sans", sans-serif; fill: var(--grey); }
-.tag { cursor: pointer; } .tag circle { fill: currentColor; stroke: var(--paper); }
+.tag { cursor: pointer; }
+.tag circle, .tag path { fill: currentColor; stroke: var(--paper); stroke-width: 1.5; }
+.tag.unseen circle { fill: var(--paper); stroke: currentColor; stroke-width: 2; }
 .tag text { fill: currentColor; }
 label { display: block; margin: 16px 0 4px; }
 input { font: inherit; color: inherit; background: var(--paper); border: 1px solid var(--grey);
@@ -78,8 +81,11 @@ th { white-space: nowrap; }
     --card: #fff; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #666; }
   body { max-width: none; padding: 0; font-size: 11pt; }
   .screen { display: none; }
+  h2 { break-after: avoid; }
   .map, .scroll { overflow: visible; } .map svg { min-width: 0; }
-  .card { content-visibility: visible; } .card, tr, .map { break-inside: avoid; } }
+  .cards { grid-template-columns: repeat(3, 1fr); gap: 8px; } .crop img { max-height: 34mm; }
+  .card { content-visibility: visible; padding: 8px; } .card h3 { font-size: 10pt; }
+  .card p { font-size: 8pt; margin: 0 0 4px; } .card, tr, .map { break-inside: avoid; } }
 )css";
 
 constexpr const char* kScript = R"js(
@@ -131,6 +137,9 @@ for (const crop of document.querySelectorAll('.crop')) {
   });
 }
 field.addEventListener('input', filter);
+window.addEventListener('beforeprint', () => {
+  for (const details of document.querySelectorAll('details')) details.open = true;
+});
 document.addEventListener('keydown', event => {
   if (event.key === '/' && document.activeElement !== field) { event.preventDefault(); field.focus(); }
   if (event.key === 'Escape') { field.value = ''; if (status !== '') choose(status); else filter(); }
@@ -152,6 +161,14 @@ std::string escaped(const std::string& text) {
 }
 
 constexpr double kMapWidth = 1000;  // of a strip, units of its picture
+
+// A disc; faulty tags are diamonds and unseen ones rings, for who does not see the colours.
+std::string shape_of(const std::string& status, const Vector2d& at) {
+  if (status != "faulty") {
+    return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"6\"/>", at.x(), at.y());
+  }
+  return fmt::format("<path d=\"M{:.1f} {:.1f}l8 8l-8 8l-8-8Z\"/>", at.x(), at.y() - 8);
+}
 
 // A strip of the tunnel in a picture's units, y down.
 class StripPicture {
@@ -178,8 +195,9 @@ class StripPicture {
     text += "<path class=\"axis\" d=\"" + path(line(0)) + "\"/>\n";
     for (const double tick : plan_ticks(strip_)) {
       const Vector2d at = on_picture(view(survey_.tunnel.centerline.at(tick).position));
-      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{} m</text>\n", at.x() + 2, at.y() - 3,
-                          format_number(tick, 2));
+      const bool at_end = at.x() > kMapWidth - 2 * kMargin;
+      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\"{}>{} m</text>\n", at.x() + 2, at.y() - 3,
+                          at_end ? " text-anchor=\"end\"" : "", format_number(tick, 2));
     }
     const bool names = are_names_apart();
     for (const PlacedTag* tag : tags()) text += mark(*tag, merged, names);
@@ -240,8 +258,8 @@ class StripPicture {
     const Vector2d at = on_picture(place(tag));
     std::string text = fmt::format(
         "<g class=\"tag {0}\" data-tag=\"{1}\" tabindex=\"0\" role=\"button\" aria-label=\"{1}, "
-        "{0}\"><title>{1}: {0}</title><circle cx=\"{2:.1f}\" cy=\"{3:.1f}\" r=\"6\"/>",
-        status, name, at.x(), at.y());
+        "{0}\"><title>{1}: {0}</title>{2}",
+        status, name, shape_of(status, at));
     if (names) {
       // Outside of the tunnel as it is drawn.
       const CenterlinePoint middle = survey_.tunnel.centerline.at(tag.chainage);
@@ -355,11 +373,14 @@ std::string completeness_text(const Completeness& covered) {
       cover_bar("right wall", covered.seen - covered.left_seen, covered.tags - covered.left_tags) +
       "</div>\n";
   if (covered.unseen.empty()) return text;
-  text += "<p>Not seen:</p>\n<ul>\n";
+  constexpr std::size_t kMostOpen = 8;
+  text += fmt::format("<details{}><summary>Not seen, {} place{}</summary>\n<ul>\n",
+                      covered.unseen.size() <= kMostOpen ? " open" : "", covered.unseen.size(),
+                      covered.unseen.size() == 1 ? "" : "s");
   for (const UnseenStretch& stretch : covered.unseen) {
     text += "<li>" + escaped(describe(stretch)) + "</li>\n";
   }
-  return text + "</ul>\n";
+  return text + "</ul></details>\n";
 }
 
 std::string heading(const Survey& survey, const VerifyMerge& merged) {

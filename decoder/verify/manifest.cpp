@@ -85,6 +85,20 @@ std::string outdated(const Survey& survey, const ManifestTag& printed) {
       printed.name, format_number(distance * 1e3, 1), survey.name);
 }
 
+// Why a document of all tags, such as the setting-out list, no longer holds; empty when it does.
+std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
+  std::string names;
+  std::size_t count = 0;
+  constexpr std::size_t kMostNamed = 8;
+  for (const ManifestTag& tag : manifest.tags) {
+    if (outdated(survey, tag).empty()) continue;
+    if (++count <= kMostNamed) names += (names.empty() ? "" : " ") + tag.name;
+  }
+  if (count == 0) return {};
+  if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
+  return fmt::format("it lists {} as before the survey was changed: print it again", names);
+}
+
 // What the survey's template has otherwise than it was printed; empty when nothing.
 std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
   struct Size {
@@ -248,6 +262,11 @@ FileReport check_against_manifest(const PrintManifest& manifest, FileReport repo
     const auto match = std::ranges::find(expected, *tag.digits, &ManifestTag::digits);
     if (match != expected.end()) {
       found[static_cast<std::size_t>(match - expected.begin())] = true;
+      if (tag.rule != "not-in-survey") continue;
+      tag.tag = match->name;
+      tag.rule = "stale";
+      tag.message = fmt::format("{} {} is what was printed, but no longer in the survey",
+                                match->name, to_string(*tag.digits));
     } else if (tag.status == TagStatus::ok) {
       tag.status = TagStatus::misprinted;
       tag.rule = "other-file";
@@ -284,6 +303,9 @@ FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, 
   const std::vector<ManifestTag> tags = tags_of_file(manifest, file);
   if (!tags.empty()) reasons.push_back(other_plate(manifest, survey.tag_template));
   for (const ManifestTag& tag : tags) reasons.push_back(outdated(survey, tag));
+  if (tags.empty() && std::ranges::count(manifest.documents, file) > 0) {
+    reasons.push_back(outdated_list(survey, manifest));
+  }
   for (const std::string& reason : reasons) {
     if (reason.empty()) continue;
     report.stale = true;

@@ -68,13 +68,14 @@ class ManifestCache {
 
 // Compares what was read in a print file with what the manifest says it holds: tags that stand in
 // the wrong file become `misprinted`; tags that should be there and are not are added to the
-// findings. A file that the manifest does not name comes back as it was.
+// findings. A tag that is what was printed and no longer in the survey is `unknown` by the rule
+// `stale`. A file that the manifest does not name comes back as it was.
 FileReport check_against_manifest(const PrintManifest& manifest, FileReport report);
 
 // Whether the file is still what was printed and what the survey says: adds a finding when its
 // SHA-256 (the report's) is not the manifest's, and makes it stale, with the reason among the
 // findings, when the survey now has other digits, another place or another plate for one of its
-// tags, or no such tag.
+// tags, or no such tag. A document is stale when one of the manifest's tags is.
 FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, FileReport report);
 
 }  // namespace tagsmith

@@ -135,9 +135,9 @@ TEST_CASE("files are stale when the survey has moved a tag, changed its digits o
   CHECK(verify() == 0);
   text +=
       "placed:\n  - { tag: 001L, side: left, p: [1.9, 0.807, 0.4], digits: \"019000800402\" }\n";
-  CHECK(verify() == 1);
+  CHECK(verify() == 2);  // the tag and the setting-out list
   text.replace(text.find("resolution: 0.01"), 16, "resolution: 0.02");
-  CHECK(verify() == 2);
+  CHECK(verify() == 3);
 }
 
 TEST_CASE("a page that was fitted to A4 is misprinted") {
