@@ -302,6 +302,9 @@ int run(const Options& options) {
   print_summary(options, *survey, summary, *outcome);
   const Result<void> written = write_report(options.report, *survey, outcome->merged);
   if (!written) return report_failure("verify", written.error());
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    return report_failure("verify", {"standard output cannot be written, is the disk full?"});
+  }
   if (outcome->failed) return kExitFailure;
   const bool incomplete = options.complete && !summary.missing.empty();
   return summary.files_with_findings > 0 || incomplete ? kExitFindings : kExitOk;

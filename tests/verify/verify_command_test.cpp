@@ -277,6 +277,13 @@ TEST_CASE("output that would overwrite what is resumed is refused") {
   CHECK(all[1] == all[2]);   // the second counts what it skipped
 }
 
+TEST_CASE("lines that could not be written are no success") {
+  const ProgramOutput output = run_shell("\"$TAGSMITH_PROGRAM\" verify --json " + kSurvey + " " +
+                                         kPhotos + "/corridor_01_left.jpg > /dev/full");
+  CHECK(output.exit_code == 2);
+  CHECK(output.err.find("standard output cannot be written") != std::string::npos);
+}
+
 TEST_CASE("copies of photos are annotated, upright, in the format of the source") {
   const TemporaryFolder folder;
   const std::string photo = kPhotos + "/corridor_01_left.jpg";
