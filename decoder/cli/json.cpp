@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith {
 namespace {
@@ -101,7 +102,7 @@ Json grade_parameters(const SymbolGrade& grade) {
 }
 
 void add_grade(const TagFinding& tag, Json& object) {
-  if (tag.status != TagStatus::ok) return;
+  if (!tag.grade && tag.grade_reason.empty()) return;
   if (!tag.grade) {
     object["grade"] = nullptr;
     object["grade_reason"] = tag.grade_reason;
@@ -111,6 +112,50 @@ void add_grade(const TagFinding& tag, Json& object) {
   if (tag.grade->grade < 4) object["grade_blame"] = to_string(tag.grade->worst);
   object["grade_absolute"] = tag.grade->absolute;
   object["grade_parameters"] = grade_parameters(*tag.grade);
+}
+
+std::string name_of(HangVerdict verdict) {
+  switch (verdict) {
+    case HangVerdict::fits:
+      return "fits";
+    case HangVerdict::off:
+      return "off";
+    case HangVerdict::doubtful:
+      return "doubtful";
+    case HangVerdict::unchecked:
+      break;
+  }
+  return "unchecked";
+}
+
+Json to_json(const HungTag& hung) {
+  Json object{{"verdict", name_of(hung.verdict)}, {"stations", hung.stations}};
+  const bool measured = hung.verdict != HangVerdict::unchecked && hung.offset.sigma.norm() > 0;
+  if (!measured) return object;
+  const auto triple = [](const Eigen::Vector3d& values, double unit, int decimals) {
+    Json list = Json::array();
+    for (const double value : values) list.push_back(with_decimals(unit * value, decimals));
+    return list;
+  };
+  const double to_degrees = degrees(1);
+  object["offset_mm"] = triple(hung.offset.value, 1e3, 2);
+  object["offset_sigma_mm"] = triple(hung.offset.sigma, 1e3, 2);
+  object["turn_deg"] = triple(hung.turn.value, to_degrees, 3);
+  object["turn_sigma_deg"] = triple(hung.turn.sigma, to_degrees, 3);
+  if (!hung.rivals.empty()) object["rivals"] = hung.rivals;
+  return object;
+}
+
+Json to_json(const HungTags& hung) {
+  Json list = Json::array();
+  for (const HungTag& tag : hung.tags) {
+    Json object{{"tag", tag.tag}};
+    object.update(to_json(tag));
+    if (!tag.message.empty()) object["message"] = tag.message;
+    if (!tag.rule.empty()) object["rule"] = tag.rule;
+    list.push_back(std::move(object));
+  }
+  return list;
 }
 
 Json to_json(const TagFinding& tag) {
@@ -128,6 +173,7 @@ Json to_json(const TagFinding& tag) {
   if (!tag.rule.empty()) object["rule"] = tag.rule;
   if (const VerifyRule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
   if (!tag.crop_file.empty()) object["crop"] = tag.crop_file;
+  if (tag.hung) object["hanging"] = to_json(*tag.hung);
   return object;
 }
 
@@ -141,6 +187,7 @@ Json to_json(const VerifySummary& summary) {
           {"duplicate", summary.duplicate},
           {"cut_off", summary.cut_off},
           {"misplaced", summary.misplaced},
+          {"doubtful", summary.doubtful},
           {"stale", summary.stale},
           {"missing", summary.missing}};
 }
@@ -250,9 +297,13 @@ std::string to_json_line(const VerifySummary& summary) {
 }
 
 std::string to_json_line(const VerifySummary& summary, const Survey& survey,
-                         const VerifyMerge& merged) {
+                         const VerifyMerge& merged, const std::optional<HungTags>& hung) {
   Json object = to_json(summary);
   object["completeness"] = completeness_json(survey, merged);
+  if (hung) {
+    object["hanging"] = to_json(*hung);
+    object["hanging_notes"] = hung->notes;
+  }
   return line_of({{"summary", object}});
 }
 

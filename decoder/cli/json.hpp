@@ -4,12 +4,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "decoder/cli/verify_merge.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
+#include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -36,8 +38,9 @@ std::string to_json_line(const FileReport& report);
 std::string to_json_line(const VerifySummary& summary);
 
 // The summary with `completeness`: what the files, and those of earlier runs, cover of the survey.
+// `hung`: where tags hang, when that was asked for.
 std::string to_json_line(const VerifySummary& summary, const Survey& survey,
-                         const VerifyMerge& merged);
+                         const VerifyMerge& merged, const std::optional<HungTags>& hung);
 
 // The summary of `report`.
 std::string report_json_line(const Survey& survey, const VerifyMerge& merged);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/verify_command.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -14,10 +15,12 @@
 #include "decoder/cli/json.hpp"
 #include "decoder/cli/report_files.hpp"
 #include "decoder/cli/verify_annotate.hpp"
+#include "decoder/cli/verify_hanging.hpp"
 #include "decoder/cli/verify_lines.hpp"
 #include "decoder/cli/verify_merge.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
@@ -37,7 +40,9 @@ constexpr const char* kExample = R"(Example:
 --json prints one object a file: file, tags (tag, status, digits, corners, message, page), findings;
 and last the summary: counts by status, and the survey's tags that no file shows (missing).
 Status: ok, unknown (not in the survey), misprinted (wrong check digit, size or file), unreadable,
-duplicate, or cut_off (at a photo's edge, which is no fault). Exit: 0 nothing is wrong, 1 something
+duplicate, cut_off (at a photo's edge, which is no fault), misplaced, or doubtful (it or another
+hangs wrong). With --rig tags that are seen together are checked for where they hang, all photos at
+once, and the output comes when all are read. Exit: 0 nothing is wrong, 1 something
 is, 2 a file could not be read. Missing tags count as wrong only with --complete.)";
 
 struct Options {
@@ -51,6 +56,7 @@ struct Options {
   bool complete = false;
   bool json = false;
   int jobs = 0;
+  HangingOptions hanging;
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -88,7 +94,8 @@ void print_in_words(const VerifySummary& summary) {
       "duplicate, {} cut off{}\n",
       summary.files, summary.files == 1 ? "file" : "files", summary.files_with_findings, summary.ok,
       summary.unknown, summary.misprinted, summary.unreadable, summary.duplicate, summary.cut_off,
-      summary.misplaced > 0 ? fmt::format(", {} misplaced", summary.misplaced) : "");
+      (summary.misplaced > 0 ? fmt::format(", {} misplaced", summary.misplaced) : "") +
+          (summary.doubtful > 0 ? fmt::format(", {} doubtful", summary.doubtful) : ""));
   if (!summary.stale.empty()) fmt::print("print again: {}\n", joined(summary.stale));
   if (summary.missing.empty()) {
     fmt::print("every tag of the survey was seen\n");
@@ -103,9 +110,10 @@ Result<void> save_crops(const fs::path& folder, FileReport& report) {
   int number = 0;
   const std::string hash = sha256(report.file.string()).substr(0, 8);
   for (TagFinding& tag : report.tags) {
+    if (tag.crop || !tag.crop_file.empty()) ++number;
     if (!tag.crop) continue;
     const fs::path file =
-        folder / fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, ++number);
+        folder / fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, number);
     const Result<std::string> bytes = encode_gray_image(file, tag.crop->view());
     if (!bytes) return fail(bytes.error().message);
     if (const Result<void> written = write_file(file, *bytes); !written) return written;
@@ -141,14 +149,21 @@ std::vector<std::string> pictures_of(const FileReport& report) {
   return jpegs;
 }
 
-// What was asked for besides the lines.
-Result<void> save_pictures(const Options& options, const InputFile& input, VerifiedOne& one) {
+// The crops, as files and as pictures of the report.
+Result<void> save_crop_pictures(const Options& options, VerifiedOne& one) {
   if (options.report.shows_pictures()) one.jpegs = pictures_of(one.report);
   if (!options.crops.empty()) {
     if (const Result<void> saved = save_crops(options.crops, one.report); !saved) return saved;
   }
   for (TagFinding& tag : one.report.tags) tag.crop.reset();
-  if (options.annotate.empty()) return {};
+  return {};
+}
+
+// What was asked for besides the lines.
+Result<void> save_pictures(const Options& options, const InputFile& input, VerifiedOne& one) {
+  if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
+  // With --rig what is wrong is known later.
+  if (options.annotate.empty() || !options.hanging.rig.empty()) return {};
   return save_annotated(options.annotate, input, one.report);
 }
 
@@ -185,6 +200,8 @@ VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
 struct Outcome {
   VerifyTally tally;
   VerifyMerge merged;
+  std::vector<VerifiedOne> waiting;  // with --rig, until all are read
+  std::optional<HungTags> hung;      // with --rig
   VerifiedBefore skipped;
   std::size_t skipped_files = 0;
   bool failed = false;  // a file could not be read, or something not be written
@@ -205,6 +222,23 @@ Result<VerifiedBefore> verified_before(const std::string& file, const std::strin
   return hashes;
 }
 
+void print(const Options& options, const FileReport& report) {
+  if (options.json) {
+    fmt::print("{}\n", to_json_line(report));
+    std::fflush(stdout);  // what is printed stays when the run is killed
+  } else {
+    print_in_words(report);
+  }
+}
+
+// Prints the report and counts it.
+void conclude(const Options& options, const VerifiedOne& one, Outcome& outcome) {
+  print(options, one.report);
+  outcome.tally.add(one.report);
+  merge(one.report.revision, verified_file(one.report), outcome.merged, one.jpegs);
+}
+
+// Where tags hang takes all reports together: with --rig they wait.
 void deliver(const Options& options, const std::string& revision, VerifiedOne& one,
              Outcome& outcome) {
   if (one.problem) {
@@ -217,14 +251,48 @@ void deliver(const Options& options, const std::string& revision, VerifiedOne& o
     return;
   }
   one.report.revision = revision;
-  if (options.json) {
-    fmt::print("{}\n", to_json_line(one.report));
-    std::fflush(stdout);  // what is printed stays when the run is killed
+  if (options.hanging.rig.empty()) {
+    conclude(options, one, outcome);
   } else {
-    print_in_words(one.report);
+    outcome.waiting.push_back(std::move(one));
   }
-  outcome.tally.add(one.report);
-  merge(revision, verified_file(one.report), outcome.merged, one.jpegs);
+}
+
+// Crops and the copy of a photo, of what only all photos together showed.
+Result<void> save_late_pictures(const Options& options, VerifiedOne& one) {
+  const auto lacks_crop = [](const TagFinding& tag) { return tag.hung && tag.crop_file.empty(); };
+  const bool crops = !options.crops.empty() || options.report.shows_pictures();
+  const bool late = crops && std::ranges::any_of(one.report.tags, lacks_crop);
+  if (one.report.sha256.empty() || (!late && options.annotate.empty())) return {};
+  const Result<InputFile> input = read_input_file(one.report.file);
+  if (!input) return fail(input.error().message);
+  if (late) {
+    const Result<GrayImage> image = decode_gray_image(input->path.string(), input->bytes);
+    if (!image) return fail(image.error().message);
+    crop_faults(image->view(), one.report.tags);
+    if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
+  }
+  if (options.annotate.empty()) return {};
+  return save_annotated(options.annotate, *input, one.report);
+}
+
+// Where tags hang is known when every photo has been read.
+void finish_hanging(const Options& options, const VerifyRequest& request, const HangingSetup& setup,
+                    Outcome& outcome) {
+  std::vector<FileReport> reports;
+  for (VerifiedOne& one : outcome.waiting) reports.push_back(std::move(one.report));
+  outcome.hung = check_hanging(request.survey, setup, 1e-3 * options.hanging.tolerance_mm, reports);
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    VerifiedOne& one = outcome.waiting[i];
+    one.report = std::move(reports[i]);
+    if (const Result<void> saved = save_late_pictures(options, one); !saved) {
+      report_failure("verify", saved.error());
+      outcome.failed = true;
+    }
+    conclude(options, one, outcome);
+  }
+  outcome.waiting.clear();
+  for (const std::string& note : outcome.hung->notes) fmt::print(stderr, "verify: {}\n", note);
 }
 
 // Of the files that were skipped, what the earlier run said.
@@ -240,8 +308,9 @@ Result<void> add_skipped(const Options& options, const std::string& revision, Ou
   return {};
 }
 
+// `setup` null = where tags hang is not asked for.
 Result<Outcome> verify_all(const Options& options, const VerifyRequest& request,
-                           const std::vector<fs::path>& files) {
+                           const HangingSetup* setup, const std::vector<fs::path>& files) {
   const std::string revision = survey_revision(request.survey);
   const Result<VerifiedBefore> before = verified_before(options.resume, revision);
   if (!before) return fail(before.error().message);
@@ -251,6 +320,7 @@ Result<Outcome> verify_all(const Options& options, const VerifyRequest& request,
     auto one = std::make_shared<VerifiedOne>(verify_one(options, request, *before, files[i]));
     return [&, one] { bar.advance([&] { deliver(options, revision, *one, outcome); }); };
   });
+  if (setup != nullptr) finish_hanging(options, request, *setup, outcome);
   if (const Result<void> added = add_skipped(options, revision, outcome); !added) {
     return fail(added.error().message);
   }
@@ -275,17 +345,24 @@ void print_summary(const Options& options, const Survey& survey, const VerifySum
     fmt::print(stderr, "skipped, verified before: {}\n", outcome.skipped_files);
   }
   if (options.json) {
-    fmt::print("{}\n", to_json_line(summary, survey, outcome.merged));
+    fmt::print("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung));
   } else {
+    if (outcome.hung) print_hanging(*outcome.hung);
     print_in_words(summary);
   }
 }
 
 int run(const Options& options) {
+  if (options.files.empty() && options.hanging.run.empty()) {
+    return report_failure("verify", {"FILE is required: photos, print files, folders of them"});
+  }
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return report_failure("verify", survey.error());
+  const Result<std::optional<HangingSetup>> hanging = load_hanging(options.hanging);
+  if (!hanging) return report_failure("verify", hanging.error());
+  const bool of_run = options.files.empty() && *hanging;
   const Result<std::vector<fs::path>> files =
-      list_files(options.files, image_and_pdf_extensions(), std::cin);
+      list_files(of_run ? (*hanging)->photos : options.files, image_and_pdf_extensions(), std::cin);
   if (!files) return report_failure("verify", files.error());
   const Result<std::vector<Survey>> also = load_surveys(options.also);
   if (!also) return report_failure("verify", also.error());
@@ -295,8 +372,13 @@ int run(const Options& options) {
   }
   ManifestCache manifests;
   const bool crops = !options.crops.empty() || options.report.shows_pictures();
-  const VerifyRequest request{*survey, *also, crops, &manifests};
-  const Result<Outcome> outcome = verify_all(options, request, *files);
+  VerifyRequest request{*survey, *also, crops, &manifests};
+  if (*hanging) {
+    request.rig = &(*hanging)->rig;
+    request.cameras = &(*hanging)->cameras;
+  }
+  const Result<Outcome> outcome =
+      verify_all(options, request, *hanging ? &**hanging : nullptr, *files);
   if (!outcome) return report_failure("verify", outcome.error());
   const VerifySummary summary = outcome->tally.summary(*survey);
   print_summary(options, *survey, summary, *outcome);
@@ -307,7 +389,8 @@ int run(const Options& options) {
   }
   if (outcome->failed) return kExitFailure;
   const bool incomplete = options.complete && !summary.missing.empty();
-  return summary.files_with_findings > 0 || incomplete ? kExitFindings : kExitOk;
+  const bool contradicts = outcome->hung && outcome->hung->nothing_fits;
+  return summary.files_with_findings > 0 || incomplete || contradicts ? kExitFindings : kExitOk;
 }
 
 }  // namespace
@@ -320,15 +403,15 @@ Command verify_command(CLI::App& parent) {
   app->add_option(
          "file", options->files,
          "Pictures, PDFs, SVGs, folders of them, or - for a list of files on standard input")
-      ->required()
       ->type_name("FILE");
   app->add_option("--also", options->also,
                   "Another survey, whose tags are named when they turn up here")
       ->type_name("SURVEY")
       ->allow_extra_args(false);
-  app->add_option("--resume", options->resume,
-                  "Skip files whose content an earlier --json run verified against this survey")
-      ->type_name("FILE.jsonl");
+  CLI::Option* resume =
+      app->add_option("--resume", options->resume,
+                      "Skip files whose content an earlier --json run verified against this survey")
+          ->type_name("FILE.jsonl");
   app->add_option("--crops", options->crops, "Folder for a picture of every faulty tag")
       ->type_name("DIR");
   app->add_option("--annotate", options->annotate,
@@ -341,6 +424,8 @@ Command verify_command(CLI::App& parent) {
   app->add_option("--jobs", options->jobs, "Files read at once (default: all cores)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
+  add_hanging_options(*app, options->hanging);
+  resume->excludes("--rig");  // which needs every photo
   app->footer(kExample);
   return {app, [options] { return run(*options); }};
 }

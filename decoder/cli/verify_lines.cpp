@@ -58,7 +58,8 @@ std::optional<VerifiedFile> parse_line(const json& object) {
 
 TagStatus status_from(const std::string& name) {
   constexpr std::array kAll{TagStatus::ok,        TagStatus::misprinted, TagStatus::unreadable,
-                            TagStatus::duplicate, TagStatus::cut_off,    TagStatus::misplaced};
+                            TagStatus::duplicate, TagStatus::cut_off,    TagStatus::misplaced,
+                            TagStatus::doubtful};
   const auto named = [&](TagStatus status) { return to_string(status) == name; };
   const auto found = std::ranges::find_if(kAll, named);
   return found == kAll.end() ? TagStatus::unknown : *found;

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
-#include "decoder/localize/plate_pose.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith {
@@ -42,30 +41,12 @@ struct NamedProblem {
 };
 
 SightedPlate plate_of(const SeenTag& seen, const Survey& survey) {
-  SightedPlate plate;
-  plate.name = seen.tag.name;
-  plate.world_from_plate = seen.tag.world_from_plate;
-  plate.length = survey.tag_template.frame_inner_length;
-  plate.height = survey.tag_template.frame_inner_height;
-  plate.survey_variance.head<3>().setConstant(survey.sigma * survey.sigma);
+  SightedPlate plate = sighted_plate(seen.tag, survey);
   for (Eigen::Index axis = 0; seen.at_coded_place && axis < 3; ++axis) {
     const double resolution = survey.code.resolution[static_cast<std::size_t>(axis)];
     plate.coding_variance[axis] = resolution * resolution / 12;  // rounding is uniform
   }
-  plate.survey_variance.tail<3>().setConstant(survey.angle_sigma * survey.angle_sigma);
   return plate;
-}
-
-Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t plate) {
-  Sighting sighting;
-  sighting.camera = camera;
-  sighting.plate = plate;
-  for (std::size_t i = 0; i < 4; ++i) {
-    sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)) << seen.corners[i].x,
-        seen.corners[i].y;
-  }
-  sighting.covariance = seen.covariance;
-  return sighting;
 }
 
 std::size_t plate_index(JointProblem& problem, const SeenTag& seen, const Survey& survey) {
@@ -103,27 +84,6 @@ NamedProblem problem_for(const Observation& observation, std::size_t survey_inde
 }
 
 // --- single tags ---
-
-std::optional<std::array<VehiclePose, 2>> poses_from(const JointProblem& problem,
-                                                     const Sighting& sighting) {
-  const RigCamera& camera = problem.rig->cameras[sighting.camera];
-  const SightedPlate& plate = problem.plates[sighting.plate];
-  std::array<Vector3d, 4> rays;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto ray =
-        ray_through(camera.camera, sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)));
-    if (!ray) return std::nullopt;
-    rays[i] = *ray;
-  }
-  const auto camera_from_plate = plate_poses(rays, plate.length, plate.height);
-  if (!camera_from_plate) return std::nullopt;
-  std::array<VehiclePose, 2> poses;
-  for (std::size_t i = 0; i < 2; ++i) {
-    poses[i] = vehicle_pose_of(plate.world_from_plate * inverse((*camera_from_plate)[i]) *
-                               inverse(camera.vehicle_from_camera));
-  }
-  return poses;
-}
 
 // Whether the vehicle can stand like that: empty, or why not.
 std::string unlikely_stance(const JointProblem& problem, const JointFit& fit) {
@@ -176,7 +136,7 @@ SingleFits fit_single(JointProblem& problem, std::size_t index) {
   constexpr double kMostRaised = 100;
   SingleFits result;
   Sighting& sighting = problem.sightings[index];
-  const auto starts = poses_from(problem, sighting);
+  const auto starts = vehicle_poses_from(*problem.rig, problem.plates[sighting.plate], sighting);
   if (!starts) {
     result.reason = "its corners are no picture of a rectangle";
     return result;

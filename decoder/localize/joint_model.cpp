@@ -20,100 +20,13 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr Index kVehicleCount = vehicle_parameter::kCount;
-constexpr Index kCalibrationCount = 9;
-constexpr Index kPlateRows = 8;
 constexpr Index kPriorRows = 3;
-using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
 
-CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
-  CalibrationVector sigmas;
-  sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
-      sigma.focal, sigma.center, sigma.center;
-  return sigmas;
-}
-
-// The uncertain calibration parameters of all cameras that see something: which, and their sigmas.
-struct CalibrationLayout {
-  std::vector<std::array<int, kCalibrationCount>> places;  // a camera each; -1 = exact
-  std::vector<double> sigmas;
-};
-
-CalibrationLayout calibration_layout(const Rig& rig) {
-  CalibrationLayout layout;
-  for (const RigCamera& camera : rig.cameras) {
-    const CalibrationVector sigmas = sigmas_of(camera.calibration_sigma);
-    std::array<int, kCalibrationCount> places{};
-    for (Index i = 0; i < kCalibrationCount; ++i) {
-      places[static_cast<std::size_t>(i)] = -1;
-      if (sigmas[i] == 0) continue;
-      places[static_cast<std::size_t>(i)] = static_cast<int>(layout.sigmas.size());
-      layout.sigmas.push_back(sigmas[i]);
-    }
-    layout.places.push_back(places);
-  }
-  return layout;
-}
-
-// The camera as these calibration errors leave it.
-struct CalibratedCamera {
-  Camera camera;
-  Pose vehicle_from_camera;
-};
-
-CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
-                            std::size_t index, const VectorXd& calibration) {
-  CalibratedCamera result{camera.camera, camera.vehicle_from_camera};
-  if (calibration.size() == 0) return result;
-  CalibrationVector errors = CalibrationVector::Zero();
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const int place = layout.places[index][i];
-    if (place >= 0) errors[static_cast<Index>(i)] = calibration[place];
-  }
-  const Vector3d turn = errors.segment<3>(3);
-  result.vehicle_from_camera.translation += errors.head<3>();
-  if (turn.norm() > 0) {
-    result.vehicle_from_camera.rotation *=
-        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  }
-  result.camera.fx *= 1 + errors[6];
-  result.camera.fy *= 1 + errors[6];
-  result.camera.cx += errors[7];
-  result.camera.cy += errors[8];
-  return result;
-}
-
-std::array<Vector3d, 4> corners_in_plate(const SightedPlate& plate) {
-  return {Vector3d(0, 0, 0), Vector3d(plate.length, 0, 0), Vector3d(plate.length, plate.height, 0),
-          Vector3d(0, plate.height, 0)};
-}
-
-// A sighting's residual and its derivatives.
-struct SightingRows {
-  Eigen::Matrix<double, kPlateRows, 1> predicted;
-  Eigen::Matrix<double, kPlateRows, 6> by_vehicle;
-  Eigen::Matrix<double, kPlateRows, 6> by_plate;
-  Eigen::Matrix<double, kPlateRows, kCalibrationCount> by_calibration;
-};
-
-std::optional<SightingRows> sighting_rows(const JointProblem& problem,
-                                          const CalibrationLayout& layout, const JointState& state,
-                                          const VehicleFrame& frame, const Sighting& sighting) {
-  const CalibratedCamera camera =
-      calibrated(problem.rig->cameras[sighting.camera], layout, sighting.camera, state.calibration);
-  const SightedPlate& plate = problem.plates[sighting.plate];
-  SightingRows rows;
-  Index row = 0;
-  for (const Vector3d& corner : corners_in_plate(plate)) {
-    const auto observed = observe_point(camera.camera, camera.vehicle_from_camera, frame,
-                                        plate.world_from_plate, corner);
-    if (!observed) return std::nullopt;
-    rows.predicted.segment<2>(row) = observed->pixel;
-    rows.by_vehicle.middleRows<2>(row) = observed->by_vehicle;
-    rows.by_plate.middleRows<2>(row) = observed->by_plate;
-    rows.by_calibration.middleRows<2>(row) << observed->by_mounting, observed->by_intrinsics;
-    row += 2;
-  }
-  return rows;
+std::optional<SightingRows> rows_of(const JointProblem& problem, const CalibrationLayout& layout,
+                                    const JointState& state, const VehicleFrame& frame,
+                                    const Sighting& sighting) {
+  return sighting_rows(*problem.rig, layout, state.calibration, frame,
+                       problem.plates[sighting.plate], sighting.camera);
 }
 
 // Derivatives by all parameters of the fit.
@@ -204,7 +117,7 @@ class Linearisation {
     Index row = 0;
     for (WhitenedRows::Plate& plate : rows_.plates) {
       plate.begin = row;
-      row += kPlateRows * static_cast<Index>(plate.sightings.size());
+      row += kSightingRows * static_cast<Index>(plate.sightings.size());
     }
     rows_.ranges_begin = row;
     rows_.vehicle_begin = row + static_cast<Index>(selection.ranges.size());
@@ -235,17 +148,17 @@ class Linearisation {
   bool weigh(const JointState& state) {
     const VehicleFrame frame = vehicle_frame(state.vehicle);
     for (WhitenedRows::Plate& group : rows_.plates) {
-      const auto size = kPlateRows * static_cast<Index>(group.sightings.size());
+      const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
       MatrixXd covariance = MatrixXd::Zero(size, size);
       MatrixXd by_plate(size, 6);
       Index row = 0;
       for (const std::size_t index : group.sightings) {
         const Sighting& sighting = problem_.sightings[index];
-        const auto rows = sighting_rows(problem_, layout_, state, frame, sighting);
+        const auto rows = rows_of(problem_, layout_, state, frame, sighting);
         if (!rows) return false;
-        by_plate.middleRows<kPlateRows>(row) = rows->by_plate;
-        covariance.block<kPlateRows, kPlateRows>(row, row) = sighting.covariance;
-        row += kPlateRows;
+        by_plate.middleRows<kSightingRows>(row) = rows->by_plate;
+        covariance.block<kSightingRows, kSightingRows>(row, row) = sighting.covariance;
+        row += kSightingRows;
       }
       const SightedPlate& plate = problem_.plates[group.plate];
       const Eigen::Matrix<double, 6, 1> variance = plate.survey_variance + plate.coding_variance;
@@ -283,11 +196,11 @@ class Linearisation {
       Index row = group.begin;
       for (const std::size_t index : group.sightings) {
         const Sighting& sighting = problem_.sightings[index];
-        const auto rows = sighting_rows(problem_, layout_, state, frame, sighting);
+        const auto rows = rows_of(problem_, layout_, state, frame, sighting);
         if (!rows) return false;
-        f.template segment<kPlateRows>(row) = rows->predicted - sighting.pixels;
-        place_columns(layout_, *rows, sighting.camera, j.template middleRows<kPlateRows>(row));
-        row += kPlateRows;
+        f.template segment<kSightingRows>(row) = rows->predicted - sighting.pixels;
+        place_columns(layout_, *rows, sighting.camera, j.template middleRows<kSightingRows>(row));
+        row += kSightingRows;
       }
       const auto root = group.root.template triangularView<Eigen::Lower>();
       root.solveInPlace(f.segment(group.begin, row - group.begin));
@@ -358,15 +271,14 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
   const CalibrationLayout layout = calibration_layout(*problem.rig);
   const Sighting& sighting = problem.sightings[index];
   const SightedPlate& plate = problem.plates[sighting.plate];
-  const auto rows =
-      sighting_rows(problem, layout, fit.state, vehicle_frame(fit.state.vehicle), sighting);
+  const auto rows = rows_of(problem, layout, fit.state, vehicle_frame(fit.state.vehicle), sighting);
   if (!rows) return std::nullopt;
-  MatrixXd jacobian(kPlateRows, fit.covariance.cols());
+  MatrixXd jacobian(kSightingRows, fit.covariance.cols());
   place_columns(layout, *rows, sighting.camera, jacobian);
   const Eigen::Matrix<double, 6, 1> variance = variance_of(plate);
-  const Eigen::Matrix<double, kPlateRows, 3> by_shift = rows->by_plate.leftCols<3>();
-  const Eigen::Matrix<double, kPlateRows, 3> by_turn = rows->by_plate.rightCols<3>();
-  const Eigen::Matrix<double, kPlateRows, 1> residual = rows->predicted - sighting.pixels;
+  const Eigen::Matrix<double, kSightingRows, 3> by_shift = rows->by_plate.leftCols<3>();
+  const Eigen::Matrix<double, kSightingRows, 3> by_turn = rows->by_plate.rightCols<3>();
+  const Eigen::Matrix<double, kSightingRows, 1> residual = rows->predicted - sighting.pixels;
   CornerCovariance spread = sighting.covariance;
   spread.noalias() += jacobian * fit.covariance * jacobian.transpose();
   spread.noalias() += by_turn * variance.tail<3>().asDiagonal() * by_turn.transpose();
@@ -380,14 +292,14 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
   const CornerCovariance all =
       spread + by_shift * variance.head<3>().asDiagonal() * by_shift.transpose();
   result.chi_square = residual.dot(all.ldlt().solve(residual));
-  result.degrees_of_freedom = kPlateRows;
+  result.degrees_of_freedom = kSightingRows;
   return result;
 }
 
 Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index) {
   const WhitenedRows::Plate& group = fit.rows.plates[index];
-  const auto size = kPlateRows * static_cast<Index>(group.sightings.size());
+  const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
   const VectorXd residual = fit.rows.residual.segment(group.begin, size);
   const MatrixXd jacobian = fit.rows.jacobian.middleRows(group.begin, size);
   // Of the residual at the solution: I - J P J^T. Its inverse turns it into that against a fit
@@ -399,9 +311,9 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
   MatrixXd by_shift = MatrixXd::Zero(size, 3);
   Index row = 0;
   for (const std::size_t sighting : group.sightings) {
-    const auto rows = sighting_rows(problem, layout, fit.state, frame, problem.sightings[sighting]);
-    if (rows) by_shift.middleRows<kPlateRows>(row) = rows->by_plate.leftCols<3>();
-    row += kPlateRows;
+    const auto rows = rows_of(problem, layout, fit.state, frame, problem.sightings[sighting]);
+    if (rows) by_shift.middleRows<kSightingRows>(row) = rows->by_plate.leftCols<3>();
+    row += kSightingRows;
   }
   group.root.triangularView<Eigen::Lower>().solveInPlace(by_shift);
   const Eigen::Matrix3d information = by_shift.transpose() * left * by_shift;
@@ -427,8 +339,8 @@ double range_disagreement(const JointProblem& problem, const JointFit& fit, std:
 std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& problem,
                                                             const JointState& state,
                                                             std::size_t sighting) {
-  const auto rows = sighting_rows(problem, calibration_layout(*problem.rig), state,
-                                  vehicle_frame(state.vehicle), problem.sightings[sighting]);
+  const auto rows = rows_of(problem, calibration_layout(*problem.rig), state,
+                            vehicle_frame(state.vehicle), problem.sightings[sighting]);
   if (!rows) return std::nullopt;
   return rows->predicted;
 }
@@ -443,7 +355,7 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
   for (const WhitenedRows::Plate& group : rows.plates) {
     const SightedPlate& plate = problem.plates[group.plate];
     // Into pixels: gain / L.
-    const auto size = kPlateRows * static_cast<Index>(group.sightings.size());
+    const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
     const MatrixXd by_pixels = group.root.transpose()
                                    .triangularView<Eigen::Upper>()
                                    .solve(gain.middleCols(group.begin, size).transpose())
@@ -453,11 +365,11 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
     Index column = 0;
     for (const std::size_t index : group.sightings) {
       const Sighting& sighting = problem.sightings[index];
-      const auto own = by_pixels.middleCols<kPlateRows>(column);
+      const auto own = by_pixels.middleCols<kSightingRows>(column);
       budget.pixels += own * sighting.covariance * own.transpose();
-      const auto seen = sighting_rows(problem, layout, fit.state, frame, sighting);
+      const auto seen = rows_of(problem, layout, fit.state, frame, sighting);
       if (seen) by_plate += own * seen->by_plate;
-      column += kPlateRows;
+      column += kSightingRows;
     }
     budget.survey += by_plate * plate.survey_variance.asDiagonal() * by_plate.transpose();
     budget.coding += by_plate * plate.coding_variance.asDiagonal() * by_plate.transpose();

@@ -10,31 +10,12 @@
 
 #include <Eigen/Core>
 
-#include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/localize/sighting_model.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
-
-// A plate of which something was seen.
-struct SightedPlate {
-  std::string name;
-  Pose world_from_plate;
-  double length = 0;  // of the feature frame's inner edge, metres
-  double height = 0;
-  // Variances of its shift in world axes and of its turn about P in its own axes.
-  Eigen::Matrix<double, 6, 1> survey_variance = Eigen::Matrix<double, 6, 1>::Zero();
-  Eigen::Matrix<double, 6, 1> coding_variance = Eigen::Matrix<double, 6, 1>::Zero();
-};
-
-// A plate's corners in one camera's image, P, F, lower right, Q, as u, v, u, v, ...
-struct Sighting {
-  std::size_t camera = 0;  // of the rig
-  std::size_t plate = 0;   // of the problem
-  Eigen::Matrix<double, 8, 1> pixels = Eigen::Matrix<double, 8, 1>::Zero();
-  CornerCovariance covariance = CornerCovariance::Identity();
-};
 
 struct WallRange {
   std::string name;

@@ -34,22 +34,8 @@ std::string no_tag_read(const std::string& image, const ReadResult& result) {
   return text;
 }
 
-// The reading's corners, shifted to where the lens bends the frame's sides to. The shift takes a
-// line fitted evenly along each side; the reader leaves out what lies far from its line.
-SeenCorners seen_corners(const Reading& reading, const Camera& camera, const ReaderChoice& reader) {
-  constexpr double kShiftSigma = 0.4;  // of the shift: 0.17 to 0.37 is left in simulated pictures
-  SeenCorners seen{corners_of_bent_sides(camera, reading.corners), reader.corner_sigma_px,
-                   reading.corner_covariance};
-  if (seen.covariance.isZero()) {
-    seen.covariance = seen.sigma_px * seen.sigma_px * CornerCovariance::Identity();
-  }
-  for (std::size_t i = 0; i < seen.corners.size(); ++i) {
-    const PixelPoint shift = seen.corners[i] - reading.corners[i];
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    seen.covariance(row, row) += std::pow(kShiftSigma * shift.x, 2);
-    seen.covariance(row + 1, row + 1) += std::pow(kShiftSigma * shift.y, 2);
-  }
-  return seen;
+SeenCorners corners_in(const Reading& reading, const Camera& camera, const ReaderChoice& reader) {
+  return seen_corners(reading.corners, reading.corner_covariance, camera, reader.corner_sigma_px);
 }
 
 // A tag that no survey has, hung where its digits say: on the wall nearest to there. Nothing when
@@ -78,7 +64,7 @@ void add_unsurveyed(Observation& observation, const RigCamera& camera, const Sur
     return;
   }
   observation.tags.push_back(
-      {camera.name, 0, *tag, seen_corners(reading, camera.camera, reader), std::nullopt, true});
+      {camera.name, 0, *tag, corners_in(reading, camera.camera, reader), std::nullopt, true});
 }
 
 void add_distance(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
@@ -99,6 +85,47 @@ void add_distance(Observation& observation, const RigCamera& camera, const Camer
 }
 
 }  // namespace
+
+// The shift takes a line fitted evenly along each side; the reader leaves out what lies far from
+// its line.
+SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& covariance,
+                         const Camera& camera, double sigma_px) {
+  constexpr double kShiftSigma = 0.4;  // of the shift: 0.17 to 0.37 is left in simulated pictures
+  SeenCorners seen{corners_of_bent_sides(camera, corners), sigma_px, covariance};
+  if (seen.covariance.isZero()) {
+    seen.covariance = seen.sigma_px * seen.sigma_px * CornerCovariance::Identity();
+  }
+  for (std::size_t i = 0; i < seen.corners.size(); ++i) {
+    const PixelPoint shift = seen.corners[i] - corners[i];
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    seen.covariance(row, row) += std::pow(kShiftSigma * shift.x, 2);
+    seen.covariance(row + 1, row + 1) += std::pow(kShiftSigma * shift.y, 2);
+  }
+  return seen;
+}
+
+SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey) {
+  SightedPlate plate;
+  plate.name = tag.name;
+  plate.world_from_plate = tag.world_from_plate;
+  plate.length = survey.tag_template.frame_inner_length;
+  plate.height = survey.tag_template.frame_inner_height;
+  plate.survey_variance.head<3>().setConstant(survey.sigma * survey.sigma);
+  plate.survey_variance.tail<3>().setConstant(survey.angle_sigma * survey.angle_sigma);
+  return plate;
+}
+
+Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t plate) {
+  Sighting sighting;
+  sighting.camera = camera;
+  sighting.plate = plate;
+  for (std::size_t i = 0; i < 4; ++i) {
+    sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)) << seen.corners[i].x,
+        seen.corners[i].y;
+  }
+  sighting.covariance = seen.covariance;
+  return sighting;
+}
 
 void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,
                    const std::string& name, const std::vector<Survey>& surveys,
@@ -121,7 +148,7 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
     }
     for (const auto& [survey, tag] : found) {
       observation.tags.push_back(
-          {camera.name, survey, *tag, seen_corners(reading, camera.camera, reader), std::nullopt});
+          {camera.name, survey, *tag, corners_in(reading, camera.camera, reader), std::nullopt});
     }
   }
 }

@@ -10,6 +10,7 @@
 
 #include "decoder/image/gray.hpp"
 #include "decoder/localize/live_track.hpp"
+#include "decoder/localize/sighting_model.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -55,6 +56,17 @@ struct ReaderChoice {
 // a border that the opening moves.
 inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
+
+// The reading's corners where they really lie under the camera's lens, which bends the frame's
+// sides. `covariance` zero = not estimated: `sigma_px` is taken instead.
+SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& covariance,
+                         const Camera& camera, double sigma_px = kFittedCornerSigmaPx);
+
+// A tag of the survey where it should hang, with how surely it does.
+SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey);
+
+// `camera` and `plate`: indices in the problem that it is for.
+Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t plate);
 
 // Loads and reads the measurement's images, one after the other, with the surveys' codes as code
 // book, and looks up the tags. With a prior they are looked for where they should be, and all over

@@ -72,6 +72,7 @@ TagFinding finding_of(const Survey& survey, std::span<const Survey> also, const 
   finding.corners = reading.corners;
   finding.module_px = reading.module_px;
   finding.confidence = reading.confidence;
+  finding.corner_covariance = reading.corner_covariance;
   if (const PlacedTag* tag = find_tag(survey, reading.digits)) {
     finding.tag = tag->name;
   } else {
@@ -125,6 +126,8 @@ std::string to_string(TagStatus status) {
       return "cut_off";
     case TagStatus::misplaced:
       return "misplaced";
+    case TagStatus::doubtful:
+      return "doubtful";
   }
   return "unknown";
 }
@@ -194,6 +197,8 @@ void VerifyTally::add(const FileReport& report) {
         return counts_.cut_off;
       case TagStatus::misplaced:
         return counts_.misplaced;
+      case TagStatus::doubtful:
+        return counts_.doubtful;
       case TagStatus::unknown:
         break;
     }
@@ -204,7 +209,7 @@ void VerifyTally::add(const FileReport& report) {
   if (report.stale) counts_.stale.push_back(report.file.string());
   for (const TagFinding& tag : report.tags) {
     ++count(tag.status);
-    if (tag.status == TagStatus::ok) seen_.insert(tag.tag);
+    if (tag.status == TagStatus::ok || tag.status == TagStatus::doubtful) seen_.insert(tag.tag);
   }
 }
 

@@ -2,13 +2,16 @@
 #include "decoder/verify/diagnose.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/bilinear.hpp"
 #include "decoder/reader/explain.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
@@ -23,6 +26,8 @@ constexpr double kLeastContrast = 20;
 constexpr double kLeastKept = 0.7;
 constexpr double kMostGrowth = 0.7;  // modules
 constexpr double kMostBlur = 0.9;    // modules
+constexpr double kSharpBlur = 1.2;   // pixels: what lens and pixels leave of a photo in focus
+constexpr double kMostHidden = 0.05;
 
 struct Levels {
   double dark = 0;
@@ -52,22 +57,52 @@ Levels levels_in(const GrayView& image, const FrameCorners& corners) {
   return {share(5), share(95)};
 }
 
+// True when the bars stand across the sides P-F and Q-R as they should, false when across the other
+// two: the corners of what was not read may begin anywhere. Nothing when that cannot be seen.
+std::optional<bool> bars_cross_length(const GrayView& image, const FrameCorners& corners) {
+  constexpr int kSteps = 60;
+  const Homography image_from_unit = homography_to(corners);
+  const auto sample = [&](int right, int down) {
+    const PixelPoint at = image_from_unit(0.15 + 0.7 * right / kSteps, 0.15 + 0.7 * down / kSteps);
+    const double x = std::clamp(at.x, 0.0, image.width - 1.0);
+    const double y = std::clamp(at.y, 0.0, image.height - 1.0);
+    return static_cast<int>(
+        image.at(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y))));
+  };
+  long along = 0;
+  long across = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const int here = sample(i, j);
+      along += std::abs(sample(i + 1, j) - here);
+      across += std::abs(sample(i, j + 1) - here);
+    }
+  }
+  constexpr double kClearly = 1.3;
+  if (static_cast<double>(along) > kClearly * static_cast<double>(across)) return true;
+  if (static_cast<double>(across) > kClearly * static_cast<double>(along)) return false;
+  return std::nullopt;
+}
+
 struct Shape {
-  double module_px = 0;
-  double incidence = 0;  // degrees, from the shorter axis's foreshortening alone
+  double module_px = 0;  // as seen along the symbol
+  double incidence = 0;  // degrees, from the foreshortening of one axis against the other
 };
 
-// The quadrilateral's longer axis is taken for the frame's length unless it is foreshortened more
-// than its height can be.
-Shape shape_of(const TagTemplate& tag, const FrameCorners& c) {
-  const double along = (distance(c[0], c[1]) + distance(c[3], c[2])) / 2;
-  const double across = (distance(c[0], c[3]) + distance(c[1], c[2])) / 2;
+Shape shape_of(const GrayView& image, const TagTemplate& tag, const FrameCorners& c) {
+  double along = (distance(c[0], c[1]) + distance(c[3], c[2])) / 2;
+  double across = (distance(c[0], c[3]) + distance(c[1], c[2])) / 2;
   const double ratio = tag.frame_inner_length / tag.frame_inner_height;
-  const double seen = std::max(along, across) / std::max(1e-9, std::min(along, across));
-  // Wider than drawn: the height is foreshortened; narrower: the length is.
-  const double shortened = std::min(1.0, seen > ratio ? ratio / seen : seen / ratio);
-  return {std::max(along, across) * module_width(tag) / tag.frame_inner_length,
-          std::acos(shortened) * 180 / std::numbers::pi};
+  const auto shortening = [&](double length, double height) {
+    const double seen = std::max(1e-9, length) / std::max(1e-9, height);
+    return std::min(seen / ratio, ratio / seen);
+  };
+  const bool crossed =
+      bars_cross_length(image, c).value_or(shortening(along, across) >= shortening(across, along));
+  if (!crossed) std::swap(along, across);
+  const double shortened = shortening(along, across);
+  return {along * module_width(tag) / tag.frame_inner_length,
+          std::acos(std::min(1.0, shortened)) * 180 / std::numbers::pi};
 }
 
 std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& corners) {
@@ -90,7 +125,7 @@ std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& 
 
 std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& tag,
                                     const FrameCorners& corners) {
-  const Shape shape = shape_of(tag, corners);
+  const Shape shape = shape_of(image, tag, corners);
   if (shape.incidence > kSteepest) {
     return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, limit {:.0f}",
                                            shape.incidence, kSteepest)};
@@ -104,7 +139,136 @@ std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& ta
   return judge_light(image, corners);
 }
 
-std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol) {
+// Of the white inside the frame against the middle of its upper and lower strokes.
+double frame_contrast(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
+  const Homography image_from_unit = homography_to(corners);
+  const double half_stroke = tag.frame_stroke / 2 / tag.frame_inner_height;
+  std::vector<double> black;
+  for (int i = 1; i < 20; ++i) {
+    for (const double down : {-half_stroke, 1 + half_stroke}) {
+      const PixelPoint at = image_from_unit(i / 20.0, down);
+      const bool inside =
+          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+      if (!inside) continue;
+      black.push_back(
+          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+    }
+  }
+  if (black.empty()) return 0;
+  std::ranges::sort(black);
+  return levels_in(image, corners).bright - black[black.size() / 2];
+}
+
+// Width of the frame's inner edge, from a quarter to three quarters of the way from black to white,
+// modules; the wider of its upper and its left edge.
+double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
+  constexpr int kSteps = 48;
+  constexpr int kLines = 15;
+  const Homography image_from_unit = homography_to(corners);
+  const double module = module_width(tag);
+  double widest = 0;
+  for (const bool upper : {true, false}) {
+    const double clear = module * (upper ? tag.margin_modules : tag.quiet_zone_modules);
+    const double reach = tag.frame_stroke / 2 + clear / 2;
+    std::array<double, kSteps> profile{};
+    for (int i = 0; i < kSteps; ++i) {
+      const double out = (i + 0.5) / kSteps * reach - tag.frame_stroke / 2;
+      for (int line = 0; line < kLines; ++line) {
+        const double along = 0.3 + 0.4 * line / (kLines - 1);
+        const PixelPoint at = upper ? image_from_unit(along, out / tag.frame_inner_height)
+                                    : image_from_unit(out / tag.frame_inner_length, along);
+        profile[static_cast<std::size_t>(i)] += sample_bilinear(image, at) / kLines;
+      }
+    }
+    const auto [black, white] = std::ranges::minmax(profile);
+    const auto between = std::ranges::count_if(profile, [&](double level) {
+      return level > black + 0.25 * (white - black) && level < white - 0.25 * (white - black);
+    });
+    widest = std::max(widest, static_cast<double>(between) / kSteps * reach / module);
+  }
+  return widest;
+}
+
+// The place of what is hidden, as one sees who faces the plate; shares of the bars' area.
+std::string place_in_words(double right, double down) {
+  const char* row = down < 1.0 / 3 ? "upper" : down > 2.0 / 3 ? "lower" : "middle";
+  const char* column = right < 1.0 / 3 ? "left" : right > 2.0 / 3 ? "right" : "middle";
+  if (std::string(row) == column) return "in the middle";
+  return fmt::format("at the {} {}", row, column);
+}
+
+// Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
+// is wider than any element.
+std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& tag,
+                                     const FrameCorners& corners, double module_px) {
+  constexpr int kColumns = 19;
+  constexpr int kRows = 4;
+  constexpr int kAlong = 30;  // samples of a cell
+  constexpr int kAcross = 5;
+  constexpr double kLeastModule = 1.5;  // pixels; below, blur hides bars
+  constexpr double kFaint = 0.35;       // of the contrast that most cells have
+  constexpr double kSharp = 0.6;        // of the frame's contrast, that most cells have
+  constexpr double kWidestEdge = 1.0;   // modules: a symbol so blurred has no cells to compare
+  if (module_px < kLeastModule || edge_width(image, tag, corners) > kWidestEdge) {
+    return std::nullopt;
+  }
+  const Homography image_from_unit = homography_to(corners);
+  const double left = tag.quiet_zone_modules * module_width(tag) / tag.frame_inner_length;
+  const double top = tag.margin_modules * module_width(tag) / tag.frame_inner_height;
+  std::vector<double> contrasts;
+  for (int cell = 0; cell < kColumns * kRows; ++cell) {
+    std::vector<int> samples;
+    for (int i = 0; i < kAlong * kAcross; ++i) {
+      const double right = (cell % kColumns + (i % kAlong + 0.5) / kAlong) / kColumns;
+      const double down =
+          (cell / kColumns + (static_cast<double>(i / kAlong) + 0.5) / kAcross) / kRows;
+      const PixelPoint at =
+          image_from_unit(left + right * (1 - 2 * left), top + down * (1 - 2 * top));
+      const bool inside =
+          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+      if (!inside) return std::nullopt;
+      samples.push_back(
+          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+    }
+    std::ranges::sort(samples);
+    contrasts.push_back(samples[samples.size() * 9 / 10] - samples[samples.size() / 10]);
+  }
+  std::vector<double> ordered = contrasts;
+  std::ranges::sort(ordered);
+  const double usual = ordered[ordered.size() * 3 / 4];
+  // Where bars are blurred everywhere, faint ones are not covered.
+  if (usual < std::max(kLeastContrast, kSharp * frame_contrast(image, tag, corners))) {
+    return std::nullopt;
+  }
+  double hidden = 0;
+  double right = 0;
+  double down = 0;
+  for (int cell = 0; cell < kColumns * kRows; ++cell) {
+    if (contrasts[static_cast<std::size_t>(cell)] >= kFaint * usual) continue;
+    ++hidden;
+    right += (cell % kColumns + 0.5) / kColumns;
+    down += (static_cast<double>(cell / kColumns) + 0.5) / kRows;
+  }
+  const double share = hidden / (kColumns * kRows);
+  if (share <= kMostHidden) return std::nullopt;
+  return Diagnosis{
+      "covered",
+      fmt::format("{:.0f} % of the bars are covered or damaged, {}, limit {:.0f} %", 100 * share,
+                  place_in_words(right / hidden, down / hidden), 100 * kMostHidden)};
+}
+
+// `blur`: standard deviation, modules.
+std::optional<Diagnosis> judge_blur(double blur, double module_px) {
+  if (blur <= kMostBlur) return std::nullopt;
+  if (blur * module_px < kSharpBlur) {
+    return Diagnosis{"too-small",
+                     fmt::format("{:.2f} pixels a module, {:.2f} are needed at this sharpness",
+                                 module_px, blur * module_px / kMostBlur)};
+  }
+  return Diagnosis{"blurred", fmt::format("blur of {:.2f} modules, limit {:.1f}", blur, kMostBlur)};
+}
+
+std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module_px) {
   const SymbolFit& fit = symbol.decoding.fit;
   if (fit.kept < kLeastKept) {
     return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
@@ -115,11 +279,7 @@ std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol) {
                                                fit.image.growth > 0 ? "wider" : "narrower",
                                                std::abs(fit.image.growth), kMostGrowth)};
   }
-  if (fit.image.blur > kMostBlur) {
-    return Diagnosis{
-        "blurred", fmt::format("blur of {:.2f} modules, limit {:.1f}", fit.image.blur, kMostBlur)};
-  }
-  return std::nullopt;
+  return judge_blur(fit.image.blur, module_px);
 }
 
 }  // namespace
@@ -127,10 +287,16 @@ std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol) {
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
                    const ReadOptions& options) {
   if (const auto view = judge_view(image, tag, rejection.corners)) return *view;
+  const double module_px = shape_of(image, tag, rejection.corners).module_px;
+  if (const auto cover = judge_cover(image, tag, rejection.corners, module_px)) return *cover;
+  // A frame so blurred says more than a fit to what is left of the bars.
+  constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
+  const double edge_blur = edge_width(image, tag, rejection.corners) / kOfQuarters;
+  if (const auto blur = judge_blur(edge_blur, module_px)) return *blur;
   ReadResult refused;
   refused.rejected.push_back(rejection);
   for (const ExplainedSymbol& symbol : explain(image, options, refused).symbols) {
-    if (const auto bars = judge_bars(symbol)) return *bars;
+    if (const auto bars = judge_bars(symbol, module_px)) return *bars;
   }
   return {"undecodable", ""};
 }

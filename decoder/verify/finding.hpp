@@ -11,6 +11,7 @@
 #include "decoder/grade/symbol_grade.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
+#include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith {
@@ -22,7 +23,8 @@ enum class TagStatus {
   unreadable,  // a tag was found and refused
   duplicate,   // the same tag stands elsewhere in the same picture or print file
   cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
-  misplaced,   // a tag in order that hangs where another one should
+  misplaced,   // a tag in order that does not hang where the survey has it
+  doubtful,    // a tag in order that contradicts another: one of them is misplaced
 };
 
 std::string to_string(TagStatus status);
@@ -38,16 +40,20 @@ struct TagFinding {
   int page = 0;                        // 1-based page of a print file; 0 in a picture
   std::string message;                 // what is wrong and what was expected; empty when ok
   std::string rule{};                  // of docs/verify-rules.md; empty when ok
-  std::optional<SymbolGrade> grade{};  // print quality; only of a tag that is ok
-  std::string grade_reason{};          // why an ok tag has no grade
+  std::optional<SymbolGrade> grade{};  // print quality; only of a tag that reads as it should
+  std::string grade_reason{};          // why such a tag has no grade
   std::optional<GrayImage> crop{};     // the tag and its surroundings, when asked for
   std::string crop_file{};             // where it was saved
+  CornerCovariance corner_covariance = CornerCovariance::Zero();  // pixels^2; zero = not estimated
+  std::optional<HungTag> hung{};  // where it hangs; with a calibrated camera
 };
 
 // One file.
 struct FileReport {
   std::filesystem::path file;
   int pages = 0;  // 0 for a picture
+  int width = 0;  // of a photo, pixels; 0 for print files
+  int height = 0;
   std::vector<TagFinding> tags;
   std::string sha256{};               // of the file; empty when it cannot be read
   std::string revision{};             // of the survey it was verified against
@@ -67,6 +73,7 @@ struct VerifySummary {
   int duplicate = 0;
   int cut_off = 0;
   int misplaced = 0;
+  int doubtful = 0;
   std::vector<std::string> stale;    // print files to print again
   std::vector<std::string> missing;  // names of the survey's tags that no file shows in order
 };

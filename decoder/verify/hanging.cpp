@@ -68,6 +68,71 @@ bool is_mirrored(const GrayView& image, const TagTemplate& tag, const FrameCorne
          right->white > kSameWhite * wrong->white && wrong->white > kSameWhite * right->white;
 }
 
+// White of the plate above and below the outer edge of the feature frame, metres, in the plate's
+// frame as read.
+struct Margins {
+  double above = 0;
+  double below = 0;
+};
+
+Margins margins_of(const TagTemplate& tag) {
+  const double both = tag.plate_height - tag.frame_inner_height - 2 * tag.frame_stroke;
+  return {both / 2 - tag.frame_offset_up, both / 2 + tag.frame_offset_up};
+}
+
+// How far the plate's white goes on from the frame's outer edge, upwards or downwards: in most
+// places along the frame, since letters end it early. Nothing when it goes on beyond `farthest` or
+// out of the picture: paper on paper, a white wall.
+std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag,
+                                   const Homography& image_from_unit, bool upwards,
+                                   double farthest) {
+  constexpr int kPlaces = 24;
+  constexpr double kStep = 0.001;  // metres
+  std::vector<double> widths;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double along = 0.1 + 0.8 * (i + 0.5) / kPlaces;
+    const auto sample = [&](double out) -> std::optional<double> {
+      const double down = upwards ? -out : tag.frame_inner_height + out;
+      const PixelPoint at = image_from_unit(along, down / tag.frame_inner_height);
+      const bool inside =
+          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+      if (!inside) return std::nullopt;
+      return image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
+    };
+    const auto white = sample(-module_width(tag) * tag.margin_modules / 2);
+    if (!white) return std::nullopt;
+    const double module = module_width(tag);
+    double width = module;  // the stroke's blur
+    for (; width <= farthest; width += kStep) {
+      const auto level = sample(tag.frame_stroke + width);
+      if (!level) return std::nullopt;
+      if (*level < *white / 2) break;
+    }
+    widths.push_back(width);
+  }
+  std::ranges::sort(widths);
+  const double width = widths[widths.size() * 4 / 5];
+  if (width > farthest) return std::nullopt;
+  return width;
+}
+
+// Where the frame stands out of the plate's middle, a mirrored print has its wider margin above the
+// bars as they are read, not below, or the other way round.
+bool is_mirrored_by_margins(const GrayView& image, const TagTemplate& tag,
+                            const FrameCorners& corners) {
+  constexpr double kLeastDifference = 0.010;  // metres
+  constexpr double kFits = 0.3;               // of the difference
+  const Margins drawn = margins_of(tag);
+  const double difference = std::abs(drawn.above - drawn.below);
+  if (difference < kLeastDifference) return false;
+  const Homography image_from_unit = homography_to(corners);
+  const double farthest = std::max(drawn.above, drawn.below) + difference;
+  const auto above = white_beyond(image, tag, image_from_unit, true, farthest);
+  const auto below = white_beyond(image, tag, image_from_unit, false, farthest);
+  return above && below && std::abs(*above - drawn.below) < kFits * difference &&
+         std::abs(*below - drawn.above) < kFits * difference;
+}
+
 // The place of `corner` of the other plate in this plate's plane, metres right and down of P.
 PixelPoint in_plane(const Homography& unit_from_image, const TagTemplate& tag, PixelPoint at) {
   const PixelPoint unit = unit_from_image(at.x, at.y);
@@ -128,14 +193,21 @@ void compare(const Survey& survey, TagFinding& a, TagFinding& b) {
 void find_mirrored(const GrayView& image, const TagTemplate& tag,
                    std::vector<TagFinding>& findings) {
   constexpr double kLeastModule = 4;  // pixels; letters are four modules high and more
+  constexpr double kLeastModuleForMargins = 2;
   const std::optional<Rectangle> below = label_below(tag);
-  if (!below) return;
-  for (TagFinding& finding : findings) {
-    if (finding.status != TagStatus::ok || finding.module_px < kLeastModule) continue;
-    if (!is_mirrored(image, tag, finding.corners, *below)) continue;
+  const auto mark = [](TagFinding& finding, const char* why) {
     finding.status = TagStatus::misprinted;
     finding.rule = "mirrored";
-    finding.message = finding.tag + " is mirrored: its label stands above the bars, expected below";
+    finding.message = finding.tag + " is mirrored: " + why;
+  };
+  for (TagFinding& finding : findings) {
+    if (finding.status != TagStatus::ok || finding.module_px < kLeastModuleForMargins) continue;
+    if (below && finding.module_px >= kLeastModule &&
+        is_mirrored(image, tag, finding.corners, *below)) {
+      mark(finding, "its label stands above the bars, expected below");
+    } else if (is_mirrored_by_margins(image, tag, finding.corners)) {
+      mark(finding, "the plate's wider margin is on the wrong side of the bars");
+    }
   }
 }
 

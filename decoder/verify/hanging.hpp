@@ -13,7 +13,8 @@ namespace tagsmith {
 // A UPC-A symbol mirrored has the bars of the same symbol upside down, so its bars cannot tell.
 // The label can: it stands below the frame as the bars are read, and above it in a mirrored print.
 // Makes `ok` findings `misprinted` (rule `mirrored`) where that place is white and ink stands in
-// the opposite one. Tells nothing of templates without a label below, and below 4 px a module.
+// the opposite one, from 4 px a module on. Where the frame stands 5 mm and more above or below the
+// plate's middle, the plate's edges tell the same from 2 px a module on, before a dark ground.
 void find_mirrored(const GrayView& image, const TagTemplate& tag,
                    std::vector<TagFinding>& findings);
 

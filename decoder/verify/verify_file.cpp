@@ -9,13 +9,14 @@
 
 #include <fmt/format.h>
 
-#include "decoder/image/half_size.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/diagnose.hpp"
+#include "decoder/verify/frame_bow.hpp"
 #include "decoder/verify/grade_tags.hpp"
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/manifest.hpp"
@@ -65,31 +66,6 @@ void find_no_tag(FileReport& report, const std::string& page = "") {
   report.rules.insert("no-tag");
 }
 
-// A fault's surroundings: half a frame's size more on each side, at most kMostCrop pixels wide.
-void crop_faults(const GrayView& image, std::vector<TagFinding>& tags) {
-  constexpr int kMostCrop = 800;
-  for (TagFinding& tag : tags) {
-    if (tag.status == TagStatus::ok || tag.status == TagStatus::cut_off) continue;
-    const auto [left, right] = std::ranges::minmax(tag.corners, {}, &PixelPoint::x);
-    const auto [top, bottom] = std::ranges::minmax(tag.corners, {}, &PixelPoint::y);
-    const double margin = 0.5 * std::max(right.x - left.x, bottom.y - top.y);
-    const auto within = [](double value, int size) {
-      return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
-    };
-    const int x0 = within(left.x - margin, image.width);
-    const int x1 = within(right.x + margin, image.width);
-    const int y0 = within(top.y - margin, image.height);
-    const int y1 = within(bottom.y + margin, image.height);
-    if (x1 - x0 < 2 || y1 - y0 < 2) continue;
-    GrayImage crop{x1 - x0, y1 - y0, {}};
-    for (int y = y0; y < y1; ++y) {
-      crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
-    }
-    while (crop.width > kMostCrop) crop = half_size(crop.view());
-    tag.crop = std::move(crop);
-  }
-}
-
 std::vector<TagFinding> verify_page(const VerifyRequest& request, const PageImage& page,
                                     int number) {
   const Survey& survey = request.survey;
@@ -127,6 +103,13 @@ void find_repeats(std::vector<TagFinding>& tags) {
   }
 }
 
+// The camera that took the photo; null when it is not known.
+const Camera* camera_of(const VerifyRequest& request, const std::filesystem::path& path) {
+  if (request.rig == nullptr || request.cameras == nullptr) return nullptr;
+  const std::optional<PhotoOrigin> origin = request.cameras->origin_of(path);
+  return origin ? &request.rig->cameras[origin->camera].camera : nullptr;
+}
+
 Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile& file) {
   const Result<GrayImage> loaded = decode_gray_image(file.path.string(), file.bytes);
   if (!loaded) return fail(loaded.error().message);
@@ -137,7 +120,10 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
                            PictureSize{image.width, image.height}, request.also);
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags);
   find_mirrored(image, survey.tag_template, report.tags);
+  find_bent(image, survey.tag_template, camera_of(request, file.path), report.tags);
   find_misplaced(survey, report.tags);
+  report.width = image.width;
+  report.height = image.height;
   grade_tags(image, survey.tag_template, report.tags);
   if (request.crops) crop_faults(image, report.tags);
   const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };

@@ -10,7 +10,9 @@
 #include "decoder/verify/finding.hpp"
 #include "decoder/verify/input_file.hpp"
 #include "decoder/verify/manifest.hpp"
+#include "decoder/verify/photo_cameras.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -21,6 +23,9 @@ struct VerifyRequest {
   std::span<const Survey> also{};      // other surveys, whose tags do not belong here
   bool crops = false;                  // whether TagFinding::crop of faults is filled
   ManifestCache* manifests = nullptr;  // shared by the files; null = each one's is parsed anew
+  // Of photos, where known: their cameras. Both or neither.
+  const Rig* rig = nullptr;
+  const PhotoCameras* cameras = nullptr;
 };
 
 // Everything in the picture: first read without the survey, so that a tag that should not be there

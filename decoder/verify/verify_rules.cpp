@@ -13,6 +13,8 @@ constexpr std::array kRules{
     VerifyRule{"bars-grown", "unreadable: the bars are wider or narrower than drawn",
                "Ink spread or a wrong exposure of the plate. Print it again, with less ink or with "
                "the printer's own resolution in the template (symbol.dpi)."},
+    VerifyRule{"bent", "a plate that is not flat: the sides of its feature frame bow",
+               "Screw or glue it down flat, or replace it: positions from a bent plate are off."},
     VerifyRule{"blurred", "unreadable: blur wider than the reader follows",
                "Hold the camera still, focus on the plate, or go nearer. If a sharp photo from one "
                "metre says the same, the print is blurred: replace the plate."},
@@ -27,6 +29,9 @@ constexpr std::array kRules{
     VerifyRule{"check-scheme", "the check digit of the other scheme",
                "The plate was made with another program's check digit, or code.check_digit of the "
                "survey was changed after printing. Print it again, or set the survey back."},
+    VerifyRule{"contradiction", "tags that do not fit together: one of them hangs wrong",
+               "Photograph them together with a third tag: then it is told which. Or measure both "
+               "against the setting-out list."},
     VerifyRule{"covered", "unreadable: a part of the bars is covered or damaged",
                "Clean the plate and clear what hangs before it; replace it when it is scratched."},
     VerifyRule{"cut-off", "a tag at the picture's edge, not wholly in view",
@@ -47,6 +52,9 @@ constexpr std::array kRules{
                "mirroring switched off. It still reads, but every position from it is wrong."},
     VerifyRule{"missing-in-file", "a print file without a tag that belongs in it",
                "Print the file again."},
+    VerifyRule{"moved", "a tag that does not hang where the survey has it",
+               "Hang it where the setting-out list says, as the message tells; or, when it stays, "
+               "write its measured place into the survey's `placed`."},
     VerifyRule{"no-tag", "a picture or page without any tag",
                "If there is a plate in the picture: go nearer, light it, keep the whole frame in "
                "view. A print file without a tag must be printed again."},
@@ -59,7 +67,7 @@ constexpr std::array kRules{
                "The plate hangs in the wrong drive. Hang it where its own setting-out list says."},
     VerifyRule{"stale", "a print from another state of the survey",
                "Print the tag again; do not hang the old plate."},
-    VerifyRule{"swapped", "two tags of one wall in the wrong order",
+    VerifyRule{"swapped", "tags that hang in each other's place, or in that of a third",
                "The two plates were exchanged. Exchange them back by the setting-out list."},
     VerifyRule{"too-dark", "unreadable: too dark", "Light the plate, or expose longer."},
     VerifyRule{"too-small", "unreadable: too few pixels a module",
@@ -67,11 +75,11 @@ constexpr std::array kRules{
     VerifyRule{"undecodable", "unreadable for none of the other causes",
                "Look at the crop, and at `tagsmith read --explain`. Clean the plate; replace it if "
                "a sharp photo from one metre says the same. It may be no tag of this template."},
-    VerifyRule{"upside-down", "a tag upside down on its page",
+    VerifyRule{"upside-down", "a tag upside down on its page or wall",
                "Turn the page or print it again; hang the plate with the arrow upwards."},
-    VerifyRule{"wrong-scale", "a print whose frame is not of the template's size",
+    VerifyRule{"wrong-scale", "a frame that is not of the template's size",
                "Print at 100 %, without `fit to page`, and measure the frame before hanging."},
-    VerifyRule{"wrong-wall", "tags of opposite walls side by side on one wall",
+    VerifyRule{"wrong-wall", "a tag on the wrong wall, or tags of opposite walls side by side",
                "One of the plates hangs on the wrong wall. Compare both labels with the "
                "setting-out list."},
 };

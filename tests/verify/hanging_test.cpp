@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/hanging.hpp"
 
+#include <algorithm>
+#include <span>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/tag/drawing.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
 namespace tagsmith {
@@ -52,6 +57,48 @@ TEST_CASE("tags of opposite walls side by side in one plane are on a wrong wall"
   TagFinding other = seen("000000340401", 900);
   other.corners = {{{900, 160}, {1000, 100}, {1000, 268}, {900, 208}}};
   CHECK(rule_of({seen("019000000404", 100), other}) == "");
+}
+
+TEST_CASE("a mirrored plate without a label is told by its margins, before a dark ground") {
+  TagTemplate tag;
+  tag.plate_length = 0.246;
+  tag.plate_height = 0.170;
+  tag.frame_inner_length = 0.2201;
+  tag.frame_inner_height = 0.110;
+  tag.frame_stroke = 0.008;
+  tag.frame_offset_up = 0.018;
+  tag.label.shown = false;
+  const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
+  ReadOptions options;
+  options.layouts = {layout_of(tag)};
+  for (const double yaw : {-0.7, 0.0, 0.6}) {
+    for (const double ground : {0.05, 0.8}) {
+      CAPTURE(yaw);
+      CAPTURE(ground);
+      ScenePlate plate{draw_tag(tag, *parse_digits("019000000404")), {}, {}};
+      plate.camera_from_plate =
+          camera_from_turned_plate(camera, plate.drawing, {600, 500}, 1.0, yaw, 0.1, 0.2);
+      ViewOptions view;
+      view.background_light = ground;
+      view.sensor.noise_sigma = 2;
+      GrayImage image = render_view(camera, std::span(&plate, 1), view).image;
+      for (const bool mirrored : {false, true}) {
+        CAPTURE(mirrored);
+        if (mirrored) {
+          for (auto row = image.samples.begin(); row != image.samples.end(); row += image.width) {
+            std::reverse(row, row + image.width);
+          }
+        }
+        const ReadResult read = read_tags(image.view(), options);
+        REQUIRE(read.tags.size() == 1);
+        std::vector<TagFinding> findings(1);
+        findings[0].corners = read.tags[0].corners;
+        findings[0].module_px = read.tags[0].module_px;
+        find_mirrored(image.view(), tag, findings);
+        CHECK(findings[0].rule == (mirrored && ground < 0.5 ? "mirrored" : ""));
+      }
+    }
+  }
 }
 
 TEST_CASE("a tag on its head on a page is upside down") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -318,6 +319,60 @@ TEST_CASE("copies of photos are annotated, upright, in the format of the source"
   CHECK(copies[1].filename().string().starts_with("side-"));
   CHECK(size_of(copies[1]) == std::pair(960, 1280));
   CHECK(*read_file(copies[0]) != jpeg);
+}
+
+TEST_CASE("with a rig, tags that hang elsewhere than surveyed are found and told what to do") {
+  const std::string rig = " --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  const ProgramOutput right = run_tagsmith("verify --json " + kSurvey + rig);
+  CHECK_MESSAGE(right.exit_code == 0, right.out << right.err);
+  const json checked = json_lines(right.out).at(20)["summary"]["hanging"];
+  CHECK(checked.size() == 14);
+  for (const json& tag : checked) CHECK(tag["verdict"] == "fits");
+
+  // The survey's place of 001L is 30 mm too high: the plate hangs too low against it.
+  const TemporaryFolder folder;
+  std::string survey = *read_file(kSurvey);
+  survey.insert(survey.find("\ncode:"),
+                "\nplaced:\n  - { tag: 001L, side: left, p: [1.9, 0.8, 0.43], "
+                "digits: \"01900080040\" }\n");
+  const std::string moved = (folder.path() / "survey.yaml").string();
+  REQUIRE(write_file(moved, survey).has_value());
+  const ProgramOutput output = run_tagsmith("verify --json '" + moved + "'" + rig + " --crops '" +
+                                            folder.path().string() + "'");
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 21);
+  CHECK(lines[20]["summary"]["misplaced"] == 1);
+  CHECK(lines[20]["summary"]["doubtful"] == 0);
+  const json tag = lines[2]["tags"][0];
+  CHECK(tag["tag"] == "001L");
+  CHECK(tag["status"] == "misplaced");
+  CHECK(tag["rule"] == "moved");
+  CHECK(tag["message"] == "001L hangs 30 mm from its surveyed place: raise it by 30 mm");
+  CHECK(std::abs(tag["hanging"]["offset_mm"][1].get<double>() + 30) < 2);
+  CHECK(tag["hanging"]["offset_sigma_mm"][1] < 5);
+  CHECK(fs::file_size(tag["crop"].get<std::string>()) > 1000);
+  CHECK(lines[2]["findings"].size() == 1);
+  CHECK(run_tagsmith("verify '" + moved + "'" + rig + " --tolerance 40").exit_code == 0);
+}
+
+TEST_CASE("what --rig cannot use is told") {
+  const std::string photo = kPhotos + "/corridor_01_left.jpg";
+  const ProgramOutput wide = run_tagsmith("verify surveys/corridor/survey.yaml " + photo +
+                                          " --rig surveys/curved/rig.yaml "
+                                          "--camera middle");
+  CHECK(wide.exit_code == 2);
+  CHECK(wide.err.find("has no such camera, expected left, right") != std::string::npos);
+  const TemporaryFolder folder;
+  const fs::path copy = folder.path() / "IMG_1.jpg";
+  fs::copy_file(photo, copy);
+  const ProgramOutput unknown = run_tagsmith("verify " + kSurvey + " '" + copy.string() +
+                                             "' --rig surveys/corridor/rig.yaml");
+  CHECK(unknown.exit_code == 0);
+  CHECK(unknown.err.find("IMG_1.jpg: which camera of the rig took it is not known") !=
+        std::string::npos);
+  CHECK(run_tagsmith("verify " + kSurvey).exit_code == 2);
+  CHECK(run_tagsmith("verify " + kSurvey + " " + photo + " --camera left").exit_code == 2);
 }
 
 TEST_CASE("a tag of another survey that was given is named") {

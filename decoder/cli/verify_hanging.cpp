@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/verify_hanging.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "decoder/verify/hanging_check.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/run.hpp"
+
+namespace tagsmith {
+namespace {
+
+std::string verdict_in_words(const HungTag& tag) {
+  switch (tag.verdict) {
+    case HangVerdict::off:
+      return tag.rule;
+    case HangVerdict::doubtful:
+      return "this one or " + tag.rivals.front();
+    case HangVerdict::fits:
+    case HangVerdict::unchecked:
+      break;
+  }
+  return "ok";
+}
+
+void print_in_words(const HungTag& tag) {
+  const Measured3& offset = tag.offset;
+  const Measured3& turn = tag.turn;
+  const auto mm = [](double metres) { return 1e3 * metres; };
+  fmt::print(
+      "{:>8} {:+7.1f} ±{:4.1f} {:+7.1f} ±{:4.1f} {:+7.1f} ±{:4.1f} {:+6.2f} ±{:4.2f} {:+6.2f}"
+      " ±{:4.2f} {:+6.2f} ±{:4.2f} {:4}  {}\n",
+      tag.tag, mm(offset.value[0]), mm(offset.sigma[0]), mm(offset.value[1]), mm(offset.sigma[1]),
+      mm(offset.value[2]), mm(offset.sigma[2]), degrees(turn.value[0]), degrees(turn.sigma[0]),
+      degrees(turn.value[1]), degrees(turn.sigma[1]), degrees(turn.value[2]),
+      degrees(turn.sigma[2]), tag.stations, verdict_in_words(tag));
+}
+
+}  // namespace
+
+void add_hanging_options(CLI::App& app, HangingOptions& options) {
+  CLI::Option* rig =
+      app.add_option(
+             "--rig", options.rig,
+             "The cameras that took the photos: tells where tags hang that are seen together")
+          ->type_name("RIG");
+  CLI::Option* camera =
+      app.add_option(
+             "--camera", options.camera,
+             "The rig's camera that took all photos, each by itself (default: the one whose "
+             "name stands in the file's name)")
+          ->type_name("NAME")
+          ->needs(rig);
+  app.add_option("--run", options.run,
+                 "Run file that says which camera took which photo, and which were taken together; "
+                 "without FILE its photos are verified")
+      ->type_name("RUN.csv")
+      ->needs(rig)
+      ->excludes(camera);
+  app.add_option("--tolerance", options.tolerance_mm,
+                 "Farthest that a corner of a tag's frame may be from its place, in mm")
+      ->type_name("MM")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0))
+      ->needs(rig);
+}
+
+Result<std::optional<HangingSetup>> load_hanging(const HangingOptions& options) {
+  if (options.rig.empty()) return std::nullopt;
+  Result<Rig> rig = load_rig(options.rig);
+  if (!rig) return fail(rig.error().message);
+  HangingSetup setup{std::move(*rig), {}, {}};
+  if (!options.run.empty()) {
+    const Result<Run> run = load_run(options.run, setup.rig);
+    if (!run) return fail(run.error().message);
+    setup.cameras = PhotoCameras::by_run(setup.rig, *run);
+    for (const Measurement& row : run->measurements) {
+      for (const auto& [name, seen] : row.cameras) {
+        if (!seen.image.empty()) setup.photos.push_back(seen.image.string());
+      }
+    }
+  } else if (!options.camera.empty()) {
+    Result<PhotoCameras> cameras = PhotoCameras::by_camera(setup.rig, options.camera);
+    if (!cameras) return fail(cameras.error().message);
+    setup.cameras = std::move(*cameras);
+  } else {
+    setup.cameras = PhotoCameras::by_names(setup.rig);
+  }
+  return std::optional(std::move(setup));
+}
+
+HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double tolerance,
+                       std::vector<FileReport>& reports) {
+  std::vector<std::string> notes;
+  const std::vector<SightedTag> sighted =
+      sighted_tags(survey, setup.rig, setup.cameras, reports, notes);
+  HungTags hung = check_hung_tags(survey, setup.rig, sighted, tolerance);
+  report_hung_tags(hung, reports);
+  find_upside_down_in_photos(setup.rig, setup.cameras, reports);
+  hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
+  if (hung.nothing_fits) {
+    hung.notes.push_back(
+        "more than half of the tags seen contradict the survey: are these its photos, and is the "
+        "rig's calibration right? No tag was accused");
+  }
+  return hung;
+}
+
+void print_hanging(const HungTags& hung) {
+  const auto is_checked = [](const HungTag& tag) { return tag.verdict != HangVerdict::unchecked; };
+  const auto checked = std::ranges::count_if(hung.tags, is_checked);
+  fmt::print(
+      "where tags hang, against the survey and facing the wall: {} checked, {} never seen "
+      "together with another\n",
+      checked, static_cast<std::ptrdiff_t>(hung.tags.size()) - checked);
+  if (checked == 0) return;
+  fmt::print(
+      "     tag    right, mm        up, mm       out, mm clockwise, deg right edge out     top "
+      "out seen\n");
+  for (const HungTag& tag : hung.tags) {
+    if (is_checked(tag)) print_in_words(tag);
+  }
+}
+
+}  // namespace tagsmith

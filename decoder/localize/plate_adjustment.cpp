@@ -1,0 +1,491 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/plate_adjustment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr double kFreeSigma = 10;       // metres and radians, of a plate that hangs anywhere
+constexpr double kMostMismatch = 0.25;  // frame diagonals; beyond, a start is no worse
+
+struct AdjustmentState {
+  std::vector<Pose> world_from_plate;
+  std::vector<VehiclePose> vehicles;
+  VectorXd calibration;
+};
+
+SightedPlate at(SightedPlate plate, const Pose& world_from_plate) {
+  plate.world_from_plate = world_from_plate;
+  return plate;
+}
+
+VehiclePose stepped(VehiclePose vehicle, const Vector6& step) {
+  vehicle.position += step.head<3>();
+  vehicle.heading += step[vehicle_parameter::kHeading];
+  vehicle.pitch += step[vehicle_parameter::kPitch];
+  vehicle.roll += step[vehicle_parameter::kRoll];
+  return vehicle;
+}
+
+Eigen::Matrix3d rotation_of(const Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+Vector3d turn_of(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
+// --- starts ---
+
+// The corners' distance from where they are seen, root mean square, in diagonals of the frame.
+double mismatch_from(const Rig& rig, const SightedPlate& plate, const Sighting& sighting,
+                     const VehiclePose& vehicle) {
+  const auto rows = sighting_rows(rig, calibration_layout(rig), {}, vehicle_frame(vehicle), plate,
+                                  sighting.camera);
+  if (!rows) return std::numeric_limits<double>::infinity();
+  const double diagonal = (sighting.pixels.segment<2>(4) - sighting.pixels.segment<2>(0)).norm();
+  return (rows->predicted - sighting.pixels).norm() / (2 * diagonal);
+}
+
+// The vehicle's pose that most of the plates with a known pose agree with.
+std::optional<VehiclePose> start_vehicle(const AdjustmentProblem& problem, const Station& station,
+                                         const std::vector<std::optional<Pose>>& known) {
+  std::optional<VehiclePose> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Sighting& sighting : station.sightings) {
+    if (!known[sighting.plate]) continue;
+    const auto poses = vehicle_poses_from(
+        *problem.rig, at(problem.plates[sighting.plate], *known[sighting.plate]), sighting);
+    if (!poses) continue;
+    for (const VehiclePose& pose : *poses) {
+      double cost = 0;
+      for (const Sighting& other : station.sightings) {
+        if (!known[other.plate]) continue;
+        const double apart = mismatch_from(
+            *problem.rig, at(problem.plates[other.plate], *known[other.plate]), other, pose);
+        cost += std::min(apart * apart, kMostMismatch * kMostMismatch);
+      }
+      if (cost >= least) continue;
+      least = cost;
+      best = pose;
+    }
+  }
+  return best;
+}
+
+// Where the sightings from placed vehicles say that a plate hangs.
+std::optional<Pose> start_plate(const AdjustmentProblem& problem, std::size_t plate,
+                                const std::vector<std::optional<VehiclePose>>& vehicles) {
+  std::vector<std::pair<const Sighting*, VehiclePose>> seen;
+  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
+    if (!vehicles[s]) continue;
+    for (const Sighting& sighting : problem.stations[s].sightings) {
+      if (sighting.plate == plate) seen.emplace_back(&sighting, *vehicles[s]);
+    }
+  }
+  std::optional<Pose> best;
+  double least = std::numeric_limits<double>::infinity();
+  const SightedPlate at_origin = at(problem.plates[plate], Pose{});
+  for (const auto& [sighting, vehicle] : seen) {
+    const auto plate_from_vehicle = vehicle_poses_from(*problem.rig, at_origin, *sighting);
+    if (!plate_from_vehicle) continue;
+    for (const VehiclePose& in_plate : *plate_from_vehicle) {
+      const Pose pose = world_from_vehicle(vehicle) * inverse(world_from_vehicle(in_plate));
+      double cost = 0;
+      for (const auto& [other, from] : seen) {
+        const double apart = mismatch_from(*problem.rig, at(at_origin, pose), *other, from);
+        cost += std::min(apart * apart, kMostMismatch * kMostMismatch);
+      }
+      if (cost >= least) continue;
+      least = cost;
+      best = pose;
+    }
+  }
+  return best;
+}
+
+// Vehicles from the plates that hang as surveyed, freed plates from those vehicles, and so on.
+std::optional<AdjustmentState> start_state(const AdjustmentProblem& problem,
+                                           const std::vector<bool>& freed) {
+  std::vector<std::optional<Pose>> plates(problem.plates.size());
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    if (!freed[i]) plates[i] = problem.plates[i].world_from_plate;
+  }
+  std::vector<std::optional<VehiclePose>> vehicles(problem.stations.size());
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t s = 0; s < vehicles.size(); ++s) {
+      if (vehicles[s]) continue;
+      vehicles[s] = start_vehicle(problem, problem.stations[s], plates);
+      changed = changed || vehicles[s];
+    }
+    for (std::size_t i = 0; i < plates.size(); ++i) {
+      if (plates[i]) continue;
+      plates[i] = start_plate(problem, i, vehicles);
+      changed = changed || plates[i];
+    }
+  }
+  AdjustmentState state;
+  for (const auto& vehicle : vehicles) {
+    if (!vehicle) return std::nullopt;
+    state.vehicles.push_back(*vehicle);
+  }
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    state.world_from_plate.push_back(plates[i].value_or(problem.plates[i].world_from_plate));
+  }
+  const auto uncertain = calibration_layout(*problem.rig).sigmas.size();
+  state.calibration = VectorXd::Zero(static_cast<Index>(uncertain));
+  return state;
+}
+
+// --- one linearisation ---
+
+// A station's normal equations with its vehicle's pose eliminated. Columns: six of each plate it
+// sees, then the calibration's.
+struct ReducedStation {
+  std::vector<std::size_t> plates;
+  MatrixXd information;
+  VectorXd gradient;
+  Matrix6 pose_covariance;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_rest;
+  Vector6 pose_gradient;
+  double chi_square = 0;
+};
+
+class Network {
+ public:
+  Network(const AdjustmentProblem& problem, const std::vector<bool>& freed)
+      : problem_(problem), layout_(calibration_layout(*problem.rig)) {
+    for (std::size_t i = 0; i < problem.plates.size(); ++i) {
+      Vector6 variance = problem.plates[i].survey_variance;
+      if (freed[i]) variance.setConstant(kFreeSigma * kFreeSigma);
+      variances_.push_back(variance);
+    }
+  }
+
+  Index size() const {
+    return static_cast<Index>(6 * problem_.plates.size() + layout_.sigmas.size());
+  }
+
+  // Of all corners and priors; infinite when a corner cannot be seen.
+  double chi_square(const AdjustmentState& state) const {
+    double sum = prior_chi_square(state);
+    for (std::size_t s = 0; s < problem_.stations.size(); ++s) {
+      const auto station = reduced(state, s, false);
+      if (!station) return std::numeric_limits<double>::infinity();
+      sum += station->chi_square;
+    }
+    return sum;
+  }
+
+  bool linearise(const AdjustmentState& state) {
+    stations_.clear();
+    std::vector<Eigen::Triplet<double>> entries;
+    gradient_ = VectorXd::Zero(size());
+    for (std::size_t s = 0; s < problem_.stations.size(); ++s) {
+      auto station = reduced(state, s, true);
+      if (!station) return false;
+      const std::vector<Index> columns = columns_of(*station);
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        const auto row = static_cast<Index>(i);
+        gradient_[columns[i]] += station->gradient[row];
+        for (std::size_t j = 0; j < columns.size(); ++j) {
+          entries.emplace_back(columns[i], columns[j],
+                               station->information(row, static_cast<Index>(j)));
+        }
+      }
+      stations_.push_back(std::move(*station));
+    }
+    add_priors(state, entries);
+    information_.resize(size(), size());
+    information_.setFromTriplets(entries.begin(), entries.end());
+    solver_.compute(information_);
+    return solver_.info() == Eigen::Success;
+  }
+
+  // The state after `share` of the full step.
+  AdjustmentState stepped_by(const AdjustmentState& state, const VectorXd& step,
+                             double share) const {
+    AdjustmentState next = state;
+    for (std::size_t i = 0; i < next.world_from_plate.size(); ++i) {
+      const Vector6 own = share * step.segment<6>(static_cast<Index>(6 * i));
+      next.world_from_plate[i].translation += own.head<3>();
+      next.world_from_plate[i].rotation *= rotation_of(own.tail<3>());
+    }
+    next.calibration += share * step.tail(next.calibration.size());
+    for (std::size_t s = 0; s < stations_.size(); ++s) {
+      const ReducedStation& station = stations_[s];
+      const std::vector<Index> columns = columns_of(station);
+      VectorXd own(static_cast<Index>(columns.size()));
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        own[static_cast<Index>(i)] = step[columns[i]];
+      }
+      const Vector6 pose =
+          -station.pose_covariance * (station.pose_gradient + station.pose_by_rest * own);
+      next.vehicles[s] = stepped(next.vehicles[s], share * pose);
+    }
+    return next;
+  }
+
+  VectorXd full_step() const { return -solver_.solve(gradient_); }
+
+  // Of a plate's six parameters, everything else taken along.
+  Matrix6 covariance_of(std::size_t plate) const {
+    const auto column = static_cast<Index>(6 * plate);
+    MatrixXd unit = MatrixXd::Zero(size(), 6);
+    unit.block<6, 6>(column, 0).setIdentity();
+    const MatrixXd solved = solver_.solve(unit);
+    return solved.block<6, 6>(column, 0);
+  }
+
+  const Vector6& variance_of(std::size_t plate) const { return variances_[plate]; }
+  const std::vector<ReducedStation>& stations() const { return stations_; }
+
+  // Shift and turn of a plate from its surveyed place.
+  Vector6 moved_by(const AdjustmentState& state, std::size_t plate) const {
+    const Pose& surveyed = problem_.plates[plate].world_from_plate;
+    const Pose& pose = state.world_from_plate[plate];
+    Vector6 moved;
+    moved << pose.translation - surveyed.translation,
+        turn_of(surveyed.rotation.transpose() * pose.rotation);
+    return moved;
+  }
+
+ private:
+  std::vector<Index> columns_of(const ReducedStation& station) const {
+    std::vector<Index> columns;
+    for (const std::size_t plate : station.plates) {
+      for (std::size_t i = 0; i < 6; ++i) columns.push_back(static_cast<Index>(6 * plate + i));
+    }
+    const auto first = static_cast<Index>(6 * problem_.plates.size());
+    for (Index i = first; i < size(); ++i) columns.push_back(i);
+    return columns;
+  }
+
+  double prior_chi_square(const AdjustmentState& state) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < problem_.plates.size(); ++i) {
+      sum += moved_by(state, i).cwiseAbs2().cwiseQuotient(variances_[i]).sum();
+    }
+    for (Index i = 0; i < state.calibration.size(); ++i) {
+      sum += std::pow(state.calibration[i] / layout_.sigmas[static_cast<std::size_t>(i)], 2);
+    }
+    return sum;
+  }
+
+  void add_priors(const AdjustmentState& state, std::vector<Eigen::Triplet<double>>& entries) {
+    const auto add = [&](Index i, double value, double variance) {
+      entries.emplace_back(i, i, 1 / variance);
+      gradient_[i] += value / variance;
+    };
+    for (std::size_t plate = 0; plate < problem_.plates.size(); ++plate) {
+      const Vector6 moved = moved_by(state, plate);
+      for (Index i = 0; i < 6; ++i) {
+        add(static_cast<Index>(6 * plate) + i, moved[i], variances_[plate][i]);
+      }
+    }
+    const auto first = static_cast<Index>(6 * problem_.plates.size());
+    for (Index i = 0; i < state.calibration.size(); ++i) {
+      const double sigma = layout_.sigmas[static_cast<std::size_t>(i)];
+      add(first + i, state.calibration[i], sigma * sigma);
+    }
+  }
+
+  // Without derivatives only chi_square is filled.
+  std::optional<ReducedStation> reduced(const AdjustmentState& state, std::size_t index,
+                                        bool derivatives) const {
+    const Station& station = problem_.stations[index];
+    const VehicleFrame frame = vehicle_frame(state.vehicles[index]);
+    ReducedStation result;
+    for (const Sighting& sighting : station.sightings) {
+      if (std::ranges::find(result.plates, sighting.plate) == result.plates.end()) {
+        result.plates.push_back(sighting.plate);
+      }
+    }
+    const auto count = kSightingRows * static_cast<Index>(station.sightings.size());
+    const auto of_plates = static_cast<Index>(6 * result.plates.size());
+    VectorXd residual(count);
+    MatrixXd by_pose = MatrixXd::Zero(count, 6);
+    MatrixXd by_rest = MatrixXd::Zero(count, of_plates + state.calibration.size());
+    Index row = 0;
+    for (const Sighting& sighting : station.sightings) {
+      const auto rows =
+          sighting_rows(*problem_.rig, layout_, state.calibration, frame,
+                        at(problem_.plates[sighting.plate], state.world_from_plate[sighting.plate]),
+                        sighting.camera);
+      if (!rows) return std::nullopt;
+      residual.segment<kSightingRows>(row) = rows->predicted - sighting.pixels;
+      by_pose.middleRows<kSightingRows>(row) = rows->by_vehicle;
+      const auto place = std::ranges::find(result.plates, sighting.plate) - result.plates.begin();
+      by_rest.block<kSightingRows, 6>(row, 6 * static_cast<Index>(place)) = rows->by_plate;
+      for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+        const int column = layout_.places[sighting.camera][i];
+        if (column < 0) continue;
+        by_rest.block<kSightingRows, 1>(row, of_plates + column) =
+            rows->by_calibration.col(static_cast<Index>(i));
+      }
+      const Eigen::LLT<CornerCovariance> root(sighting.covariance);
+      if (root.info() != Eigen::Success) return std::nullopt;
+      const auto whiten = [&](auto&& block) { root.matrixL().solveInPlace(block); };
+      whiten(residual.segment<kSightingRows>(row));
+      whiten(by_pose.middleRows<kSightingRows>(row));
+      whiten(by_rest.middleRows<kSightingRows>(row));
+      row += kSightingRows;
+    }
+    result.chi_square = residual.squaredNorm();
+    if (!derivatives) return result;
+    const Matrix6 pose_information = by_pose.transpose() * by_pose;
+    const Eigen::LLT<Matrix6> root(pose_information);
+    if (root.info() != Eigen::Success) return std::nullopt;
+    result.pose_covariance = root.solve(Matrix6::Identity());
+    result.pose_by_rest = by_pose.transpose() * by_rest;
+    result.pose_gradient = by_pose.transpose() * residual;
+    const MatrixXd gain = result.pose_by_rest.transpose() * result.pose_covariance;
+    result.information = by_rest.transpose() * by_rest - gain * result.pose_by_rest;
+    result.gradient = by_rest.transpose() * residual - gain * result.pose_gradient;
+    return result;
+  }
+
+  const AdjustmentProblem& problem_;
+  CalibrationLayout layout_;
+  std::vector<Vector6> variances_;
+  std::vector<ReducedStation> stations_;
+  VectorXd gradient_;
+  Eigen::SparseMatrix<double> information_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+// --- what comes of it ---
+
+// What everything but the plate's own prior says, from the posterior mean `moved` and covariance:
+// dividing the prior (variance S, mean 0) out of the posterior. In units of the prior, with P the
+// posterior covariance and Q = I - P: mean Q^-1 d, covariance Q^-1 P.
+PlateOffset offset_of(const Vector6& moved, const Matrix6& posterior, const Vector6& prior,
+                      const Vector6& surveyed) {
+  constexpr double kLeast = 1e-9;  // share of what is known of a direction that pictures tell
+  const Vector6 sigmas = prior.cwiseSqrt();
+  const Vector6 inverse_sigmas = sigmas.cwiseInverse();
+  const Matrix6 scaled = inverse_sigmas.asDiagonal() * posterior * inverse_sigmas.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(Matrix6::Identity() - scaled);
+  const Vector6 told = axes.eigenvalues().cwiseMax(kLeast);
+  const Vector6 along = axes.eigenvectors().transpose() * inverse_sigmas.cwiseProduct(moved);
+  const Matrix6 back = sigmas.asDiagonal() * axes.eigenvectors();
+  const Vector6 mean = back * along.cwiseQuotient(told);
+  const Vector6 variance = (Vector6::Ones() - told).cwiseMax(0).cwiseQuotient(told);
+  PlateOffset offset;
+  offset.shift = mean.head<3>();
+  offset.turn = mean.tail<3>();
+  offset.covariance = back * variance.asDiagonal() * back.transpose();
+  Matrix6 expected = offset.covariance;
+  expected.diagonal() += surveyed;
+  offset.chi_square = mean.dot(expected.ldlt().solve(mean));
+  const Eigen::Matrix3d of_shift = expected.topLeftCorner<3, 3>();
+  offset.shift_chi_square = offset.shift.dot(of_shift.ldlt().solve(offset.shift));
+  return offset;
+}
+
+// Minimises from the start. False when it does not get there.
+bool converge(Network& network, AdjustmentState& state) {
+  constexpr int kMostSteps = 30;
+  constexpr int kMostHalvings = 8;
+  constexpr double kEnough = 1e-3;  // of chi-square
+  double cost = network.chi_square(state);
+  for (int i = 0; i < kMostSteps; ++i) {
+    if (!std::isfinite(cost) || !network.linearise(state)) return false;
+    const VectorXd step = network.full_step();
+    double share = 1;
+    AdjustmentState next = network.stepped_by(state, step, share);
+    double next_cost = network.chi_square(next);
+    for (int halved = 0; halved < kMostHalvings && !(next_cost <= cost); ++halved) {
+      share /= 2;
+      next = network.stepped_by(state, step, share);
+      next_cost = network.chi_square(next);
+    }
+    if (!(next_cost <= cost)) return true;  // as low as rounding lets it
+    const bool settled = cost - next_cost < kEnough;
+    state = std::move(next);
+    cost = next_cost;
+    if (settled) break;
+  }
+  return network.linearise(state);
+}
+
+}  // namespace
+
+std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
+                                        const std::vector<bool>& freed) {
+  std::optional<AdjustmentState> state = start_state(problem, freed);
+  if (!state) return std::nullopt;
+  Network network(problem, freed);
+  if (!converge(network, *state)) return std::nullopt;
+  Adjustment result;
+  result.world_from_plate = state->world_from_plate;
+  result.chi_square = network.chi_square(*state);
+  result.offsets.resize(problem.plates.size());
+  for (const ReducedStation& station : network.stations()) {
+    result.station_chi_square.push_back(station.chi_square);
+    for (const std::size_t plate : station.plates) {
+      if (result.offsets[plate]) continue;
+      result.offsets[plate] =
+          offset_of(network.moved_by(*state, plate), network.covariance_of(plate),
+                    network.variance_of(plate), problem.plates[plate].survey_variance);
+    }
+  }
+  return result;
+}
+
+double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto poses = vehicle_poses_from(*problem.rig, problem.plates[a.plate], a);
+  if (!poses) return least;
+  for (const VehiclePose& pose : *poses) {
+    least = std::min(least, mismatch_from(*problem.rig, problem.plates[b.plate], b, pose));
+  }
+  return least;
+}
+
+bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting) {
+  constexpr int kFree = 2;            // eight coordinates less six of the pose
+  constexpr double kAsStated = 13.8;  // chi-square that is exceeded once in a thousand
+  constexpr double kMostRaised = 100;
+  AdjustmentProblem alone{problem.rig, {problem.plates[sighting.plate]}, {{"", {sighting}}}};
+  alone.stations[0].sightings[0].plate = 0;
+  alone.plates[0].survey_variance.setConstant(1e-12);
+  const auto poses = vehicle_poses_from(*problem.rig, alone.plates[0], sighting);
+  if (!poses) return false;
+  double least = std::numeric_limits<double>::infinity();
+  for (const VehiclePose& pose : *poses) {
+    const auto exact = calibration_layout(*problem.rig).sigmas.size();
+    AdjustmentState state{
+        {alone.plates[0].world_from_plate}, {pose}, VectorXd::Zero(static_cast<Index>(exact))};
+    Network network(alone, {false});
+    if (!converge(network, state)) continue;
+    least = std::min(least, network.stations()[0].chi_square);
+  }
+  if (!(least <= kFree * kMostRaised)) return false;
+  if (least > kAsStated) sighting.covariance *= least / kFree;
+  return true;
+}
+
+}  // namespace tagsmith

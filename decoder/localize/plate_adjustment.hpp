@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The adjustment of hung plates: where all vehicles stood and all plates hang, fitted at once to
+// every picture and to the survey, each weighted by its covariance.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/localize/sighting_model.hpp"
+#include "tagsmith/survey/rig.hpp"
+
+namespace tagsmith {
+
+// What a rig's cameras saw at one moment, from one place.
+struct Station {
+  std::string name;
+  std::vector<Sighting> sightings;
+};
+
+// The rig must outlive the problem. A plate's survey_variance says how far it may hang from its
+// surveyed place.
+struct AdjustmentProblem {
+  const Rig* rig = nullptr;
+  std::vector<SightedPlate> plates;
+  std::vector<Station> stations;
+};
+
+// Where the pictures and all other plates say that a plate hangs, less where the survey has it. Its
+// own surveyed place has no part in it.
+struct PlateOffset {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of corner P, world axes, metres
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();   // rotation vector in its surveyed axes, radians
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  // of both
+  // Against the survey, whose own variances are counted: chi-square of 3 and of 6 where the plate
+  // hangs as surveyed.
+  double shift_chi_square = 0;
+  double chi_square = 0;
+};
+
+struct Adjustment {
+  std::vector<Pose> world_from_plate;
+  double chi_square = 0;                            // of everything
+  std::vector<double> station_chi_square;           // of the corners, by station
+  std::vector<std::optional<PlateOffset>> offsets;  // by plate; none of plates in no station
+};
+
+// Gauss-Newton over all plates, the calibration and one vehicle pose a station; the poses are
+// eliminated station by station (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis", 6.1)
+// and the rest is solved sparse. `freed`, a flag a plate: taken to hang anywhere. Plates that are
+// not freed must hang within half a frame of their place. Nothing when some station can not be
+// placed.
+std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
+                                        const std::vector<bool>& freed);
+
+// How far the corners of b are from where a's picture says that they are when both hang as
+// surveyed, in frame diagonals of b; of the poses that a allows, the better. Infinite when a allows
+// none.
+double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b);
+
+// Raises a sighting's covariance until a rectangle explains its corners (two degrees of freedom).
+// False when none does even at a hundred times the covariance: it must not be used.
+bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting);
+
+}  // namespace tagsmith

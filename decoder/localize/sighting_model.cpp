@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/sighting_model.hpp"
+
+#include <Eigen/Geometry>
+
+#include "decoder/localize/plate_pose.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
+
+CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
+  CalibrationVector sigmas;
+  sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
+      sigma.focal, sigma.center, sigma.center;
+  return sigmas;
+}
+
+// The camera as these calibration errors leave it.
+struct CalibratedCamera {
+  Camera camera;
+  Pose vehicle_from_camera;
+};
+
+CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
+                            std::size_t index, const VectorXd& calibration) {
+  CalibratedCamera result{camera.camera, camera.vehicle_from_camera};
+  if (calibration.size() == 0) return result;
+  CalibrationVector errors = CalibrationVector::Zero();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const int place = layout.places[index][i];
+    if (place >= 0) errors[static_cast<Index>(i)] = calibration[place];
+  }
+  const Vector3d turn = errors.segment<3>(3);
+  result.vehicle_from_camera.translation += errors.head<3>();
+  if (turn.norm() > 0) {
+    result.vehicle_from_camera.rotation *=
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  }
+  result.camera.fx *= 1 + errors[6];
+  result.camera.fy *= 1 + errors[6];
+  result.camera.cx += errors[7];
+  result.camera.cy += errors[8];
+  return result;
+}
+
+std::array<Vector3d, 4> corners_in_plate(const SightedPlate& plate) {
+  return {Vector3d(0, 0, 0), Vector3d(plate.length, 0, 0), Vector3d(plate.length, plate.height, 0),
+          Vector3d(0, plate.height, 0)};
+}
+
+}  // namespace
+
+CalibrationLayout calibration_layout(const Rig& rig) {
+  CalibrationLayout layout;
+  for (const RigCamera& camera : rig.cameras) {
+    const CalibrationVector sigmas = sigmas_of(camera.calibration_sigma);
+    std::array<int, kCalibrationCount> places{};
+    for (Index i = 0; i < kCalibrationCount; ++i) {
+      places[static_cast<std::size_t>(i)] = -1;
+      if (sigmas[i] == 0) continue;
+      places[static_cast<std::size_t>(i)] = static_cast<int>(layout.sigmas.size());
+      layout.sigmas.push_back(sigmas[i]);
+    }
+    layout.places.push_back(places);
+  }
+  return layout;
+}
+
+std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayout& layout,
+                                          const VectorXd& calibration, const VehicleFrame& vehicle,
+                                          const SightedPlate& plate, std::size_t camera) {
+  const CalibratedCamera seen_by = calibrated(rig.cameras[camera], layout, camera, calibration);
+  SightingRows rows;
+  Index row = 0;
+  for (const Vector3d& corner : corners_in_plate(plate)) {
+    const auto observed = observe_point(seen_by.camera, seen_by.vehicle_from_camera, vehicle,
+                                        plate.world_from_plate, corner);
+    if (!observed) return std::nullopt;
+    rows.predicted.segment<2>(row) = observed->pixel;
+    rows.by_vehicle.middleRows<2>(row) = observed->by_vehicle;
+    rows.by_plate.middleRows<2>(row) = observed->by_plate;
+    rows.by_calibration.middleRows<2>(row) << observed->by_mounting, observed->by_intrinsics;
+    row += 2;
+  }
+  return rows;
+}
+
+std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
+                                                             const SightedPlate& plate,
+                                                             const Sighting& sighting) {
+  const RigCamera& camera = rig.cameras[sighting.camera];
+  std::array<Vector3d, 4> rays;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto ray =
+        ray_through(camera.camera, sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)));
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+  }
+  const auto camera_from_plate = plate_poses(rays, plate.length, plate.height);
+  if (!camera_from_plate) return std::nullopt;
+  std::array<VehiclePose, 2> poses;
+  for (std::size_t i = 0; i < 2; ++i) {
+    poses[i] = vehicle_pose_of(plate.world_from_plate * inverse((*camera_from_plate)[i]) *
+                               inverse(camera.vehicle_from_camera));
+  }
+  return poses;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a rig's cameras see of a plate's corners, and how that moves with the vehicle, the plate and
+// the calibration. Localization fits the vehicle with it, the check of hung plates the plates.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/feature_frame/corner_covariance.hpp"
+#include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/survey/rig.hpp"
+
+namespace tagsmith {
+
+// A plate of which something was seen.
+struct SightedPlate {
+  std::string name;
+  Pose world_from_plate;
+  double length = 0;  // of the feature frame's inner edge, metres
+  double height = 0;
+  // Variances of its shift in world axes and of its turn about P in its own axes.
+  Eigen::Matrix<double, 6, 1> survey_variance = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> coding_variance = Eigen::Matrix<double, 6, 1>::Zero();
+};
+
+// A plate's corners in one camera's image, P, F, lower right, Q, as u, v, u, v, ...
+struct Sighting {
+  std::size_t camera = 0;  // of the rig
+  std::size_t plate = 0;   // of the problem
+  Eigen::Matrix<double, 8, 1> pixels = Eigen::Matrix<double, 8, 1>::Zero();
+  CornerCovariance covariance = CornerCovariance::Identity();
+};
+
+// A camera's calibration errors: its mounting (shift in vehicle axes, turn), the relative change of
+// its focal lengths, its principal point.
+inline constexpr Eigen::Index kCalibrationCount = 9;
+inline constexpr Eigen::Index kSightingRows = 8;
+
+// Which of the rig's calibration parameters are uncertain, and their standard deviations.
+struct CalibrationLayout {
+  std::vector<std::array<int, kCalibrationCount>> places;  // a camera each; -1 = exact
+  std::vector<double> sigmas;
+};
+
+CalibrationLayout calibration_layout(const Rig& rig);
+
+// Where a sighting's corners should be, pixels, and the derivatives (observation_model.hpp).
+struct SightingRows {
+  Eigen::Matrix<double, kSightingRows, 1> predicted;
+  Eigen::Matrix<double, kSightingRows, 6> by_vehicle;
+  Eigen::Matrix<double, kSightingRows, 6> by_plate;
+  Eigen::Matrix<double, kSightingRows, kCalibrationCount> by_calibration;
+};
+
+// `calibration`: the errors of the layout's parameters; empty = none. Nothing when a corner cannot
+// be seen from there.
+std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayout& layout,
+                                          const Eigen::VectorXd& calibration,
+                                          const VehicleFrame& vehicle, const SightedPlate& plate,
+                                          std::size_t camera);
+
+// The vehicle's poses that a sighting by itself allows, were the plate where it is said to be:
+// those of plate_poses. Nothing when the corners are no picture of a rectangle.
+std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
+                                                             const SightedPlate& plate,
+                                                             const Sighting& sighting);
+
+}  // namespace tagsmith

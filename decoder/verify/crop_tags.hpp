@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/verify/finding.hpp"
+
+namespace tagsmith {
+
+// Fills `crop` of every fault: the tag and half a frame's size more on each side, at most 800
+// pixels wide. Tags that have a crop or a file of one keep it.
+void crop_faults(const GrayView& image, std::vector<TagFinding>& tags);
+
+}  // namespace tagsmith

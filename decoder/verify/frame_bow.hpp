@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the sides of a feature frame are from straight: those of a bent plate bow.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/verify/finding.hpp"
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/tag/template.hpp"
+
+namespace tagsmith {
+
+// Of the sides P-F, F-R, R-Q, Q-P: how far the middle of the inner edge stands outwards from the
+// line through its ends, pixels (inwards: negative).
+using FrameBow = std::array<double, 4>;
+
+// Nothing when a side is too small, blurred, dirty or covered to be followed to a third of a pixel.
+std::optional<FrameBow> measure_bow(const GrayView& image, const TagTemplate& tag,
+                                    const FrameCorners& corners);
+
+// The bow that a camera's lens gives to straight sides between these corners.
+FrameBow bow_of_lens(const Camera& camera, const FrameCorners& corners);
+
+// What is left of the bow when the image is undistorted by the one radial term (about its centre)
+// that leaves least: what a bow tells of the plate when the lens is not known.
+FrameBow without_radial(const FrameBow& bow, const FrameCorners& corners, int width, int height);
+
+// Share of their length by which both of two opposite sides bow to the same direction; the larger
+// of the two pairs of sides. A flat plate has next to none under any perspective.
+double share_of_bend(const FrameBow& bow, const FrameCorners& corners);
+
+// A bend from which a tag counts as bent: with a calibrated camera, and without one.
+inline constexpr double kMostBend = 0.01;
+inline constexpr double kMostBendOfUnknownLens = 0.02;
+
+// `ok` tags whose plate is bent become `misprinted` (rule `bent`). `camera` null = not known.
+void find_bent(const GrayView& image, const TagTemplate& tag, const Camera* camera,
+               std::vector<TagFinding>& findings);
+
+}  // namespace tagsmith

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/hung_tags.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector3d;
+
+SightedPlate plate_for(const Survey& survey, const PlacedTag& tag) {
+  SightedPlate plate = sighted_plate(tag, survey);
+  const double sigma = std::max({survey.sigma, tag.sigma, kLeastSurveySigma});
+  const double angle_sigma = std::max(survey.angle_sigma, kLeastAngleSigma);
+  plate.survey_variance.head<3>().setConstant(sigma * sigma);
+  plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
+  return plate;
+}
+
+// Plates are the survey's tags that were seen, in its order.
+AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
+                              std::span<const SightedTag> sighted) {
+  AdjustmentProblem problem;
+  problem.rig = &rig;
+  for (const PlacedTag& tag : survey.tags) {
+    if (std::ranges::find(sighted, tag.name, &SightedTag::tag) == sighted.end()) continue;
+    problem.plates.push_back(plate_for(survey, tag));
+  }
+  std::map<std::string, std::size_t> plates;
+  for (std::size_t i = 0; i < problem.plates.size(); ++i) plates[problem.plates[i].name] = i;
+  std::map<std::string, std::size_t> stations;
+  for (const SightedTag& seen : sighted) {
+    const auto plate = plates.find(seen.tag);
+    if (plate == plates.end()) continue;
+    const auto [station, is_new] = stations.emplace(seen.station, problem.stations.size());
+    if (is_new) problem.stations.push_back({seen.station, {}});
+    problem.stations[station->second].sightings.push_back(
+        sighting_of(seen.seen, seen.camera, plate->second));
+  }
+  return problem;
+}
+
+// The offset in the axes of who faces the plate. The plate's own are right, down, into the wall.
+void measure(const SightedPlate& plate, const PlateOffset& offset, HungTag& tag) {
+  const Eigen::Matrix3d& rotation = plate.world_from_plate.rotation;
+  Eigen::Matrix3d facing = rotation.transpose();
+  facing.row(1) *= -1;
+  facing.row(2) *= -1;
+  tag.offset.value = facing * offset.shift;
+  tag.offset.sigma = (facing * offset.covariance.topLeftCorner<3, 3>() * facing.transpose())
+                         .diagonal()
+                         .cwiseMax(0)
+                         .cwiseSqrt();
+  const Eigen::Matrix3d& of_turn = offset.covariance.bottomRightCorner<3, 3>();
+  tag.turn.value = {offset.turn.z(), offset.turn.y(), offset.turn.x()};
+  tag.turn.sigma = of_turn.diagonal().cwiseMax(0).cwiseSqrt().reverse();
+}
+
+// What to do about one of the six, its value positive or negative.
+struct Instruction {
+  const char* positive;
+  const char* negative;
+};
+constexpr std::array<Instruction, 3> kMove{{{"move it left by", "move it right by"},
+                                            {"lower it by", "raise it by"},
+                                            {"set it back by", "bring it out from the wall by"}}};
+constexpr std::array<Instruction, 3> kTurn{
+    {{"turn it anticlockwise by", "turn it clockwise by"},
+     {"press its right edge back by", "press its left edge back by"},
+     {"tilt its top back by", "tilt its foot back by"}}};
+
+// Everything that is surely off and worth a hand's turn; when nothing is by itself, the largest.
+std::string instruction(const HungTag& tag) {
+  constexpr double kSurely = 3;         // standard deviations
+  constexpr double kLeastMove = 0.002;  // metres
+  constexpr double kLeastTurn = 0.5;    // degrees
+  std::vector<std::string> parts;
+  const auto add = [&](bool all) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double value = tag.offset.value[i];
+      const bool counts = std::abs(value) > kSurely * tag.offset.sigma[i];
+      if (std::abs(value) < kLeastMove || !(counts || all)) continue;
+      const Instruction& words = kMove[static_cast<std::size_t>(i)];
+      parts.push_back(fmt::format("{} {:.0f} mm", value > 0 ? words.positive : words.negative,
+                                  1e3 * std::abs(value)));
+    }
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const double value = degrees(tag.turn.value[i]);
+      const bool counts = std::abs(value) > kSurely * degrees(tag.turn.sigma[i]);
+      if (std::abs(value) < kLeastTurn || !(counts || all)) continue;
+      const Instruction& words = kTurn[static_cast<std::size_t>(i)];
+      parts.push_back(fmt::format("{} {:.1f} degrees", value > 0 ? words.positive : words.negative,
+                                  std::abs(value)));
+    }
+  };
+  add(false);
+  if (parts.empty()) add(true);
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string millimetres(double metres) { return fmt::format("{:.0f} mm", 1e3 * metres); }
+
+Pose hung_pose(const SightedPlate& plate, const PlateOffset& offset) {
+  Pose pose = plate.world_from_plate;
+  pose.translation += offset.shift;
+  const double angle = offset.turn.norm();
+  if (angle > 0) {
+    pose.rotation *= Eigen::AngleAxisd(angle, offset.turn / angle).toRotationMatrix();
+  }
+  return pose;
+}
+
+double angle_between(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle();
+}
+
+// The tag in whose place the pose is: a plate's gap or a hand away, much less than a plate.
+const PlacedTag* place_of(const Survey& survey, const Pose& pose) {
+  constexpr double kNear = 0.1;   // metres
+  constexpr double kAlike = 0.4;  // radians
+  for (const PlacedTag& tag : survey.tags) {
+    const bool near_to = (tag.world_from_plate.translation - pose.translation).norm() < kNear;
+    if (near_to && angle_between(tag.world_from_plate.rotation, pose.rotation) < kAlike) {
+      return &tag;
+    }
+  }
+  return nullptr;
+}
+
+// True when the plate stands on its head in its place.
+bool is_upside_down(const SightedPlate& plate, const Pose& pose) {
+  constexpr double kMost = 0.5;  // radians from half a turn
+  const Eigen::Matrix3d half_turn =
+      plate.world_from_plate.rotation * Vector3d(-1, -1, 1).asDiagonal();
+  return angle_between(half_turn, pose.rotation) < kMost;
+}
+
+bool is_on_other_wall(const Survey& survey, const PlacedTag& tag, const Pose& pose) {
+  const double offset = survey.tunnel.centerline.locate(pose.translation.head<2>()).offset;
+  const double side = tag.side == Side::left ? -1 : 1;
+  return side * offset < -survey.tunnel.width / 4;
+}
+
+// Names what is wrong with a plate that is off.
+void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCheck& check,
+                  HungTag& tag) {
+  const PlacedTag& surveyed = *find_tag(survey, std::string_view(tag.tag));
+  const Pose pose = hung_pose(plate, *check.offset);
+  if (const PlacedTag* other = place_of(survey, pose); other != nullptr && other != &surveyed) {
+    tag.rule = other->side != surveyed.side ? "wrong-wall" : "swapped";
+    tag.message =
+        fmt::format("{} hangs in the place of {}: hang it where the setting-out list says", tag.tag,
+                    other->name);
+  } else if (is_upside_down(plate, pose)) {
+    tag.rule = "upside-down";
+    tag.message = fmt::format(
+        "{} hangs upside down, or is a mirrored print: turn it by 180 degrees", tag.tag);
+  } else if (is_on_other_wall(survey, surveyed, pose)) {
+    tag.rule = "wrong-wall";
+    tag.message = fmt::format("{} hangs on the {} wall, expected on the {}", tag.tag,
+                              to_string(surveyed.side == Side::left ? Side::right : Side::left),
+                              to_string(surveyed.side));
+  } else if (check.scale) {
+    tag.rule = "wrong-scale";
+    tag.message = fmt::format(
+        "{} in its surveyed place has a frame of {:.1f} % of the template's size (printed to fit a "
+        "page?), or it hangs elsewhere: measure the frame; if its size is right, {}",
+        tag.tag, 100 * *check.scale, instruction(tag));
+  } else {
+    tag.rule = "moved";
+    tag.message = fmt::format("{} hangs {} from its surveyed place: {}", tag.tag,
+                              millimetres(farthest_corner(plate, *check.offset)), instruction(tag));
+  }
+}
+
+void name_doubt(const SightedPlate& plate, const PlateCheck& check, HungTag& tag) {
+  tag.rule = "contradiction";
+  tag.message = fmt::format(
+      "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
+      "tells "
+      "which; if it is {}, {}",
+      tag.tag, fmt::join(tag.rivals, ", "), millimetres(farthest_corner(plate, *check.offset)),
+      tag.tag, instruction(tag));
+}
+
+HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::size_t index,
+                 const PlateCheck& check) {
+  const SightedPlate& plate = problem.plates[index];
+  HungTag tag;
+  tag.tag = plate.name;
+  tag.verdict = check.verdict;
+  tag.stations = check.stations;
+  for (const std::size_t rival : check.rivals) tag.rivals.push_back(problem.plates[rival].name);
+  if (!check.offset) return tag;
+  if (!check.swapped_with) measure(plate, *check.offset, tag);
+  if (check.swapped_with) {
+    const std::string& other = problem.plates[*check.swapped_with].name;
+    tag.rule = "swapped";
+    tag.message =
+        fmt::format("{} and {} hang in each other's place: exchange them", tag.tag, other);
+    return tag;
+  }
+  if (check.verdict == HangVerdict::off) name_mistake(survey, plate, check, tag);
+  if (check.verdict == HangVerdict::doubtful) name_doubt(plate, check, tag);
+  return tag;
+}
+
+}  // namespace
+
+HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
+                         double tolerance) {
+  const AdjustmentProblem problem = problem_for(survey, rig, sighted);
+  const Consensus consensus = find_consensus(problem, tolerance);
+  HungTags result;
+  result.nothing_fits = consensus.nothing_fits;
+  for (std::size_t i = 0; i < problem.plates.size(); ++i) {
+    result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
+  }
+  for (const std::string& station : consensus.stations_left_out) {
+    result.notes.push_back(fmt::format(
+        "{}: its tags fit no place of the cameras: pictures that were not taken together, or not "
+        "by these cameras; left out of where tags hang",
+        station));
+  }
+  return result;
+}
+
+}  // namespace tagsmith

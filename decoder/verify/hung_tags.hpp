@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where tags hang, by pictures of a calibrated rig, against the survey: in words for who hangs
+// them.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/localize/observation.hpp"
+#include "decoder/localize/plate_consensus.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// A tag of the survey in a picture. Pictures with one station name were taken together.
+struct SightedTag {
+  std::string station;
+  std::size_t camera = 0;  // of the rig
+  std::string tag;
+  SeenCorners seen;
+};
+
+// Three numbers and their standard deviations.
+struct Measured3 {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
+};
+
+// Offset and turn are as one sees them who faces the plate's surveyed place.
+struct HungTag {
+  std::string tag;
+  HangVerdict verdict = HangVerdict::unchecked;
+  int stations = 0;                 // that show it together with another tag
+  Measured3 offset;                 // of corner P: to the right, up, out of the wall; metres
+  Measured3 turn;                   // clockwise, right edge out, top out; radians
+  std::vector<std::string> rivals;  // of a doubtful tag
+  std::string rule;                 // docs/verify-rules.md; empty when nothing is wrong
+  std::string message;              // what is wrong; of what is off, what to do
+};
+
+struct HungTags {
+  std::vector<HungTag> tags;       // of the survey that were seen, in its order
+  std::vector<std::string> notes;  // on pictures that could not be used
+  bool nothing_fits = false;       // rig, survey and pictures do not belong together
+};
+
+// Least standard deviations that plates are taken to be surveyed with: a survey that states none
+// would make every offset significant.
+inline constexpr double kLeastSurveySigma = 0.001;        // metres
+inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degrees
+
+// find_consensus of the sighted tags, in words. Sightings of tags that the survey does not have are
+// passed over.
+HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
+                         double tolerance = kHangTolerance);
+
+}  // namespace tagsmith

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is a tag found that does not hang where the survey has it? Usage: bench_displaced [ROWS]
+//
+// The survey's place of one tag at a time is moved by 30 mm along the wall, up or down, into or out
+// of it, or turned by 5 degrees, and the same pictures are checked against it: the shipped runs,
+// and rendered ones of ROWS places. Last the survey as it is, for false alarms.
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "decoder/localize/observation.hpp"
+#include "decoder/simulate/survey_view.hpp"
+#include "decoder/verify/hung_tags.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/run.hpp"
+
+using namespace tagsmith;
+using Eigen::Vector3d;
+
+namespace {
+
+struct PictureSet {
+  std::string name;
+  Survey survey;
+  Rig rig;
+  std::vector<SightedTag> sighted;
+};
+
+void add_seen(PictureSet& set, const std::string& station, const Observation& observation) {
+  for (const SeenTag& seen : observation.tags) {
+    const auto camera = std::ranges::find(set.rig.cameras, seen.camera, &RigCamera::name);
+    set.sighted.push_back({station, static_cast<std::size_t>(camera - set.rig.cameras.begin()),
+                           seen.tag.name, *seen.seen_corners});
+  }
+}
+
+PictureSet load_set(const std::string& name) {
+  const std::string folder = "surveys/" + name + "/";
+  PictureSet set{
+      name, load_survey(folder + "survey.yaml").value(), load_rig(folder + "rig.yaml").value(), {}};
+  return set;
+}
+
+PictureSet shipped(const std::string& name) {
+  PictureSet set = load_set(name);
+  set.name += ", shipped run";
+  const std::vector<Survey> surveys{set.survey};
+  const Run run = load_run("surveys/" + name + "/run.csv", set.rig).value();
+  for (const Measurement& row : run.measurements) {
+    add_seen(set, row.id, observe(row, surveys, set.rig, {read_tags}));
+  }
+  return set;
+}
+
+double normal(std::mt19937_64& random, double sigma) {
+  return sigma * std::normal_distribution<double>()(random);
+}
+
+// A vehicle anywhere before the tags, as far from level and from the middle as rigs allow for.
+Pose random_vehicle(const PictureSet& set, std::mt19937_64& random) {
+  const Centerline& line = set.survey.tunnel.centerline;
+  const double to = set.survey.tags.back().chainage;
+  const auto chainage = std::uniform_real_distribution<double>(-0.5, to - 0.5)(random);
+  const CenterlinePoint at = line.at(chainage);
+  VehiclePose pose;
+  pose.position =
+      at.position + normal(random, 0.1 * set.survey.tunnel.width) * right_of(at.heading);
+  pose.position.z() += set.rig.vehicle_height + normal(random, 0.01);
+  pose.heading = at.heading + normal(random, radians(3));
+  pose.pitch = normal(random, radians(1));
+  pose.roll = normal(random, radians(1));
+  return world_from_vehicle(pose);
+}
+
+void render_rows(PictureSet& set, int rows, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const std::vector<Survey> surveys{set.survey};
+  for (int row = 0; row < rows; ++row) {
+    const Pose vehicle = random_vehicle(set, random);
+    Observation observation;
+    for (const RigCamera& camera : set.rig.cameras) {
+      ViewOptions options;
+      options.lighting = tunnel_lighting();
+      options.sensor.noise_sigma = 2;
+      options.seed = random();
+      const SurveyView seen = render_survey_view(set.survey, camera, vehicle, options, seed);
+      observe_image(observation, camera, seen.view.image.view(), camera.name, surveys, {read_tags});
+    }
+    add_seen(set, fmt::format("{}", row), observation);
+  }
+}
+
+PictureSet rendered(const std::string& name, int rows) {
+  PictureSet set = load_set(name);
+  set.name += fmt::format(", {} rendered rows", rows);
+  render_rows(set, rows, 1);
+  return set;
+}
+
+// Pictures of one camera that sees several tags, each picture by itself.
+PictureSet single_pictures(int rows) {
+  PictureSet set = load_set("corridor");
+  set.name = fmt::format("corridor, {} rendered pictures of one wide camera, each alone", rows);
+  RigCamera camera = set.rig.cameras[0];
+  camera.camera = {1920, 1080, 1100, 1100, 959.5, 539.5};
+  camera.vehicle_from_camera = vehicle_from_side_camera(Side::left, radians(50));
+  set.rig.cameras = {camera};
+  render_rows(set, rows, 2);
+  return set;
+}
+
+struct Tally {
+  int trials = 0;
+  int named = 0;
+  int in_doubt = 0;
+  int missed = 0;
+  int checked_others = 0;
+  int accused_others = 0;
+};
+
+void count(Tally& tally, const std::string& moved, const HungTags& result) {
+  for (const HungTag& tag : result.tags) {
+    if (tag.verdict == HangVerdict::unchecked) continue;
+    if (tag.tag != moved) {
+      ++tally.checked_others;
+      if (tag.verdict == HangVerdict::off) ++tally.accused_others;
+      if (tag.verdict == HangVerdict::doubtful &&
+          std::ranges::find(tag.rivals, moved) == tag.rivals.end()) {
+        ++tally.accused_others;
+      }
+      continue;
+    }
+    ++tally.trials;
+    if (tag.verdict == HangVerdict::off) ++tally.named;
+    if (tag.verdict == HangVerdict::doubtful) ++tally.in_doubt;
+    if (tag.verdict == HangVerdict::fits) ++tally.missed;
+  }
+}
+
+struct Displacement {
+  const char* name;
+  Vector3d shift;  // plate axes
+  double turn = 0;
+};
+
+Survey displaced(Survey survey, std::size_t tag, const Displacement& by) {
+  Pose& pose = survey.tags[tag].world_from_plate;
+  pose.translation += pose.rotation * by.shift;
+  pose.rotation *= Eigen::AngleAxisd(by.turn, Vector3d::UnitZ()).toRotationMatrix();
+  return survey;
+}
+
+void print(const std::string& set, const std::string& what, const Tally& tally) {
+  const double n = std::max(1, tally.trials);
+  fmt::print("| {} | {} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {} of {} |\n", set, what,
+             tally.trials, 100 * tally.named / n, 100 * tally.in_doubt / n, 100 * tally.missed / n,
+             tally.accused_others, tally.checked_others);
+}
+
+void measure(const PictureSet& set, const std::vector<std::vector<SightedTag>>& groups) {
+  const std::vector<Displacement> displacements{{"30 mm along the wall", {0.03, 0, 0}},
+                                                {"30 mm back along it", {-0.03, 0, 0}},
+                                                {"30 mm up", {0, -0.03, 0}},
+                                                {"30 mm down", {0, 0.03, 0}},
+                                                {"30 mm out of the wall", {0, 0, -0.03}},
+                                                {"30 mm into the wall", {0, 0, 0.03}},
+                                                {"turned 5 degrees", {0, 0, 0}, radians(5)}};
+  for (const Displacement& by : displacements) {
+    Tally tally;
+    for (std::size_t i = 0; i < set.survey.tags.size(); ++i) {
+      const Survey survey = displaced(set.survey, i, by);
+      for (const auto& group : groups) {
+        if (std::ranges::find(group, survey.tags[i].name, &SightedTag::tag) == group.end())
+          continue;
+        count(tally, survey.tags[i].name, check_hung_tags(survey, set.rig, group));
+      }
+    }
+    print(set.name, by.name, tally);
+  }
+  Tally none;
+  for (const auto& group : groups) count(none, "", check_hung_tags(set.survey, set.rig, group));
+  print(set.name, "nothing", none);
+}
+
+// Each station's pictures apart, as one who verifies them one by one gets them.
+std::vector<std::vector<SightedTag>> by_station(const std::vector<SightedTag>& sighted) {
+  std::vector<std::vector<SightedTag>> groups;
+  for (const SightedTag& seen : sighted) {
+    if (groups.empty() || groups.back().front().station != seen.station) groups.emplace_back();
+    groups.back().push_back(seen);
+  }
+  return groups;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int rows = argc > 1 ? std::atoi(argv[1]) : 24;
+  fmt::print(
+      "| pictures | one tag is off by | trials | it is named | one of two | missed | others "
+      "accused |\n|---|---|---|---|---|---|---|\n");
+  for (const char* name : {"corridor", "curved"}) {
+    const PictureSet set = shipped(name);
+    measure(set, {set.sighted});
+  }
+  const PictureSet run = rendered("corridor", rows);
+  measure(run, {run.sighted});
+  const PictureSet alone = single_pictures(rows);
+  measure(alone, by_station(alone.sighted));
+  return 0;
+}

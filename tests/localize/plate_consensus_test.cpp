@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/plate_consensus.hpp"
+
+#include <random>
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+#include "decoder/localize/observation.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector3d;
+
+// A rig that sees both walls of the shipped corridor: its two cameras, with wider lenses.
+struct Site {
+  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  std::vector<Pose> hung;  // where the plates truly hang
+
+  Site() {
+    for (RigCamera& camera : rig.cameras) camera.camera.fx = camera.camera.fy = 800;
+    for (const PlacedTag& tag : survey.tags) hung.push_back(tag.world_from_plate);
+  }
+
+  std::size_t index(std::string_view name) const {
+    return static_cast<std::size_t>(find_tag(survey, name) - survey.tags.data());
+  }
+
+  // Moves a plate in its own axes: right, down, into the wall.
+  void move(std::string_view name, const Vector3d& shift, double turn = 0) {
+    Pose& pose = hung[index(name)];
+    pose.translation += pose.rotation * shift;
+    pose.rotation *= Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
+  }
+};
+
+// What the cameras see of the named plates from this chainage, corners to 0.1 px.
+Station seen_from(const Site& site, double y, const std::vector<std::string>& names,
+                  std::mt19937_64& random) {
+  std::normal_distribution<double> noise(0, 0.1);
+  Station station{std::to_string(y), {}};
+  VehiclePose vehicle;
+  vehicle.position = world_from_grid(site.survey.grid, {0.95, y, 0.24});
+  vehicle.heading = world_heading_from_grid(site.survey.grid, 0);
+  for (const std::string& name : names) {
+    const std::size_t i = site.index(name);
+    SightedPlate plate = sighted_plate(site.survey.tags[i], site.survey);
+    plate.world_from_plate = site.hung[i];
+    Sighting sighting;
+    sighting.camera = name.ends_with('L') ? 0 : 1;
+    sighting.plate = i;
+    const auto rows = sighting_rows(site.rig, calibration_layout(site.rig), {},
+                                    vehicle_frame(vehicle), plate, sighting.camera);
+    REQUIRE(rows);
+    sighting.pixels = rows->predicted;
+    for (double& value : sighting.pixels) value += noise(random);
+    sighting.covariance = 0.01 * CornerCovariance::Identity();
+    station.sightings.push_back(sighting);
+  }
+  return station;
+}
+
+AdjustmentProblem problem_of(const Site& site) {
+  AdjustmentProblem problem{&site.rig, {}, {}};
+  for (const PlacedTag& tag : site.survey.tags) {
+    problem.plates.push_back(sighted_plate(tag, site.survey));
+    problem.plates.back().survey_variance << 4e-6, 4e-6, 4e-6, 1e-6, 1e-6, 1e-6;
+  }
+  return problem;
+}
+
+// Three places, each of which sees two pairs.
+AdjustmentProblem drive(const Site& site) {
+  std::mt19937_64 random(7);
+  AdjustmentProblem problem = problem_of(site);
+  problem.stations = {seen_from(site, -0.5, {"000L", "000R", "001L", "001R"}, random),
+                      seen_from(site, 0.3, {"001L", "001R", "002L", "002R"}, random),
+                      seen_from(site, 1.1, {"002L", "002R", "003L", "003R"}, random)};
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("plates that hang as surveyed fit, those not seen are not checked") {
+  const Site site;
+  const Consensus consensus = find_consensus(drive(site));
+  for (std::size_t i = 0; i < consensus.plates.size(); ++i) {
+    CAPTURE(site.survey.tags[i].name);
+    CHECK(consensus.plates[i].verdict == (i < 8 ? HangVerdict::fits : HangVerdict::unchecked));
+  }
+  CHECK(consensus.stations_left_out.empty());
+}
+
+TEST_CASE("a displaced plate is found, and by how much to its standard deviation") {
+  const std::vector<Vector3d> shifts{{0.03, 0, 0}, {0, -0.03, 0}, {0, 0, 0.03}, {0.4, 0.2, -0.1}};
+  for (const char* name : {"000L", "001R", "002L", "003R"}) {
+    for (const Vector3d& shift : shifts) {
+      CAPTURE(name);
+      CAPTURE(shift.transpose());
+      Site site;
+      site.move(name, shift, radians(4));
+      const Consensus consensus = find_consensus(drive(site));
+      for (std::size_t i = 0; i < 8; ++i) {
+        CAPTURE(site.survey.tags[i].name);
+        const bool moved = site.survey.tags[i].name == name;
+        CHECK(consensus.plates[i].verdict == (moved ? HangVerdict::off : HangVerdict::fits));
+      }
+      const PlateOffset& offset = *consensus.plates[site.index(name)].offset;
+      const Eigen::Matrix3d& rotation =
+          site.survey.tags[site.index(name)].world_from_plate.rotation;
+      Eigen::Matrix<double, 6, 1> error;
+      error << offset.shift - rotation * shift, offset.turn - Vector3d(0, 0, radians(4));
+      CHECK(error.dot(offset.covariance.ldlt().solve(error)) < 30);  // chi-square of six
+      CHECK(std::sqrt(offset.covariance.topLeftCorner<3, 3>().trace()) < 0.01);
+    }
+  }
+}
+
+TEST_CASE("of two plates seen together nothing tells which is off, of three the others do") {
+  std::mt19937_64 random(3);
+  Site site;
+  site.move("001L", {0, 0.03, 0});
+  AdjustmentProblem pair = problem_of(site);
+  pair.stations = {seen_from(site, 0.3, {"001L", "001R"}, random)};
+  const Consensus doubtful = find_consensus(pair);
+  for (const char* name : {"001L", "001R"}) {
+    const PlateCheck& check = doubtful.plates[site.index(name)];
+    CHECK(check.verdict == HangVerdict::doubtful);
+    REQUIRE(check.rivals.size() == 1);
+    CHECK(check.rivals[0] == site.index(name[3] == 'L' ? "001R" : "001L"));
+    CHECK(farthest_corner(pair.plates[0], *check.offset) == doctest::Approx(0.03).epsilon(0.2));
+  }
+  pair.stations.push_back(seen_from(site, 0.3, {"001R", "002L"}, random));
+  const Consensus told = find_consensus(pair);
+  CHECK(told.plates[site.index("001L")].verdict == HangVerdict::off);
+  CHECK(told.plates[site.index("001R")].verdict == HangVerdict::fits);
+}
+
+TEST_CASE("a plate off by less than the tolerance fits") {
+  Site site;
+  site.move("001L", {0.007, 0, 0});
+  AdjustmentProblem problem = drive(site);
+  for (SightedPlate& plate : problem.plates) plate.survey_variance.head<3>().setConstant(1e-7);
+  CHECK(find_consensus(problem).plates[site.index("001L")].verdict == HangVerdict::fits);
+  CHECK(find_consensus(problem, 0.004).plates[site.index("001L")].verdict == HangVerdict::off);
+}
+
+TEST_CASE("exchanged plates are told as such") {
+  Site site;
+  std::swap(site.hung[site.index("001L")], site.hung[site.index("002L")]);
+  const Consensus consensus = find_consensus(drive(site));
+  CHECK(consensus.plates[site.index("001L")].swapped_with == site.index("002L"));
+  CHECK(consensus.plates[site.index("002L")].swapped_with == site.index("001L"));
+  for (const char* name : {"000L", "000R", "001R", "002R", "003L"}) {
+    CHECK(consensus.plates[site.index(name)].verdict == HangVerdict::fits);
+  }
+}
+
+TEST_CASE("a frame of another size in its place is told from one that hangs elsewhere") {
+  std::mt19937_64 random(5);
+  const Site site;
+  AdjustmentProblem problem = drive(site);
+  const std::size_t small = site.index("001L");
+  // Pictures of a plate at 97 %: those of the whole one, its corners drawn towards its middle.
+  for (Station& station : problem.stations) {
+    for (Sighting& sighting : station.sightings) {
+      if (sighting.plate != small) continue;
+      SightedPlate plate = problem.plates[small];
+      plate.length *= 0.97;
+      plate.height *= 0.97;
+      plate.world_from_plate.translation +=
+          plate.world_from_plate.rotation *
+          Vector3d(0.015 * problem.plates[small].length, 0.015 * problem.plates[small].height, 0);
+      VehiclePose vehicle;
+      vehicle.position = world_from_grid(site.survey.grid, {0.95, std::stod(station.name), 0.24});
+      sighting.pixels = sighting_rows(site.rig, calibration_layout(site.rig), {},
+                                      vehicle_frame(vehicle), plate, sighting.camera)
+                            ->predicted;
+    }
+  }
+  const Consensus consensus = find_consensus(problem);
+  CHECK(consensus.plates[small].verdict == HangVerdict::off);
+  REQUIRE(consensus.plates[small].scale);
+  CHECK(*consensus.plates[small].scale == doctest::Approx(0.97).epsilon(0.003));
+  Site moved;
+  moved.move("001L", {0.03, 0, 0});
+  CHECK_FALSE(find_consensus(drive(moved)).plates[small].scale);
+}
+
+TEST_CASE("pictures that were not taken together accuse no plate") {
+  std::mt19937_64 random(9);
+  const Site site;
+  AdjustmentProblem problem = drive(site);
+  Station mixed = seen_from(site, 0.3, {"001L", "002L"}, random);
+  const Station other = seen_from(site, 0.9, {"001R", "002R"}, random);
+  mixed.sightings.insert(mixed.sightings.end(), other.sightings.begin(), other.sightings.end());
+  mixed.name = "mixed";
+  problem.stations.push_back(mixed);
+  const Consensus consensus = find_consensus(problem);
+  for (std::size_t i = 0; i < 8; ++i) CHECK(consensus.plates[i].verdict == HangVerdict::fits);
+  REQUIRE(consensus.stations_left_out.size() == 1);
+  CHECK(consensus.stations_left_out[0] == "mixed");
+}
+
+TEST_CASE("when nothing fits, the rig or the survey is wrong and no plate is accused") {
+  Site site;
+  for (const char* name : {"000L", "001L", "002L", "003L", "000R", "002R"}) {
+    site.move(name, {0.05 * (name[2] - '0') - 0.1, 0.07, 0.03 * (name[2] - '0')});
+  }
+  const Consensus consensus = find_consensus(drive(site));
+  CHECK(consensus.nothing_fits);
+  for (const PlateCheck& check : consensus.plates) CHECK(check.verdict == HangVerdict::unchecked);
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Why tags cannot be read, on rendered pictures.
+#include "decoder/verify/diagnose.hpp"
+
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/survey_options.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/verify_file.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/tag/drawing.hpp"
+
+namespace tagsmith {
+namespace {
+
+struct Shot {
+  double distance = 1.2;
+  double yaw = 0;  // degrees
+  PlateFinish finish{};
+  SensorModel sensor{};
+};
+
+const Survey& corridor() {
+  static const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  return survey;
+}
+
+// What verify finds in a picture of 000L.
+std::vector<TagFinding> found_in(const Shot& shot) {
+  const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
+  ScenePlate plate{draw_tag(corridor().tag_template, corridor().tags[0].digits), {}, shot.finish};
+  plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, {640, 480},
+                                                     shot.distance, radians(shot.yaw), 0, 0);
+  ViewOptions options;
+  options.sensor = shot.sensor;
+  options.sensor.noise_sigma = 1.5;
+  const View view = render_view(camera, std::span(&plate, 1), options);
+  const GrayView image = view.image.view();
+  std::vector<TagFinding> tags = check_tags(corridor(), read_for_survey(image, corridor()),
+                                            PictureSize{image.width, image.height});
+  diagnose_tags(image, corridor().tag_template, read_options_for(std::span(&corridor(), 1)), tags);
+  return tags;
+}
+
+}  // namespace
+
+TEST_CASE("a tag that is in order has no diagnosis") {
+  for (const double yaw : {-50.0, 0.0, 50.0}) {
+    for (const double distance : {0.8, 1.5, 3.0}) {
+      CAPTURE(yaw);
+      CAPTURE(distance);
+      const std::vector<TagFinding> tags = found_in({distance, yaw});
+      REQUIRE(tags.size() == 1);
+      CHECK(tags[0].status == TagStatus::ok);
+    }
+  }
+}
+
+TEST_CASE("what keeps a tag from being read is named, with number and limit") {
+  struct Case {
+    const char* name;
+    Shot shot;
+    const char* rule;
+    const char* measured;
+  };
+  std::vector<Case> cases{
+      {"far away", {10}, "too-small", "0.49 pixels a module"},
+      {"farther", {12}, "too-small", "pixels a module"},
+      {"from the side", {1, 82}, "end-on", "degrees from its front, limit 72"},
+      {"from the other side", {1, -84}, "end-on", "degrees from its front, limit 72"},
+      {"out of focus", {2}, "blurred", "modules, limit 0.9"},
+      {"far out of focus", {2}, "blurred", "modules, limit 0.9"},
+      {"moved", {1.5}, "blurred", "modules, limit 0.9"},
+      {"ink spread", {}, "bars-grown", "bars wider by 0.70 modules, limit 0.7"},
+      {"a cable", {}, "covered", "at the middle left, limit 5 %"},
+      {"a pipe", {}, "covered", "32 % of the bars are covered or damaged, in the middle"},
+      {"dirt", {}, "covered", "of the bars are covered or damaged"},
+      {"a highlight", {}, "glare", "the darkest bars are"}};
+  cases[4].shot.sensor.blur_sigma_px = 6;
+  cases[5].shot.sensor.blur_sigma_px = 8;
+  cases[6].shot.sensor.motion_px = {15, 0};
+  cases[7].shot.finish.bar_growth = 0.7;
+  cases[8].shot.finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
+  cases[9].shot.finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
+  cases[10].shot.finish.dirt = Dirt{0.4, 0.03, 0.25, 5};
+  cases[11].shot.finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
+  for (const Case& c : cases) {
+    CAPTURE(c.name);
+    const std::vector<TagFinding> tags = found_in(c.shot);
+    REQUIRE(tags.size() == 1);
+    CAPTURE(tags[0].message);
+    CHECK(tags[0].status == TagStatus::unreadable);
+    CHECK(tags[0].rule == c.rule);
+    CHECK(tags[0].message.find(c.measured) != std::string::npos);
+  }
+}
+
+TEST_CASE("a picture too dark to show a tag, or washed out, is told") {
+  const auto rule_of_light = [](std::uint8_t level) {
+    const GrayImage flat{64, 48, std::vector<std::uint8_t>(64 * 48, level)};
+    const auto diagnosis = diagnose_picture(flat.view());
+    return diagnosis ? diagnosis->rule : "";
+  };
+  CHECK(rule_of_light(12) == "too-dark");
+  CHECK(rule_of_light(250) == "glare");
+  CHECK(rule_of_light(120) == "low-contrast");
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/hung_tags.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+#include "decoder/verify/hanging_check.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector3d;
+
+// The shipped corridor, seen by wide cameras from three places, exactly.
+struct Corridor {
+  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  std::vector<Pose> hung;
+
+  Corridor() {
+    for (RigCamera& camera : rig.cameras) camera.camera.fx = camera.camera.fy = 800;
+    for (const PlacedTag& tag : survey.tags) hung.push_back(tag.world_from_plate);
+  }
+
+  Pose& at(std::string_view name) {
+    return hung[static_cast<std::size_t>(find_tag(survey, name) - survey.tags.data())];
+  }
+
+  std::vector<SightedTag> seen() const {
+    std::vector<SightedTag> sighted;
+    for (const double y : {-0.5, 0.3, 1.1}) {
+      VehiclePose vehicle;
+      vehicle.position = world_from_grid(survey.grid, {0.95, y, 0.24});
+      vehicle.heading = world_heading_from_grid(survey.grid, 0);
+      for (std::size_t i = 0; i < survey.tags.size(); ++i) {
+        for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+          SightedPlate plate = sighted_plate(survey.tags[i], survey);
+          plate.world_from_plate = hung[i];
+          const auto rows = sighting_rows(rig, calibration_layout(rig), {}, vehicle_frame(vehicle),
+                                          plate, camera);
+          if (!rows || !in_view(*rows)) continue;
+          SightedTag tag{std::to_string(y), camera, survey.tags[i].name, {}};
+          for (std::size_t c = 0; c < 4; ++c) {
+            const auto row = static_cast<Eigen::Index>(2 * c);
+            tag.seen.corners[c] = {rows->predicted[row], rows->predicted[row + 1]};
+          }
+          tag.seen.covariance = 0.01 * CornerCovariance::Identity();
+          sighted.push_back(tag);
+        }
+      }
+    }
+    return sighted;
+  }
+
+  static bool in_view(const SightingRows& rows) {
+    const double size = (rows.predicted.head<2>() - rows.predicted.segment<2>(4)).norm();
+    return size > 60 && rows.predicted.minCoeff() > 0 && rows.predicted.maxCoeff() < 1280;
+  }
+
+  HungTag judged(std::string_view name) const {
+    const HungTags result = check_hung_tags(survey, rig, seen());
+    const auto tag = std::ranges::find(result.tags, name, &HungTag::tag);
+    REQUIRE(tag != result.tags.end());
+    for (const HungTag& other : result.tags) {
+      if (other.tag != name && other.rule != "swapped") CHECK(other.rule == "");
+    }
+    return *tag;
+  }
+};
+
+Eigen::Matrix3d turned(double angle, const Vector3d& axis) {
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+}  // namespace
+
+TEST_CASE("what is off is told as who faces the wall has to mend it") {
+  struct Case {
+    Vector3d shift;  // of the plate, right, down, into the wall
+    const char* instruction;
+  };
+  for (const Case& c :
+       {Case{{0.03, 0, 0}, "move it left by 30 mm"}, Case{{-0.03, 0, 0}, "move it right by 30 mm"},
+        Case{{0, 0.03, 0}, "raise it by 30 mm"}, Case{{0, -0.03, 0}, "lower it by 30 mm"},
+        Case{{0, 0, -0.03}, "set it back by 30 mm"},
+        Case{{0, 0, 0.03}, "bring it out from the wall by 30 mm"}}) {
+    for (const char* name : {"001L", "001R"}) {
+      CAPTURE(c.instruction);
+      CAPTURE(name);
+      Corridor corridor;
+      Pose& pose = corridor.at(name);
+      pose.translation += pose.rotation * c.shift;
+      const HungTag tag = corridor.judged(name);
+      CHECK(tag.verdict == HangVerdict::off);
+      CHECK(tag.rule == "moved");
+      CHECK(tag.message ==
+            std::string(name) + " hangs 30 mm from its surveyed place: " + c.instruction);
+    }
+  }
+}
+
+TEST_CASE("turns are told by the side that has to move") {
+  struct Case {
+    Vector3d axis;
+    const char* instruction;
+  };
+  for (const Case& c : {Case{Vector3d::UnitZ(), "turn it anticlockwise by 6.0 degrees"},
+                        Case{-Vector3d::UnitZ(), "turn it clockwise by 6.0 degrees"},
+                        Case{Vector3d::UnitY(), "press its right edge back by 6.0 degrees"},
+                        Case{Vector3d::UnitX(), "tilt its top back by 6.0 degrees"}}) {
+    CAPTURE(c.instruction);
+    Corridor corridor;
+    corridor.at("001L").rotation *= turned(radians(6), c.axis);
+    const HungTag tag = corridor.judged("001L");
+    CHECK(tag.rule == "moved");
+    CHECK(tag.message.ends_with(std::string("surveyed place: ") + c.instruction));
+  }
+}
+
+TEST_CASE("a plate on its head, in another's place, or exchanged is told as such") {
+  Corridor head;
+  Pose& pose = head.at("001L");
+  pose.translation += pose.rotation * Vector3d(0.343, 0.168, 0);
+  pose.rotation *= turned(std::numbers::pi, Vector3d::UnitZ());
+  CHECK(head.judged("001L").rule == "upside-down");
+
+  Corridor exchanged;
+  std::swap(exchanged.at("001L"), exchanged.at("002L"));
+  CHECK(exchanged.judged("001L").rule == "swapped");
+  CHECK(exchanged.judged("002L").message ==
+        "002L and 001L hang in each other's place: exchange them");
+
+  Corridor opposite;
+  opposite.at("001L") = opposite.at("001R");
+  opposite.at("001R").translation.y() += 30;  // taken down
+  const HungTag wrong_wall = opposite.judged("001L");
+  CHECK(wrong_wall.rule == "wrong-wall");
+  CHECK(wrong_wall.message.find("in the place of 001R") != std::string::npos);
+}
+
+TEST_CASE("tags that hang as surveyed are measured and have no finding") {
+  const Corridor corridor;
+  const HungTag tag = corridor.judged("001L");
+  CHECK(tag.verdict == HangVerdict::fits);
+  CHECK(tag.offset.value.norm() < 1e-4);
+  CHECK(tag.offset.sigma.maxCoeff() < 0.01);
+  CHECK(tag.stations >= 2);
+}
+
+TEST_CASE("what was found is written into the reports, in place of what was said before") {
+  const Corridor corridor;
+  FileReport report;
+  report.width = 1280;
+  TagFinding tag;
+  tag.tag = "001L";
+  tag.status = TagStatus::misplaced;
+  tag.rule = "swapped";
+  tag.message = "the picture's order";
+  report.tags = {tag};
+  report.rules = {"swapped"};
+  report.findings = {"misplaced: the picture's order"};
+  std::vector<FileReport> reports{report};
+
+  HungTags hung;
+  hung.tags = {HungTag{"001L", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
+  report_hung_tags(hung, reports);
+  CHECK(reports[0].tags[0].status == TagStatus::ok);
+  CHECK(reports[0].findings.empty());
+  CHECK(reports[0].rules.empty());
+
+  hung.tags[0].verdict = HangVerdict::off;
+  hung.tags[0].rule = "moved";
+  hung.tags[0].message = "raise it";
+  report_hung_tags(hung, reports);
+  CHECK(reports[0].tags[0].status == TagStatus::misplaced);
+  CHECK(reports[0].findings == std::vector<std::string>{"misplaced: raise it"});
+  CHECK(reports[0].rules == std::set<std::string>{"moved"});
+}
+
+TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on their head") {
+  const Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  const PhotoCameras cameras = PhotoCameras::by_names(rig);
+  FileReport report;
+  report.file = "corridor_01_left.jpg";
+  report.width = 1280;
+  report.height = 960;
+  TagFinding tag;
+  tag.tag = "000L";
+  tag.corners = {{{470, 230}, {870, 270}, {870, 490}, {470, 490}}};
+  report.tags = {tag};
+  std::vector<FileReport> reports{report};
+  find_upside_down_in_photos(rig, cameras, reports);
+  CHECK(reports[0].tags[0].status == TagStatus::ok);
+
+  std::swap(reports[0].tags[0].corners[0], reports[0].tags[0].corners[2]);
+  std::swap(reports[0].tags[0].corners[1], reports[0].tags[0].corners[3]);
+  std::vector<FileReport> by_hand = reports;
+  find_upside_down_in_photos(rig, cameras, reports);
+  CHECK(reports[0].tags[0].rule == "upside-down");
+  CHECK(reports[0].findings.size() == 1);
+
+  Rig held = rig;
+  held.roll_sigma = radians(60);
+  find_upside_down_in_photos(held, cameras, by_hand);
+  CHECK(by_hand[0].tags[0].status == TagStatus::ok);
+}
+
+}  // namespace tagsmith
