@@ -177,6 +177,62 @@ Json to_json(const TagFinding& tag) {
   return object;
 }
 
+Json to_json(const VerifySummary& summary) {
+  return {{"files", summary.files},
+          {"files_with_findings", summary.files_with_findings},
+          {"ok", summary.ok},
+          {"unknown", summary.unknown},
+          {"misprinted", summary.misprinted},
+          {"unreadable", summary.unreadable},
+          {"duplicate", summary.duplicate},
+          {"cut_off", summary.cut_off},
+          {"misplaced", summary.misplaced},
+          {"doubtful", summary.doubtful},
+          {"stale", summary.stale},
+          {"missing", summary.missing}};
+}
+
+Json grade_json(const std::optional<double>& grade) {
+  return grade ? Json(with_decimals(*grade, 1)) : Json();
+}
+
+Json unseen_json(const UnseenStretch& stretch) {
+  return {{"side", to_string(stretch.side)},
+          {"from", with_decimals(stretch.from, 3)},
+          {"to", with_decimals(stretch.to, 3)},
+          {"tags", stretch.tags}};
+}
+
+Json completeness_json(const Survey& survey, const VerifyMerge& merged) {
+  const Completeness covered = completeness_of(survey, merged);
+  Json unseen = Json::array();
+  for (const UnseenStretch& stretch : covered.unseen) unseen.push_back(unseen_json(stretch));
+  Json tags = Json::array();
+  for (const PlacedTag& tag : survey.tags) {
+    const TagRecord record = record_of(merged, tag.name);
+    Json object{{"tag", tag.name},
+                {"status", status_of(record)},
+                {"seen", record.seen},
+                {"faults", record.faults},
+                {"best_grade", grade_json(record.best)},
+                {"worst_grade", grade_json(record.worst)}};
+    if (!record.blame.empty()) object["grade_blame"] = record.blame;
+    tags.push_back(std::move(object));
+  }
+  return {
+      {"tags", covered.tags},
+      {"seen", covered.seen},
+      {"share", with_decimals(covered.share(), 4)},
+      {"left", {{"tags", covered.left_tags}, {"seen", covered.left_seen}}},
+      {"right",
+       {{"tags", covered.tags - covered.left_tags}, {"seen", covered.seen - covered.left_seen}}},
+      {"ok", covered.ok},
+      {"poor", covered.poor},
+      {"faulty", covered.faulty},
+      {"unseen", unseen},
+      {"by_tag", tags}};
+}
+
 std::string line_of(const Json& object) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -236,25 +292,28 @@ std::string to_json_line(const FileReport& report) {
   return line_of(object);
 }
 
-std::string to_json_line(const VerifySummary& summary, const std::optional<HungTags>& hung) {
-  Json object{{"summary",
-               {{"files", summary.files},
-                {"files_with_findings", summary.files_with_findings},
-                {"ok", summary.ok},
-                {"unknown", summary.unknown},
-                {"misprinted", summary.misprinted},
-                {"unreadable", summary.unreadable},
-                {"duplicate", summary.duplicate},
-                {"cut_off", summary.cut_off},
-                {"misplaced", summary.misplaced},
-                {"doubtful", summary.doubtful},
-                {"stale", summary.stale},
-                {"missing", summary.missing}}}};
+std::string to_json_line(const VerifySummary& summary) {
+  return line_of({{"summary", to_json(summary)}});
+}
+
+std::string to_json_line(const VerifySummary& summary, const Survey& survey,
+                         const VerifyMerge& merged, const std::optional<HungTags>& hung) {
+  Json object = to_json(summary);
+  object["completeness"] = completeness_json(survey, merged);
   if (hung) {
-    object["summary"]["hanging"] = to_json(*hung);
-    object["summary"]["hanging_notes"] = hung->notes;
+    object["hanging"] = to_json(*hung);
+    object["hanging_notes"] = hung->notes;
   }
-  return line_of(object);
+  return line_of({{"summary", object}});
+}
+
+std::string report_json_line(const Survey& survey, const VerifyMerge& merged) {
+  return line_of({{"summary",
+                   {{"files", merged.files},
+                    {"faults", merged.fault_count},
+                    {"repeated", merged.repeated},
+                    {"other_revisions", merged.other_revisions},
+                    {"completeness", completeness_json(survey, merged)}}}});
 }
 
 }  // namespace tagsmith

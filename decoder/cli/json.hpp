@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/cli/verify_merge.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
 #include "decoder/verify/hung_tags.hpp"
@@ -34,8 +35,14 @@ std::string check_digit_name(const FramelessReading& reading);
 
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
 std::string to_json_line(const FileReport& report);
+std::string to_json_line(const VerifySummary& summary);
+
+// The summary with `completeness`: what the files, and those of earlier runs, cover of the survey.
 // `hung`: where tags hang, when that was asked for.
-std::string to_json_line(const VerifySummary& summary,
-                         const std::optional<HungTags>& hung = std::nullopt);
+std::string to_json_line(const VerifySummary& summary, const Survey& survey,
+                         const VerifyMerge& merged, const std::optional<HungTags>& hung);
+
+// The summary of `report`.
+std::string report_json_line(const Survey& survey, const VerifyMerge& merged);
 
 }  // namespace tagsmith

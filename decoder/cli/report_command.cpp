@@ -9,9 +9,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include "decoder/cli/json.hpp"
+#include "decoder/cli/report_files.hpp"
 #include "decoder/cli/verify_lines.hpp"
 #include "decoder/cli/verify_merge.hpp"
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
@@ -19,8 +20,8 @@ namespace tagsmith {
 namespace {
 
 constexpr const char* kExample = R"(Example:
-  tagsmith verify --json mine/survey.yaml photos > photos.jsonl
-  tagsmith report mine/survey.yaml photos.jsonl --html report.html --csv report.csv
+  tagsmith verify --json --crops crops mine/survey.yaml photos > photos.jsonl
+  tagsmith report mine/survey.yaml photos.jsonl --html report.html --pdf report.pdf
 
 Lines of several runs are merged; a file that is in two of them counts once.
 Exit: 0 every tag was seen and nothing is wrong, 1 otherwise, 2 a file could not be read.)";
@@ -28,47 +29,27 @@ Exit: 0 every tag was seen and nothing is wrong, 1 otherwise, 2 a file could not
 struct Options {
   std::string survey;
   std::vector<std::string> files;
-  std::string html;
-  std::string csv;
+  ReportFiles report;
+  bool json = false;
 };
 
-// True when every tag was seen and there is no fault.
-bool print_in_words(const Survey& survey, const VerifyMerge& merged) {
-  std::string unseen;
-  std::size_t seen = 0;
-  for (const PlacedTag& tag : survey.tags) {
-    const auto found = merged.tags.find(tag.name);
-    const bool was_seen = found != merged.tags.end() && found->second.seen > 0;
-    seen += was_seen ? 1 : 0;
-    if (!was_seen) unseen += " " + tag.name;
+void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
+  constexpr std::size_t kMostStretches = 40;
+  fmt::print("{} file{}, {} of {} tags seen, {} fault{}\n", merged.files,
+             merged.files == 1 ? "" : "s", covered.seen, covered.tags, merged.fault_count,
+             merged.fault_count == 1 ? "" : "s");
+  for (const std::string& line : completeness_words(covered, kMostStretches)) {
+    fmt::print("{}\n", line);
   }
-  fmt::print("{} files, {} of {} tags seen, {} faults\n", merged.files, seen, survey.tags.size(),
-             merged.fault_count);
-  if (!unseen.empty()) fmt::print("not seen:{}\n", unseen);
-  return unseen.empty() && merged.fault_count == 0;
 }
 
-Result<void> write_outputs(const Options& options, const Survey& survey,
-                           const VerifyMerge& merged) {
-  if (!options.csv.empty()) {
-    const Result<void> written = write_file(options.csv, report_csv(survey, merged));
-    if (!written) return written;
-  }
-  if (options.html.empty()) return {};
-  const Result<std::string> page = report_page(survey, merged);
-  if (!page) return fail(page.error().message);
-  return write_file(options.html, *page);
-}
-
-int run(const Options& options) {
-  const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return report_failure("report", survey.error());
-  const std::string revision = survey_revision(*survey);
+Result<VerifyMerge> merge_all(const Options& options, const Survey& survey) {
+  const std::string revision = survey_revision(survey);
   VerifyMerge merged;
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(
         file, [&](const VerifiedFile& verified) { merge(revision, verified, merged); });
-    if (!counts) return report_failure("report", counts.error());
+    if (!counts) return fail(counts.error().message);
     if (counts->broken > 0) {
       fmt::print(stderr, "{}: {} lines are not of `verify --json` and left out\n", file,
                  counts->broken);
@@ -78,10 +59,26 @@ int run(const Options& options) {
     fmt::print(stderr, "{} files were verified against another state of the survey\n",
                merged.other_revisions);
   }
-  if (const Result<void> written = write_outputs(options, *survey, merged); !written) {
+  sort_faults(merged);
+  if (options.report.shows_pictures()) load_pictures(merged, options.files);
+  return merged;
+}
+
+int run(const Options& options) {
+  const Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return report_failure("report", survey.error());
+  const Result<VerifyMerge> merged = merge_all(options, *survey);
+  if (!merged) return report_failure("report", merged.error());
+  if (const Result<void> written = write_report(options.report, *survey, *merged); !written) {
     return report_failure("report", written.error());
   }
-  return print_in_words(*survey, merged) ? kExitOk : kExitFindings;
+  const Completeness covered = completeness_of(*survey, *merged);
+  if (options.json) {
+    fmt::print("{}\n", report_json_line(*survey, *merged));
+  } else {
+    print_in_words(covered, *merged);
+  }
+  return covered.seen == covered.tags && merged->fault_count == 0 ? kExitOk : kExitFindings;
 }
 
 }  // namespace
@@ -93,9 +90,8 @@ Command report_command(CLI::App& parent) {
   app->add_option("file", options->files, "Output of `verify --json`")
       ->required()
       ->type_name("FILE.jsonl");
-  app->add_option("--html", options->html, "Write a web page that needs nothing else")
-      ->type_name("FILE");
-  app->add_option("--csv", options->csv, "Write a table of the tags")->type_name("FILE");
+  add_report_options(*app, options->report);
+  app->add_flag("--json", options->json, "Print the summary as one JSON object");
   app->footer(kExample);
   return {app, [options] { return run(*options); }};
 }

@@ -1,107 +1,287 @@
 // SPDX-License-Identifier: Apache-2.0
+// The report of verified files as one web page.
+#include <algorithm>
+#include <array>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "decoder/cli/verify_merge.hpp"
+#include "decoder/cli/report_files.hpp"
 #include "decoder/verify/verify_rules.hpp"
-#include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/base/base64.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/render/svg_elements.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith {
 namespace {
 
+using Eigen::Vector2d;
+
 constexpr const char* kStyle = R"css(
-:root { color-scheme: light; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; }
+:root { color-scheme: light dark; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; --paper: #fff;
+  --card: #f6f8fa; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #6b7580; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e9ec; --grey: #9aa4ae; --line: #3a424b; --paper: #14181c; --card: #1d2329;
+    --ok: #46c06c; --poor: #f0a040; --faulty: #ff6b6b; --unseen: #9aa4ae; } }
 * { box-sizing: border-box; }
-body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink); background: #fff;
-  font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.35rem; margin: 0 0 4px; }
+body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink);
+  background: var(--paper); font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; }
+h1 { font-size: 1.35rem; margin: 0 0 4px; overflow-wrap: anywhere; }
 h2 { font-size: 1.05rem; margin: 28px 0 8px; }
 p { margin: 0 0 8px; }
-.map { overflow-x: auto; border: 1px solid var(--line); }
-.map svg { display: block; width: 100%; min-width: 640px; height: auto; }
-label { display: block; margin: 12px 0; }
-input { font: inherit; padding: 8px; width: 100%; max-width: 420px; }
+.sub { color: var(--grey); font-size: .9rem; }
+.counts { display: flex; flex-wrap: wrap; gap: 8px; margin: 12px 0; }
+.counts button { font: inherit; color: inherit; background: var(--card); cursor: pointer;
+  border: 1px solid var(--line); border-radius: 8px; padding: 8px 14px; min-height: 44px; }
+.counts button[aria-pressed=true] { border-color: currentColor; box-shadow: inset 0 0 0 1px; }
+.counts b { font-size: 1.25rem; margin-right: 6px; }
+:focus-visible { outline: 3px solid #4c8dff; outline-offset: 2px; }
+.cover { display: grid; grid-template-columns: max-content 1fr max-content; gap: 4px 10px;
+  align-items: center; max-width: 560px; }
+progress { width: 100%; accent-color: var(--ok); }
+summary { cursor: pointer; padding: 8px 0; }
+ul { margin: 8px 0; padding-left: 20px; }
+.map { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px; margin: 0 0 8px; }
+.map svg { display: block; width: 100%; min-width: 720px; height: auto; }
+.wall { fill: none; stroke: var(--ink); stroke-width: 1.5; }
+.axis { fill: none; stroke: var(--grey); stroke-width: .8; stroke-dasharray: 10 3 2 3; }
+svg text { font: 11px system-ui, "DejaVu Sans", sans-serif; fill: var(--grey); }
+.tag { cursor: pointer; }
+.tag circle, .tag path { fill: currentColor; stroke: var(--paper); stroke-width: 1.5; }
+.tag.unseen circle { fill: var(--paper); stroke: currentColor; stroke-width: 2; }
+.tag text { fill: currentColor; }
+label { display: block; margin: 16px 0 4px; }
+input { font: inherit; color: inherit; background: var(--paper); border: 1px solid var(--grey);
+  border-radius: 8px; padding: 10px; width: 100%; max-width: 420px; }
+.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 320px), 1fr));
+  gap: 12px; }
+.card { background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: 12px;
+  content-visibility: auto; contain-intrinsic-size: auto 260px; overflow-wrap: anywhere; }
+.card h3 { font-size: 1rem; margin: 0 0 6px; color: var(--faulty); }
+.card p { font-size: .9rem; }
+.crop { display: block; width: 100%; border: 0; padding: 0; margin: 0 0 8px; background: none;
+  cursor: zoom-in; }
+.crop img { display: block; width: 100%; max-height: 220px; object-fit: contain;
+  background: #80808022; }
+.crop[aria-expanded=true] { cursor: zoom-out; } .crop[aria-expanded=true] img { max-height: none; }
+.wide { grid-column: 1 / -1; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; min-width: 600px; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: 6px 8px 6px 0; border-top: 1px solid var(--line);
-  font-size: .9rem; vertical-align: top; overflow-wrap: break-word; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: 6px 10px 6px 0; border-top: 1px solid var(--line);
+  font-size: .9rem; vertical-align: top; }
 th { white-space: nowrap; }
-.ok { color: #0d8033; } .poor { color: #a85a00; } .faulty { color: #b01818; }
-.unseen { color: var(--grey); }
-@media print { label { display: none; } table { min-width: 0; } .map svg { min-width: 0; } tr { break-inside: avoid; } }
+.ok { color: var(--ok); } .poor { color: var(--poor); } .faulty { color: var(--faulty); }
+.unseen { color: var(--unseen); }
+[hidden] { display: none !important; }
+@media (max-width: 560px) { .more { display: none; } th, td { padding-right: 6px; } }
+@media print {
+  :root { color-scheme: light; --ink: #000; --grey: #444; --line: #bbb; --paper: #fff;
+    --card: #fff; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #666; }
+  body { max-width: none; padding: 0; font-size: 11pt; }
+  .screen { display: none; }
+  h2 { break-after: avoid; }
+  .map, .scroll { overflow: visible; } .map svg { min-width: 0; }
+  .cards { grid-template-columns: repeat(3, 1fr); gap: 8px; } .crop img { max-height: 34mm; }
+  .card { content-visibility: visible; padding: 8px; } .card h3 { font-size: 10pt; }
+  .card p { font-size: 8pt; margin: 0 0 4px; } .card, tr, .map { break-inside: avoid; } }
 )css";
 
 constexpr const char* kScript = R"js(
 'use strict';
 const field = document.getElementById('filter');
+const rows = [...document.querySelectorAll('[data-row]')];
+const buttons = [...document.querySelectorAll('[data-status]')];
+let status = '';
 function filter() {
   const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
-  let shown = 0;
-  for (const row of document.querySelectorAll('tbody tr')) {
-    const text = row.textContent.toLowerCase();
-    row.hidden = !words.every(word => text.includes(word));
-    shown += row.hidden ? 0 : 1;
+  const shown = {tag: 0, fault: 0};
+  for (const row of rows) {
+    const text = (row.textContent + ' ' + (row.dataset.of || '')).toLowerCase();
+    const kept = status === '' || row.dataset.of === status;
+    row.hidden = !kept || !words.every(word => text.includes(word));
+    shown[row.dataset.row] += row.hidden ? 0 : 1;
   }
-  document.getElementById('shown').textContent = shown + ' rows';
+  const count = (n, word) => n + ' ' + word + (n === 1 ? '' : 's');
+  document.getElementById('shown').textContent =
+    count(shown.fault, 'fault') + ' and ' + count(shown.tag, 'tag') + ' shown';
+}
+function choose(wanted) {
+  status = status === wanted ? '' : wanted;
+  for (const button of buttons) {
+    button.setAttribute('aria-pressed', String(button.dataset.status === status));
+  }
+  filter();
+}
+for (const button of buttons) {
+  button.addEventListener('click', () => choose(button.dataset.status));
+}
+for (const tag of document.querySelectorAll('.tag')) {
+  const show = () => {
+    if (status !== '') choose(status);
+    field.value = tag.dataset.tag;
+    filter();
+    document.getElementById('shown').scrollIntoView({block: 'nearest'});
+  };
+  tag.addEventListener('click', show);
+  tag.addEventListener('keydown', event => {
+    if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); show(); }
+  });
+}
+for (const crop of document.querySelectorAll('.crop')) {
+  crop.addEventListener('click', () => {
+    const large = crop.getAttribute('aria-expanded') !== 'true';
+    crop.setAttribute('aria-expanded', String(large));
+    crop.closest('.card').classList.toggle('wide', large);
+  });
 }
 field.addEventListener('input', filter);
+window.addEventListener('beforeprint', () => {
+  for (const details of document.querySelectorAll('details')) details.open = true;
+});
+document.addEventListener('keydown', event => {
+  if (event.key === '/' && document.activeElement !== field) { event.preventDefault(); field.focus(); }
+  if (event.key === 'Escape') { field.value = ''; if (status !== '') choose(status); else filter(); }
+});
 filter();
 )js";
 
+// For elements and for attributes in double quotes.
 std::string escaped(const std::string& text) {
   std::string result;
-  for (const char c : text) {
-    if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '&')
-      result += "&amp;";
-    else if (c == '"')
+  for (const char c : svg_escaped(text)) {
+    if (c == '"') {
       result += "&quot;";
-    else
+    } else {
       result += c;
+    }
   }
   return result;
 }
 
-TagRecord record_of(const VerifyMerge& merged, const PlacedTag& tag) {
-  const auto found = merged.tags.find(tag.name);
-  return found == merged.tags.end() ? TagRecord{} : found->second;
+constexpr double kMapWidth = 1000;  // of a strip, units of its picture
+
+// A disc; faulty tags are diamonds and unseen ones rings, for who does not see the colours.
+std::string shape_of(const std::string& status, const Vector2d& at) {
+  if (status != "faulty") {
+    return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"6\"/>", at.x(), at.y());
+  }
+  return fmt::format("<path d=\"M{:.1f} {:.1f}l8 8l-8 8l-8-8Z\"/>", at.x(), at.y() - 8);
 }
 
-Colour colour_of(const std::string& status) {
-  if (status == "ok") return colours::kGreen;
-  if (status == "poor") return colours::kOrange;
-  return status == "faulty" ? colours::kRed : colours::kGrey;
-}
-
-// The tunnel from above with a disc on every tag; one sheet or more.
-Result<std::string> map_of(const Survey& survey, const VerifyMerge& merged) {
-  constexpr double kRadius = 0.0022;
-  std::vector<DrawingView> views;
-  for (const PlanStrip& strip : plan_strips(survey)) {
-    DrawingView view = plan_view(survey, strip);
-    SketchLayer& layer = view.sketch.layer("status");
-    for (const PlacedTag& tag : survey.tags) {
-      if (tag.chainage < strip.from || tag.chainage > strip.to) continue;
-      const Eigen::Vector2d at =
-          strip.view_from_world * Eigen::Vector2d(tag.world_from_plate.translation.head<2>());
-      layer.add(Dot{at, kRadius, colour_of(status_of(record_of(merged, tag)))});
+// A strip of the tunnel in a picture's units, y down.
+class StripPicture {
+ public:
+  StripPicture(const Survey& survey, const PlanStrip& strip) : survey_(survey), strip_(strip) {
+    for (const double offset : {-0.5, 0.5}) {
+      for (const Vector2d& point : line(offset * survey.tunnel.width)) box_.extend(point);
     }
-    views.push_back(std::move(view));
+    for (const PlacedTag* tag : tags()) box_.extend(place(*tag));
+    scale_ = (kMapWidth - 2 * kMargin) / std::max(box_.sizes().x(), 1e-6);
+    // A strip that is mostly across would be far too high.
+    scale_ = std::min(scale_, kMapWidth / std::max(box_.sizes().y(), 1e-6));
   }
-  const Result<std::vector<Sheet>> sheets = lay_out_sheets(
-      {"Verification", survey.name, {}}, views, {Paper::a3, coarsest_plan_scale(survey)});
-  if (!sheets) return fail(sheets.error().message);
-  std::string svg;
-  for (const Sheet& sheet : *sheets) {
-    const std::string file = render_sheet_svg(sheet);
-    svg += "<div class=\"map\">" + file.substr(file.find("<svg")) + "</div>\n";
+
+  std::string svg(const VerifyMerge& merged) const {
+    const double height = scale_ * box_.sizes().y() + 2 * kMargin + 14;
+    std::string text = fmt::format(
+        "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"group\" aria-label=\"Tunnel from {:.1f} to "
+        "{:.1f} m\">\n",
+        kMapWidth, height, strip_.from, strip_.to);
+    for (const double offset : {-0.5, 0.5}) {
+      text += "<path class=\"wall\" d=\"" + path(line(offset * survey_.tunnel.width)) + "\"/>\n";
+    }
+    text += "<path class=\"axis\" d=\"" + path(line(0)) + "\"/>\n";
+    for (const double tick : plan_ticks(strip_)) {
+      const Vector2d at = on_picture(view(survey_.tunnel.centerline.at(tick).position));
+      const bool at_end = at.x() > kMapWidth - 2 * kMargin;
+      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\"{}>{} m</text>\n", at.x() + 2, at.y() - 3,
+                          at_end ? " text-anchor=\"end\"" : "", format_number(tick, 2));
+    }
+    const bool names = are_names_apart();
+    for (const PlacedTag* tag : tags()) text += mark(*tag, merged, names);
+    return text + "</svg>\n";
   }
-  return svg;
+
+ private:
+  static constexpr double kMargin = 22;
+
+  Vector2d view(const Eigen::Vector3d& in_world) const {
+    return strip_.view_from_world * Vector2d(in_world.head<2>());
+  }
+  Vector2d place(const PlacedTag& tag) const { return view(tag.world_from_plate.translation); }
+  Vector2d on_picture(const Vector2d& at) const {
+    return {kMargin + scale_ * (at.x() - box_.min().x()),
+            kMargin + scale_ * (box_.max().y() - at.y())};
+  }
+
+  std::vector<const PlacedTag*> tags() const {
+    std::vector<const PlacedTag*> here;
+    for (const PlacedTag& tag : survey_.tags) {
+      if (tag.chainage >= strip_.from && tag.chainage <= strip_.to) here.push_back(&tag);
+    }
+    return here;
+  }
+
+  // A line beside the center line, `right` metres to its right.
+  std::vector<Vector2d> line(double right) const {
+    constexpr int kMost = 400;
+    const int spans = std::clamp(static_cast<int>((strip_.to - strip_.from) / 0.5), 1, kMost);
+    std::vector<Vector2d> points;
+    for (int i = 0; i <= spans; ++i) {
+      const CenterlinePoint at =
+          survey_.tunnel.centerline.at(strip_.from + (strip_.to - strip_.from) * i / spans);
+      points.push_back(view(at.position + right * right_of(at.heading)));
+    }
+    return points;
+  }
+
+  std::string path(const std::vector<Vector2d>& points) const {
+    std::string text;
+    for (const Vector2d& point : points) {
+      const Vector2d at = on_picture(point);
+      text += fmt::format("{}{:.1f} {:.1f}", text.empty() ? "M" : "L", at.x(), at.y());
+    }
+    return text;
+  }
+
+  bool are_names_apart() const {
+    constexpr double kRoom = 34;
+    const auto count = static_cast<double>(tags().size());
+    return count * kRoom / 2 <= kMapWidth;
+  }
+
+  std::string mark(const PlacedTag& tag, const VerifyMerge& merged, bool names) const {
+    const std::string status = status_of(record_of(merged, tag.name));
+    const std::string name = escaped(tag.name);
+    const Vector2d at = on_picture(place(tag));
+    std::string text = fmt::format(
+        "<g class=\"tag {0}\" data-tag=\"{1}\" tabindex=\"0\" role=\"button\" aria-label=\"{1}, "
+        "{0}\"><title>{1}: {0}</title>{2}",
+        status, name, shape_of(status, at));
+    if (names) {
+      // Outside of the tunnel as it is drawn.
+      const CenterlinePoint middle = survey_.tunnel.centerline.at(tag.chainage);
+      const bool above = at.y() < on_picture(view(middle.position)).y();
+      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>",
+                          at.x(), at.y() + (above ? -10 : 19), name);
+    }
+    return text + "</g>\n";
+  }
+
+  const Survey& survey_;
+  const PlanStrip& strip_;
+  Eigen::AlignedBox2d box_;
+  double scale_ = 1;
+};
+
+std::string map_of(const Survey& survey, const VerifyMerge& merged) {
+  std::string text;
+  for (const PlanStrip& strip : plan_strips(survey)) {
+    text += "<div class=\"map\">" + StripPicture(survey, strip).svg(merged) + "</div>\n";
+  }
+  return text;
 }
 
 std::string grade_text(const std::optional<double>& grade) {
@@ -111,62 +291,130 @@ std::string grade_text(const std::optional<double>& grade) {
 std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
   std::string rows;
   for (const PlacedTag& tag : survey.tags) {
-    const TagRecord record = record_of(merged, tag);
+    const TagRecord record = record_of(merged, tag.name);
     const std::string status = status_of(record);
     rows += fmt::format(
-        "<tr><td>{}</td><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
-        "<td>{}</td></tr>\n",
-        escaped(tag.name), status, status, record.seen, record.faults, grade_text(record.best),
-        grade_text(record.worst), escaped(record.blame));
+        "<tr data-row=\"tag\" data-of=\"{1}\"><td>{0}</td><td class=\"{1}\">{1}</td>"
+        "<td class=\"more\">{2:.2f}</td><td>{3}</td><td>{4}</td><td>{5}</td><td>{6}</td>"
+        "<td class=\"more\">{7}</td></tr>\n",
+        escaped(tag.name), status, tag.chainage, record.seen, record.faults,
+        grade_text(record.best), grade_text(record.worst), escaped(record.blame));
   }
   return rows;
 }
 
-std::string fault_rows(const VerifyMerge& merged) {
-  std::string rows;
+std::string fault_card(const FaultRecord& fault) {
+  const VerifyRule* rule = find_verify_rule(fault.rule);
+  const std::string heading = escaped((fault.tag.empty() ? "" : fault.tag + ": ") +
+                                      (fault.rule.empty() ? std::string("fault") : fault.rule));
+  std::string card =
+      "<article class=\"card\" data-row=\"fault\" data-of=\"faulty\"><h3>" + heading + "</h3>";
+  if (!fault.jpeg.empty()) {
+    card += "<button class=\"crop\" aria-expanded=\"false\" aria-label=\"Enlarge the picture of " +
+            heading + "\"><img alt=\"\" src=\"data:image/jpeg;base64," + base64(fault.jpeg) +
+            "\"></button>";
+  }
+  card += "<p>" + escaped(fault.message) + "</p>";
+  if (rule != nullptr) card += "<p>" + escaped(std::string(rule->remedy)) + "</p>";
+  return card + "<p class=\"sub\">" + escaped(fault.file) + "</p></article>\n";
+}
+
+std::string fault_cards(const VerifyMerge& merged) {
+  if (merged.faults.empty()) return "<p>None.</p>\n";
+  std::string cards = "<div class=\"cards\">\n";
+  std::size_t without = 0;
   for (const FaultRecord& fault : merged.faults) {
-    const VerifyRule* rule = find_verify_rule(fault.rule);
-    rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                        escaped(fault.file), escaped(fault.tag), escaped(fault.rule),
-                        escaped(fault.message),
-                        rule == nullptr ? "" : escaped(std::string(rule->remedy)));
+    cards += fault_card(fault);
+    without += !fault.crop.empty() && fault.jpeg.empty() ? 1 : 0;
   }
-  return rows;
+  cards += "</div>\n";
+  if (merged.fault_count > merged.faults.size()) {
+    cards += fmt::format("<p>The first {} of {} faults are listed.</p>\n", merged.faults.size(),
+                         merged.fault_count);
+  }
+  if (without > 0) {
+    cards += fmt::format("<p>{} pictures are left out: not found, or too many for a page.</p>\n",
+                         without);
+  }
+  return cards;
 }
 
-std::string summary_of(const Survey& survey, const VerifyMerge& merged) {
-  std::map<std::string, int> counts;
-  for (const PlacedTag& tag : survey.tags) ++counts[status_of(record_of(merged, tag))];
+std::string count_buttons(const Completeness& covered) {
+  struct Count {
+    const char* status;
+    std::size_t count;
+  };
+  const std::array<Count, 4> counts{{{"ok", covered.ok},
+                                     {"poor", covered.poor},
+                                     {"faulty", covered.faulty},
+                                     {"unseen", covered.tags - covered.seen}}};
+  std::string text = "<div class=\"counts\" role=\"group\" aria-label=\"Tags by status\">\n";
+  for (const Count& count : counts) {
+    text += fmt::format(
+        "<button class=\"{0}\" data-status=\"{0}\" aria-pressed=\"false\"><b>{1}</b>{0}</button>\n",
+        count.status, count.count);
+  }
+  return text + "</div>\n";
+}
+
+std::string cover_bar(const char* wall, std::size_t seen, std::size_t tags) {
   return fmt::format(
-      "<p>{} files. Of {} tags <b class=\"ok\">{} are ok</b>, <b class=\"poor\">{} print "
-      "poorly</b> (worst grade below 1.5), <b class=\"faulty\">{} are faulty</b>, <b "
-      "class=\"unseen\">{} were not seen</b>. {} faults in all{}.</p>\n",
-      merged.files, survey.tags.size(), counts["ok"], counts["poor"], counts["faulty"],
-      counts["unseen"], merged.fault_count,
-      merged.fault_count > merged.faults.size()
-          ? fmt::format(", of which the first {} are listed", merged.faults.size())
-          : "");
+      "<span>{0}</span><progress value=\"{1}\" max=\"{2}\" aria-label=\"{0}\"></progress>"
+      "<span>{1} of {2}</span>\n",
+      wall, seen, std::max<std::size_t>(tags, 1));
+}
+
+std::string completeness_text(const Completeness& covered) {
+  std::string text =
+      fmt::format("<p>{} of {} tags were seen ({:.0f} %).</p>\n<div class=\"cover\">", covered.seen,
+                  covered.tags, 100 * covered.share());
+  text +=
+      cover_bar("left wall", covered.left_seen, covered.left_tags) +
+      cover_bar("right wall", covered.seen - covered.left_seen, covered.tags - covered.left_tags) +
+      "</div>\n";
+  if (covered.unseen.empty()) return text;
+  constexpr std::size_t kMostOpen = 8;
+  text += fmt::format("<details{}><summary>Not seen, {} place{}</summary>\n<ul>\n",
+                      covered.unseen.size() <= kMostOpen ? " open" : "", covered.unseen.size(),
+                      covered.unseen.size() == 1 ? "" : "s");
+  for (const UnseenStretch& stretch : covered.unseen) {
+    text += "<li>" + escaped(describe(stretch)) + "</li>\n";
+  }
+  return text + "</ul></details>\n";
+}
+
+std::string heading(const Survey& survey, const VerifyMerge& merged) {
+  std::string text = "<h1>Verification of " + escaped(survey.name) + "</h1>\n" +
+                     fmt::format("<p class=\"sub\">{} files, {} faults; survey revision {}",
+                                 merged.files, merged.fault_count, survey_revision(survey));
+  if (merged.other_revisions > 0) {
+    text += fmt::format("; {} files were verified against another state of the survey",
+                        merged.other_revisions);
+  }
+  return text + "</p>\n";
 }
 
 }  // namespace
 
-Result<std::string> report_page(const Survey& survey, const VerifyMerge& merged) {
-  const Result<std::string> map = map_of(survey, merged);
-  if (!map) return fail(map.error().message);
+std::string report_page(const Survey& survey, const VerifyMerge& merged) {
+  const Completeness covered = completeness_of(survey, merged);
   return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<title>Verification of " +
-         escaped(survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<h1>" +
-         "Verification of " + escaped(survey.name) + "</h1>\n" + summary_of(survey, merged) +
-         "<h2>Tunnel from above</h2>\n" + *map +
-         "<label>Show rows with these words <input id=\"filter\" type=\"search\" "
-         "placeholder=\"unseen, 003L, glare\"></label>\n<p id=\"shown\" role=\"status\"></p>\n"
-         "<h2>Faults</h2>\n<div class=\"scroll\"><table><thead><tr><th>file</th><th>tag</th>"
-         "<th>rule</th><th>what is wrong</th><th>what to do</th></tr></thead><tbody>\n" +
-         fault_rows(merged) +
-         "</tbody></table></div>\n<h2>Tags</h2>\n<div class=\"scroll\"><table><thead><tr>"
-         "<th>tag</th><th>status</th><th>seen</th><th>faults</th><th>best grade</th>"
-         "<th>worst</th><th>blame</th></tr></thead><tbody>\n" +
+         // The page can load nothing, whatever the names in it say.
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src "
+         "data:; "
+         "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n<title>Verification of " +
+         escaped(survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" +
+         heading(survey, merged) + count_buttons(covered) + "<h2>Completeness</h2>\n" +
+         completeness_text(covered) + "<h2>Tunnel from above</h2>\n" + map_of(survey, merged) +
+         "<div class=\"screen\"><label for=\"filter\">Show what has these words</label>\n"
+         "<input id=\"filter\" type=\"search\" placeholder=\"unseen, 003L, glare\" "
+         "autocomplete=\"off\">\n<p id=\"shown\" class=\"sub\" role=\"status\"></p></div>\n"
+         "<h2>Faults</h2>\n" +
+         fault_cards(merged) +
+         "<h2>Tags</h2>\n<div class=\"scroll\"><table><thead><tr><th>tag</th><th>status</th>"
+         "<th class=\"more\">chainage, m</th><th>seen</th><th>faults</th><th>best</th>"
+         "<th>worst</th><th class=\"more\">blame</th></tr></thead><tbody>\n" +
          tag_rows(survey, merged) + "</tbody></table></div>\n<script>" + kScript +
          "</script>\n</body>\n</html>\n";
 }

@@ -13,8 +13,11 @@
 
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/json.hpp"
+#include "decoder/cli/report_files.hpp"
+#include "decoder/cli/verify_annotate.hpp"
 #include "decoder/cli/verify_hanging.hpp"
 #include "decoder/cli/verify_lines.hpp"
+#include "decoder/cli/verify_merge.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/crop_tags.hpp"
@@ -32,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExample = R"(Example:
-  tagsmith verify surveys/corridor/survey.yaml print/*.pdf photos
+  tagsmith verify surveys/corridor/survey.yaml print/*.pdf photos --html report.html
 
 --json prints one object a file: file, tags (tag, status, digits, corners, message, page), findings;
 and last the summary: counts by status, and the survey's tags that no file shows (missing).
@@ -46,8 +49,10 @@ struct Options {
   std::string survey;
   std::vector<std::string> files;
   std::vector<std::string> also;
-  std::string crops;   // folder; empty = none are saved
-  std::string resume;  // earlier output; empty = none
+  std::string crops;     // folder; empty = none are saved
+  std::string annotate;  // folder; empty = none are made
+  std::string resume;    // earlier output; empty = none
+  ReportFiles report;
   bool complete = false;
   bool json = false;
   int jobs = 0;
@@ -118,16 +123,6 @@ Result<void> save_crops(const fs::path& folder, FileReport& report) {
   return {};
 }
 
-Result<FileReport> verify_one(const Options& options, const VerifyRequest& request,
-                              const fs::path& file) {
-  Result<FileReport> report = verify_file(request, file);
-  if (!report || options.crops.empty()) return report;
-  if (const Result<void> saved = save_crops(options.crops, *report); !saved) {
-    return fail(saved.error().message);
-  }
-  return report;
-}
-
 // A file that cannot be read is one finding, not the end.
 FileReport broken(const fs::path& file, const Error& error) {
   FileReport report;
@@ -137,97 +132,224 @@ FileReport broken(const fs::path& file, const Error& error) {
   return report;
 }
 
-struct Outcome {
-  VerifySummary summary;
-  std::optional<HungTags> hung;  // with --rig
-  int skipped = 0;               // verified before
-  bool unreadable_file = false;
+// What became of one file.
+struct VerifiedOne {
+  FileReport report;
+  std::vector<std::string> jpegs;  // of the tags' crops, for reports
+  std::optional<Error> problem;    // why it could not be read, or something not written
+  bool skipped = false;            // verified before
 };
 
+// The crops of the report, small.
+std::vector<std::string> pictures_of(const FileReport& report) {
+  std::vector<std::string> jpegs;
+  for (const TagFinding& tag : report.tags) {
+    jpegs.push_back(tag.crop ? report_picture(tag.crop->view()) : std::string());
+  }
+  return jpegs;
+}
+
+// The crops, as files and as pictures of the report.
+Result<void> save_crop_pictures(const Options& options, VerifiedOne& one) {
+  if (options.report.shows_pictures()) one.jpegs = pictures_of(one.report);
+  if (!options.crops.empty()) {
+    if (const Result<void> saved = save_crops(options.crops, one.report); !saved) return saved;
+  }
+  for (TagFinding& tag : one.report.tags) tag.crop.reset();
+  return {};
+}
+
+// What was asked for besides the lines.
+Result<void> save_pictures(const Options& options, const InputFile& input, VerifiedOne& one) {
+  if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
+  // With --rig what is wrong is known later.
+  if (options.annotate.empty() || !options.hanging.rig.empty()) return {};
+  return save_annotated(options.annotate, input, one.report);
+}
+
 // Content hashes of what earlier runs verified against this state of the survey.
-Result<std::set<std::string>> verified_before(const std::string& file, const Survey& survey) {
-  std::set<std::string> hashes;
+using VerifiedBefore = std::set<std::string>;
+
+VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
+                       const VerifiedBefore& before, const fs::path& file) {
+  VerifiedOne one;
+  const Result<InputFile> input = read_input_file(file);
+  if (!input) {
+    one.report = broken(file, input.error());
+    one.problem = input.error();
+    return one;
+  }
+  one.report.sha256 = input->sha256;
+  one.skipped = before.contains(input->sha256);
+  if (one.skipped) return one;
+  Result<FileReport> report = verify_file(request, *input);
+  if (!report) {
+    one.problem = report.error();
+    one.report = broken(file, report.error());
+    return one;
+  }
+  one.report = std::move(*report);
+  if (const Result<void> saved = save_pictures(options, *input, one); !saved) {
+    one.problem = saved.error();
+  }
+  return one;
+}
+
+// All files together. An archive has more of them than memory holds: each report is printed, and
+// its counts alone are kept.
+struct Outcome {
+  VerifyTally tally;
+  VerifyMerge merged;
+  std::vector<VerifiedOne> waiting;  // with --rig, until all are read
+  std::optional<HungTags> hung;      // with --rig
+  VerifiedBefore skipped;
+  std::size_t skipped_files = 0;
+  bool failed = false;  // a file could not be read, or something not be written
+};
+
+Result<VerifiedBefore> verified_before(const std::string& file, const std::string& revision) {
+  VerifiedBefore hashes;
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return hashes;
-  const std::string revision = survey_revision(survey);
   const Result<VerifyLineCounts> counts = read_verify_lines(file, [&](const VerifiedFile& done) {
     if (done.revision == revision && !done.sha256.empty()) hashes.insert(done.sha256);
   });
   if (!counts) return fail(counts.error().message);
+  if (counts->broken > 0) {
+    fmt::print(stderr, "{}: {} lines are not of `verify --json` and left out\n", file,
+               counts->broken);
+  }
   return hashes;
 }
 
 void print(const Options& options, const FileReport& report) {
   if (options.json) {
     fmt::print("{}\n", to_json_line(report));
+    std::fflush(stdout);  // what is printed stays when the run is killed
   } else {
     print_in_words(report);
   }
 }
 
-// Crops of what only all photos together showed.
-void save_late_crops(const Options& options, FileReport& report) {
-  const auto lacks_crop = [](const TagFinding& tag) { return tag.hung && tag.crop_file.empty(); };
-  if (options.crops.empty() || std::ranges::none_of(report.tags, lacks_crop)) return;
-  const Result<GrayImage> image = load_gray_image(report.file);
-  if (!image) return;
-  crop_faults(image->view(), report.tags);
-  if (const Result<void> saved = save_crops(options.crops, report); !saved) {
-    report_failure("verify", saved.error());
+// Prints the report and counts it.
+void conclude(const Options& options, const VerifiedOne& one, Outcome& outcome) {
+  print(options, one.report);
+  outcome.tally.add(one.report);
+  merge(one.report.revision, verified_file(one.report), outcome.merged, one.jpegs);
+}
+
+// Where tags hang takes all reports together: with --rig they wait.
+void deliver(const Options& options, const std::string& revision, VerifiedOne& one,
+             Outcome& outcome) {
+  if (one.problem) {
+    report_failure("verify", *one.problem);
+    outcome.failed = true;
   }
+  if (one.skipped) {
+    ++outcome.skipped_files;
+    outcome.skipped.insert(one.report.sha256);
+    return;
+  }
+  one.report.revision = revision;
+  if (options.hanging.rig.empty()) {
+    conclude(options, one, outcome);
+  } else {
+    outcome.waiting.push_back(std::move(one));
+  }
+}
+
+// Crops and the copy of a photo, of what only all photos together showed.
+Result<void> save_late_pictures(const Options& options, VerifiedOne& one) {
+  const auto lacks_crop = [](const TagFinding& tag) { return tag.hung && tag.crop_file.empty(); };
+  const bool crops = !options.crops.empty() || options.report.shows_pictures();
+  const bool late = crops && std::ranges::any_of(one.report.tags, lacks_crop);
+  if (one.report.sha256.empty() || (!late && options.annotate.empty())) return {};
+  const Result<InputFile> input = read_input_file(one.report.file);
+  if (!input) return fail(input.error().message);
+  if (late) {
+    const Result<GrayImage> image = decode_gray_image(input->path.string(), input->bytes);
+    if (!image) return fail(image.error().message);
+    crop_faults(image->view(), one.report.tags);
+    if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
+  }
+  if (options.annotate.empty()) return {};
+  return save_annotated(options.annotate, *input, one.report);
 }
 
 // Where tags hang is known when every photo has been read.
 void finish_hanging(const Options& options, const VerifyRequest& request, const HangingSetup& setup,
-                    std::vector<FileReport>& reports, VerifyTally& tally, Outcome& outcome) {
+                    Outcome& outcome) {
+  std::vector<FileReport> reports;
+  for (VerifiedOne& one : outcome.waiting) reports.push_back(std::move(one.report));
   outcome.hung = check_hanging(request.survey, setup, 1e-3 * options.hanging.tolerance_mm, reports);
-  for (FileReport& report : reports) {
-    save_late_crops(options, report);
-    print(options, report);
-    tally.add(report);
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    VerifiedOne& one = outcome.waiting[i];
+    one.report = std::move(reports[i]);
+    if (const Result<void> saved = save_late_pictures(options, one); !saved) {
+      report_failure("verify", saved.error());
+      outcome.failed = true;
+    }
+    conclude(options, one, outcome);
   }
+  outcome.waiting.clear();
   for (const std::string& note : outcome.hung->notes) fmt::print(stderr, "verify: {}\n", note);
 }
 
-// Prints each report and keeps its counts alone: an archive has more files than memory holds.
-// Where tags hang takes all reports together; `setup` null = it is not asked for.
-Outcome verify_all(const Options& options, const VerifyRequest& request, const HangingSetup* setup,
-                   const std::set<std::string>& before, const std::vector<fs::path>& files) {
-  Outcome outcome;
-  VerifyTally tally;
-  std::vector<FileReport> reports;
+// Of the files that were skipped, what the earlier run said.
+Result<void> add_skipped(const Options& options, const std::string& revision, Outcome& outcome) {
+  if (outcome.skipped.empty()) return {};
+  const Result<VerifyLineCounts> counts =
+      read_verify_lines(options.resume, [&](const VerifiedFile& done) {
+        if (done.revision != revision || outcome.skipped.erase(done.sha256) == 0) return;
+        outcome.tally.add(counted_report(done));
+        merge(revision, done, outcome.merged);
+      });
+  if (!counts) return fail(counts.error().message);
+  return {};
+}
+
+// `setup` null = where tags hang is not asked for.
+Result<Outcome> verify_all(const Options& options, const VerifyRequest& request,
+                           const HangingSetup* setup, const std::vector<fs::path>& files) {
   const std::string revision = survey_revision(request.survey);
+  const Result<VerifiedBefore> before = verified_before(options.resume, revision);
+  if (!before) return fail(before.error().message);
+  Outcome outcome;
   ProgressBar bar("files", files.size());
   run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    const std::string hash = sha256_of_file(files[i]).value_or("");
-    const bool skip = before.contains(hash);
-    auto report = std::make_shared<Result<FileReport>>(
-        skip ? FileReport{} : verify_one(options, request, files[i]));
-    return [&, report, i, hash, skip] {
-      bar.advance([&] {
-        if (skip) {
-          ++outcome.skipped;
-          return;
-        }
-        if (!*report) {
-          report_failure("verify", report->error());
-          outcome.unreadable_file = true;
-        }
-        FileReport done = *report ? std::move(**report) : broken(files[i], report->error());
-        if (*report) done.sha256 = hash;
-        done.revision = revision;
-        if (setup != nullptr) {
-          reports.push_back(std::move(done));
-          return;
-        }
-        print(options, done);
-        tally.add(done);
-      });
-    };
+    auto one = std::make_shared<VerifiedOne>(verify_one(options, request, *before, files[i]));
+    return [&, one] { bar.advance([&] { deliver(options, revision, *one, outcome); }); };
   });
-  if (setup != nullptr) finish_hanging(options, request, *setup, reports, tally, outcome);
-  outcome.summary = tally.summary(request.survey);
+  if (setup != nullptr) finish_hanging(options, request, *setup, outcome);
+  if (const Result<void> added = add_skipped(options, revision, outcome); !added) {
+    return fail(added.error().message);
+  }
+  sort_faults(outcome.merged);
+  if (options.report.shows_pictures()) load_pictures(outcome.merged, {options.resume});
   return outcome;
+}
+
+Result<std::vector<Survey>> load_surveys(const std::vector<std::string>& names) {
+  std::vector<Survey> surveys;
+  for (const std::string& name : names) {
+    Result<Survey> survey = load_survey(name);
+    if (!survey) return fail(survey.error().message);
+    surveys.push_back(std::move(*survey));
+  }
+  return surveys;
+}
+
+void print_summary(const Options& options, const Survey& survey, const VerifySummary& summary,
+                   const Outcome& outcome) {
+  if (outcome.skipped_files > 0) {
+    fmt::print(stderr, "skipped, verified before: {}\n", outcome.skipped_files);
+  }
+  if (options.json) {
+    fmt::print("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung));
+  } else {
+    if (outcome.hung) print_hanging(*outcome.hung);
+    print_in_words(summary);
+  }
 }
 
 int run(const Options& options) {
@@ -242,32 +364,32 @@ int run(const Options& options) {
   const Result<std::vector<fs::path>> files =
       list_files(of_run ? (*hanging)->photos : options.files, image_and_pdf_extensions(), std::cin);
   if (!files) return report_failure("verify", files.error());
-  std::vector<Survey> also;
-  for (const std::string& name : options.also) {
-    Result<Survey> other = load_survey(name);
-    if (!other) return report_failure("verify", other.error());
-    also.push_back(std::move(*other));
+  const Result<std::vector<Survey>> also = load_surveys(options.also);
+  if (!also) return report_failure("verify", also.error());
+  if (!options.resume.empty()) {
+    const Result<void> ready = prepare_to_append(options.resume);
+    if (!ready) return report_failure("verify", ready.error());
   }
-  VerifyRequest request{*survey, also, !options.crops.empty()};
+  ManifestCache manifests;
+  const bool crops = !options.crops.empty() || options.report.shows_pictures();
+  VerifyRequest request{*survey, *also, crops, &manifests};
   if (*hanging) {
     request.rig = &(*hanging)->rig;
     request.cameras = &(*hanging)->cameras;
   }
-  const Result<std::set<std::string>> before = verified_before(options.resume, *survey);
-  if (!before) return report_failure("verify", before.error());
-  const Outcome outcome =
-      verify_all(options, request, *hanging ? &**hanging : nullptr, *before, *files);
-  const VerifySummary& summary = outcome.summary;
-  if (outcome.skipped > 0) fmt::print(stderr, "skipped, verified before: {}\n", outcome.skipped);
-  if (options.json) {
-    fmt::print("{}\n", to_json_line(summary, outcome.hung));
-  } else {
-    if (outcome.hung) print_hanging(*outcome.hung);
-    print_in_words(summary);
+  const Result<Outcome> outcome =
+      verify_all(options, request, *hanging ? &**hanging : nullptr, *files);
+  if (!outcome) return report_failure("verify", outcome.error());
+  const VerifySummary summary = outcome->tally.summary(*survey);
+  print_summary(options, *survey, summary, *outcome);
+  const Result<void> written = write_report(options.report, *survey, outcome->merged);
+  if (!written) return report_failure("verify", written.error());
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    return report_failure("verify", {"standard output cannot be written, is the disk full?"});
   }
-  if (outcome.unreadable_file) return kExitFailure;
+  if (outcome->failed) return kExitFailure;
   const bool incomplete = options.complete && !summary.missing.empty();
-  const bool contradicts = outcome.hung && outcome.hung->nothing_fits;
+  const bool contradicts = outcome->hung && outcome->hung->nothing_fits;
   return summary.files_with_findings > 0 || incomplete || contradicts ? kExitFindings : kExitOk;
 }
 
@@ -292,6 +414,10 @@ Command verify_command(CLI::App& parent) {
           ->type_name("FILE.jsonl");
   app->add_option("--crops", options->crops, "Folder for a picture of every faulty tag")
       ->type_name("DIR");
+  app->add_option("--annotate", options->annotate,
+                  "Folder for a copy of every photo with its tags outlined and named")
+      ->type_name("DIR");
+  add_report_options(*app, options->report);
   app->add_flag("--complete", options->complete,
                 "Tags of the survey that no file shows are wrong too");
   app->add_flag("--json", options->json, "One JSON object a file, then the summary");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/verify/finding.hpp"
 #include "tagsmith/base/result.hpp"
 
 namespace tagsmith {
@@ -31,6 +32,7 @@ struct VerifiedFile {
   std::vector<VerifiedTag> tags;
   std::vector<std::string> findings;
   std::vector<std::string> rules;
+  bool stale = false;
 };
 
 struct VerifyLineCounts {
@@ -38,9 +40,20 @@ struct VerifyLineCounts {
   std::size_t broken = 0;  // lines that are no JSON of verify, such as one cut short by a crash
 };
 
+// What the report's line would say.
+VerifiedFile verified_file(const FileReport& report);
+
+// The parts of a line that the tally of a run counts.
+FileReport counted_report(const VerifiedFile& file);
+
 // Calls `take` with every file's line in turn; summaries and empty lines are passed over. One line
 // at a time is in memory. Fails when the file cannot be read.
 Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
                                            const std::function<void(const VerifiedFile&)>& take);
+
+// What is wrong with writing to standard output while the lines of `path` are resumed; nothing in
+// most cases. When both are one file, standard output must append to it, and a last line that a
+// killed run left without its end is cut off, so that the next one begins a line.
+Result<void> prepare_to_append(const std::filesystem::path& path);
 
 }  // namespace tagsmith

@@ -3,35 +3,67 @@
 
 #include <algorithm>
 #include <functional>
+#include <tuple>
 
 #include <fmt/format.h>
-
-#include "tagsmith/base/csv.hpp"
-#include "tagsmith/base/text.hpp"
 
 namespace tagsmith {
 namespace {
 
 void add_fault(VerifyMerge& merged, FaultRecord fault) {
   ++merged.fault_count;
-  if (merged.faults.size() < kMostListedFaults) merged.faults.push_back(std::move(fault));
+  if (merged.faults.size() >= kMostListedFaults) return;
+  if (merged.picture_bytes + fault.jpeg.size() > kMostPictureBytes) fault.jpeg.clear();
+  merged.picture_bytes += fault.jpeg.size();
+  merged.faults.push_back(std::move(fault));
 }
 
 void add_grade(TagRecord& record, const VerifiedTag& tag) {
   if (!tag.grade) return;
   record.best = std::max(record.best.value_or(0), *tag.grade);
-  if (record.worst && *record.worst <= *tag.grade) return;
+  // Of equal grades the first blame by letters, so that the files' order does not matter.
+  if (record.worst && std::tie(*record.worst, record.blame) <= std::tie(*tag.grade, tag.blame)) {
+    return;
+  }
   record.worst = tag.grade;
   record.blame = tag.blame;
 }
 
-std::string number(const std::optional<double>& value) {
-  return value ? fmt::format("{:.1f}", *value) : std::string();
+// The findings that are of no tag.
+std::string file_findings(const VerifiedFile& file) {
+  std::string words;
+  for (const std::string& finding : file.findings) {
+    const auto of_tag = [&](const VerifiedTag& tag) {
+      return !tag.message.empty() && finding.ends_with(tag.message);
+    };
+    if (std::ranges::any_of(file.tags, of_tag)) continue;
+    words += (words.empty() ? "" : "; ") + finding;
+  }
+  return words;
+}
+
+void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
+                std::vector<UnseenStretch>& stretches) {
+  std::vector<const PlacedTag*> wall;
+  for (const PlacedTag& tag : survey.tags) {
+    if (tag.side == side) wall.push_back(&tag);
+  }
+  std::ranges::stable_sort(wall, {}, &PlacedTag::chainage);
+  bool goes_on = false;
+  for (const PlacedTag* tag : wall) {
+    const bool unseen = status_of(record_of(merged, tag->name)) == "unseen";
+    if (unseen && !goes_on) stretches.push_back({side, tag->chainage, tag->chainage, {}});
+    goes_on = unseen;
+    if (!unseen) continue;
+    stretches.back().to = tag->chainage;
+    stretches.back().tags.push_back(tag->name);
+  }
 }
 
 }  // namespace
 
-void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged) {
+void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
+           const std::vector<std::string>& jpegs) {
   const std::string identity = file.file + '\n' + file.sha256;
   if (!merged.known.insert(std::hash<std::string>{}(identity)).second) {
     ++merged.repeated;
@@ -40,7 +72,8 @@ void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& m
   ++merged.files;
   if (!file.revision.empty() && file.revision != revision) ++merged.other_revisions;
   std::vector<std::string> rules = file.rules;
-  for (const VerifiedTag& tag : file.tags) {
+  for (std::size_t i = 0; i < file.tags.size(); ++i) {
+    const VerifiedTag& tag = file.tags[i];
     if (tag.status == "cut_off") continue;
     if (tag.status == "ok") {
       TagRecord& record = merged.tags[tag.tag];
@@ -50,13 +83,23 @@ void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& m
     }
     if (!tag.tag.empty()) ++merged.tags[tag.tag].faults;
     std::erase(rules, tag.rule);
-    add_fault(merged, {file.file, tag.tag, tag.rule, tag.message, tag.crop});
+    add_fault(merged, {file.file, tag.tag, tag.rule, tag.message, tag.crop,
+                       i < jpegs.size() ? jpegs[i] : std::string()});
   }
   // What is left is wrong with the whole file.
-  for (const std::string& rule : rules) {
-    const std::string words = file.findings.empty() ? "" : file.findings.front();
-    add_fault(merged, {file.file, "", rule, words, ""});
-  }
+  const std::string words = file_findings(file);
+  for (const std::string& rule : rules) add_fault(merged, {file.file, "", rule, words, ""});
+}
+
+void sort_faults(VerifyMerge& merged) {
+  std::ranges::stable_sort(merged.faults, {}, [](const FaultRecord& fault) {
+    return std::tie(fault.file, fault.tag, fault.rule, fault.message);
+  });
+}
+
+TagRecord record_of(const VerifyMerge& merged, const std::string& tag) {
+  const auto found = merged.tags.find(tag);
+  return found == merged.tags.end() ? TagRecord{} : found->second;
 }
 
 std::string status_of(const TagRecord& record) {
@@ -66,17 +109,34 @@ std::string status_of(const TagRecord& record) {
   return record.worst && *record.worst < kPoor ? "poor" : "ok";
 }
 
-std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
-  std::string csv = csv_row({"tag", "digits", "chainage_m", "status", "seen", "faults",
-                             "best_grade", "worst_grade", "blame"});
+Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
+  Completeness result;
   for (const PlacedTag& tag : survey.tags) {
-    const auto found = merged.tags.find(tag.name);
-    const TagRecord record = found == merged.tags.end() ? TagRecord{} : found->second;
-    csv += csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3),
-                    status_of(record), std::to_string(record.seen), std::to_string(record.faults),
-                    number(record.best), number(record.worst), record.blame});
+    const std::string status = status_of(record_of(merged, tag.name));
+    const std::size_t seen = status == "unseen" ? 0 : 1;
+    ++result.tags;
+    result.seen += seen;
+    result.ok += status == "ok" ? 1 : 0;
+    result.poor += status == "poor" ? 1 : 0;
+    result.faulty += status == "faulty" ? 1 : 0;
+    if (tag.side != Side::left) continue;
+    ++result.left_tags;
+    result.left_seen += seen;
   }
-  return csv;
+  add_unseen(survey, merged, Side::left, result.unseen);
+  add_unseen(survey, merged, Side::right, result.unseen);
+  return result;
+}
+
+std::string describe(const UnseenStretch& stretch) {
+  const std::string place = stretch.from == stretch.to
+                                ? fmt::format("at {:.2f} m", stretch.from)
+                                : fmt::format("from {:.2f} to {:.2f} m", stretch.from, stretch.to);
+  const std::string names = stretch.tags.size() == 1
+                                ? stretch.tags.front()
+                                : fmt::format("{} tags, {} to {}", stretch.tags.size(),
+                                              stretch.tags.front(), stretch.tags.back());
+  return fmt::format("{} wall {}: {}", to_string(stretch.side), place, names);
 }
 
 }  // namespace tagsmith

@@ -28,11 +28,15 @@ struct FaultRecord {
   std::string tag;  // empty when it has no name, or the whole file is meant
   std::string rule;
   std::string message;
-  std::string crop;
+  std::string crop;    // the picture's file; empty = none was saved
+  std::string jpeg{};  // the picture itself, small; empty = not at hand
 };
 
 // Faults that are listed; all are counted.
 inline constexpr std::size_t kMostListedFaults = 20'000;
+
+// Bytes of the faults' pictures that a report holds.
+inline constexpr std::size_t kMostPictureBytes = 12U << 20U;
 
 struct VerifyMerge {
   std::size_t files = 0;
@@ -41,19 +45,49 @@ struct VerifyMerge {
   std::map<std::string, TagRecord> tags;
   std::vector<FaultRecord> faults;
   std::size_t fault_count = 0;
+  std::size_t picture_bytes = 0;
   std::unordered_set<std::uint64_t> known;  // of file and content
 };
 
-void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged);
+// `jpegs`: the pictures of the file's tags, by their place in the line; may be shorter.
+void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
+           const std::vector<std::string>& jpegs = {});
+
+// Puts the faults in one order, by file, tag, rule and words, whatever order the files came in.
+void sort_faults(VerifyMerge& merged);
+
+TagRecord record_of(const VerifyMerge& merged, const std::string& tag);
 
 // "unseen", "faulty", "poor" (worst grade below 1.5) or "ok".
 std::string status_of(const TagRecord& record);
 
-// A line a tag of the survey: tag, digits, chainage_m, status, seen, faults, best_grade,
-// worst_grade, blame.
-std::string report_csv(const Survey& survey, const VerifyMerge& merged);
+// A run of neighbouring tags of one wall that no file shows.
+struct UnseenStretch {
+  Side side = Side::left;
+  double from = 0;  // chainage of the first tag and of the last
+  double to = 0;
+  std::vector<std::string> tags;
+};
 
-// The report as one web page that needs nothing else. Fails when the map cannot be drawn.
-Result<std::string> report_page(const Survey& survey, const VerifyMerge& merged);
+// How much of the survey the files cover.
+struct Completeness {
+  std::size_t tags = 0;
+  std::size_t seen = 0;  // in order or faulty
+  std::size_t left_tags = 0;
+  std::size_t left_seen = 0;
+  std::size_t ok = 0;  // by status
+  std::size_t poor = 0;
+  std::size_t faulty = 0;
+  std::vector<UnseenStretch> unseen;  // along the drive, the left wall first
+
+  double share() const {
+    return tags == 0 ? 1 : static_cast<double>(seen) / static_cast<double>(tags);
+  }
+};
+
+Completeness completeness_of(const Survey& survey, const VerifyMerge& merged);
+
+// "left 12.40 to 18.20 m: 3 tags, 004L to 006L".
+std::string describe(const UnseenStretch& stretch);
 
 }  // namespace tagsmith

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/compare.hpp"
@@ -67,13 +66,6 @@ std::string names_of(const std::vector<ManifestTag>& tags) {
   return text;
 }
 
-std::vector<ManifestTag> tags_of_file(const PrintManifest& manifest, const std::string& file) {
-  std::vector<ManifestTag> tags;
-  std::ranges::copy_if(manifest.tags, std::back_inserter(tags),
-                       [&](const ManifestTag& tag) { return is_in(tag, file); });
-  return tags;
-}
-
 std::string outdated(const Survey& survey, const ManifestTag& printed) {
   const PlacedTag* placed = find_tag(survey, printed.name);
   if (placed == nullptr) {
@@ -91,6 +83,20 @@ std::string outdated(const Survey& survey, const ManifestTag& printed) {
       "the label of {} says a place {} mm from where survey {} now has it: print it "
       "again, or keep the plate and hang it by the new list",
       printed.name, format_number(distance * 1e3, 1), survey.name);
+}
+
+// Why a document of all tags, such as the setting-out list, no longer holds; empty when it does.
+std::string outdated_list(const Survey& survey, const PrintManifest& manifest) {
+  std::string names;
+  std::size_t count = 0;
+  constexpr std::size_t kMostNamed = 8;
+  for (const ManifestTag& tag : manifest.tags) {
+    if (outdated(survey, tag).empty()) continue;
+    if (++count <= kMostNamed) names += (names.empty() ? "" : " ") + tag.name;
+  }
+  if (count == 0) return {};
+  if (count > kMostNamed) names += fmt::format(" and {} more", count - kMostNamed);
+  return fmt::format("it lists {} as before the survey was changed: print it again", names);
 }
 
 // What the survey's template has otherwise than it was printed; empty when nothing.
@@ -125,6 +131,51 @@ std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
   return {};
 }
 
+// The millimetres under the key as metres; nothing unless they are `count` numbers.
+std::optional<std::vector<double>> lengths_of(const json& object, const char* key,
+                                              std::size_t count) {
+  const auto list = object.find(key);
+  if (list == object.end()) return std::nullopt;
+  std::vector<double> lengths = numbers_of(*list);
+  if (lengths.size() != count) return std::nullopt;
+  for (double& length : lengths) length /= 1000;
+  return lengths;
+}
+
+// How many tiles there are along a side; nothing when that is no sensible number.
+std::optional<int> count_of(const json& object, const char* key) {
+  constexpr std::int64_t kMost = 100;
+  const auto value = object.find(key);
+  if (value == object.end() || !value->is_number_integer()) return std::nullopt;
+  const auto count = value->get<std::int64_t>();
+  if (count < 1 || count > kMost) return std::nullopt;
+  return static_cast<int>(count);
+}
+
+std::optional<TilePlan> parse_tiles(const json& root) {
+  const auto object = root.find("tiles");
+  if (object == root.end() || !object->is_object()) return std::nullopt;
+  const auto columns = count_of(*object, "columns");
+  const auto rows = count_of(*object, "rows");
+  const auto page = lengths_of(root, "page_mm", 2);
+  const auto window = lengths_of(*object, "window_mm", 4);
+  const auto step = lengths_of(*object, "step_mm", 2);
+  if (!columns || !rows || !page || !window || !step) return std::nullopt;
+  TilePlan plan{*columns, *rows, (*page)[0], (*page)[1]};
+  plan.window = {(*window)[0], (*window)[1], (*window)[2], (*window)[3]};
+  plan.step_right = (*step)[0];
+  plan.step_down = (*step)[1];
+  const bool on_page = plan.window.x >= 0 && plan.window.y >= 0 && plan.window.width > 0 &&
+                       plan.window.height > 0 &&
+                       plan.window.x + plan.window.width <= plan.page_width &&
+                       plan.window.y + plan.window.height <= plan.page_height &&
+                       plan.page_width <= kLongestPage && plan.page_height <= kLongestPage;
+  const bool overlap = plan.step_right > 0 && plan.step_right <= plan.window.width &&
+                       plan.step_down > 0 && plan.step_down <= plan.window.height;
+  if (!on_page || !overlap) return std::nullopt;
+  return plan;
+}
+
 // Fields that older manifests lack; whatever is not understood is left out.
 void read_details(const json& root, PrintManifest& manifest) {
   for (const char* key : {"plate_mm", "feature_frame_inner_mm"}) {
@@ -142,6 +193,7 @@ void read_details(const json& root, PrintManifest& manifest) {
   }
   manifest.tiled =
       root.contains("tiled") && root["tiled"].is_boolean() && root["tiled"].get<bool>();
+  manifest.tiles = parse_tiles(root);
   constexpr int kMostDotsPerInch = 10'000;
   const auto dots = root.find("png_dots_per_inch");
   if (dots == root.end() || !dots->is_number()) return;
@@ -150,6 +202,13 @@ void read_details(const json& root, PrintManifest& manifest) {
 }
 
 }  // namespace
+
+std::vector<ManifestTag> tags_of_file(const PrintManifest& manifest, const std::string& file) {
+  std::vector<ManifestTag> tags;
+  std::ranges::copy_if(manifest.tags, std::back_inserter(tags),
+                       [&](const ManifestTag& tag) { return is_in(tag, file); });
+  return tags;
+}
 
 Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
   const fs::path path = print_file.parent_path() / "manifest.json";
@@ -176,6 +235,24 @@ Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
   return manifest;
 }
 
+Result<std::shared_ptr<const PrintManifest>> ManifestCache::find(const fs::path& print_file) {
+  constexpr std::size_t kKept = 8;  // files are listed folder by folder
+  const fs::path folder = print_file.parent_path();
+  const std::lock_guard lock(mutex_);
+  const auto known = std::ranges::find(entries_, folder, &Entry::folder);
+  if (known != entries_.end()) return known->manifest;
+  Result<std::shared_ptr<const PrintManifest>> result = nullptr;
+  Result<std::optional<PrintManifest>> parsed = find_manifest(print_file);
+  if (!parsed) {
+    result = fail(parsed.error().message);
+  } else if (*parsed) {
+    result = std::make_shared<const PrintManifest>(std::move(**parsed));
+  }
+  if (entries_.size() == kKept) entries_.pop_front();
+  entries_.push_back({folder, result});
+  return result;
+}
+
 FileReport check_against_manifest(const PrintManifest& manifest, FileReport report) {
   const std::vector<ManifestTag> expected = tags_of_file(manifest, report.file.filename().string());
   if (expected.empty()) return report;
@@ -185,6 +262,11 @@ FileReport check_against_manifest(const PrintManifest& manifest, FileReport repo
     const auto match = std::ranges::find(expected, *tag.digits, &ManifestTag::digits);
     if (match != expected.end()) {
       found[static_cast<std::size_t>(match - expected.begin())] = true;
+      if (tag.rule != "not-in-survey") continue;
+      tag.tag = match->name;
+      tag.rule = "stale";
+      tag.message = fmt::format("{} {} is what was printed, but no longer in the survey",
+                                match->name, to_string(*tag.digits));
     } else if (tag.status == TagStatus::ok) {
       tag.status = TagStatus::misprinted;
       tag.rule = "other-file";
@@ -211,7 +293,7 @@ ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file) {
 FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, FileReport report) {
   const std::string file = report.file.filename().string();
   const auto hash = manifest.sha256.find(file);
-  if (hash != manifest.sha256.end() && sha256_of_file(report.file) != hash->second) {
+  if (hash != manifest.sha256.end() && report.sha256 != hash->second) {
     report.rules.insert("changed-file");
     report.findings.emplace_back(
         "it is not the file that was printed: its SHA-256 is not that of "
@@ -221,6 +303,9 @@ FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, 
   const std::vector<ManifestTag> tags = tags_of_file(manifest, file);
   if (!tags.empty()) reasons.push_back(other_plate(manifest, survey.tag_template));
   for (const ManifestTag& tag : tags) reasons.push_back(outdated(survey, tag));
+  if (tags.empty() && std::ranges::count(manifest.documents, file) > 0) {
+    reasons.push_back(outdated_list(survey, manifest));
+  }
   for (const std::string& reason : reasons) {
     if (reason.empty()) continue;
     report.stale = true;

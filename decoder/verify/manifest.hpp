@@ -2,8 +2,11 @@
 // The manifest.json that `print` writes beside its files: which tag each file must hold.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +15,7 @@
 
 #include "decoder/verify/finding.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -31,8 +35,12 @@ struct PrintManifest {
   std::map<std::string, std::string> sha256{};         // by file
   std::map<std::string, std::vector<double>> sizes{};  // plate_mm and others, millimetres
   bool tiled = false;                                  // the files hold pieces of tags
+  std::optional<TilePlan> tiles{};                     // how these go together, when it is said
   int dots_per_inch = 0;                               // of PNG files; 0 = not said
 };
+
+// The tags that the manifest says a file holds, in its order.
+std::vector<ManifestTag> tags_of_file(const PrintManifest& manifest, const std::string& file);
 
 // What a file of the manifest is, for who checks it.
 enum class ManifestEntry { tags, tiles, document, stranger };
@@ -42,14 +50,32 @@ ManifestEntry entry_of(const PrintManifest& manifest, const std::string& file);
 // something else (it has no "survey" or no "tags"). Fails when it is ours and broken.
 Result<std::optional<PrintManifest>> find_manifest(const std::filesystem::path& print_file);
 
+// The manifests of the folders looked at last, each parsed once. Threads may share one.
+class ManifestCache {
+ public:
+  // As find_manifest; null when there is none.
+  Result<std::shared_ptr<const PrintManifest>> find(const std::filesystem::path& print_file);
+
+ private:
+  struct Entry {
+    std::filesystem::path folder;
+    Result<std::shared_ptr<const PrintManifest>> manifest;
+  };
+
+  std::mutex mutex_;
+  std::deque<Entry> entries_;  // the oldest first
+};
+
 // Compares what was read in a print file with what the manifest says it holds: tags that stand in
 // the wrong file become `misprinted`; tags that should be there and are not are added to the
-// findings. A file that the manifest does not name comes back as it was.
+// findings. A tag that is what was printed and no longer in the survey is `unknown` by the rule
+// `stale`. A file that the manifest does not name comes back as it was.
 FileReport check_against_manifest(const PrintManifest& manifest, FileReport report);
 
 // Whether the file is still what was printed and what the survey says: adds a finding when its
-// SHA-256 is not the manifest's, and makes it stale, with the reason among the findings, when the
-// survey now has other digits, another place or another plate for one of its tags, or no such tag.
+// SHA-256 (the report's) is not the manifest's, and makes it stale, with the reason among the
+// findings, when the survey now has other digits, another place or another plate for one of its
+// tags, or no such tag. A document is stale when one of the manifest's tags is.
 FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, FileReport report);
 
 }  // namespace tagsmith

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -71,31 +70,6 @@ int pixel_at(double metres, double per_metre) {
   return static_cast<int>(std::lround(metres * per_metre));
 }
 
-// The pixels of the page, or of the part of it that is asked for.
-Result<GrayImage> draw_region(const ProofPage& page, double dots_per_inch,
-                              const PixelRegion& region) {
-  if (page.number > 0) return rasterize_region(page.file, page.number, dots_per_inch, region);
-  Result<GrayImage> whole = GrayImage{};
-  if (is_svg(page.file)) {
-    Result<PageImage> drawn = rasterize_svg(page.file, dots_per_inch);
-    if (!drawn) return fail(drawn.error().message);
-    whole = std::move(drawn->image);
-  } else {
-    whole = load_gray_image(page.file);
-    if (!whole) return whole;
-  }
-  if (region.x + region.width > whole->width || region.y + region.height > whole->height) {
-    return fail(fmt::format("{}: has {} x {} pixels, expected more at {} dpi", page.file.string(),
-                            whole->width, whole->height, format_number(dots_per_inch, 2)));
-  }
-  GrayImage part{region.width, region.height, {}};
-  for (int y = 0; y < region.height; ++y) {
-    const std::uint8_t* row = whole->view().row(region.y + y) + region.x;
-    part.samples.insert(part.samples.end(), row, row + region.width);
-  }
-  return part;
-}
-
 // The tag put together. `p`: where P is, in pixels of the image (their centres at whole numbers).
 struct ReadyTag {
   GrayImage image;
@@ -109,19 +83,6 @@ Rectangle common_part(const Rectangle& a, const Rectangle& b) {
   const double right = std::min(a.x + a.width, b.x + b.width);
   const double bottom = std::min(a.y + a.height, b.y + b.height);
   return {left, top, std::max(right - left, 0.0), std::max(bottom - top, 0.0)};
-}
-
-void paste(const GrayImage& piece, GrayImage& image, int x, int y) {
-  for (int row = 0; row < piece.height; ++row) {
-    if (y + row < 0 || y + row >= image.height) continue;
-    const int first = std::max(0, -x);
-    const int last = std::min(piece.width, image.width - x);
-    if (first >= last) continue;
-    std::memcpy(image.samples.data() +
-                    static_cast<std::size_t>(y + row) * static_cast<std::size_t>(image.width) +
-                    static_cast<std::size_t>(x + first),
-                piece.view().row(row) + first, static_cast<std::size_t>(last - first));
-  }
 }
 
 // Every piece stands where its page shows P; sheets glued together are the pieces over each other.
@@ -151,7 +112,7 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
                              static_cast<int>(part.width * per_metre),
                              static_cast<int>(part.height * per_metre)};
     if (region.width <= 0 || region.height <= 0) continue;
-    const Result<GrayImage> piece = draw_region(*page, dots_per_inch, region);
+    const Result<GrayImage> piece = rasterize_part(page->file, page->number, dots_per_inch, region);
     if (!piece) return fail(piece.error().message);
     paste(*piece, image, region.x - p_x + left, region.y - p_y + up);
     ready.p = {left + frame.x * per_metre - p_x - 0.5, up + frame.y * per_metre - p_y - 0.5};

@@ -5,10 +5,11 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string>
+
+#include <fmt/format.h>
 
 #include "decoder/image/load.hpp"
 #include "decoder/verify/child_process.hpp"
@@ -106,12 +107,7 @@ bool is_svg(const std::filesystem::path& path) {
   return extension == ".svg";
 }
 
-bool is_pdf(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string start(5, '\0');
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start == "%PDF-";
-}
+bool is_pdf(std::string_view bytes) { return bytes.starts_with("%PDF-"); }
 
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
   const std::string last = std::to_string(kMaxPages + 1);
@@ -179,6 +175,43 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
   Result<GrayImage> image = decode_gray_image(path.string(), output->out);
   if (!image) return fail(image.error().message);
   return PageImage{std::move(*image), kMetresPerInch / dots_per_inch};
+}
+
+Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
+                                 double dots_per_inch, const PixelRegion& region) {
+  if (number > 0) return rasterize_region(path, number, dots_per_inch, region);
+  Result<GrayImage> whole = GrayImage{};
+  if (is_svg(path)) {
+    Result<PageImage> drawn = rasterize_svg(path, dots_per_inch);
+    if (!drawn) return fail(drawn.error().message);
+    whole = std::move(drawn->image);
+  } else {
+    whole = load_gray_image(path);
+    if (!whole) return whole;
+  }
+  if (region.x + region.width > whole->width || region.y + region.height > whole->height) {
+    return fail(fmt::format("{}: has {} x {} pixels, expected more at {} dpi", path.string(),
+                            whole->width, whole->height, format_number(dots_per_inch, 2)));
+  }
+  GrayImage part{region.width, region.height, {}};
+  for (int y = 0; y < region.height; ++y) {
+    const std::uint8_t* row = whole->view().row(region.y + y) + region.x;
+    part.samples.insert(part.samples.end(), row, row + region.width);
+  }
+  return part;
+}
+
+void paste(const GrayImage& piece, GrayImage& image, int x, int y) {
+  for (int row = 0; row < piece.height; ++row) {
+    if (y + row < 0 || y + row >= image.height) continue;
+    const int first = std::max(0, -x);
+    const int last = std::min(piece.width, image.width - x);
+    if (first >= last) continue;
+    std::memcpy(image.samples.data() +
+                    static_cast<std::size_t>(y + row) * static_cast<std::size_t>(image.width) +
+                    static_cast<std::size_t>(x + first),
+                piece.view().row(row) + first, static_cast<std::size_t>(last - first));
+  }
 }
 
 }  // namespace tagsmith

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
@@ -22,8 +23,8 @@ struct PageImage {
   double metres_per_pixel = 0;
 };
 
-// True when the file begins as PDF files do.
-bool is_pdf(const std::filesystem::path& path);
+// True for the content of a PDF file.
+bool is_pdf(std::string_view bytes);
 
 // True when the file is called .svg, in any case of letters.
 bool is_svg(const std::filesystem::path& path);
@@ -48,6 +49,14 @@ struct PixelRegion {
 // That part of page `number` of a PDF. Fails as rasterize_page does.
 Result<GrayImage> rasterize_region(const std::filesystem::path& path, int number,
                                    double dots_per_inch, const PixelRegion& region);
+
+// The same of any print file: page `number` of a PDF, or an SVG or a picture (number 0), which is
+// taken to have so many dots per inch. Fails when the region is not wholly in it.
+Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
+                                 double dots_per_inch, const PixelRegion& region);
+
+// Lays the piece over the image, its upper left corner at pixel (x, y); what sticks out is lost.
+void paste(const GrayImage& piece, GrayImage& image, int x, int y);
 
 // A whole SVG; 150 dpi serve for reading. Fails when rsvg-convert is not installed, the file is no
 // SVG, or the picture would have more than 200 million pixels.

@@ -2,7 +2,9 @@
 #include "decoder/verify/verify_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <memory>
 #include <span>
 
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/survey_options.hpp"
+#include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/diagnose.hpp"
@@ -107,18 +110,17 @@ const Camera* camera_of(const VerifyRequest& request, const std::filesystem::pat
   return origin ? &request.rig->cameras[origin->camera].camera : nullptr;
 }
 
-Result<FileReport> verify_picture(const VerifyRequest& request, const std::filesystem::path& path) {
-  const Result<GrayImage> loaded = load_gray_image(path);
+Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile& file) {
+  const Result<GrayImage> loaded = decode_gray_image(file.path.string(), file.bytes);
   if (!loaded) return fail(loaded.error().message);
   const Survey& survey = request.survey;
   const GrayView image = loaded->view();
   FileReport report;
-  report.file = path;
   report.tags = check_tags(survey, read_for_survey(image, survey),
                            PictureSize{image.width, image.height}, request.also);
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags);
   find_mirrored(image, survey.tag_template, report.tags);
-  find_bent(image, survey.tag_template, camera_of(request, path), report.tags);
+  find_bent(image, survey.tag_template, camera_of(request, file.path), report.tags);
   find_misplaced(survey, report.tags);
   report.width = image.width;
   report.height = image.height;
@@ -136,34 +138,31 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const std::files
 }
 
 // A print file's page as one picture.
-Result<FileReport> verify_print_picture(const VerifyRequest& request,
-                                        const std::filesystem::path& path, const PageImage& image) {
+FileReport verify_print_picture(const VerifyRequest& request, const PageImage& image) {
   FileReport report;
-  report.file = path;
   report.tags = verify_page(request, image, 0);
   if (report.tags.empty()) find_no_tag(report);
   return report;
 }
 
-Result<FileReport> verify_svg(const VerifyRequest& request, const std::filesystem::path& path) {
-  const Result<PageImage> page = rasterize_svg(path);
+Result<FileReport> verify_svg(const VerifyRequest& request, const InputFile& file) {
+  const Result<PageImage> page = rasterize_svg(file.path);
   if (!page) return fail(page.error().message);
-  return verify_print_picture(request, path, *page);
+  return verify_print_picture(request, *page);
 }
 
 // A PNG that the manifest names has a resolution; any other picture is a photo.
-Result<FileReport> verify_png(const VerifyRequest& request, const std::filesystem::path& path,
+Result<FileReport> verify_png(const VerifyRequest& request, const InputFile& file,
                               int dots_per_inch) {
-  Result<GrayImage> image = load_gray_image(path);
+  Result<GrayImage> image = decode_gray_image(file.path.string(), file.bytes);
   if (!image) return fail(image.error().message);
-  return verify_print_picture(request, path, {std::move(*image), kMetresPerInch / dots_per_inch});
+  return verify_print_picture(request, {std::move(*image), kMetresPerInch / dots_per_inch});
 }
 
 Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesystem::path& path) {
   const Result<std::vector<PageSize>> pages = pdf_pages(path);
   if (!pages) return fail(pages.error().message);
   FileReport report;
-  report.file = path;
   report.pages = static_cast<int>(pages->size());
   for (int number = 1; number <= report.pages; ++number) {
     const PageSize& size = (*pages)[static_cast<std::size_t>(number - 1)];
@@ -177,25 +176,128 @@ Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesyste
   return report;
 }
 
-Result<FileReport> read_and_check(const VerifyRequest& request, const std::filesystem::path& path,
-                                  int dots_per_inch) {
-  if (is_pdf(path)) return verify_pdf(request, path);
-  if (is_svg(path)) return verify_svg(request, path);
-  return dots_per_inch > 0 ? verify_png(request, path, dots_per_inch)
-                           : verify_picture(request, path);
+// The pages that are not of the size they were printed with: no tile of them is at its place.
+void check_page_sizes(const TilePlan& plan, const std::vector<PageSize>& pages,
+                      FileReport& report) {
+  constexpr double kSameSize = 0.001;  // metres
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    if (std::abs(pages[i].width - plan.page_width) < kSameSize &&
+        std::abs(pages[i].height - plan.page_height) < kSameSize) {
+      continue;
+    }
+    report.rules.insert("wrong-scale");
+    report.findings.push_back(
+        fmt::format("page {}: is {:.0f} x {:.0f} mm, expected {:.0f} x {:.0f} mm (manifest.json)",
+                    i + 1, 1e3 * pages[i].width, 1e3 * pages[i].height, 1e3 * plan.page_width,
+                    1e3 * plan.page_height));
+    return;
+  }
 }
 
-// A file that `print` wrote: documents hold no tag, tiles none that could be read alone.
-Result<FileReport> verify_printed(const VerifyRequest& request, const std::filesystem::path& path,
-                                  const PrintManifest& manifest, ManifestEntry entry) {
+// A PDF of tiles: for each tag the assembly sheet, then its tiles.
+Result<FileReport> verify_tiled_pdf(const VerifyRequest& request, const InputFile& file,
+                                    const TilePlan& plan, std::size_t tags) {
+  const Result<std::vector<PageSize>> pages = pdf_pages(file.path);
+  if (!pages) return fail(pages.error().message);
   FileReport report;
-  report.file = path;
-  if (entry == ManifestEntry::tags) {
-    Result<FileReport> read = read_and_check(request, path, manifest.dots_per_inch);
-    if (!read) return read;
-    report = check_against_manifest(manifest, std::move(*read));
+  report.pages = static_cast<int>(pages->size());
+  const int a_tag = 1 + plan.tiles();
+  if (pages->size() != tags * static_cast<std::size_t>(a_tag)) {
+    report.rules.insert("missing-in-file");
+    report.findings.push_back(
+        fmt::format("has {} pages, expected {}: an assembly sheet and {} "
+                    "tiles for each tag",
+                    pages->size(), tags * static_cast<std::size_t>(a_tag), plan.tiles()));
+    return report;
   }
+  check_page_sizes(plan, *pages, report);
+  if (!report.findings.empty()) return report;
+  for (int first = 1; first <= report.pages; first += a_tag) {
+    std::vector<TilePage> tiles;
+    for (int tile = 1; tile <= plan.tiles(); ++tile) tiles.push_back({file.path, first + tile});
+    const Result<PageImage> plate = assemble_tiles(plan, tiles);
+    if (!plate) return fail(plate.error().message);
+    const std::vector<TagFinding> found = verify_page(request, *plate, first);
+    if (found.empty()) find_no_tag(report, fmt::format("the plate of page {}: ", first));
+    std::ranges::copy(found, std::back_inserter(report.tags));
+  }
+  find_repeats(report.tags);
+  return report;
+}
+
+// Tiles as SVG or PNG, a file each, NAME-A1.svg the first: with that one the plate is checked.
+// Nothing for the other files, which go with it.
+Result<std::optional<FileReport>> verify_tile_files(const VerifyRequest& request,
+                                                    const InputFile& file, const TilePlan& plan,
+                                                    int dots_per_inch) {
+  const std::string stem = file.path.stem().string();
+  const std::string first = "-" + tile_address(0, 0);
+  if (!stem.ends_with(first)) return std::nullopt;
+  const std::string name = stem.substr(0, stem.size() - first.size());
+  std::vector<TilePage> tiles;
+  FileReport incomplete;
+  for (int row = 0; row < plan.rows; ++row) {
+    for (int column = 0; column < plan.columns; ++column) {
+      std::filesystem::path tile = file.path;
+      tile.replace_filename(name + "-" + tile_address(column, row) +
+                            file.path.extension().string());
+      tiles.push_back({tile, 0});
+      if (std::filesystem::exists(tile)) continue;
+      incomplete.rules.insert("missing-in-file");
+      incomplete.findings.push_back("its tile " + tile.filename().string() + " is not here");
+    }
+  }
+  if (!incomplete.findings.empty()) return incomplete;
+  const Result<PageImage> plate =
+      dots_per_inch > 0 ? assemble_tiles(plan, tiles, dots_per_inch) : assemble_tiles(plan, tiles);
+  if (!plate) return fail(plate.error().message);
+  return verify_print_picture(request, *plate);
+}
+
+Result<FileReport> read_and_check(const VerifyRequest& request, const InputFile& file,
+                                  int dots_per_inch) {
+  if (is_pdf(file.bytes)) return verify_pdf(request, file.path);
+  if (is_svg(file.path)) return verify_svg(request, file);
+  return dots_per_inch > 0 ? verify_png(request, file, dots_per_inch)
+                           : verify_picture(request, file);
+}
+
+// What the file shows of the tags that the manifest says it holds; nothing when it is no file to
+// read: a document, a tile that another file stands for, or tiles of unknown places.
+Result<std::optional<FileReport>> read_printed(const VerifyRequest& request, const InputFile& file,
+                                               const PrintManifest& manifest, ManifestEntry entry) {
+  if (entry == ManifestEntry::tags) {
+    Result<FileReport> read = read_and_check(request, file, manifest.dots_per_inch);
+    if (!read) return fail(read.error().message);
+    return std::optional(std::move(*read));
+  }
+  if (entry != ManifestEntry::tiles || !manifest.tiles) return std::nullopt;
+  if (!is_pdf(file.bytes)) {
+    const int dpi = is_svg(file.path) ? 0 : manifest.dots_per_inch;
+    return verify_tile_files(request, file, *manifest.tiles, dpi);
+  }
+  const std::size_t tags = tags_of_file(manifest, file.path.filename().string()).size();
+  Result<FileReport> read = verify_tiled_pdf(request, file, *manifest.tiles, tags);
+  if (!read) return fail(read.error().message);
+  return std::optional(std::move(*read));
+}
+
+// A file that `print` wrote.
+Result<FileReport> verify_printed(const VerifyRequest& request, const InputFile& file,
+                                  const PrintManifest& manifest, ManifestEntry entry) {
+  Result<std::optional<FileReport>> read = read_printed(request, file, manifest, entry);
+  if (!read) return fail(read.error().message);
+  FileReport report = *read ? std::move(**read) : FileReport{};
+  report.file = file.path;
+  report.sha256 = file.sha256;
+  if (*read) report = check_against_manifest(manifest, std::move(report));
   return check_freshness(manifest, request.survey, std::move(report));
+}
+
+Result<std::shared_ptr<const PrintManifest>> manifest_of(const VerifyRequest& request,
+                                                         const std::filesystem::path& path) {
+  if (request.manifests != nullptr) return request.manifests->find(path);
+  return ManifestCache().find(path);
 }
 
 }  // namespace
@@ -212,24 +314,38 @@ ReadResult merge_readings(const ReadResult& first, const ReadResult& second) {
 }
 
 ReadResult read_for_survey(const GrayView& image, const Survey& survey) {
-  const ReadOptions with_code_book = read_options_for(std::span(&survey, 1));
+  ReadOptions with_code_book = read_options_for(std::span(&survey, 1));
   ReadOptions any_code;
   any_code.layouts = with_code_book.layouts;
   const ReadResult first = read_tags(image, any_code);
-  if (with_code_book.code_book.empty()) return merge_readings(first, {});
+  // The search does not depend on the codes: only what it found and refused can read otherwise now.
+  if (first.rejected.empty() || with_code_book.code_book.empty()) return merge_readings(first, {});
+  with_code_book.search = Search::never;
+  for (const Rejection& refused : first.rejected) {
+    with_code_book.expected.push_back({refused.corners, 1});
+  }
   return merge_readings(first, read_tags(image, with_code_book));
 }
 
-Result<FileReport> verify_file(const VerifyRequest& request, const std::filesystem::path& path) {
-  const Result<std::optional<PrintManifest>> manifest = find_manifest(path);
+Result<FileReport> verify_file(const VerifyRequest& request, const InputFile& file) {
+  const Result<std::shared_ptr<const PrintManifest>> manifest = manifest_of(request, file.path);
   if (!manifest) return fail(manifest.error().message);
   const ManifestEntry entry =
-      *manifest ? entry_of(**manifest, path.filename().string()) : ManifestEntry::stranger;
+      *manifest ? entry_of(**manifest, file.path.filename().string()) : ManifestEntry::stranger;
   Result<FileReport> report = entry == ManifestEntry::stranger
-                                  ? read_and_check(request, path, 0)
-                                  : verify_printed(request, path, **manifest, entry);
-  if (report) describe_tags(*report);
+                                  ? read_and_check(request, file, 0)
+                                  : verify_printed(request, file, **manifest, entry);
+  if (!report) return report;
+  report->file = file.path;
+  report->sha256 = file.sha256;
+  describe_tags(*report);
   return report;
+}
+
+Result<FileReport> verify_file(const VerifyRequest& request, const std::filesystem::path& path) {
+  const Result<InputFile> file = read_input_file(path);
+  if (!file) return fail(file.error().message);
+  return verify_file(request, *file);
 }
 
 }  // namespace tagsmith

@@ -8,6 +8,8 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
+#include "decoder/verify/input_file.hpp"
+#include "decoder/verify/manifest.hpp"
 #include "decoder/verify/photo_cameras.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -18,16 +20,17 @@ namespace tagsmith {
 // What files are verified against; the surveys outlive it.
 struct VerifyRequest {
   const Survey& survey;
-  std::span<const Survey> also{};  // other surveys, whose tags do not belong here
-  bool crops = false;              // whether TagFinding::crop of faults is filled
+  std::span<const Survey> also{};      // other surveys, whose tags do not belong here
+  bool crops = false;                  // whether TagFinding::crop of faults is filled
+  ManifestCache* manifests = nullptr;  // shared by the files; null = each one's is parsed anew
   // Of photos, where known: their cameras. Both or neither.
   const Rig* rig = nullptr;
   const PhotoCameras* cameras = nullptr;
 };
 
 // Everything in the picture: first read without the survey, so that a tag that should not be there
-// is seen for what it is, then once more with the survey as the code book, for tags too small or
-// too worn for the first. What the first reading found stays as it was found.
+// is seen for what it is; then what that refused once more with the survey as the code book, for
+// tags too small or too worn for the first. What the first reading found stays as it was found.
 ReadResult read_for_survey(const GrayView& image, const Survey& survey);
 
 // Readings of both passes in one: of a second reading that lies on a first one the first is kept,
@@ -36,9 +39,11 @@ ReadResult merge_readings(const ReadResult& first, const ReadResult& second);
 
 // Reads the file and checks its tags. In print files (PDF, SVG, and PNG that the manifest beside it
 // names) every page must hold a tag, the printed size must be the template's, and the content what
-// the manifest says; the file must be the one that was printed, and not stale. Tiles and the
-// installer's documents are not read, the rest is checked.
-// Fails when the file cannot be read at all.
+// the manifest says; the file must be the one that was printed, and not stale. Tiles are put
+// together first: the pages of a PDF, or, with the first tile of a plate, its files. The
+// installer's documents are not read, the rest is checked. Fails when the file cannot be read at
+// all.
+Result<FileReport> verify_file(const VerifyRequest& request, const InputFile& file);
 Result<FileReport> verify_file(const VerifyRequest& request, const std::filesystem::path& path);
 
 }  // namespace tagsmith

@@ -3,22 +3,38 @@
 
 #include <array>
 #include <fstream>
-#include <glib.h>
 #include <memory>
+
+#include <openssl/evp.h>
 
 namespace tagsmith {
 namespace {
 
-struct FreeChecksum {
-  void operator()(GChecksum* checksum) const { g_checksum_free(checksum); }
+struct FreeContext {
+  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
 };
-using Checksum = std::unique_ptr<GChecksum, FreeChecksum>;
+using Checksum = std::unique_ptr<EVP_MD_CTX, FreeContext>;
 
-Checksum begin() { return Checksum(g_checksum_new(G_CHECKSUM_SHA256)); }
+// libcrypto's default provider always has SHA-256: no call below can fail but for want of memory.
+Checksum begin() {
+  Checksum checksum(EVP_MD_CTX_new());
+  EVP_DigestInit_ex(checksum.get(), EVP_sha256(), nullptr);
+  return checksum;
+}
 
 void add(const Checksum& checksum, std::string_view bytes) {
-  g_checksum_update(checksum.get(), reinterpret_cast<const guchar*>(bytes.data()),
-                    static_cast<gssize>(bytes.size()));
+  EVP_DigestUpdate(checksum.get(), bytes.data(), bytes.size());
+}
+
+std::string hexadecimal(const Checksum& checksum) {
+  std::array<unsigned char, 32> digest{};
+  EVP_DigestFinal_ex(checksum.get(), digest.data(), nullptr);
+  std::string text;
+  for (const unsigned char byte : digest) {
+    text += "0123456789abcdef"[byte >> 4U];
+    text += "0123456789abcdef"[byte & 15U];
+  }
+  return text;
 }
 
 }  // namespace
@@ -26,7 +42,7 @@ void add(const Checksum& checksum, std::string_view bytes) {
 std::string sha256(std::string_view bytes) {
   const Checksum checksum = begin();
   add(checksum, bytes);
-  return g_checksum_get_string(checksum.get());
+  return hexadecimal(checksum);
 }
 
 Result<std::string> sha256_of_file(const std::filesystem::path& path) {
@@ -38,7 +54,7 @@ Result<std::string> sha256_of_file(const std::filesystem::path& path) {
     add(checksum, {buffer.data(), static_cast<std::size_t>(stream.gcount())});
   }
   if (stream.bad()) return fail(path.string() + ": cannot be read");
-  return std::string(g_checksum_get_string(checksum.get()));
+  return hexadecimal(checksum);
 }
 
 }  // namespace tagsmith

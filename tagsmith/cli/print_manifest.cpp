@@ -50,6 +50,18 @@ std::string joined(const std::vector<std::string>& files) {
   return text;
 }
 
+// Where the tiles of a plate belong: tile (column, row) shows its window of the page `step` further
+// right and down for each column and row.
+Json tiles_json(const TilePlan& plan) {
+  const Rectangle& window = plan.window;
+  return {{"columns", plan.columns},
+          {"rows", plan.rows},
+          {"overlap_mm", mm(plan.overlap)},
+          {"window_mm", {mm(window.x), mm(window.y), mm(window.width), mm(window.height)}},
+          {"first_mm", {mm(plan.first_in_plate.x), mm(plan.first_in_plate.y)}},
+          {"step_mm", {mm(plan.step_right), mm(plan.step_down)}}};
+}
+
 Json proofs_json(const std::vector<TagProof>& proofs) {
   Json list = Json::array();
   for (const TagProof& proof : proofs) {
@@ -109,6 +121,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
       {"tags", tags},
       {"documents", record.documents},
       {"sha256", record.sha256}};
+  if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
   if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
   return dump(manifest, 2) + "\n";
 }

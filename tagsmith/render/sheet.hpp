@@ -2,6 +2,7 @@
 // A sheet of a technical drawing: everything at its place on paper.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <variant>
 #include <vector>
@@ -34,7 +35,18 @@ struct SheetText {
   Colour colour{};
 };
 
-using SheetItem = std::variant<SheetLine, SheetArea, SheetText>;
+// A grey picture; samples row by row, 0 black to 255 white.
+struct SheetPicture {
+  Eigen::Vector2d at{0, 0};  // upper left corner
+  double width = 0;
+  double height = 0;
+  int columns = 0;  // pixels
+  int rows = 0;
+  std::vector<std::uint8_t> samples;
+  std::string jpeg;  // the same as a JPEG file; empty = none
+};
+
+using SheetItem = std::variant<SheetLine, SheetArea, SheetText, SheetPicture>;
 
 struct SheetLayer {
   std::string name;

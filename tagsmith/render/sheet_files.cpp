@@ -6,9 +6,11 @@
 #include <cairo.h>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
+#include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/print_settings.hpp"
@@ -70,7 +72,45 @@ class Painter {
     cairo_restore(context_);
   }
 
+  void operator()(const SheetPicture& picture) {
+    const auto needed =
+        static_cast<std::size_t>(picture.columns) * static_cast<std::size_t>(picture.rows);
+    if (needed == 0 || picture.samples.size() != needed) return;
+    const Surface pixels(
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.columns, picture.rows));
+    if (cairo_surface_status(pixels.get()) != CAIRO_STATUS_SUCCESS) return;
+    fill(pixels.get(), picture);
+    if (!picture.jpeg.empty()) attach_jpeg(pixels.get(), picture.jpeg);
+    cairo_save(context_);
+    cairo_translate(context_, picture.at.x(), picture.at.y());
+    cairo_scale(context_, picture.width / picture.columns, picture.height / picture.rows);
+    cairo_set_source_surface(context_, pixels.get(), 0, 0);
+    cairo_paint(context_);
+    cairo_restore(context_);
+  }
+
  private:
+  static void fill(cairo_surface_t* pixels, const SheetPicture& picture) {
+    unsigned char* data = cairo_image_surface_get_data(pixels);
+    const int stride = cairo_image_surface_get_stride(pixels);
+    std::size_t at = 0;
+    for (int y = 0; y < picture.rows; ++y) {
+      auto* row = reinterpret_cast<std::uint32_t*>(data + static_cast<std::ptrdiff_t>(y) * stride);
+      for (int x = 0; x < picture.columns; ++x) row[x] = 0x010101U * picture.samples[at++];
+    }
+    cairo_surface_mark_dirty(pixels);
+  }
+
+  // PDF carries these bytes instead of the pixels; Cairo frees the copy.
+  static void attach_jpeg(cairo_surface_t* pixels, const std::string& jpeg) {
+    auto copy = std::make_unique<std::string>(jpeg);
+    const auto destroy = [](void* bytes) { delete static_cast<std::string*>(bytes); };
+    const cairo_status_t attached = cairo_surface_set_mime_data(
+        pixels, CAIRO_MIME_TYPE_JPEG, reinterpret_cast<const unsigned char*>(copy->data()),
+        copy->size(), destroy, copy.get());
+    if (attached == CAIRO_STATUS_SUCCESS) copy.release();
+  }
+
   void set_colour(const Colour& colour) {
     cairo_set_source_rgb(context_, colour.red, colour.green, colour.blue);
   }
@@ -132,6 +172,14 @@ std::string svg_item(const SheetText& text) {
   return "<path fill=\"" + hex(text.colour) + "\" transform=\"translate(" + coarse_mm(text.at.x()) +
          " " + coarse_mm(text.at.y()) + ")" + turn + "\" d=\"" + svg_outline(at_origin(text)) +
          "\"><title>" + svg_escaped(text.text) + "</title></path>\n";
+}
+
+std::string svg_item(const SheetPicture& picture) {
+  if (picture.jpeg.empty()) return "";
+  return "<image x=\"" + coarse_mm(picture.at.x()) + "\" y=\"" + coarse_mm(picture.at.y()) +
+         "\" width=\"" + coarse_mm(picture.width) + "\" height=\"" + coarse_mm(picture.height) +
+         "\" preserveAspectRatio=\"none\" href=\"data:image/jpeg;base64," + base64(picture.jpeg) +
+         "\"/>\n";
 }
 
 std::string lower_extension(const std::filesystem::path& path) {

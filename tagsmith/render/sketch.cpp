@@ -17,6 +17,7 @@ void SketchLayer::add(const Dot& dot) { items.emplace_back(dot); }
 void SketchLayer::add(const Arrow& arrow) { items.emplace_back(arrow); }
 void SketchLayer::add(Words words) { items.emplace_back(std::move(words)); }
 void SketchLayer::add(Dimension dimension) { items.emplace_back(std::move(dimension)); }
+void SketchLayer::add(Picture picture) { items.emplace_back(std::move(picture)); }
 
 SketchLayer& Sketch::layer(std::string_view name) {
   const auto found = std::ranges::find(layers, name, &SketchLayer::name);

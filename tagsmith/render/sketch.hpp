@@ -3,6 +3,7 @@
 // metres of the ground, with line weights and text sizes in metres of paper.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -87,6 +88,17 @@ struct Dot {
   Colour fill{};
 };
 
+// A grey picture, its upper left corner at `at`, metres on paper.
+struct Picture {
+  SketchPoint at{Eigen::Vector2d::Zero()};
+  double width = 0;
+  double height = 0;
+  int columns = 0;  // pixels
+  int rows = 0;
+  std::vector<std::uint8_t> samples;  // row by row, 0 black to 255 white
+  std::string jpeg{};                 // the same as a JPEG file, which PDF and SVG carry
+};
+
 enum class TextAlign { left, centre, right };
 enum class TextLevel { baseline, middle, top };
 
@@ -120,7 +132,7 @@ struct Dimension {
   Colour colour{};
 };
 
-using SketchItem = std::variant<Area, Polyline, Ellipse, Dot, Arrow, Words, Dimension>;
+using SketchItem = std::variant<Area, Polyline, Ellipse, Dot, Arrow, Words, Dimension, Picture>;
 
 // Layers of one name are one group in SVG. Later layers cover earlier ones.
 struct SketchLayer {
@@ -134,6 +146,7 @@ struct SketchLayer {
   void add(const Arrow& arrow);
   void add(Words words);
   void add(Dimension dimension);
+  void add(Picture picture);
 };
 
 // x to the right and y up.

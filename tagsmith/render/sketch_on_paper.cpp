@@ -62,6 +62,15 @@ class Drafter {
               words.colour);
   }
 
+  void operator()(const Picture& picture) {
+    const Vector2d at = on_paper(picture.at);
+    result_.bounds.extend(at);
+    result_.bounds.extend(at + Vector2d(picture.width, picture.height));
+    result_.layers.back().items.push_back(SheetPicture{at, picture.width, picture.height,
+                                                       picture.columns, picture.rows,
+                                                       picture.samples, picture.jpeg});
+  }
+
   void operator()(const Dimension& dimension) {
     const Vector2d from = on_paper(dimension.from);
     const Vector2d to = on_paper(dimension.to);
@@ -210,6 +219,7 @@ struct ModelBounds {
     add(arrow.to);
   }
   void operator()(const Words& words) { add(words.at); }
+  void operator()(const Picture& picture) { add(picture.at); }
   void operator()(const Dimension& dimension) {
     add(dimension.from);
     add(dimension.to);

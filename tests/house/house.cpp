@@ -32,7 +32,7 @@ struct ThirdParty {
 };
 
 constexpr std::array<ThirdParty, 14> kThirdParty{{
-    {"GLib", "glib\\.h", "tagsmith/base", true},
+    {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},

@@ -2,10 +2,12 @@
 // Sketches at a scale on sheets, and the sheets as files.
 #include <algorithm>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/load.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tests/render/raster.hpp"
@@ -170,4 +172,31 @@ TEST_CASE("a drawing of nothing, and of points that are nowhere, is refused") {
   DrawingView view = square_view();
   view.sketch.layer("outline").add(Dot{Vector2d(0, std::nan("")), 0.001, {}});
   CHECK_FALSE(lay_out_sheets({"t", "s"}, std::vector{view}));
+}
+
+TEST_CASE("a picture stands in PNG as its pixels and in SVG as its JPEG") {
+  DrawingView view;
+  view.scale = 1;
+  Picture picture;
+  picture.width = 0.02;
+  picture.height = 0.01;
+  picture.columns = 8;
+  picture.rows = 1;
+  picture.samples = {0, 0, 0, 0, 255, 255, 255, 255};
+  picture.jpeg = "jpeg";
+  view.sketch.layer("pictures").add(picture);
+  const std::vector<Sheet> sheets = sheets_of({view});
+  const SheetLayer& layer = layer_named(sheets.front(), "pictures");
+  REQUIRE(layer.items.size() == 1);
+  const auto& placed = std::get<SheetPicture>(layer.items.front());
+  const GrayImage page =
+      decode_gray_image("sheet", render_sheet_png(sheets.front(), 254).value()).value();
+  const auto pixel = [&](double x, double y) {
+    return page.view().at(static_cast<int>(1e4 * (placed.at.x() + x)),
+                          static_cast<int>(1e4 * (placed.at.y() + y)));
+  };
+  CHECK(pixel(0.003, 0.005) < 40);
+  CHECK(pixel(0.017, 0.005) > 215);
+  const std::string svg = render_sheet_svg(sheets.front());
+  CHECK(svg.find("href=\"data:image/jpeg;base64,anBlZw==\"") != std::string::npos);
 }

@@ -56,6 +56,38 @@ TEST_CASE("no manifest, and one that is something else, are no manifest") {
   CHECK(!find_manifest(folder.path() / "a.pdf")->has_value());
 }
 
+TEST_CASE("the setting-out list is stale when one of its tags is") {
+  PrintManifest manifest = manifest_of(kManifest);
+  manifest.documents = {"setting-out.pdf"};
+  FileReport list;
+  list.file = "setting-out.pdf";
+  const FileReport stale = check_freshness(manifest, survey_of_four(), list);
+  CHECK(stale.stale);
+  CHECK(stale.findings ==
+        std::vector<std::string>{
+            "stale: it lists 001L 009L as before the survey was changed: print it again"});
+  manifest.tags.resize(2);
+  CHECK(!check_freshness(manifest, survey_of_four(), list).stale);
+}
+
+TEST_CASE("a folder's manifest is parsed once, and one of many folders again when it is due") {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const std::string& name, const char* text) {
+    REQUIRE(write_file(folder.path() / name / "manifest.json", text).has_value());
+  };
+  write("a", kManifest);
+  ManifestCache cache;
+  const auto first = cache.find(folder.path() / "a" / "000L.pdf");
+  REQUIRE(first.has_value());
+  REQUIRE(*first != nullptr);
+  write("a", "broken");
+  CHECK(cache.find(folder.path() / "a" / "000R.pdf").value() == *first);
+  for (int i = 0; i < 8; ++i) {
+    CHECK(*cache.find(folder.path() / std::to_string(i) / "a.pdf") == nullptr);
+  }
+  CHECK(!cache.find(folder.path() / "a" / "000R.pdf").has_value());
+}
+
 TEST_CASE("a broken manifest is an error") {
   for (const char* text :
        {"", "{", R"({"survey": 1, "tags": []})", R"({"survey": "a", "tags": {}})",
@@ -98,6 +130,9 @@ TEST_CASE("a print from an older survey is found") {
   CHECK(moved.findings == std::vector<std::string>{
                               "stale: 001L was printed as 019000810403, but survey little now says "
                               "019000800402: print it again"});
+  CHECK(moved.tags[0].rule == "stale");
+  CHECK(moved.tags[0].message ==
+        "001L 019000810403 is what was printed, but no longer in the survey");
   const FileReport removed = report_of("009L.pdf", "019009000403");
   CHECK(removed.findings ==
         std::vector<std::string>{"stale: 009L was printed, but survey little has no such tag"});

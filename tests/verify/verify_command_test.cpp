@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -134,9 +136,9 @@ TEST_CASE("files are stale when the survey has moved a tag, changed its digits o
   CHECK(verify() == 0);
   text +=
       "placed:\n  - { tag: 001L, side: left, p: [1.9, 0.807, 0.4], digits: \"019000800402\" }\n";
-  CHECK(verify() == 1);
+  CHECK(verify() == 2);  // the tag and the setting-out list
   text.replace(text.find("resolution: 0.01"), 16, "resolution: 0.02");
-  CHECK(verify() == 2);
+  CHECK(verify() == 3);
 }
 
 TEST_CASE("a page that was fitted to A4 is misprinted") {
@@ -225,6 +227,100 @@ TEST_CASE("mirrored and upside-down pages are told apart, with crops") {
   CHECK(verify_turned("down.svg", "translate(450 350) scale(-1 -1)")["rule"] == "upside-down");
 }
 
+TEST_CASE("tiles are put together and verified, as pages of a PDF or as files") {
+  const TemporaryFolder folder;
+  const std::string path = "'" + folder.path().string() + "'";
+  REQUIRE(run_tagsmith("print " + kSurvey + " -o " + path +
+                       " --tags 000L,001R --paper A4 --tile --format pdf,svg,png")
+              .exit_code == 0);
+  const auto tags_in = [&](const std::string& name) {
+    const ProgramOutput output =
+        run_tagsmith("verify --json " + kSurvey + " '" + (folder.path() / name).string() + "'");
+    return json_lines(output.out).at(0);
+  };
+  for (const char* name : {"000L.pdf", "000L-A1.svg", "000L-A1.png"}) {
+    CAPTURE(std::string(name));
+    const json line = tags_in(name);
+    REQUIRE(line["tags"].size() == 1);
+    CHECK(line["tags"][0]["tag"] == "000L");
+  }
+  CHECK(tags_in("000L-B2.svg")["tags"].empty());
+  CHECK(tags_in("000L-assembly.png")["findings"].empty());
+
+  fs::remove(folder.path() / "000L-B2.svg");
+  CHECK(tags_in("000L-A1.svg")["findings"][0] == "its tile 000L-B2.svg is not here");
+  const std::string in = "cd " + path + " && ";
+  // Two sheets exchanged; another paper; sheets lost.
+  REQUIRE(run_shell(in + "pdfseparate 001R.pdf p%d.pdf && pdfunite p1.pdf p3.pdf p2.pdf p4.pdf "
+                         "p5.pdf 001R.pdf")
+              .exit_code == 0);
+  CHECK(tags_in("001R.pdf")["rules"] == json::array({"changed-file", "missing-in-file", "no-tag"}));
+  REQUIRE(run_shell(in + "pdfunite p1.pdf p2.pdf 001R.pdf").exit_code == 0);
+  CHECK(tags_in("001R.pdf")["findings"][0] ==
+        "has 2 pages, expected 5: an assembly sheet and 4 tiles for each tag");
+  REQUIRE(run_shell(in + "pdftocairo -pdf -paper A3 000L.pdf 001R.pdf").exit_code == 0);
+  CHECK(tags_in("001R.pdf")["findings"][0] ==
+        "page 1: is 420 x 297 mm, expected 297 x 210 mm (manifest.json)");
+}
+
+TEST_CASE("output that would overwrite what is resumed is refused") {
+  const TemporaryFolder folder;
+  const std::string lines = "'" + (folder.path() / "lines.jsonl").string() + "'";
+  const std::string command = "\"$TAGSMITH_PROGRAM\" verify --json --resume " + lines + " " +
+                              kSurvey + " " + kPhotos + "/corridor_01_left.jpg ";
+  const ProgramOutput over = run_shell(command + "> " + lines);
+  CHECK(over.exit_code == 2);
+  CHECK(over.err.find("expected `>>` instead of `>`") != std::string::npos);
+  CHECK(run_shell(command + ">> " + lines).exit_code == 0);
+  CHECK(run_shell(command + ">> " + lines).exit_code == 0);
+  const std::vector<json> all = json_lines(*read_file(folder.path() / "lines.jsonl"));
+  REQUIRE(all.size() == 3);  // the photo once, two summaries
+  CHECK(all[1] == all[2]);   // the second counts what it skipped
+}
+
+TEST_CASE("lines that could not be written are no success") {
+  const ProgramOutput output = run_shell("\"$TAGSMITH_PROGRAM\" verify --json " + kSurvey + " " +
+                                         kPhotos + "/corridor_01_left.jpg > /dev/full");
+  CHECK(output.exit_code == 2);
+  CHECK(output.err.find("standard output cannot be written") != std::string::npos);
+}
+
+TEST_CASE("copies of photos are annotated, upright, in the format of the source") {
+  const TemporaryFolder folder;
+  const std::string photo = kPhotos + "/corridor_01_left.jpg";
+  const std::string jpeg = *read_file(photo);
+  // The same photo that says it was taken with the camera on its side (EXIF orientation 6).
+  const std::string exif(
+      "\xFF\xE1\x00\x22"
+      "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+      36);
+  REQUIRE(write_file(folder.path() / "side.jpg", jpeg.substr(0, 2) + exif + jpeg.substr(2))
+              .has_value());
+  const ProgramOutput output = run_tagsmith(
+      "verify --json " + kSurvey + " " + photo + " '" + (folder.path() / "side.jpg").string() +
+      "' --annotate '" + (folder.path() / "copies").string() + "'");
+  CHECK(output.exit_code == 0);
+  std::vector<fs::path> copies;
+  for (const auto& entry : fs::directory_iterator(folder.path() / "copies")) {
+    copies.push_back(entry.path());
+  }
+  REQUIRE(copies.size() == 2);
+  std::sort(copies.begin(), copies.end());
+  const auto size_of = [](const fs::path& file) {
+    const std::string bytes = *read_file(file);
+    const std::size_t frame = bytes.find("\xFF\xC0");
+    const auto byte = [&](std::size_t at) {
+      return static_cast<int>(static_cast<unsigned char>(bytes.at(frame + at)));
+    };
+    return std::pair(byte(7) * 256 + byte(8), byte(5) * 256 + byte(6));
+  };
+  CHECK(copies[0].filename().string().starts_with("corridor_01_left-"));
+  CHECK(size_of(copies[0]) == std::pair(1280, 960));
+  CHECK(copies[1].filename().string().starts_with("side-"));
+  CHECK(size_of(copies[1]) == std::pair(960, 1280));
+  CHECK(*read_file(copies[0]) != jpeg);
+}
+
 TEST_CASE("with a rig, tags that hang elsewhere than surveyed are found and told what to do") {
   const std::string rig = " --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
   const ProgramOutput right = run_tagsmith("verify --json " + kSurvey + rig);
@@ -303,14 +399,14 @@ TEST_CASE("two runs are merged into a report, and a third skips what they did") 
   const ProgramOutput report = run_tagsmith("report " + kSurvey + " " + both + " --html '" + path +
                                             "/r.html' --csv '" + path + "/r.csv'");
   CHECK(report.exit_code == 1);
-  CHECK(report.out.find("3 files, 2 of 16 tags seen, 1 faults") != std::string::npos);
+  CHECK(report.out.find("3 files, 2 of 16 tags seen, 1 fault") != std::string::npos);
   const std::string html = *read_file(folder.path() / "r.html");
   for (const char* part : {"<!doctype html>", "width=device-width", "<svg", "id=\"filter\"",
                            "@media print", "not-in-survey", "</html>"}) {
     CAPTURE(part);
     CHECK(html.find(part) != std::string::npos);
   }
-  for (const char* loads : {"src=", "@import", "url(", "fetch(", "<link"}) {
+  for (const char* loads : {"src=\"http", "@import", "url(", "fetch(", "<link"}) {
     CAPTURE(loads);
     CHECK(html.find(loads) == std::string::npos);
   }

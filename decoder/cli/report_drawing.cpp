@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report of verified files as a document.
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "decoder/cli/report_files.hpp"
+#include "decoder/cli/report_map.hpp"
+#include "decoder/image/load.hpp"
+#include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/text.hpp"
+#include "tagsmith/render/tunnel_plan.hpp"
+#include "tagsmith/survey/revision.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kMostShownFaults = 400;
+constexpr std::size_t kMostStretches = 12;
+constexpr double kText = 0.0018;  // height of capitals, metres on paper
+constexpr double kLine = 0.0036;
+
+SketchPoint on_paper(double x, double y) { return {Vector2d(0, 0), Vector2d(x, y)}; }
+
+Words words_at(std::string text, double x, double y, const Colour& colour = colours::kBlack,
+               double height = kText) {
+  Words words;
+  words.text = std::move(text);
+  words.at = on_paper(x, y);
+  words.height = height;
+  words.colour = colour;
+  return words;
+}
+
+// The text in lines that are no wider; a word that is wider stays whole.
+std::vector<std::string> wrapped(const std::string& text, double width) {
+  std::vector<std::string> lines;
+  std::string line;
+  for (const std::string& word : split(printable_text(text), ' ')) {
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (!line.empty() && text_width(longer, kText) > width) {
+      lines.push_back(line);
+      line = word;
+    } else {
+      line = longer;
+    }
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+// Lines below each other; returns the place of the next.
+double add_lines(SketchLayer& layer, const std::vector<std::string>& lines, double y,
+                 const Colour& colour) {
+  for (const std::string& line : lines) {
+    layer.add(words_at(line, 0, y, colour));
+    y -= kLine;
+  }
+  return y;
+}
+
+DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
+  const Completeness covered = completeness_of(survey, merged);
+  DrawingView view;
+  view.title = "Summary";
+  view.scale = 1;
+  SketchLayer& layer = view.sketch.layer("summary");
+  double y = 0;
+  struct Count {
+    const char* status;
+    std::size_t count;
+    const char* words;
+  };
+  const std::array<Count, 4> counts{{{"ok", covered.ok, "in order"},
+                                     {"poor", covered.poor, "print poorly (worst grade below 1.5)"},
+                                     {"faulty", covered.faulty, "faulty"},
+                                     {"unseen", covered.tags - covered.seen, "not seen"}}};
+  for (const Count& count : counts) {
+    add_status_mark(layer, on_paper(0.002, y + 0.0012), count.status);
+    layer.add(words_at(fmt::format("{} tags {}", count.count, count.words), 0.006, y,
+                       colours::kBlack, 0.0025));
+    y -= 0.0055;
+  }
+  std::vector<std::string> lines = completeness_words(covered, kMostStretches);
+  lines.insert(lines.begin(),
+               fmt::format("{} files verified, {} faults found", merged.files, merged.fault_count));
+  if (merged.other_revisions > 0) {
+    lines.push_back(fmt::format("{} files were verified against another state of the survey",
+                                merged.other_revisions));
+  }
+  for (const std::string& line : lines)
+    y = add_lines(layer, wrapped(line, 0.17), y, colours::kBlack);
+  return view;
+}
+
+// The fault's picture as it fits into the box; nothing when there is none.
+std::optional<Picture> picture_of(const FaultRecord& fault, double width, double height) {
+  if (fault.jpeg.empty()) return std::nullopt;
+  Result<GrayImage> image = decode_gray_image("crop", fault.jpeg);
+  if (!image) return std::nullopt;
+  const double scale = std::min(width / image->width, height / image->height);
+  Picture picture;
+  picture.width = scale * image->width;
+  picture.height = scale * image->height;
+  picture.columns = image->width;
+  picture.rows = image->height;
+  picture.samples = std::move(image->samples);
+  picture.jpeg = fault.jpeg;
+  return picture;
+}
+
+// A card: picture, where, what is wrong, what to do.
+DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
+  constexpr double kWidth = 0.085;
+  constexpr double kPictureHeight = 0.05;
+  DrawingView view;
+  view.title = fmt::format("{}. {}{}", number, fault.tag.empty() ? "" : fault.tag + ": ",
+                           fault.rule.empty() ? "fault" : fault.rule);
+  view.scale = 1;
+  double y = 0;
+  // The card is as wide as others, whatever its words.
+  SketchLayer& frame = view.sketch.layer("cards");
+  frame.add(Polyline{{on_paper(0, y), on_paper(kWidth, y)}, {colours::kGrey, kExtraNarrow, {}}});
+  if (std::optional<Picture> picture = picture_of(fault, kWidth, kPictureHeight)) {
+    y -= 0.0015;
+    picture->at = on_paper(0, y);
+    y -= picture->height;
+    view.sketch.layer("pictures").add(std::move(*picture));
+  }
+  y -= 0.0045;
+  SketchLayer& layer = view.sketch.layer("faults");
+  y = add_lines(layer, wrapped(fault.file, kWidth), y, colours::kGrey);
+  y = add_lines(layer, wrapped(fault.message, kWidth), y, colours::kRed);
+  if (const VerifyRule* rule = find_verify_rule(fault.rule)) {
+    add_lines(layer, wrapped(std::string(rule->remedy), kWidth), y, colours::kBlack);
+  }
+  return view;
+}
+
+struct Column {
+  const char* title;
+  double at;  // metres on paper from the table's left edge
+};
+
+constexpr std::array<Column, 8> kColumns{{{"tag", 0.0},
+                                          {"status", 0.018},
+                                          {"chainage", 0.032},
+                                          {"seen", 0.048},
+                                          {"faults", 0.057},
+                                          {"best", 0.068},
+                                          {"worst", 0.077},
+                                          {"blame", 0.087}}};
+
+void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double y,
+             const Colour& colour) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!cells[i].empty()) layer.add(words_at(cells[i], kColumns[i].at, y, colour, 0.0016));
+  }
+}
+
+std::array<std::string, 8> cells_of(const PlacedTag& tag, const TagRecord& record) {
+  const auto grade = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.1f}", *value) : std::string("-");
+  };
+  return {tag.name,
+          status_of(record),
+          fmt::format("{:.2f}", tag.chainage),
+          std::to_string(record.seen),
+          std::to_string(record.faults),
+          grade(record.best),
+          grade(record.worst),
+          record.blame};
+}
+
+std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& merged, Paper paper) {
+  const auto rows = static_cast<std::size_t>((drawing_area(paper).y() - 0.012) / kLine) - 1;
+  std::vector<DrawingView> views;
+  for (std::size_t first = 0; first < survey.tags.size(); first += rows) {
+    const std::size_t end = std::min(survey.tags.size(), first + rows);
+    DrawingView view;
+    view.title = "Tags " + survey.tags[first].name + " to " + survey.tags[end - 1].name;
+    view.scale = 1;
+    SketchLayer& layer = view.sketch.layer("table");
+    std::array<std::string, 8> titles;
+    std::ranges::transform(kColumns, titles.begin(), &Column::title);
+    add_row(layer, titles, 0, colours::kGrey);
+    for (std::size_t i = first; i < end; ++i) {
+      const TagRecord record = record_of(merged, survey.tags[i].name);
+      add_row(layer, cells_of(survey.tags[i], record), -kLine * static_cast<double>(i - first + 1),
+              status_of(record) == "ok" ? colours::kBlack : status_colour(status_of(record)));
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+DrawingPart fault_part(const VerifyMerge& merged, Paper paper) {
+  DrawingPart part{{}, {.paper = paper}};
+  for (const FaultRecord& fault : merged.faults) {
+    if (part.views.size() == kMostShownFaults) break;
+    part.views.push_back(fault_view(fault, part.views.size() + 1));
+  }
+  if (merged.fault_count <= part.views.size()) return part;
+  DrawingView rest;
+  rest.title = fmt::format("and {} more faults: they are in the JSON lines",
+                           merged.fault_count - part.views.size());
+  rest.scale = 1;
+  rest.new_row = true;
+  part.views.push_back(std::move(rest));
+  return part;
+}
+
+}  // namespace
+
+Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& merged) {
+  constexpr Paper kPaper = Paper::a3;
+  DrawingPart first{{summary_view(survey, merged)}, {kPaper, coarsest_plan_scale(survey)}};
+  std::ranges::move(report_map(survey, merged), std::back_inserter(first.views));
+  std::vector<DrawingPart> parts{std::move(first)};
+  if (!merged.faults.empty()) parts.push_back(fault_part(merged, kPaper));
+  if (!survey.tags.empty()) {
+    parts.push_back({tag_tables(survey, merged, kPaper), {.paper = kPaper}});
+  }
+  const TitleBlock block{"Verification of " + survey.name,
+                         "What photos and print files say of the survey's tags",
+                         {{"Survey", survey.file.filename().string()},
+                          {"Revision", survey_revision(survey)},
+                          {"Files", std::to_string(merged.files)}}};
+  return lay_out_sheets(block, parts);
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `verify` costs beside decoding the JPEGs alone, on the same cores in the same run:
+// `./dev bench verify_rate [N] [SURVEY FOLDER]...`. N photos a round, the folder's over and over.
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <sys/resource.h>
+
+#include "decoder/cli/json.hpp"
+#include "decoder/image/load.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/verify/verify_file.hpp"
+#include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+namespace tagsmith {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Cost {
+  double wall = std::numeric_limits<double>::infinity();  // seconds a photo, least of the rounds
+  double processor = std::numeric_limits<double>::infinity();
+};
+
+double seconds_of(clockid_t clock) {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// One round over `count` photos, as the commands run them.
+void run_round(Cost& cost, std::size_t count, const std::function<void(std::size_t)>& work) {
+  const double wall = seconds_of(CLOCK_MONOTONIC);
+  const double processor = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
+  run_in_order(count, 0, [&](std::size_t i) -> Delivery {
+    work(i);
+    return [] {};
+  });
+  const auto photos = static_cast<double>(count);
+  cost.wall = std::min(cost.wall, (seconds_of(CLOCK_MONOTONIC) - wall) / photos);
+  cost.processor =
+      std::min(cost.processor, (seconds_of(CLOCK_PROCESS_CPUTIME_ID) - processor) / photos);
+}
+
+void print_row(const char* what, const Cost& cost, const Cost& decoding) {
+  fmt::print("| {} | {:.0f} | {:.2f} | {:.2f} | {:.2f} |\n", what, 1 / cost.wall,
+             1e3 * cost.processor, cost.wall / decoding.wall, cost.processor / decoding.processor);
+}
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+int measure(std::size_t count, const std::string& survey_file, const fs::path& folder) {
+  constexpr int kRounds = 5;
+  const Result<Survey> survey = load_survey(survey_file);
+  if (!survey) {
+    fmt::print(stderr, "{}\n", survey.error().message);
+    return 2;
+  }
+  std::vector<fs::path> photos;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".jpg") photos.push_back(entry.path());
+  }
+  if (photos.empty()) return 2;
+  const auto photo = [&](std::size_t i) -> const fs::path& { return photos[i % photos.size()]; };
+  ManifestCache manifests;
+  const VerifyRequest request{*survey, {}, false, &manifests};
+  Cost decoding;
+  Cost hashing;
+  Cost reading;
+  Cost verifying;
+  for (int round = 0; round < kRounds; ++round) {
+    run_round(decoding, count,
+              [&](std::size_t i) { static_cast<void>(load_gray_image(photo(i))); });
+    run_round(hashing, count, [&](std::size_t i) {
+      const Result<InputFile> file = read_input_file(photo(i));
+      if (file) static_cast<void>(decode_gray_image("", file->bytes));
+    });
+    run_round(reading, count, [&](std::size_t i) {
+      const Result<GrayImage> image = load_gray_image(photo(i));
+      if (image) read_tags(image->view());
+    });
+    run_round(verifying, count, [&](std::size_t i) {
+      const Result<FileReport> report = verify_file(request, photo(i));
+      if (report) static_cast<void>(to_json_line(*report));
+    });
+  }
+  fmt::print("\n{}, {} photos a round, least of {} rounds, peak {:.0f} MB\n\n", folder.string(),
+             count, kRounds, peak_megabytes());
+  fmt::print("| | photos/s | processor ms/photo | wall / decoding | processor / decoding |\n");
+  fmt::print("|---|---|---|---|---|\n");
+  print_row("decoding alone", decoding, decoding);
+  print_row("and hashing", hashing, decoding);
+  print_row("decoding and read_tags", reading, decoding);
+  print_row("verify", verifying, decoding);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tagsmith
+
+int main(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::size_t count = 200;
+  if (arguments.size() % 2 == 1) {
+    count = std::max<std::size_t>(1, std::strtoull(arguments.front().c_str(), nullptr, 10));
+    arguments.erase(arguments.begin());
+  }
+  if (arguments.empty()) {
+    arguments = {"surveys/corridor/survey.yaml", "surveys/corridor/photos",
+                 "surveys/curved/survey.yaml", "surveys/curved/photos"};
+  }
+  int worst = 0;
+  for (std::size_t i = 0; i < arguments.size(); i += 2) {
+    worst = std::max(worst, tagsmith::measure(count, arguments[i], arguments[i + 1]));
+  }
+  return worst;
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/annotate.hpp"
+
+#include <string>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include "decoder/image/image_header.hpp"
+#include "decoder/image/load.hpp"
+
+namespace tagsmith {
+namespace {
+
+// A white picture of 400 x 300 as a JPEG file that says it is to be turned so.
+std::string jpeg_turned(int orientation) {
+  const GrayImage white{400, 300, std::vector<std::uint8_t>(400 * 300, 255)};
+  const std::string jpeg = encode_gray_image("a.jpg", white.view()).value();
+  if (orientation == 0) return jpeg;
+  std::string exif(
+      "\xFF\xE1\x00\x22"
+      "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+      36);
+  exif[29] = static_cast<char>(orientation);
+  return jpeg.substr(0, 2) + exif + jpeg.substr(2);
+}
+
+// A black mark whose P is at (50, 40).
+std::vector<PictureMark> mark() {
+  return {{{{{50, 40}, {150, 40}, {150, 90}, {50, 90}}}, {0, 0, 0}, {}}};
+}
+
+}  // namespace
+
+TEST_CASE("a picture is turned as EXIF says, and its marks with it") {
+  // Where the stored pixel (50, 40) of 400 x 300 comes to lie (CIPA DC-008, Orientation).
+  const std::pair<int, int> expected[] = {{50, 40}, {50, 40},  {349, 40},  {349, 259}, {50, 259},
+                                          {40, 50}, {259, 50}, {259, 349}, {40, 349}};
+  for (int orientation = 0; orientation <= 8; ++orientation) {
+    CAPTURE(orientation);
+    const std::string jpeg = jpeg_turned(orientation);
+    CHECK(exif_orientation(jpeg) == (orientation == 0 ? 1 : orientation));
+    const auto copy = annotate_picture("a.jpg", jpeg, mark());
+    REQUIRE(copy.has_value());
+    CHECK(copy->extension == ".jpg");
+    const GrayImage image = decode_gray_image("copy", copy->bytes).value();
+    CHECK(image.width == (orientation >= 5 ? 300 : 400));
+    const auto [x, y] = expected[orientation];
+    CHECK(image.view().at(x, y) < 60);
+    CHECK(image.view().at(image.width / 2, image.height / 2) > 200);
+  }
+}
+
+TEST_CASE("labels stay in the picture, and pictures without loss stay without") {
+  const GrayImage white{120, 80, std::vector<std::uint8_t>(120 * 80, 255)};
+  const std::string png = encode_gray_image("a.png", white.view()).value();
+  std::vector<PictureMark> marks{
+      {{{{-1e9, 10}, {40, 10}, {40, 30}, {5, 30}}},
+       {200, 0, 0},
+       {"a very long text \xCE\xB8", "b"}},
+      {{{{60, 60}, {110, 60}, {110, 79}, {60, 79}}}, {0, 120, 0}, {"c"}}};
+  const auto copy = annotate_picture("a.png", png, marks, {"caption"});
+  REQUIRE(copy.has_value());
+  CHECK(copy->extension == ".png");
+  CHECK(decode_gray_image("copy", copy->bytes)->width == 120);
+}
+
+TEST_CASE("what is no picture has no copy") {
+  CHECK(!annotate_picture("a", "", {}).has_value());
+  CHECK(!annotate_picture("a", "text", {}).has_value());
+  CHECK(!annotate_picture("a", jpeg_turned(6).substr(0, 60), {}).has_value());
+}
+
+TEST_CASE("orientation that is cut short or out of range is none") {
+  const std::string jpeg = jpeg_turned(6);
+  for (std::size_t size = 0; size < 38; ++size) {
+    CAPTURE(size);
+    const int orientation = exif_orientation(jpeg.substr(0, size));
+    CHECK(orientation >= 1);
+    CHECK(orientation <= 8);
+  }
+  CHECK(exif_orientation(jpeg_turned(9)) == 1);
+  CHECK(exif_orientation("\x89PNG\r\n") == 1);
+}
+
+}  // namespace tagsmith
