@@ -146,8 +146,8 @@ View render(const Shot& shot) {
   return render_view(shot.camera, std::span(&shot.plate, 1), shot.view);
 }
 
-bool is_read(const View& view) {
-  const ReadResult result = read_tags(view.image.view());
+bool is_read(const View& view, const ReadOptions& options = {}) {
+  const ReadResult result = read_tags(view.image.view(), options);
   return result.tags.size() == 1 && result.tags.front().digits == kCode;
 }
 
@@ -273,8 +273,10 @@ TEST_CASE("a wall without bars holds no symbol") {
 }
 
 TEST_CASE("tags are read at incidences that make the frame higher than wide") {
+  ReadOptions options;
+  options.check = CheckDigit::sum10;
   for (const double incidence_deg : {0.0, 50.0, 70.0, 76.0}) {
     CAPTURE(incidence_deg);
-    CHECK(is_read(render(shot_of_tag(0.8, incidence_deg))));
+    CHECK(is_read(render(shot_of_tag(0.8, incidence_deg)), options));
   }
 }
