@@ -329,19 +329,22 @@ std::array<float, kModuleCount> ModuleSystem::misfits(const Characters& characte
   return misfits;
 }
 
-// One place of a digit, whose modules may be of any darkness about a digit's own.
+// One place of a digit, whose modules may be of any darkness about a digit's own. The growth of the
+// edges stays as it is: what one edge has of its own must not speak for a digit without it.
 class ModuleSystem::SpoiltDigit {
  public:
   SpoiltDigit(const ModuleSystem& system, const std::array<float, kFeatures>& residuals,
               std::size_t position)
       : position_(position) {
     const std::size_t base = first_feature(position);
-    for (std::size_t i = 0; i < kOwn; ++i) {
-      residuals_[static_cast<Eigen::Index>(i)] = static_cast<double>(residuals[base + i]);
-      for (std::size_t j = 0; j < kOwn; ++j) {
-        double shared = static_cast<double>(system.gram(base + i, base + j));
+    for (std::size_t i = 0; i < kModulesPerDigit; ++i) {
+      const std::size_t a = base + 2 * i;
+      residuals_[static_cast<Eigen::Index>(i)] = static_cast<double>(residuals[a]);
+      for (std::size_t j = 0; j < kModulesPerDigit; ++j) {
+        const std::size_t b = base + 2 * j;
+        double shared = static_cast<double>(system.gram(a, b));
         for (std::size_t k = 0; k < kSlack; ++k) {
-          shared -= static_cast<double>(system.pull_[base + i][k] * system.pull_[base + j][k]);
+          shared -= static_cast<double>(system.pull_[a][k] * system.pull_[b][k]);
         }
         gram_(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = shared;
       }
@@ -354,7 +357,7 @@ class ModuleSystem::SpoiltDigit {
   double odds_against(std::size_t digit) const {
     constexpr double kUneven = 0.05, kSpoilt = 0.001;
     const Freed even = freed(0.06), uneven = freed(0.15), spoilt = freed(0.5);
-    const Features same = Features::Zero();
+    const Modules same = Modules::Zero();
     const double log_even = log_likelihood(even, same);
     const double log_uneven = std::log(kUneven) + log_likelihood(uneven, same);
     const double log_spoilt = std::log(kSpoilt) + log_likelihood(spoilt, same);
@@ -364,17 +367,15 @@ class ModuleSystem::SpoiltDigit {
     double wrong = 0;
     for (std::size_t other = 0; other < 10; ++other) {
       if (other == digit) continue;
-      const Features change = features_of(other) - features_of(digit);
+      const Modules change = modules_of(other) - modules_of(digit);
       wrong += kSpoilt * std::exp(log_likelihood(spoilt, change) - greatest);
     }
     return wrong / right;
   }
 
  private:
-  static constexpr int kOwnFeatures = static_cast<int>(kOwn);
-  static constexpr int kModules = kModulesPerDigit;
-  using Features = Eigen::Matrix<double, kOwnFeatures, 1>;
-  using Block = Eigen::Matrix<double, kModules, kModules>;
+  using Modules = Eigen::Matrix<double, kModulesPerDigit, 1>;
+  using Block = Eigen::Matrix<double, kModulesPerDigit, kModulesPerDigit>;
 
   // The modules free to differ by so much.
   struct Freed {
@@ -383,39 +384,33 @@ class ModuleSystem::SpoiltDigit {
   };
 
   Freed freed(double sigma) const {
-    Block block;
-    for (int i = 0; i < kModules; ++i) {
-      for (int j = 0; j < kModules; ++j) block(i, j) = gram_(2 * i, 2 * j);
-    }
-    block.diagonal().array() += 1 / (sigma * sigma);
+    const Block block = gram_ + Block::Identity() / (sigma * sigma);
     Freed freed{Eigen::LLT<Block>(block), 0};
-    for (int i = 0; i < kModules; ++i) {
-      freed.log_volume -= std::log(sigma * freed.root.matrixLLT()(i, i));
-    }
+    const auto diagonal = freed.root.matrixLLT().diagonal();
+    freed.log_volume = -(sigma * diagonal).array().log().sum();
     return freed;
   }
 
   // With the digit changed, relative to the digit itself, all even.
-  double log_likelihood(const Freed& freed, const Features& change) const {
-    const Features pull = gram_ * change;
-    Eigen::Matrix<double, kModules, 1> residual;
-    for (int i = 0; i < kModules; ++i) residual[i] = residuals_[2 * i] - pull[2 * i];
+  double log_likelihood(const Freed& freed, const Modules& change) const {
+    const Modules pull = gram_ * change;
+    const Modules residual = residuals_ - pull;
     const double cost = change.dot(pull - 2 * residuals_);
     return residual.dot(freed.root.solve(residual)) / 2 + freed.log_volume - cost / 2;
   }
 
-  Features features_of(std::size_t digit) const {
-    const Active& active = alphabet()[position_ < 6 ? 0 : 1][digit];
-    Features features = Features::Zero();
-    for (std::size_t i = 0; i < active.count; ++i) {
-      features[static_cast<Eigen::Index>(active.feature[i])] = 1;
+  Modules modules_of(std::size_t digit) const {
+    const auto bars = modules_of_character(position_ >= 6, digit);
+    Modules modules;
+    for (std::size_t i = 0; i < bars.size(); ++i) {
+      modules[static_cast<Eigen::Index>(i)] = static_cast<double>(bars[i]);
     }
-    return features;
+    return modules;
   }
 
   std::size_t position_;
-  Features residuals_;
-  Eigen::Matrix<double, kOwnFeatures, kOwnFeatures> gram_;
+  Modules residuals_;
+  Block gram_;
 };
 
 double ModuleSystem::odds_of_spoilt_digits(const Characters& characters) const {

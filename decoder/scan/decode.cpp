@@ -140,14 +140,11 @@ ScanProfile with_common_noise(ScanProfile profile, const Shortfall& shortfall) {
   return profile;
 }
 
-// The odds that one of the digits only looks like one. With a single other digit the code would be
+// The share of a digit that only looks like one: with a single other digit the code would be
 // another scheme's, a misprint or a stranger.
-double odds_of_spoilt_digits(const ScanProfile& profile, const SymbolImage& image,
-                             const Digits& digits, const DecodeOptions& options) {
-  const double alone = kUnderstated * (kWrongCheck + (options.check ? 0 : kOtherScheme));
-  const double share = options.code_book.empty() ? alone : kNearStranger;
-  const FitSlack slack = slack_of_fit(profile, image, digits);
-  return share * ModuleSystem(profile, image, slack).odds_of_spoilt_digits(characters_of(digits));
+double share_of_spoilt(const DecodeOptions& options) {
+  if (!options.code_book.empty()) return kNearStranger;
+  return kUnderstated * (kWrongCheck + (options.check ? 0 : kOtherScheme));
 }
 
 // Alternates between the most likely digits and the adjustment of the picture to them.
@@ -201,13 +198,11 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
   return cleaned;
 }
 
-// What else could be there, by the likelihoods of a profile. When another code is likelier than the
-// one that is read, nothing is left of it.
-Doubt doubt_by(const ScanProfile& profile, const DecodeOptions& options, const Decoding& decoding) {
-  const SymbolImage& image = decoding.fit.image;
-  const FitSlack slack = slack_of_fit(profile, image, decoding.digits);
-  const Characters characters = characters_of(decoding.digits);
-  const CharacterCosts costs = ModuleSystem(profile, image, slack).character_costs(&characters);
+// What else could be there. When another code is likelier than the one that is read, nothing is
+// left of it.
+Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const Digits& digits) {
+  const Characters characters = characters_of(digits);
+  const CharacterCosts costs = system.character_costs(&characters);
   const BestSymbol best = best_of(costs, options);
   if (best.characters == characters) return doubt_about(costs, options, best);
   Doubt refuted;
@@ -221,13 +216,21 @@ Doubt doubt_by(const ScanProfile& profile, const DecodeOptions& options, const D
 // counts.
 void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeOptions& options,
            Decoding& decoding) {
-  const Shortfall shortfall = shortfall_of(profile, decoding.fit.image, decoding.digits);
+  const SymbolImage& image = decoding.fit.image;
+  const Digits& digits = decoding.digits;
+  const Shortfall shortfall = shortfall_of(profile, image, digits);
   decoding.noise = shortfall.common;
-  decoding.doubt = doubt_by(with_local_noise(cleaned, shortfall), options, decoding);
-  const Doubt other = doubt_by(with_common_noise(cleaned, shortfall), options, decoding);
+  const auto system_of = [&](const ScanProfile& weighed) {
+    return ModuleSystem(weighed, image, slack_of_fit(weighed, image, digits));
+  };
+  const ModuleSystem common = system_of(with_common_noise(cleaned, shortfall));
+  decoding.doubt = doubt_by(system_of(with_local_noise(cleaned, shortfall)), options, digits);
+  const Doubt other = doubt_by(common, options, digits);
   if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
-  decoding.doubt.spoilt_digits = odds_of_spoilt_digits(
-      with_common_noise(profile, shortfall), decoding.fit.image, decoding.digits, options);
+  const double spoilt = decoding.fit.kept < 1 ? system_of(with_common_noise(profile, shortfall))
+                                                    .odds_of_spoilt_digits(characters_of(digits))
+                                              : common.odds_of_spoilt_digits(characters_of(digits));
+  decoding.doubt.spoilt_digits = share_of_spoilt(options) * spoilt;
   const double odds = decoding.doubt.odds();
   decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
 }

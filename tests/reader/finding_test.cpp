@@ -280,3 +280,14 @@ TEST_CASE("tags are read at incidences that make the frame higher than wide") {
     CHECK(is_read(render(shot_of_tag(0.8, incidence_deg)), options));
   }
 }
+
+TEST_CASE("a tag of another survey is refused by its digits") {
+  const View view = render(shot_of_tag(1.2, 20));
+  ReadOptions options;
+  options.code_book = {*parse_digits("019000800408"), *parse_digits("000001140406")};
+  const ReadResult result = read_tags(view.image.view(), options);
+  CHECK(result.tags.empty());
+  REQUIRE(result.rejected.size() == 1);
+  CHECK(result.rejected.front().reason ==
+        "the digits " + to_string(kCode) + " are in none of the given surveys");
+}
