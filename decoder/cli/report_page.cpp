@@ -174,8 +174,8 @@ std::string shape_of(const std::string& status, const Vector2d& at) {
 class StripPicture {
  public:
   StripPicture(const Survey& survey, const PlanStrip& strip) : survey_(survey), strip_(strip) {
-    for (const double offset : {-0.5, 0.5}) {
-      for (const Vector2d& point : line(offset * survey.tunnel.width)) box_.extend(point);
+    for (const Side side : {Side::left, Side::right}) {
+      for (const Vector2d& point : line(wall_of(survey.tunnel, side))) box_.extend(point);
     }
     for (const PlacedTag* tag : tags()) box_.extend(place(*tag));
     scale_ = (kMapWidth - 2 * kMargin) / std::max(box_.sizes().x(), 1e-6);
@@ -189,8 +189,8 @@ class StripPicture {
         "<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"group\" aria-label=\"Tunnel from {:.1f} to "
         "{:.1f} m\">\n",
         kMapWidth, height, strip_.from, strip_.to);
-    for (const double offset : {-0.5, 0.5}) {
-      text += "<path class=\"wall\" d=\"" + path(line(offset * survey_.tunnel.width)) + "\"/>\n";
+    for (const Side side : {Side::left, Side::right}) {
+      text += "<path class=\"wall\" d=\"" + path(line(wall_of(survey_.tunnel, side))) + "\"/>\n";
     }
     text += "<path class=\"axis\" d=\"" + path(line(0)) + "\"/>\n";
     for (const double tick : plan_ticks(strip_)) {
@@ -225,14 +225,14 @@ class StripPicture {
   }
 
   // A line beside the center line, `right` metres to its right.
-  std::vector<Vector2d> line(double right) const {
+  std::vector<Vector2d> line(const ChainageProfile& right) const {
     constexpr int kMost = 400;
     const int spans = std::clamp(static_cast<int>((strip_.to - strip_.from) / 0.5), 1, kMost);
     std::vector<Vector2d> points;
     for (int i = 0; i <= spans; ++i) {
-      const CenterlinePoint at =
-          survey_.tunnel.centerline.at(strip_.from + (strip_.to - strip_.from) * i / spans);
-      points.push_back(view(at.position + right * right_of(at.heading)));
+      const double chainage = strip_.from + (strip_.to - strip_.from) * i / spans;
+      const CenterlinePoint at = survey_.tunnel.centerline.at(chainage);
+      points.push_back(view(at.position + right.at(chainage) * right_of(at.heading)));
     }
     return points;
   }

@@ -25,7 +25,7 @@ double cost_of(const ScanProfile& profile, const std::vector<double>& expected) 
 }
 
 std::array<double, kDigitCount> margins_of(const ScanProfile& profile, const SymbolImage& image,
-                                           const Digits& digits) {
+                                           const Digits& digits, double noise) {
   const double own = cost_of(profile, expected_darkness(image, digits, profile));
   std::array<double, kDigitCount> margins{};
   for (std::size_t i = 0; i < margins.size(); ++i) {
@@ -36,7 +36,7 @@ std::array<double, kDigitCount> margins_of(const ScanProfile& profile, const Sym
       other[i] = digit;
       rival = std::min(rival, cost_of(profile, expected_darkness(image, other, profile)));
     }
-    margins[i] = (rival - own) / 2 / DecodeOptions{}.flattening / std::log(10.0);
+    margins[i] = (rival - own) / 2 / noise / std::log(10.0);
   }
   return margins;
 }
@@ -76,7 +76,8 @@ std::optional<ExplainedSymbol> explain_framed(const GrayView& image, const Frame
 
 void add_fit(ExplainedSymbol& symbol) {
   symbol.expected = expected_darkness(symbol.decoding.fit.image, symbol.digits, symbol.profile);
-  symbol.margins = margins_of(symbol.profile, symbol.decoding.fit.image, symbol.digits);
+  symbol.margins =
+      margins_of(symbol.profile, symbol.decoding.fit.image, symbol.digits, symbol.decoding.noise);
 }
 
 bool explains_more(const std::optional<ExplainedSymbol>& symbol,

@@ -28,7 +28,7 @@ struct ExplainedSymbol {
   ScanProfile profile;
   std::vector<double> expected;  // darkness at the profile's places
   // How much likelier each digit is than the next best one there, the others unchanged: decades,
-  // likelihood flattened as for the confidence.
+  // by the noise that the symbol leaves.
   std::array<double, kDigitCount> margins{};
   Decoding decoding;
   double module_px = 0;

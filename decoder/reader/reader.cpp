@@ -143,29 +143,28 @@ FrameCorners corners_of(const RefinedFrame& frame, const Attempt& attempt) {
 }
 
 // What speaks against believing the attempt, or nothing.
-std::optional<std::string> objection(
-    const Attempt& attempt,
-    const ReadOptions& options) {  // A symbol of ours explains 95 % and more of its profile when it
-                                   // can be read at all; the product
+std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& options) {
+  // A symbol of ours explains 95 % and more of its profile when it can be read at all; the product
   // codes and random stripes of the test pictures reach 88 %.
   constexpr double kLeastExplained = 0.9;
   // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.
   constexpr double kLeastDigit = 0.75;
-  // Bayes factor 50. Right digits on simulated tags of 0.35 px a module: 15 and less; widths of no
-  // digit that passed all else: 50 000.
-  constexpr double kAgainstDigits = 3.9;
   constexpr double kLeastGuards = 0.8;
   constexpr double kLeastKept = 0.7;
   constexpr double kMostGrowth = 0.7;  // modules; beyond, narrow elements vanish
+  // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
+  // nothing is known.
+  constexpr double kMostBlur = 2.2;
   const Decoding& decoding = attempt.decoding;
+  const bool with_book = !options.code_book.empty();
   if (decoding.guards < kLeastGuards) return "guard pattern";
-  if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit ||
-      decoding.against_digits > kAgainstDigits) {
+  if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
     return "element widths";
   }
   if (decoding.fit.kept < kLeastKept) return "bars covered";
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
-  const double sure = options.code_book.empty() ? kSureAlone : kSureWithBook;
+  if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
+  const double sure = with_book ? kSureWithBook : kSureAlone;
   if (decoding.confidence < options.min_confidence.value_or(sure)) return "not certain enough";
   return std::nullopt;
 }
@@ -184,6 +183,20 @@ double module_across(const Quad& frame) {
   const double one = (distance(frame[0], frame[1]) + distance(frame[2], frame[3])) / 2;
   const double other = (distance(frame[1], frame[2]) + distance(frame[3], frame[0])) / 2;
   return std::max(one, other) / (kModuleCount + 2 * SymbolLayout{}.quiet_zone_modules);
+}
+
+// Why a symbol that no code of the book explains is none of them, where it is read for certain
+// without the book.
+std::optional<std::string> stranger_to_book(const GrayView& image, const RefinedFrame& frame,
+                                            const ReadOptions& options) {
+  ReadOptions alone;
+  alone.check = options.check;
+  alone.layouts = options.layouts;
+  const auto attempt = best_attempt(image, frame, alone, profile_symbol);
+  if (!attempt || objection(*attempt, alone)) return std::nullopt;
+  const Digits& digits = attempt->decoding.digits;
+  if (std::ranges::find(options.code_book, digits) != options.code_book.end()) return std::nullopt;
+  return "the digits " + to_string(digits) + " are in none of the given surveys";
 }
 
 Reading reading_from(const RefinedFrame& frame, const Attempt& attempt, const FrameCorners& corners,
@@ -310,7 +323,9 @@ class PictureReader {
     const bool symbol_like = !attempt || attempt->decoding.guards > kLeastGuards;
     if (symbol_like && may_be_covered(frame) && judge_covered(frame)) return;
     if (!attempt) return pass_over(frame.corners, "no guard patterns inside");
-    result_.rejected.push_back({*reason, corners_of(frame, *attempt)});
+    const auto stranger =
+        options_.code_book.empty() ? std::nullopt : stranger_to_book(image_, frame, options_);
+    result_.rejected.push_back({stranger.value_or(*reason), corners_of(frame, *attempt)});
   }
 
   // Reads the symbol inside a frame carefully; whether it was believed.

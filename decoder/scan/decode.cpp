@@ -22,6 +22,12 @@ Digits digits_of(const Characters& characters) {
   return digits;
 }
 
+Characters characters_of(const Digits& digits) {
+  Characters characters{};
+  std::ranges::copy(digits, characters.begin());
+  return characters;
+}
+
 // Seen the other way round.
 ScanProfile turned(const ScanProfile& profile) {
   ScanProfile result(profile.rbegin(), profile.rend());
@@ -52,38 +58,93 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
   return best;
 }
 
-// Posterior of the best code: against the other codes that may exist, and, with a small prior,
-// every other string of characters, so that neither a symbol whose check digit fails, nor one with
-// a misshapen digit, nor a stranger to the code book is bent into a code.
-double posterior(const CharacterCosts& costs, const DecodeOptions& options, const BestSymbol& best,
-                 double temperature) {
-  constexpr double kPriorOfOthers = 0.03;  // of all symbols together that are no code
-  constexpr double kForeign = 0.3;         // of a character that is no digit, against one that is
-  constexpr double kCodesPerSymbol = 0.1;
-  // A book's codes are near each other, and so are its strangers to them, misprints above all: the
-  // fewer characters differ, the likelier.
-  constexpr double kDiffers = 1e-6;
-  constexpr double kLeastDoubt = 1e-12;
-  const bool with_book = !options.code_book.empty();
-  const CharacterWeights weights =
-      with_book ? CharacterWeights{kDiffers, kForeign * kDiffers} : CharacterWeights{1, kForeign};
-  const double others = std::max(0.0, sum_of_symbols(costs, best, temperature, weights) - 1);
-  double rivals = 0;
-  if (with_book) {
-    rivals = sum_of_codes(costs, best, temperature, options.code_book) - 1 + others;
-  } else if (others < kLeastDoubt) {
-    rivals = others;  // the codes are among them
-  } else {
-    for (const CheckDigit scheme : schemes_of(options)) {
-      const bool holds = has_check_digit(scheme, digits_of(best.characters));
-      rivals += sum_of_codes(costs, best, temperature, scheme) - (holds ? 1 : 0);
-    }
-    rivals += kPriorOfOthers * kCodesPerSymbol * others;
+// What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
+// ("Reliability"). A tunnel holds less.
+constexpr double kWrongCheck = 0.02;    // a symbol whose check digit fails
+constexpr double kForeign = 0.1;        // a character that is no digit
+constexpr double kOtherScheme = 0.1;    // a code of the other scheme, where both count
+constexpr double kNearStranger = 2e-3;  // a symbol that differs from the book's in one character
+constexpr double kStrangers = 0.5;      // all strangers to the book together
+// Fitted on the same frames: what is wrong without a book, over what the sums say. With a book they
+// are right.
+constexpr double kUnderstated = 3;
+
+// Other codes, and what is no code at all.
+Doubt doubt_about(const CharacterCosts& costs, const DecodeOptions& options,
+                  const BestSymbol& best) {
+  constexpr double kSymbols = 1e12;
+  const auto besides = [](double sum) { return std::max(0.0, sum - 1); };
+  Doubt doubt;
+  if (!options.code_book.empty()) {
+    const auto codes = static_cast<double>(options.code_book.size());
+    doubt.other_codes = besides(sum_of_codes(costs, best, options.code_book));
+    const double near = besides(sum_of_symbols(costs, best, {kNearStranger, kNearStranger}));
+    const double any = kStrangers * codes / kSymbols * sum_of_symbols(costs, best, {1, 0});
+    doubt.misprints = near + any;
+    return doubt;
   }
-  // Fitted on simulated frames: where the sums state a doubt of 10^-2n, about one reading in 10^n
-  // is wrong (docs/accuracy.md, "Reliability").
-  const double doubt = std::max(0.0, rivals) / (1 + std::max(0.0, rivals));
-  return 1 - std::sqrt(doubt);
+  for (const CheckDigit scheme : schemes_of(options)) {
+    const bool holds = has_check_digit(scheme, digits_of(best.characters));
+    const double sum = sum_of_codes(costs, best, scheme);
+    doubt.other_codes += kUnderstated * (holds ? besides(sum) : sum);
+  }
+  doubt.misprints =
+      kUnderstated * kWrongCheck * besides(sum_of_symbols(costs, best, {1, kForeign}));
+  return doubt;
+}
+
+// By how much the profile's variances fall short of what the symbol leaves unexplained: about each
+// module, and in most of the symbol. What dirt or light leave in one place must not count for all
+// of it, nor be lost in all of it.
+struct Shortfall {
+  std::array<double, kModuleCount> local{};
+  double common = 0;
+};
+
+Shortfall shortfall_of(const ScanProfile& profile, const SymbolImage& image, const Digits& digits) {
+  constexpr double kLeast = 0.15;
+  constexpr std::size_t kClear = kModuleCount * 8 / 10;  // of the modules, those that fit best
+  constexpr double kClearMean = 0.44;  // of a chi-square variable of one degree below its 80 %
+  constexpr int kReach = 4;            // modules to either side
+  constexpr double kPrior = 5;         // modules' worth of the common value
+  const auto misfits = ModuleSystem(profile, image).misfits(characters_of(digits));
+  std::array<float, kModuleCount> sorted = misfits;
+  std::ranges::sort(sorted);
+  double sum = 0;
+  for (std::size_t k = 0; k < kClear; ++k) sum += static_cast<double>(sorted[k]);
+  Shortfall shortfall;
+  shortfall.common = std::max(kLeast, sum / static_cast<double>(kClear) / kClearMean);
+  for (int k = 0; k < kModuleCount; ++k) {
+    double weight = kPrior;
+    double total = kPrior * shortfall.common;
+    for (int near = std::max(0, k - kReach); near <= std::min(kModuleCount - 1, k + kReach);
+         ++near) {
+      total += static_cast<double>(misfits[static_cast<std::size_t>(near)]);
+      weight += 1;
+    }
+    shortfall.local[static_cast<std::size_t>(k)] = total / weight;
+  }
+  return shortfall;
+}
+
+ScanProfile with_local_noise(ScanProfile profile, const Shortfall& shortfall) {
+  for (ScanBin& bin : profile) {
+    const int module = std::clamp(static_cast<int>(std::floor(bin.at)), 0, kModuleCount - 1);
+    bin.variance *= shortfall.local[static_cast<std::size_t>(module)];
+  }
+  return profile;
+}
+
+ScanProfile with_common_noise(ScanProfile profile, const Shortfall& shortfall) {
+  for (ScanBin& bin : profile) bin.variance *= shortfall.common;
+  return profile;
+}
+
+// The share of a digit that only looks like one: with a single other digit the code would be
+// another scheme's, a misprint or a stranger.
+double share_of_spoilt(const DecodeOptions& options) {
+  if (!options.code_book.empty()) return kNearStranger;
+  return kUnderstated * (kWrongCheck + (options.check ? 0 : kOtherScheme));
 }
 
 // Alternates between the most likely digits and the adjustment of the picture to them.
@@ -93,7 +154,9 @@ std::optional<Decoding> settle(const ScanProfile& profile, const SymbolImage& st
   Decoding decoding;
   SymbolImage image = start;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const CharacterCosts costs = ModuleSystem(profile, image).character_costs();
+    const Characters reference = characters_of(decoding.digits);
+    const CharacterCosts costs =
+        ModuleSystem(profile, image).character_costs(round > 0 ? &reference : nullptr);
     const Digits digits = digits_of(best_of(costs, options).characters);
     if (round > 0 && digits == decoding.digits) break;
     decoding.digits = digits;
@@ -135,6 +198,43 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
   return cleaned;
 }
 
+// What else could be there. When another code is likelier than the one that is read, nothing is
+// left of it.
+Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const Digits& digits) {
+  const Characters characters = characters_of(digits);
+  const CharacterCosts costs = system.character_costs(&characters);
+  const BestSymbol best = best_of(costs, options);
+  if (best.characters == characters) return doubt_about(costs, options, best);
+  Doubt refuted;
+  refuted.other_codes = std::numeric_limits<double>::infinity();
+  return refuted;
+}
+
+// What is to be doubted about a decoding. What was set aside is left out of the likelihoods, but
+// counts for the noise about it: a place that is covered in part says little. Whether what a digit
+// leaves unexplained is noise there or belongs to another character is not known, so the worse
+// counts.
+void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeOptions& options,
+           Decoding& decoding) {
+  const SymbolImage& image = decoding.fit.image;
+  const Digits& digits = decoding.digits;
+  const Shortfall shortfall = shortfall_of(profile, image, digits);
+  decoding.noise = shortfall.common;
+  const auto system_of = [&](const ScanProfile& weighed) {
+    return ModuleSystem(weighed, image, slack_of_fit(weighed, image, digits));
+  };
+  const ModuleSystem common = system_of(with_common_noise(cleaned, shortfall));
+  decoding.doubt = doubt_by(system_of(with_local_noise(cleaned, shortfall)), options, digits);
+  const Doubt other = doubt_by(common, options, digits);
+  if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
+  const double spoilt = decoding.fit.kept < 1 ? system_of(with_common_noise(profile, shortfall))
+                                                    .odds_of_spoilt_digits(characters_of(digits))
+                                              : common.odds_of_spoilt_digits(characters_of(digits));
+  decoding.doubt.spoilt_digits = share_of_spoilt(options) * spoilt;
+  const double odds = decoding.doubt.odds();
+  decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
+}
+
 // Decodes a profile seen the right way round.
 std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolImage& start,
                                        const DecodeOptions& options) {
@@ -153,17 +253,7 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolI
   decoding->guards = explained_by_guards(cleaned.profile, decoding->fit.image, decoding->digits);
   decoding->worst_digit =
       least_explained_digit(cleaned.profile, decoding->fit.image, decoding->digits);
-  const double per_place =
-      decoding->fit.cost / (cleaned.kept * static_cast<double>(profile.size()));
-  const double temperature = options.flattening * std::max(1.0, per_place);
-  const ModuleSystem system(cleaned.profile, decoding->fit.image);
-  const CharacterCosts costs = system.character_costs();
-  const BestSymbol best = best_of(costs, options);
-  decoding->against_digits = static_cast<double>(
-      system.evidence_against_digits(best.characters, static_cast<float>(temperature)));
-  decoding->confidence = digits_of(best.characters) == decoding->digits
-                             ? posterior(costs, options, best, temperature)
-                             : 0;
+  judge(profile, cleaned.profile, options, *decoding);
   return decoding;
 }
 
@@ -174,13 +264,14 @@ std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolI
   constexpr std::size_t kLeastPlaces = 40;
   constexpr double kLeastGuards = 0.35;  // before any adjustment
   constexpr double kDecided = 20;        // logarithm of the likelihood ratio of the two ways up
+  constexpr double kFlattening = 4;      // of likelihoods before the noise is known
   if (profile.size() < kLeastPlaces) return std::nullopt;
   if (explained_by_guards(profile, start) < kLeastGuards) return std::nullopt;
   const CharacterCosts costs = ModuleSystem(profile, start).character_costs();
   const double up = best_symbol(costs, SymbolClass::upright).cost;
   const double down = best_symbol(costs, SymbolClass::upside_down).cost;
   const double per_place = std::min(up, down) / static_cast<double>(profile.size());
-  const double decided = 2 * kDecided * options.flattening * std::max(1.0, per_place);
+  const double decided = 2 * kDecided * kFlattening * std::max(1.0, per_place);
   std::optional<Decoding> best;
   if (up < down + decided) best = decode_upright(profile, start, options);
   if (down < up + decided) {

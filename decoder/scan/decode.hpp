@@ -14,9 +14,15 @@ namespace tagsmith {
 struct DecodeOptions {
   std::optional<CheckDigit> check;    // nothing = either scheme counts as valid
   std::span<const Digits> code_book;  // when not empty, the only codes that exist
-  // Residuals of neighbouring places are not independent, and the model is not exact: the
-  // likelihood is flattened by at least this factor (measured: see docs/accuracy.md, reliability).
-  double flattening = 4;
+};
+
+// The odds of what else could be there, against the digits that are read.
+struct Doubt {
+  double other_codes = 0;    // another code of the book or of the check digit's scheme
+  double misprints = 0;      // characters that are no such code
+  double spoilt_digits = 0;  // seven modules of anything that only look like the digit
+
+  double odds() const { return other_codes + misprints + spoilt_digits; }
 };
 
 // The most likely symbol and how much more likely than every other.
@@ -24,10 +30,11 @@ struct Decoding {
   Digits digits{};
   bool upside_down = false;  // the profile runs from the symbol's end to its begin
   double confidence = 0;     // posterior probability of these digits, given that a symbol is there
+  Doubt doubt;               // what speaks against them; confidence is 1 / (1 + its odds)
   SymbolFit fit;
-  double guards = 0;          // explained_by_guards, without what was set aside
-  double worst_digit = 0;     // least_explained_digit, likewise
-  double against_digits = 0;  // ModuleSystem::evidence_against_digits
+  double noise = 1;        // what the symbol leaves unexplained, over the profile's variances
+  double guards = 0;       // explained_by_guards, without what was set aside
+  double worst_digit = 0;  // least_explained_digit, likewise
 };
 
 // Starts from the given picture of the symbol (its blur is the one that matters) and alternates

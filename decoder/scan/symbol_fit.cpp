@@ -148,6 +148,9 @@ class FitProblem {
     }
   }
 
+  // Derivatives of the darkness by the parameters, over the places' standard deviations.
+  auto derivatives() const { return rows_.leftCols<kParameters>(); }
+
   NormalEquations at(const Parameters& p) {
     fill_rows(unpack(p));
     const Eigen::Matrix<float, kParameters + 1, kParameters + 1> product =
@@ -265,6 +268,25 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
     if (before - after < 1e-3 * after) break;
   }
   return {unpack(p), normal.cost, 1 - normal.cost / std::max(total_variation(profile), 1e-12), 1};
+}
+
+FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image, const Digits& digits) {
+  const Parameters p = pack(image);
+  FitProblem problem(profile, digits, p);
+  const NormalEquations normal = problem.at(p);
+  // With matrix = L L^T, the parameters' covariance is L^-T L^-1.
+  const Eigen::LLT<Eigen::Matrix<double, kParameters, kParameters>> root(normal.matrix);
+  const Eigen::Matrix<double, kParameters, Eigen::Dynamic> deviations =
+      root.matrixL().solve(problem.derivatives().transpose().cast<double>());
+  FitSlack slack(profile.size());
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const double sigma = std::sqrt(profile[i].variance);
+    for (int k = 0; k < kParameters; ++k) {
+      slack[i][static_cast<std::size_t>(k)] =
+          static_cast<float>(sigma * deviations(k, static_cast<Eigen::Index>(i)));
+    }
+  }
+  return slack;
 }
 
 namespace {

@@ -2,6 +2,7 @@
 // How a symbol's bars appear in a scan profile, and the adjustment of that picture to the profile.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "decoder/scan/profile.hpp"
@@ -33,6 +34,13 @@ struct SymbolFit {
 // Adjusts all of `start` to the profile by Gauss-Newton for the given digits. The parameters are
 // held near nominal by weak priors, so that no profile can bend the symbol into another one.
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start);
+
+// What is left open of the picture of a symbol after a fit: at each place of the profile, the
+// change of the darkness by one standard deviation of eight independent combinations of the
+// parameters, as the profile and the priors leave them.
+using FitSlack = std::vector<std::array<float, 8>>;
+
+FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image, const Digits& digits);
 
 // The darkness expected at each place of the profile.
 std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,

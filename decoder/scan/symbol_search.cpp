@@ -145,10 +145,9 @@ BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book) 
   return best;
 }
 
-double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference,
                       const CharacterWeights& weights) {
   const LeastCosts least = least_costs(costs, range_of(SymbolClass::any));
-  const double scale = 1 / (2 * temperature);
   const auto weight = [&](std::size_t position, std::size_t c) {
     if (c == reference.characters[position]) return 1.0;
     return c < 10 ? weights.digit : weights.foreign;
@@ -161,7 +160,7 @@ double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, 
       const double offset = least[i][c] - costs.alone[i][c];
       double sum = 0;
       for (std::size_t a = 0; a < kCharacterCount; ++a) {
-        const double excess = scale * (least[i - 1][a] + costs.pair[i - 1][a][c] - offset);
+        const double excess = 0.5 * (least[i - 1][a] + costs.pair[i - 1][a][c] - offset);
         if (excess < kNegligible) sum += mass[a] * std::exp(-excess);
       }
       next[c] = sum * weight(i, c);
@@ -170,15 +169,13 @@ double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, 
   }
   double total = 0;
   for (std::size_t c = 0; c < kCharacterCount; ++c) {
-    total += mass[c] * std::exp(-scale * (least[kPositions - 1][c] - reference.cost));
+    total += mass[c] * std::exp(-0.5 * (least[kPositions - 1][c] - reference.cost));
   }
   return total;
 }
 
-double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
-                    CheckDigit scheme) {
+double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, CheckDigit scheme) {
   const CheckedCosts least = least_checked_costs(costs, scheme);
-  const double scale = 1 / (2 * temperature);
   std::array<std::array<double, 10>, 10> mass{};
   for (auto& row : mass) row.fill(1);
   for (std::size_t i = 1; i < kPositions; ++i) {
@@ -190,7 +187,7 @@ double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, do
         const double offset = least[i][to][c] - costs.alone[i][c];
         double total = 0;
         for (std::size_t a = 0; a < 10; ++a) {
-          const double excess = scale * (least[i - 1][sum][a] + costs.pair[i - 1][a][c] - offset);
+          const double excess = 0.5 * (least[i - 1][sum][a] + costs.pair[i - 1][a][c] - offset);
           if (excess < kNegligible) total += mass[sum][a] * std::exp(-excess);
         }
         next[to][c] = total;
@@ -200,16 +197,16 @@ double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, do
   }
   double total = 0;
   for (std::size_t c = 0; c < 10; ++c) {
-    total += mass[0][c] * std::exp(-scale * (least[kPositions - 1][0][c] - reference.cost));
+    total += mass[0][c] * std::exp(-0.5 * (least[kPositions - 1][0][c] - reference.cost));
   }
   return total;
 }
 
-double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference,
                     std::span<const Digits> book) {
   double total = 0;
   for (const Digits& digits : book) {
-    total += std::exp((reference.cost - costs.of(characters_of(digits))) / (2 * temperature));
+    total += std::exp((reference.cost - costs.of(characters_of(digits))) / 2);
   }
   return total;
 }

@@ -38,13 +38,12 @@ struct CharacterWeights {
   double foreign = 1;  // one that is no digit
 };
 
-// Sums of exp(-(cost - reference.cost) / (2 temperature)), exact too: over all symbols, each
-// character that differs from the reference's weighted; over the codes of a scheme; over a book.
-double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+// Sums of exp(-(cost - reference.cost) / 2), exact too: over all symbols, each character that
+// differs from the reference's weighted; over the codes of a scheme; over a book.
+double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference,
                       const CharacterWeights& weights);
-double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
-                    CheckDigit scheme);
-double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, double temperature,
+double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, CheckDigit scheme);
+double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference,
                     std::span<const Digits> book);
 
 }  // namespace tagsmith

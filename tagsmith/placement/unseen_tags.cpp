@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/placement/floor_and_roof.hpp"
 #include "tagsmith/placement/sight.hpp"
 
 namespace tagsmith {
@@ -85,21 +86,32 @@ class Search {
       for (const VehiclePose& stray : strays_) {
         const Pose pose = world_from_vehicle(strayed(point, rig_.vehicle_height, stray));
         const auto sight =
-            model_.look(camera, model_.stand(camera, pose, point.curvature), tag, walls(chainage));
+            model_.look(camera, model_.stand(camera, pose, point.curvature), tag, around(chainage));
         if (sight && sight->travel_book >= 0) return true;
       }
     }
     return false;
   }
 
-  // What may stand in the way near this chainage; null where nothing does. Those of the blocks
-  // behind are given up, so that a long drive takes no more memory than a short one.
-  const TunnelWalls* walls(double chainage) {
+  // What may stand in the way within a block of the drive.
+  struct Room {
+    std::unique_ptr<TunnelWalls> walls;  // null where they hide nothing
+    FloorAndRoof floor_and_roof;
+  };
+
+  // What may stand in the way near this chainage. Rooms of the blocks behind are given up, so that
+  // a long drive takes no more memory than a short one.
+  Surroundings around(double chainage) {
+    const Room& room = room_at(chainage);
+    return {room.walls.get(), room.floor_and_roof.is_even() ? nullptr : &room.floor_and_roof};
+  }
+
+  const Room& room_at(double chainage) {
     const int block = static_cast<int>(std::floor(chainage / kBlock));
-    const auto known = walls_.find(block);
-    if (known != walls_.end()) return known->second.get();
+    const auto known = rooms_.find(block);
+    if (known != rooms_.end()) return known->second;
     constexpr std::size_t kMostKept = 64;
-    if (walls_.size() >= kMostKept) walls_.clear();
+    if (rooms_.size() >= kMostKept) rooms_.clear();
     const double middle = (block + 0.5) * kBlock;
     const double reach = model_.reach() + kBlock;
     std::unique_ptr<TunnelWalls> made;
@@ -107,7 +119,8 @@ class Search {
       const double standoff = model_.standoff_between(middle - reach, middle + reach);
       made = std::make_unique<TunnelWalls>(survey_.tunnel, standoff, middle, reach);
     }
-    return walls_.emplace(block, std::move(made)).first->second.get();
+    Room room{std::move(made), FloorAndRoof(survey_.tunnel, middle, reach)};
+    return rooms_.emplace(block, std::move(room)).first->second;
   }
 
   const Survey& survey_;
@@ -116,7 +129,7 @@ class Search {
   VehicleEnvelope envelope_;
   std::vector<VehiclePose> strays_;
   double arm_ = 0;
-  std::map<int, std::unique_ptr<TunnelWalls>> walls_;
+  std::map<int, Room> rooms_;
 };
 
 }  // namespace

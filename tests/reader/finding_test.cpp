@@ -149,8 +149,8 @@ View render(const Shot& shot) {
   return render_view(shot.camera, std::span(&shot.plate, 1), shot.view);
 }
 
-bool is_read(const View& view) {
-  const ReadResult result = read_tags(view.image.view());
+bool is_read(const View& view, const ReadOptions& options = {}) {
+  const ReadResult result = read_tags(view.image.view(), options);
   return result.tags.size() == 1 && result.tags.front().digits == kCode;
 }
 
@@ -400,8 +400,21 @@ TEST_CASE("a wall without bars holds no symbol") {
 }
 
 TEST_CASE("tags are read at incidences that make the frame higher than wide") {
+  ReadOptions options;
+  options.check = CheckDigit::sum10;
   for (const double incidence_deg : {0.0, 50.0, 70.0, 76.0}) {
     CAPTURE(incidence_deg);
-    CHECK(is_read(render(shot_of_tag(0.8, incidence_deg))));
+    CHECK(is_read(render(shot_of_tag(0.8, incidence_deg)), options));
   }
+}
+
+TEST_CASE("a tag of another survey is refused by its digits") {
+  const View view = render(shot_of_tag(1.2, 20));
+  ReadOptions options;
+  options.code_book = {*parse_digits("019000800408"), *parse_digits("000001140406")};
+  const ReadResult result = read_tags(view.image.view(), options);
+  CHECK(result.tags.empty());
+  REQUIRE(result.rejected.size() == 1);
+  CHECK(result.rejected.front().reason ==
+        "the digits " + to_string(kCode) + " are in none of the given surveys");
 }
