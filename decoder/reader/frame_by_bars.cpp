@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/image/bilinear.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -153,6 +155,79 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   const bool reduce = module_px >= kReducedFrom;
   const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
   return fit_frame(image, level, to_level(level, expected), in_full, tolerance);
+}
+
+namespace {
+
+// Places along one half of the symbol, as grey levels less their mean.
+using HalfRow = std::array<double, 96>;
+
+HalfRow half_row(const GrayView& image, const Homography& map, double first_u, double v) {
+  constexpr double kWidth = 0.38;  // of the frame: half of the bars, clear of their quiet zone
+  HalfRow row{};
+  double mean = 0;
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    const double u = first_u + kWidth * static_cast<double>(k) / (row.size() - 1.0);
+    row[k] = sample_bilinear(image, map(u, v));
+    mean += row[k] / static_cast<double>(row.size());
+  }
+  for (double& value : row) value -= mean;
+  return row;
+}
+
+double product(const HalfRow& a, const HalfRow& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+// The mean of rows in the middle of the bars.
+HalfRow usual_row(const GrayView& image, const Homography& map, double first_u) {
+  constexpr int kRows = 16;
+  HalfRow mean{};
+  for (int i = 0; i < kRows; ++i) {
+    const HalfRow row = half_row(image, map, first_u, 0.3 + 0.4 * i / (kRows - 1));
+    for (std::size_t k = 0; k < row.size(); ++k) mean[k] += row[k] / kRows;
+  }
+  return mean;
+}
+
+// Where, going outwards from the bars, rows stop being like the usual one; nothing where that is
+// not near `expected`. `step` is half a pixel outwards.
+std::optional<double> end_of_bars(const GrayView& image, const Homography& map, double first_u,
+                                  double expected, double step) {
+  constexpr int kReach = 10;  // steps
+  const HalfRow usual = usual_row(image, map, first_u);
+  const double full = product(usual, usual);
+  if (!(full > 0)) return std::nullopt;
+  double before = 0;
+  for (int k = -kReach; k <= kReach; ++k) {
+    const double v = expected + k * step;
+    const double share = product(half_row(image, map, first_u, v), usual) / full;
+    if (k > -kReach && before >= 0.5 && share < 0.5) {
+      return v - step * (0.5 - share) / (before - share);
+    }
+    before = share;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool bars_end_as_expected(const GrayView& image, const Quad& corners, const SymbolLayout& layout) {
+  constexpr double kTolerance = 1;     // pixels
+  constexpr double kOfHeight = 0.005;  // templates round their margins
+  constexpr int kLeastRight = 3;
+  const Homography map = homography_to(corners);
+  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  const double step = 0.5 / height;
+  const double tolerance = kTolerance / height + kOfHeight;
+  int right = 0;
+  for (const double first_u : {0.1, 0.52}) {
+    const auto top = end_of_bars(image, map, first_u, layout.bars_top, -step);
+    const auto bottom = end_of_bars(image, map, first_u, layout.bars_bottom, step);
+    right += top && std::abs(*top - layout.bars_top) < tolerance ? 1 : 0;
+    right += bottom && std::abs(*bottom - layout.bars_bottom) < tolerance ? 1 : 0;
+  }
+  return right >= kLeastRight;
 }
 
 }  // namespace tagsmith

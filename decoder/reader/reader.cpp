@@ -256,7 +256,10 @@ class PictureReader {
       if (!attempt || attempt->decoding.fit.explained < kSymbolLike) continue;
       const auto frame = frame_by_symbol(image_, half, corners_by_bars(*rough, *attempt),
                                          attempt->profile.module_px);
-      if (frame && judge_covered(*frame)) return;
+      // The bars tell the left and right sides; the upper and lower ones must show.
+      if (!frame || !frame->shown[0] || !frame->shown[2]) continue;
+      if (!bars_end_as_expected(image_, frame->corners, layout)) continue;
+      if (judge_covered(*frame)) return;
     }
   }
 

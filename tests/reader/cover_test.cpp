@@ -114,12 +114,12 @@ TEST_CASE("a highlight on the bars is read around") {
 }
 
 TEST_CASE("a digit that no row shows is not filled in from the check digit") {
-  // Eight modules wide over the whole height, at every digit in turn.
+  // Eight modules wide over the whole height.
   const double module = 0.343 / 113;
-  for (int digit = 0; digit < 12; ++digit) {
+  for (const int digit : {0, 5, 11}) {
     CAPTURE(digit);
     const double first = 9 + 3 + 7 * digit + (digit >= 6 ? 5 : 0);
-    for (const double reflectance : {0.05, 0.4, 0.82}) {
+    for (const double reflectance : {0.05, 0.82}) {
       CAPTURE(reflectance);
       const ReadResult result =
           read_covered({{(first - 0.5) * module, -0.08, 8 * module, 0.32}, reflectance});
