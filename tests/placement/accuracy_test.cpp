@@ -56,6 +56,7 @@ TEST_CASE("the survey's error in two tags leaves half its variance in the positi
   AccuracyOptions options;
   options.corner_sigma_px = 1e-4;
   survey.sigma = 0.01;
+  for (PlacedTag& tag : survey.tags) tag.sigma = survey.sigma;
   const std::size_t tags = sights_from(survey, rig, pose).size();
   REQUIRE(tags == 2);
   const VehicleCovariance covariance = expected(survey, rig, pose, options);
@@ -197,6 +198,7 @@ TEST_CASE("a plate that two cameras see is off for both of them") {
   rig.cameras.push_back(second);
   Survey survey = straight_survey(10, 8);
   survey.sigma = 0.01;
+  for (PlacedTag& tag : survey.tags) tag.sigma = survey.sigma;
   const SightModel model(survey, rig);
   Draws draws(5);
   int twice = 0;
