@@ -34,8 +34,8 @@ enum class Frameless {
 
 // Chosen on the hostile frames of docs/accuracy.md, "Reliability", where no wrong code is stated
 // nearly as sure: without a code book, with one, and for symbols without a frame.
-inline constexpr double kSureAlone = 1.0 - 5e-5;
-inline constexpr double kSureWithBook = 1.0 - 5e-5;
+inline constexpr double kSureAlone = 1.0 - 2e-6;
+inline constexpr double kSureWithBook = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 struct ReadOptions {

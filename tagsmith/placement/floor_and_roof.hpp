@@ -19,10 +19,10 @@ struct RoomExit {
   bool through_floor = false;
 };
 
-// The changes of grade and of the roof's height within `reach` metres of a chainage. Between two of them floor and roof rise
-// evenly with the chainage, so that a ray with both ends in the room can leave it at a change only;
-// exact where the center line is straight, and in a bend to what a ray's chainage departs from
-// evenness between two changes. World frame.
+// The changes of grade and of the roof's height within `reach` metres of a chainage. Between two of
+// them floor and roof rise evenly with the chainage, so that a ray with both ends in the room can
+// leave it at a change only; exact where the center line is straight, and in a bend to what a ray's
+// chainage departs from evenness between two changes. World frame.
 class FloorAndRoof {
  public:
   FloorAndRoof(const Tunnel& tunnel, double chainage, double reach = 60);

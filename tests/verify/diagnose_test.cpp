@@ -68,22 +68,24 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
     const char* measured;
   };
   std::vector<Case> cases{
-      {"far away", {16}, "too-small", "0.31 pixels a module"},
-      {"farther", {20}, "too-small", "pixels a module"},
-      {"from the side", {1, 86}, "end-on", "degrees from its front, limit 72"},
+      {"far away", {10.6}, "too-small", "0.46 pixels a module"},
+      {"farther", {11}, "too-small", "pixels a module"},
+      {"from the side", {1, 84}, "end-on", "degrees from its front, limit 72"},
       {"from the other side", {1, -84}, "end-on", "degrees from its front, limit 72"},
       {"out of focus", {2}, "blurred", "modules, limit 0.9"},
       {"far out of focus", {2}, "blurred", "modules, limit 0.9"},
       {"moved", {1.5}, "blurred", "modules, limit 0.9"},
-      {"ink spread", {}, "bars-grown", "modules, limit 0.7"},
+      {"ink spread", {2.5}, "bars-grown", "modules, limit 0.7"},
       {"a cable", {}, "covered", "at the middle left, limit 5 %"},
       {"a pipe", {}, "covered", "32 % of the bars are covered or damaged, in the middle"},
       {"dirt", {}, "covered", "of the bars are covered or damaged"},
       {"a highlight", {}, "glare", "the darkest bars are"}};
+  cases[0].shot.sensor.blur_sigma_px = 1.3;
+  cases[1].shot.sensor.blur_sigma_px = 1.3;
   cases[4].shot.sensor.blur_sigma_px = 6;
   cases[5].shot.sensor.blur_sigma_px = 8;
   cases[6].shot.sensor.motion_px = {15, 0};
-  cases[7].shot.finish.bar_growth = 0.85;
+  cases[7].shot.finish.bar_growth = 0.72;
   cases[8].shot.finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
   cases[9].shot.finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
   cases[10].shot.finish.dirt = Dirt{0.4, 0.03, 0.25, 5};
