@@ -274,6 +274,11 @@ class PictureReader {
     return known;
   }
 
+  // Reads carefully what did not convince at first.
+  void try_covered() {
+    for (const RefinedFrame& frame : covered_) judge_covered(frame);
+  }
+
   bool has_read_any() const { return !result_.tags.empty(); }
 
   // Whether an expected tag has been read where it should be.
@@ -324,7 +329,7 @@ class PictureReader {
     if (attempt && !reason) return accept(frame, *attempt, "frame");
     constexpr double kLeastGuards = 0.5;  // other symbols' are below
     const bool symbol_like = !attempt || attempt->decoding.guards > kLeastGuards;
-    if (symbol_like && may_be_covered(frame) && judge_covered(frame)) return;
+    if (symbol_like && may_be_covered(frame)) covered_.push_back(frame);
     if (!attempt) return pass_over(frame.corners, "no guard patterns inside");
     const auto stranger =
         options_.code_book.empty() ? std::nullopt : stranger_to_book(image_, frame, options_);
@@ -347,10 +352,10 @@ class PictureReader {
 
   // Whether the careful way may help: it needs bars that stand apart, and takes time.
   bool may_be_covered(const RefinedFrame& frame) {
-    constexpr int kMostTries = 4;         // in one picture
-    constexpr double kLeastModule = 1.2;  // pixels
+    constexpr std::size_t kMostTries = 4;  // in one picture
+    constexpr double kLeastModule = 1.2;   // pixels
     const double across = module_across(frame.corners);
-    return across >= kLeastModule && careful_tries_++ < kMostTries;
+    return across >= kLeastModule && covered_.size() < kMostTries;
   }
 
   GrayView image_;
@@ -358,7 +363,7 @@ class PictureReader {
   ReadResult result_;
   std::vector<Quad> settled_;  // frames tried, before and after the fine fit
   std::vector<Quad> refined_;
-  int careful_tries_ = 0;
+  std::vector<RefinedFrame> covered_;  // frames whose symbols did not convince
 };
 
 // Frames larger than this are seen in the image at half its size, pixels.
@@ -598,6 +603,9 @@ void search(PictureReader& reader, const GrayView& image) {
     if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
     search_regions(reader, at.level, everywhere ? nullptr : &around, true);
   }
+  // Reading what is covered takes longer than all the rest: only where nothing else was read.
+  if (reader.has_read_any()) return;
+  reader.try_covered();
   for (const BarRegion& region : unexplained_bars(reader, image, half.level)) {
     reader.try_bars(half.level.image, region);
   }
