@@ -23,6 +23,7 @@
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -404,17 +405,6 @@ int run_simulate(const SimulateOptions& options) {
                options.folder.string());
   }
   return kExitOk;
-}
-
-// CLI::Range lets "nan" through.
-CLI::Validator number_between(double low, double high) {
-  return {[low, high](std::string& text) {
-            const std::optional<double> value = parse_number(text);
-            if (value && *value >= low && *value <= high) return std::string();
-            return "found `" + text + "`, expected a number from " + format_number(low) + " to " +
-                   format_number(high);
-          },
-          ""};
 }
 
 void add_camera_options(CLI::App& app, SimulateOptions& options) {

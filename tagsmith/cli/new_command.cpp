@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/survey/draft_survey.hpp"
@@ -257,15 +258,15 @@ void add_options(CLI::App* app, NewOptions& options) {
       ->needs(from);
   app->add_option("--tolerance", options.tolerance_mm,
                   "How far a point may be off, millimetres (default: 30)")
-      ->check(CLI::Range(0.1, 10'000.0))
+      ->check(number_between(0.1, 10'000.0))
       ->needs(from);
   app->add_option("--mount-height", options.mount_height,
                   "Metres of P above the floor, for lists without floor points")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_between(0.0, 100.0))
       ->needs(from);
   app->add_option("--tunnel-height", options.tunnel_height,
                   "Metres of the roof above the floor, for lists without roof points")
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(number_between(0.1, 1000.0))
       ->needs(from);
   app->add_option("--walls", options.walls,
                   "parallel (default): one width for all; measured: walls and roof run through "

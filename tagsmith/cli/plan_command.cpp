@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/plan_command.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -10,6 +11,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/plan_optimise.hpp"
 #include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
@@ -132,48 +135,68 @@ Result<bool> plan(const PlanCommandOptions& options) {
   return summary.gaps.empty();
 }
 
+// A number of poses with the middle one among them.
+CLI::Validator odd_up_to(int most) {
+  return {[most](std::string& text) {
+            const std::optional<double> value = parse_number(text);
+            if (value && *value >= 1 && *value <= most && std::fmod(*value, 2) == 1) {
+              return std::string();
+            }
+            return fmt::format("found `{}`, expected an odd number from 1 to {}", text, most);
+          },
+          ""};
+}
+
 void add_drive_options(CLI::App& app, PlanOptions& options) {
-  app.add_option("--from", options.from, "Chainage of the plan's start, m (default: 0)");
-  app.add_option("--to", options.to, "Chainage of its end, m (default: the center line's end)");
+  constexpr double kFarthest = 1e6;  // metres before or behind the center line's start
+  app.add_option("--from", options.from, "Chainage of the plan's start, m (default: 0)")
+      ->check(number_between(-kFarthest, kFarthest));
+  app.add_option("--to", options.to, "Chainage of its end, m (default: the center line's end)")
+      ->check(number_between(-kFarthest, kFarthest));
   app.add_option("--step", options.step, "Step of the chainage, m (default: 0.05)")
-      ->check(CLI::Range(1e-4, 1000.0));
+      ->check(number_between(1e-4, 1000.0));
   app.add_option("--offsets", options.lateral_offsets,
                  "Lateral offsets over the envelope, odd (default: 5)")
-      ->check(CLI::Range(1, 101));
+      ->check(odd_up_to(101));
   app.add_option("--headings", options.headings, "Headings over the envelope, odd (default: 5)")
-      ->check(CLI::Range(1, 101));
+      ->check(odd_up_to(101));
   app.add_option("--speed", options.speed, "Speed in m/s instead of the envelope's")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(number_between(0.0, 100.0));
   app.add_option("--corner-sigma", options.corner_sigma_px,
                  "Standard deviation of a corner's coordinate, pixels (default: as measured)")
-      ->check(CLI::Range(1e-4, 100.0));
+      ->check(number_between(1e-4, 100.0));
   app.add_option("--jobs", options.jobs, "Cores to use at most (default: all)")
       ->check(CLI::Range(1, 1024));
 }
 
 void add_optimise_options(CLI::App& app, PlanCommandOptions& options) {
-  app.add_flag("--optimise", options.optimise,
-               "Look for the cheapest layout that keeps the promise below; -o writes its survey");
+  CLI::Option* optimise = app.add_flag(
+      "--optimise", options.optimise,
+      "Look for the cheapest layout that keeps the promise below; -o writes its survey");
   app.add_option_function<double>(
          "--plane-sigma",
          [&options](double mm) { options.optimisation.requirement.plane_sigma = mm / 1000; },
          "Greatest sigma in the plane at any pose, mm (default: 20)")
-      ->check(CLI::Range(1e-3, 1e5));
+      ->check(number_between(1e-3, 1e5))
+      ->needs(optimise);
   app.add_option("--tags-lost", options.optimisation.requirement.tags_lost,
                  "Tags that may be unreadable, 0 or 1 (default: 0)")
-      ->check(CLI::Range(0, 1));
+      ->check(CLI::Range(0, 1))
+      ->needs(optimise);
   app.add_option_function<std::string>(
          "--least",
          [&options](const std::string& what) {
            options.optimisation.order = what == "plate" ? CostOrder::plate : CostOrder::tags;
          },
          "tags: fewest tags, that is the widest spacing; plate: smallest plate (default: tags)")
-      ->check(CLI::IsMember({"tags", "plate"}));
+      ->check(CLI::IsMember({"tags", "plate"}))
+      ->needs(optimise);
   app.add_option("--vary", options.optimisation.vary,
                  "What may change besides the spacing, by commas (default: all of "
                  "height,plate,stagger,alpha; none: nothing else)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"height", "plate", "stagger", "alpha", "none"}));
+      ->check(CLI::IsMember({"height", "plate", "stagger", "alpha", "none"}))
+      ->needs(optimise);
 }
 
 }  // namespace

@@ -78,10 +78,12 @@ std::string one_lost_text(const PlannedDrive& drive) {
   }
   const CriticalTag& worst = summary.critical_tags.front();
   return fmt::format(
-      "{} whichever tag is lost; {} tags are indispensable somewhere, most of all {}: without it "
+      "{} whichever tag is lost; {} indispensable somewhere, most of all {}: without it "
       "{} more has gaps, the longest {}",
-      share, summary.critical_tags.size(), drive.survey.tags[worst.tag].name, metres(worst.length),
-      stretch(worst.longest_gap));
+      share,
+      summary.critical_tags.size() == 1 ? "1 tag is"
+                                        : fmt::format("{} tags are", summary.critical_tags.size()),
+      drive.survey.tags[worst.tag].name, metres(worst.length), stretch(worst.longest_gap));
 }
 
 bool has_exposure(const Rig& rig) {

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/render/text.hpp"
@@ -214,10 +215,10 @@ void add_paper_options(CLI::App& app, PrintOptions& options) {
   app.add_flag("--tile", options.tiled,
                "Plates in pieces on several sheets of the paper, with an assembly sheet");
   app.add_option("--overlap", options.overlap_mm, "Of neighbouring tiles, mm (default: 10)")
-      ->check(CLI::Range(5.0, 50.0));
+      ->check(number_between(5.0, 50.0));
   app.add_option("--bleed", options.bleed_mm,
                  "How far crop marks and bleed box stand off the plate, mm (default: 3)")
-      ->check(CLI::Range(0.0, 20.0));
+      ->check(number_between(0.0, 20.0));
 }
 
 void add_printer_options(CLI::App& app, PrintOptions& options) {
@@ -230,7 +231,7 @@ void add_printer_options(CLI::App& app, PrintOptions& options) {
   app.add_option("--bar-adjust", options.bar_adjustment_mm,
                  "Added to the width of every bar and of the frame, mm; -0.1 takes away what the "
                  "ink adds (default: 0)")
-      ->check(CLI::Range(-10.0, 10.0));
+      ->check(number_between(-10.0, 10.0));
   app.add_flag("--proof", options.proof,
                "Draw the files as pixels, read them, and write nothing unless digits, sizes and "
                "corners are the survey's");
@@ -242,7 +243,7 @@ void add_installer_options(CLI::App& app, PrintOptions& options) {
   app.add_option("--tolerance", options.tolerance_mm,
                  "How far P may hang from its place, mm, for the setting-out list (default: twice "
                  "the survey's sigma, at least 5)")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(number_between(0.1, 1000.0));
   app.add_option("--point-order", options.point_order,
                  "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)")
       ->check(CLI::IsMember({"PENZD", "PNEZD"}));

@@ -136,56 +136,57 @@ double widest(LensModel lens) {
   return lens == LensModel::fisheye ? kWidest : std::tan(kWidest);
 }
 
-// A point of the plane z = 1 moved by the distortion, and the derivative of that.
-struct Distorted {
-  Vector2d point;
-  Matrix2d by_ideal;
-};
+// How far the curve moves a point of the plane z = 1 out from the axis, as a factor.
+double radial_scale(const Camera& camera, const RadialCurve& curve, double r) {
+  if (camera.lens == LensModel::perspective) return curve.ratio(r);
+  const double q = std::atan(r);
+  return curve.ratio(q) * (r > 0 ? q / r : 1);
+}
 
-Distorted distort(const Camera& camera, const RadialCurve& curve, const Vector2d& ideal) {
+// A point of the plane z = 1 moved by the distortion.
+Vector2d distorted_point(const Camera& camera, const RadialCurve& curve, const Vector2d& ideal) {
+  const double r2 = ideal.squaredNorm();
+  const Vector2d point = radial_scale(camera, curve, std::sqrt(r2)) * ideal;
+  if (camera.lens == LensModel::fisheye) return point;
+  const double p1 = camera.distortion[2];
+  const double p2 = camera.distortion[3];
+  const double x = ideal.x();
+  const double y = ideal.y();
+  return point +
+         Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
+}
+
+// The derivative of that.
+Matrix2d distortion_derivative(const Camera& camera, const RadialCurve& curve,
+                               const Vector2d& ideal) {
   const bool is_fisheye = camera.lens == LensModel::fisheye;
   const std::array<double, 8>& k = camera.distortion;
   const double r2 = ideal.squaredNorm();
   const double r = std::sqrt(r2);
-  const double q = is_fisheye ? std::atan(r) : r;
-  // Near the axis the quotients below lose their digits; the next terms are of order r^2 smaller.
+  const double scale = radial_scale(camera, curve, r);
+  // Near the axis the quotient below loses its digits; the next terms are of order r^2 smaller.
   constexpr double kNearAxis = 1e-6;
-  double scale = 1;
   double bend = is_fisheye ? 2 * (k[0] - 1.0 / 3) : 2 * (k[0] - k[5]);
-  if (r2 < kNearAxis) {
-    scale += bend / 2 * r2;
-  } else {
-    scale = curve.ratio(q) * (is_fisheye ? q / r : 1.0);
-    const double slope = curve.slope(q) * (is_fisheye ? 1 / (1 + r2) : 1.0);
+  if (r2 >= kNearAxis) {
+    const double slope = is_fisheye ? curve.slope(std::atan(r)) / (1 + r2) : curve.slope(r);
     bend = (slope - scale) / r2;
   }
-  Distorted result{scale * ideal, scale * Matrix2d::Identity() + bend * ideal * ideal.transpose()};
-  if (is_fisheye) return result;
+  Matrix2d by_ideal = scale * Matrix2d::Identity() + bend * ideal * ideal.transpose();
+  if (is_fisheye) return by_ideal;
   const double p1 = k[2];
   const double p2 = k[3];
-  const double x = ideal.x();
-  const double y = ideal.y();
-  result.point +=
-      Vector2d(2 * p1 * x * y + p2 * (r2 + 2 * x * x), p1 * (r2 + 2 * y * y) + 2 * p2 * x * y);
-  const double mixed = 2 * (p1 * x + p2 * y);
-  result.by_ideal(0, 0) += 2 * p1 * y + 6 * p2 * x;
-  result.by_ideal(0, 1) += mixed;
-  result.by_ideal(1, 0) += mixed;
-  result.by_ideal(1, 1) += 6 * p1 * y + 2 * p2 * x;
-  return result;
+  const double mixed = 2 * (p1 * ideal.x() + p2 * ideal.y());
+  by_ideal(0, 0) += 2 * p1 * ideal.y() + 6 * p2 * ideal.x();
+  by_ideal(0, 1) += mixed;
+  by_ideal(1, 0) += mixed;
+  by_ideal(1, 1) += 6 * p1 * ideal.y() + 2 * p2 * ideal.x();
+  return by_ideal;
 }
 
 bool in_reach(const Camera& camera, const RadialCurve& curve, const Vector2d& ideal) {
   const double r = ideal.norm();
   const double q = camera.lens == LensModel::fisheye ? std::atan(r) : r;
   return q <= widest(camera.lens) && rises_up_to(curve, q);
-}
-
-std::optional<Distorted> distorted_in_reach(const Camera& camera, const Vector2d& ideal) {
-  if (is_rectilinear(camera)) return Distorted{ideal, Matrix2d::Identity()};
-  const RadialCurve curve = radial_curve(camera);
-  if (!in_reach(camera, curve, ideal)) return std::nullopt;
-  return distort(camera, curve, ideal);
 }
 
 constexpr double kConverged = 1e-14;
@@ -239,8 +240,8 @@ std::optional<Vector2d> undistort(const Camera& camera, const Vector2d& distorte
   Vector2d point = radius > 0 ? Vector2d(r / radius * distorted) : Vector2d(0, 0);
   if (camera.lens == LensModel::fisheye) return point;
   for (int iteration = 0; iteration < 20; ++iteration) {
-    const Distorted there = distort(camera, curve, point);
-    const Vector2d step = there.by_ideal.inverse() * (distorted - there.point);
+    const Matrix2d by_point = distortion_derivative(camera, curve, point);
+    const Vector2d step = by_point.inverse() * (distorted - distorted_point(camera, curve, point));
     point += step;
     if (step.squaredNorm() < 1e-28 * (1 + point.squaredNorm())) {
       return in_reach(camera, curve, point) ? std::optional(point) : std::nullopt;
@@ -283,25 +284,32 @@ double reach(const Camera& camera) {
 
 std::optional<Projection> project_with_derivative(const Camera& camera,
                                                   const Vector3d& point_in_camera) {
-  constexpr double kNearest = 1e-3;
+  const std::optional<Vector2d> pixel = project(camera, point_in_camera);
+  if (!pixel) return std::nullopt;
   const double z = point_in_camera.z();
-  if (!(z >= kNearest)) return std::nullopt;
   const Vector2d ideal = point_in_camera.head<2>() / z;
-  const std::optional<Distorted> distorted = distorted_in_reach(camera, ideal);
-  if (!distorted) return std::nullopt;
-  const Vector2d focal(camera.fx, camera.fy);
+  Matrix2d by_ideal = Vector2d(camera.fx, camera.fy).asDiagonal();
+  if (!is_rectilinear(camera)) {
+    by_ideal = by_ideal * distortion_derivative(camera, radial_curve(camera), ideal);
+  }
   Projection projection;
-  projection.pixel = focal.cwiseProduct(distorted->point) + Vector2d(camera.cx, camera.cy);
-  const Matrix2d by_ideal = focal.asDiagonal() * distorted->by_ideal;
+  projection.pixel = *pixel;
   projection.by_point.leftCols<2>() = by_ideal / z;
   projection.by_point.col(2) = -(by_ideal * ideal) / z;
   return projection;
 }
 
 std::optional<Vector2d> project(const Camera& camera, const Vector3d& point_in_camera) {
-  const std::optional<Projection> projection = project_with_derivative(camera, point_in_camera);
-  if (!projection) return std::nullopt;
-  return projection->pixel;
+  constexpr double kNearest = 1e-3;
+  const double z = point_in_camera.z();
+  if (!(z >= kNearest)) return std::nullopt;
+  Vector2d point = point_in_camera.head<2>() / z;
+  if (!is_rectilinear(camera)) {
+    const RadialCurve curve = radial_curve(camera);
+    if (!in_reach(camera, curve, point)) return std::nullopt;
+    point = distorted_point(camera, curve, point);
+  }
+  return Vector2d(camera.fx * point.x() + camera.cx, camera.fy * point.y() + camera.cy);
 }
 
 std::optional<Vector3d> ray_through(const Camera& camera, const Vector2d& pixel) {

@@ -441,6 +441,14 @@ Result<void> check(const Survey& survey, const Rig& rig, const PlanOptions& opti
     return fail(fmt::format("the plan ends at chainage {} m, expected more than its start, {} m",
                             format_number(to, 3), format_number(from, 3)));
   }
+  const double length = survey.tunnel.centerline.length();
+  if (to <= 0 || from >= length) {
+    return fail(
+        fmt::format("the plan from chainage {} to {} m lies outside of the center line of "
+                    "{}, 0 to {} m",
+                    format_number(from, 3), format_number(to, 3), survey.file.string(),
+                    format_number(length, 3)));
+  }
   const double narrowest = least_distance(survey.tunnel);
   if (envelope.lateral >= narrowest) {
     return fail(fmt::format(

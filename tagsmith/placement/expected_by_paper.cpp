@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "tagsmith/geometry/pair_circle.hpp"
+#include "tagsmith/survey/pair_angle.hpp"
 
 namespace tagsmith {
 namespace {
@@ -125,15 +126,13 @@ PairGeometry geometry_of(const Survey& survey, const Pair& pair, bool tags_are_a
   geometry.p2 = pair.right.tag->world_from_plate.translation;
   geometry.tags_are_above = tags_are_above;
   geometry.width = pair_width(survey.tunnel, *pair.left.tag, *pair.right.tag);
-  const Vector3d along = (pair.left.tag->world_from_plate.rotation.col(0) -
-                          pair.right.tag->world_from_plate.rotation.col(0))
-                             .normalized();
+  const Vector3d along = direction_of(heading_between(*pair.left.tag, *pair.right.tag));
   const Vector2d between = (geometry.p2 - geometry.p1).head<2>();
   geometry.spacing = between.norm();
   geometry.towards_p2 = between / geometry.spacing;
   geometry.rear = Vector2d(-geometry.towards_p2.y(), geometry.towards_p2.x());
   if (geometry.rear.dot(along.head<2>()) > 0) geometry.rear = -geometry.rear;
-  geometry.pair_angle = std::atan2(std::abs(between.dot(along.head<2>())), geometry.width);
+  geometry.pair_angle = pair_angle_for(survey, *pair.left.tag, *pair.right.tag);
   return geometry;
 }
 

@@ -129,7 +129,12 @@ TEST_CASE("plan refuses what it cannot use, and writes nothing") {
   const std::string target = (folder.path() / "out").string();
   CHECK(run_tagsmith("plan missing.yaml --rig surveys/corridor/rig.yaml").exit_code == 2);
   CHECK(run_tagsmith(kCorridor + " --from 3 --to 2 -o " + target).exit_code == 2);
-  CHECK(run_tagsmith(kCorridor + " --step 0").exit_code == 2);
+  for (const char* wrong :
+       {" --step 0", " --step nan", " --speed nan", " --corner-sigma nan", " --from nan",
+        " --to inf", " --from 50 --to 60", " --from -9 --to -1", " --offsets 4", " --headings 0",
+        " --plane-sigma 5", " --optimise --plane-sigma nan", " --optimise --tags-lost 2"}) {
+    CHECK_MESSAGE(run_tagsmith(kCorridor + wrong).exit_code == 2, wrong);
+  }
   CHECK(run_tagsmith(kCorridor + " --optimise --plane-sigma 0.001 --to 5 -o " + target).exit_code ==
         2);
   CHECK_FALSE(std::filesystem::exists(target));
