@@ -108,13 +108,10 @@ constexpr std::array<Polynomial, 7> kBernstein = [] {
 bool is_positive_up_to(const Polynomial& p, double end) {
   constexpr int kHalvings = 24;
   Polynomial scaled{};
-  double bound = 0;  // from below, which is enough at most places of most lenses
   double power = 1;
   for (std::size_t i = 0; i < p.size(); ++i, power *= end) {
     scaled[i] = p[i] * power;
-    bound += i > 0 ? std::min(scaled[i], 0.0) : scaled[i];
   }
-  if (bound > 0) return true;
   Polynomial bernstein{};
   for (std::size_t j = 0; j < p.size(); ++j) {
     for (std::size_t i = 0; i <= j; ++i) bernstein[j] += kBernstein[j][i] * scaled[i];
@@ -124,6 +121,15 @@ bool is_positive_up_to(const Polynomial& p, double end) {
 
 // True when the curve rises all the way from 0 to q.
 bool rises_up_to(const RadialCurve& curve, double q) {
+  if (!curve.is_ratio) {
+    // Its falling terms alone bound the rise from below; that does at most places of most lenses.
+    double falling = 0;
+    for (std::size_t i = curve.numerator.size(); i-- > 1;) {
+      falling =
+          q * q * (falling + static_cast<double>(2 * i + 1) * std::min(curve.numerator[i], 0.0));
+    }
+    if (1 + falling > 0) return true;
+  }
   if (!is_positive_up_to(rise_of(curve), q * q)) return false;
   if (!curve.is_ratio) return true;
   const auto& d = curve.denominator;
