@@ -96,7 +96,9 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   for (const auto& [line, place] : places) {
     const double end = place.begin + kModuleCount * place.module;
     for (const SymbolPlace& way : {place, SymbolPlace{end, -place.module, place.cost}}) {
-      const double cost = elastic_cost(lines[line].light, way, shapes().front().templates);
+      const auto placed = placed_line(lines[line].light, way);
+      if (!placed) continue;
+      const double cost = elastic_cost(*placed, shapes().front().templates, best);
       if (cost >= best) continue;
       best = cost;
       found = FirstPlace{line, way};
@@ -115,16 +117,16 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
 const Shape& best_shape(ReadLine& line) {
   const SymbolPlace place = place_of(line.reading.alignment);
   const Shape* best = &shapes().front();
+  const auto placed = placed_line(line.light, place);
+  if (!placed) return *best;
   double least = line.reading.alignment.cost_per_module;
   for (const Shape& shape : shapes()) {
-    const double cost = elastic_cost(line.light, place, shape.templates);
+    const double cost = elastic_cost(*placed, shape.templates, least);
     if (cost >= least) continue;
     least = cost;
     best = &shape;
   }
-  if (const auto reading = read_elastic(line.light, place, best->templates)) {
-    line.reading = *reading;
-  }
+  if (const auto reading = read_elastic(*placed, best->templates)) line.reading = *reading;
   return *best;
 }
 
@@ -161,7 +163,7 @@ RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarR
         break;
       }
       ScanLine light = light_along(image, frame, offset, scan.spacing);
-      auto reading = read_elastic(light, place, shape.templates);
+      auto reading = read_elastic(light, place, shape.templates, kWorst);
       if (!reading || reading->alignment.cost_per_module > kWorst) {
         ++misses;
         continue;
