@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 #include "decoder/scan/place_rows.hpp"
 #include "tagsmith/base/normal.hpp"
@@ -134,24 +134,38 @@ int patterns_of(int segment) {
   return is_left(segment) ? kTemplates : 10;
 }
 
+// The light of a line up to any place; beyond its ends its last samples continue.
+class LineIntegral {
+ public:
+  explicit LineIntegral(const ScanLine& line) : line_(line), sums_(line.size() + 1, 0.0) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      sums_[i + 1] = sums_[i] + static_cast<double>(line[i]);
+    }
+  }
+
+  double to(double at) const {
+    const auto size = static_cast<double>(line_.size());
+    if (at < 0) return at * static_cast<double>(line_.front());
+    if (at >= size) return sums_.back() + (at - size) * static_cast<double>(line_.back());
+    const auto i = static_cast<std::size_t>(at);
+    return sums_[i] + (at - static_cast<double>(i)) * static_cast<double>(line_[i]);
+  }
+
+ private:
+  const ScanLine& line_;
+  std::vector<double> sums_;
+};
+
 // A line at kPerModule samples a module, the symbol nominally from kMargin modules on. Each sample
-// is the mean of what it covers; beyond the line's ends its last samples continue.
-std::vector<float> resampled(const ScanLine& line, double begin, double module, int count) {
-  std::vector<double> integral(line.size() + 1, 0.0);
-  for (std::size_t i = 0; i < line.size(); ++i) integral[i + 1] = integral[i] + line[i];
-  const auto size = static_cast<double>(line.size());
-  const auto sum_to = [&](double at) {
-    const double inside = std::clamp(at, 0.0, size);
-    const auto i = std::min(static_cast<std::size_t>(inside), line.size() - 1);
-    const double sum = integral[i] + (inside - static_cast<double>(i)) * line[i];
-    return sum + (at < 0 ? at * line.front() : std::max(0.0, at - size) * line.back());
-  };
+// is the mean of what it covers.
+std::vector<float> resampled(const LineIntegral& line, double begin, double module, int count) {
   const double step = module / kPerModule;
-  std::vector<float> samples;
-  samples.reserve(static_cast<std::size_t>(count));
+  std::vector<float> samples(static_cast<std::size_t>(count));
+  double before = line.to(begin - kMargin * kPerModule * step);
   for (int i = 0; i < count; ++i) {
-    const double from = begin + (i - kMargin * kPerModule) * step;
-    samples.push_back(static_cast<float>((sum_to(from + step) - sum_to(from)) / step));
+    const double sum = line.to(begin + (i + 1 - kMargin * kPerModule) * step);
+    samples[static_cast<std::size_t>(i)] = static_cast<float>((sum - before) / step);
+    before = sum;
   }
   return samples;
 }
@@ -462,71 +476,79 @@ std::vector<float> running_maximum(const std::vector<float>& samples, std::size_
   // Blocks of 2 window + 1: running maxima from both ends of each (van Herk 1992, Gil and Werman
   // 1993).
   const std::size_t block = 2 * window + 1;
-  const std::size_t padded = samples.size() + 2 * window;
-  const auto at = [&](std::size_t i) {
-    return samples[std::clamp<std::size_t>(i, window, window + samples.size() - 1) - window];
-  };
-  std::vector<float> ahead(padded), behind(padded);
-  for (std::size_t i = 0; i < padded; ++i) {
-    ahead[i] = i % block == 0 ? at(i) : std::max(ahead[i - 1], at(i));
-  }
-  for (std::size_t i = padded; i-- > 0;) {
-    behind[i] = i + 1 == padded || (i + 1) % block == 0 ? at(i) : std::max(behind[i + 1], at(i));
+  std::vector<float> padded(samples.size() + 2 * window, samples.back());
+  std::fill_n(padded.begin(), window, samples.front());
+  std::ranges::copy(samples, padded.begin() + static_cast<std::ptrdiff_t>(window));
+  std::vector<float> ahead(padded);
+  for (std::size_t begin = 0; begin < padded.size(); begin += block) {
+    const std::size_t end = std::min(padded.size(), begin + block);
+    float most = padded[begin];
+    for (std::size_t i = begin; i < end; ++i) ahead[i] = most = std::max(most, padded[i]);
+    most = padded[end - 1];
+    for (std::size_t i = end; i-- > begin;) padded[i] = most = std::max(most, padded[i]);
   }
   std::vector<float> result(samples.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = std::max(behind[i], ahead[i + 2 * window]);
+    result[i] = std::max(padded[i], ahead[i + 2 * window]);
   }
   return result;
 }
 
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
-  std::vector<double> integral(samples.size() + 1, 0.0);
-  for (std::size_t i = 0; i < samples.size(); ++i) integral[i + 1] = integral[i] + samples[i];
-  std::vector<float> result(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const std::size_t from = i > window ? i - window : 0;
-    const std::size_t to = std::min(samples.size(), i + window + 1);
-    result[i] =
-        static_cast<float>((integral[to] - integral[from]) / static_cast<double>(to - from));
+  const std::size_t size = samples.size();
+  std::vector<float> result(size);
+  double sum = 0;
+  std::size_t from = 0, to = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t end = std::min(size, i + window + 1);
+    while (to < end) sum += static_cast<double>(samples[to++]);
+    if (i > window) sum -= static_cast<double>(samples[from++]);
+    result[i] = static_cast<float>(sum / static_cast<double>(to - from));
   }
   return result;
 }
 
 // Mean darkness of the module that begins at each sample; of its middle three samples, because its
 // edges are blurred.
-std::vector<float> module_darkness(const std::vector<float>& darkness) {
+std::vector<float> module_darkness(std::vector<float> darkness) {
+  for (float& sample : darkness) sample = std::min(std::max(sample, 0.0F), 1.0F);
   std::vector<float> modules(darkness.size(), 0.0F);
-  const auto clamped = [&](std::size_t i) { return std::clamp(darkness[i], 0.0F, 1.0F); };
   for (std::size_t i = 0; i + kPerModule <= darkness.size(); ++i) {
-    modules[i] = (clamped(i + 1) + clamped(i + 2) + clamped(i + 3)) / 3;
+    modules[i] = (darkness[i + 1] + darkness[i + 2] + darkness[i + 3]) / 3;
   }
   return modules;
 }
 
 // How badly a pattern of modules (1 bar, 0 space) that begins at each sample suits: 1 less its
 // correlation with the darkness, which blur lowers little. Even grey correlates with nothing.
-std::vector<float> pattern_costs(const std::vector<float>& modules, std::span<const int> pattern) {
+template <std::size_t kLength>
+std::vector<float> pattern_costs(const std::vector<float>& modules,
+                                 const std::array<int, kLength>& pattern) {
   constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
-  const auto count = static_cast<float>(pattern.size());
-  const std::size_t length = pattern.size() * kPerModule;
+  constexpr auto kCount = static_cast<float>(kLength);
   float mean = 0;
-  for (const int bar : pattern) mean += static_cast<float>(bar) / count;
+  for (const int bar : pattern) mean += static_cast<float>(bar) / kCount;
   const float deviation = std::sqrt(mean * (1 - mean));
+  std::array<float, kLength> weights{};
+  for (std::size_t m = 0; m < kLength; ++m) weights[m] = static_cast<float>(pattern[m]) - mean;
   std::vector<float> costs(modules.size(), kFarCost);
-  for (std::size_t i = 0; i + length <= modules.size(); ++i) {
-    float sum = 0;
-    float squares = 0;
-    float product = 0;
-    for (std::size_t m = 0; m < pattern.size(); ++m) {
+  if (modules.size() < kLength * kPerModule) return costs;
+  const std::size_t end = modules.size() - kLength * kPerModule + 1;
+  std::vector<float> products(end), variances(end);
+  for (std::size_t i = 0; i < end; ++i) {
+    float sum = 0, squares = 0, product = 0;
+    for (std::size_t m = 0; m < kLength; ++m) {
       const float dark = modules[i + m * kPerModule];
       sum += dark;
       squares += dark * dark;
-      product += dark * (static_cast<float>(pattern[m]) - mean);
+      product += dark * weights[m];
     }
-    const float variance = squares / count - sum * sum / (count * count);
-    const float seen = std::max(kLeastDeviation, std::sqrt(std::max(0.0F, variance)));
-    costs[i] = 1 - product / count / (seen * deviation);
+    products[i] = product;
+    variances[i] = std::max(0.0F, squares / kCount - sum * sum / (kCount * kCount));
+  }
+  for (std::size_t i = 0; i < end; ++i) {
+    const float seen = std::max(kLeastDeviation, std::sqrt(variances[i]));
+    costs[i] = 1 - products[i] / kCount / (seen * deviation);
   }
   return costs;
 }
@@ -548,35 +570,35 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
 }
 
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
-std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
+std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
+                                         double module) {
   const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
   const int count = length + 2 * kMargin * kPerModule;
-  const std::vector<float> samples = resampled(line, 0, module, count);
+  const std::vector<float> samples = resampled(integral, 0, module, count);
   const std::vector<float> modules = module_darkness(local_darkness(samples, 9 * kPerModule));
   const std::vector<float> start = pattern_costs(modules, kStartPattern);
   const std::vector<float> centre = pattern_costs(modules, kCentrePattern);
   const std::vector<float> end = pattern_costs(modules, kEndPattern);
-  const auto least_near = [&](const std::vector<float>& costs, int middle, int slack) {
-    std::array<float, 2> best{kFarCost, 0};
-    for (int i = middle - slack; i <= middle + slack; ++i) {
-      if (i < 0 || i >= static_cast<int>(costs.size())) continue;
-      if (costs[static_cast<std::size_t>(i)] < best[0])
-        best = {costs[static_cast<std::size_t>(i)], static_cast<float>(i)};
-    }
-    return best;
+  // Where a pattern suits best within kSlackModules of a place.
+  constexpr int kSlackModules = 3;
+  const auto best_near = [&](const std::vector<float>& costs, int middle) {
+    const int behind = std::min(count, middle + kSlackModules * kPerModule + 1);
+    return std::min_element(costs.begin() + middle - kSlackModules * kPerModule,
+                            costs.begin() + behind);
   };
   std::vector<SymbolPlace> places;
-  for (int i = 0; i < count - (kModuleCount - 4) * kPerModule; ++i) {
+  for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
     const float at_start = start[static_cast<std::size_t>(i)];
     if (at_start > kWorstPlace / 2) continue;
     const int first_bar = i + 4 * kPerModule;
-    const auto at_centre = least_near(centre, first_bar + 44 * kPerModule, 3 * kPerModule);
-    if (at_start + at_centre[0] > kWorstPlace) continue;
-    const auto at_end = least_near(end, first_bar + 91 * kPerModule, 3 * kPerModule);
-    const float cost = at_start + at_centre[0] + at_end[0];
+    const auto at_centre = best_near(centre, first_bar + 44 * kPerModule);
+    if (at_start + *at_centre > kWorstPlace) continue;
+    const auto at_end = best_near(end, first_bar + 91 * kPerModule);
+    const float cost = at_start + *at_centre + *at_end;
     if (cost > kWorstPlace) continue;
     const double begin = first_bar - kMargin * kPerModule;
-    const double width = (static_cast<double>(at_end[1]) - first_bar) / 91 * module / kPerModule;
+    const auto bars = static_cast<double>(at_end - end.begin()) - first_bar;
+    const double width = bars / 91 * module / kPerModule;
     const SymbolPlace place{begin * module / kPerModule, width, cost};
     if (has_room(line, place)) places.push_back(place);
   }
@@ -620,8 +642,9 @@ std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, 
   constexpr double kStep = 1.045;
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
+  const LineIntegral integral(line);
   for (double module = least; module <= greatest; module *= kStep) {
-    std::ranges::move(places_at_width(line, module), std::back_inserter(all));
+    std::ranges::move(places_at_width(line, integral, module), std::back_inserter(all));
   }
   std::ranges::sort(all, {}, &SymbolPlace::cost);
   std::vector<SymbolPlace> best;
@@ -660,9 +683,9 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
   if (place.module < 0) {
     const ScanLine turned(line.rbegin(), line.rend());
     placed = {{}, size - place.begin, -place.module, size};
-    placed.darkness = resampled(turned, placed.begin, placed.module, kLineSamples);
+    placed.darkness = resampled(LineIntegral(turned), placed.begin, placed.module, kLineSamples);
   } else {
-    placed.darkness = resampled(line, placed.begin, placed.module, kLineSamples);
+    placed.darkness = resampled(LineIntegral(line), placed.begin, placed.module, kLineSamples);
   }
   placed.darkness = local_darkness(placed.darkness, 9 * kPerModule);
   return placed;
