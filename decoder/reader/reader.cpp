@@ -570,29 +570,27 @@ std::vector<BarRegion> unexplained_bars(const PictureReader& reader, const GrayV
   const PyramidLevel full{image, 1};
   const std::vector<Quad> known = reader.known_in(full);
   std::vector<BarRegion> bars;
-  for (const bool apart : {true, false}) {
-    for (const BarRegion& region : find_bar_regions(image, kLooked, apart)) {
-      if (bars.size() == kMost) return bars;
-      const double proportion = region.length / std::max(region.height, 1.0);
-      if (region.length < kLeastLength || proportion < kLeastProportion ||
-          proportion > kMostProportion) {
-        continue;
-      }
-      const auto holds = [&](const Quad& quad) { return contains(quad, region.centre); };
-      if (std::ranges::any_of(known, holds) || is_cut_off(image, region)) continue;
-      const auto same = [&](const BarRegion& other) {
-        return distance(other.centre, region.centre) < 0.25 * region.length &&
-               region.length > 0.75 * other.length && region.length < 1.33 * other.length;
-      };
-      if (std::ranges::any_of(bars, same)) continue;
-      const BarBlock block{region.centre,
-                           region.across,
-                           {-region.across.y, region.across.x},
-                           region.length / 2,
-                           region.height / 2};
-      if (is_symbol_like(half.image, scaled(block, 1 / half.scale)) && has_bars(image, region)) {
-        bars.push_back(region);
-      }
+  for (const BarRegion& region : find_bar_regions_apart(image, kLooked)) {
+    if (bars.size() == kMost) return bars;
+    const double proportion = region.length / std::max(region.height, 1.0);
+    if (region.length < kLeastLength || proportion < kLeastProportion ||
+        proportion > kMostProportion) {
+      continue;
+    }
+    const auto holds = [&](const Quad& quad) { return contains(quad, region.centre); };
+    if (std::ranges::any_of(known, holds) || is_cut_off(image, region)) continue;
+    const auto same = [&](const BarRegion& other) {
+      return distance(other.centre, region.centre) < 0.25 * region.length &&
+             region.length > 0.75 * other.length && region.length < 1.33 * other.length;
+    };
+    if (std::ranges::any_of(bars, same)) continue;
+    const BarBlock block{region.centre,
+                         region.across,
+                         {-region.across.y, region.across.x},
+                         region.length / 2,
+                         region.height / 2};
+    if (is_symbol_like(half.image, scaled(block, 1 / half.scale)) && has_bars(image, region)) {
+      bars.push_back(region);
     }
   }
   return bars;
