@@ -127,17 +127,17 @@ bool same_direction(const Texture& a, const Texture& b) {
 using CellList = std::vector<std::pair<int, int>>;
 
 // Takes the striped cells that hang together with `seed`, neighbour by neighbour.
-CellList grow(const TextureGrid& grid, std::vector<bool>& open, std::pair<int, int> seed) {
+CellList grow(const TextureGrid& grid, std::vector<std::uint8_t>& open, std::pair<int, int> seed) {
   CellList cells{seed};
-  open[grid.index(seed.first, seed.second)] = false;
+  open[grid.index(seed.first, seed.second)] = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto [column, row] = cells[i];
     const Texture& here = grid.cells[grid.index(column, row)];
     for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
       for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
         const std::size_t next = grid.index(x, y);
-        if (!open[next] || !same_direction(here, grid.cells[next])) continue;
-        open[next] = false;
+        if (open[next] == 0 || !same_direction(here, grid.cells[next])) continue;
+        open[next] = 0;
         cells.emplace_back(x, y);
       }
     }
@@ -184,9 +184,11 @@ BarRegion region_of(const TextureGrid& grid, const CellList& cells) {
   return region;
 }
 
+constexpr double kLeastLength = 40;  // 95 modules of half a pixel, less the smoothing's loss
+constexpr double kLeastFilled = 0.35;
+constexpr std::size_t kLeastCells = 2;  // of that length, one cell high
+
 bool may_be_symbol(const BarRegion& region, std::size_t cells) {
-  constexpr double kLeastLength = 40;  // 95 modules of half a pixel, less the smoothing's loss
-  constexpr double kLeastFilled = 0.35;
   const double area = region.length * region.height / (kCell * kCell);
   return region.length >= kLeastLength && region.length > 0.5 * region.height &&
          static_cast<double>(cells) > kLeastFilled * area;
@@ -194,13 +196,13 @@ bool may_be_symbol(const BarRegion& region, std::size_t cells) {
 
 // The cells whose neighbours above, below and beside them are taken too: what hangs together by
 // the edge of a plate or of a cable comes apart.
-std::vector<bool> cores_of(const TextureGrid& grid, const std::vector<bool>& striped) {
-  std::vector<bool> cores(striped.size());
+std::vector<std::uint8_t> cores_of(const TextureGrid& grid, const std::vector<std::uint8_t>& striped) {
+  std::vector<std::uint8_t> cores(striped.size());
   for (int row = 1; row + 1 < grid.rows; ++row) {
     for (int column = 1; column + 1 < grid.columns; ++column) {
       cores[grid.index(column, row)] =
-          striped[grid.index(column, row)] && striped[grid.index(column - 1, row)] &&
-          striped[grid.index(column + 1, row)] && striped[grid.index(column, row - 1)] &&
+          striped[grid.index(column, row)] & striped[grid.index(column - 1, row)] &
+          striped[grid.index(column + 1, row)] & striped[grid.index(column, row - 1)] &
           striped[grid.index(column, row + 1)];
     }
   }
@@ -210,15 +212,16 @@ std::vector<bool> cores_of(const TextureGrid& grid, const std::vector<bool>& str
 void add_regions(const TextureGrid& texture, double scale, bool apart,
                  std::vector<BarRegion>& regions) {
   const TextureGrid grid = apart ? texture : smoothed(texture);
-  std::vector<bool> open(grid.cells.size());
+  std::vector<std::uint8_t> open(grid.cells.size());
   for (std::size_t i = 0; i < open.size(); ++i) {
-    open[i] = apart ? is_striped_cell(grid.cells[i]) : is_striped(grid.cells[i]);
+    open[i] = (apart ? is_striped_cell(grid.cells[i]) : is_striped(grid.cells[i])) ? 1 : 0;
   }
   if (apart) open = cores_of(grid, open);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      if (!open[grid.index(column, row)]) continue;
+      if (open[grid.index(column, row)] == 0) continue;
       const CellList cells = grow(grid, open, {column, row});
+      if (cells.size() < kLeastCells) continue;
       BarRegion region = region_of(grid, cells);
       if (!may_be_symbol(region, cells.size())) continue;
       const double shift = (scale - 1) / 2;  // pixel centres of a reduced image
