@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -22,6 +23,7 @@
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
+#include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/covered_profile.hpp"
@@ -70,6 +72,22 @@ std::vector<std::size_t> possible_first_corners(const GrayView& image, const Qua
   if (steps.along > kClear * steps.across) return {0};
   if (steps.across > kClear * steps.along) return {1};
   return {0, 1};
+}
+
+// Where the bars are in a frame of which a side may be something else's edge.
+BarRegion bars_inside(const GrayView& image, const Quad& quad) {
+  const std::size_t first = possible_first_corners(image, quad).front();
+  const Homography map =
+      homography_to({quad[first], quad[first + 1], quad[(first + 2) % 4], quad[(first + 3) % 4]});
+  const SymbolLayout layout;
+  const double margin = layout.quiet_zone_modules / (kModuleCount + 2 * layout.quiet_zone_modules);
+  const PixelPoint left = map(margin, 0.5), right = map(1 - margin, 0.5);
+  BarRegion region;
+  region.centre = 0.5 * (left + right);
+  region.length = distance(left, right);
+  region.across = 1 / region.length * (right - left);
+  region.height = distance(map(0.5, layout.bars_top), map(0.5, layout.bars_bottom));
+  return region;
 }
 
 struct Attempt {
@@ -252,14 +270,14 @@ class PictureReader {
       const auto rough = frame_by_bars(image_, half, region, layout);
       if (!rough) continue;
       if (is_read(rough->corners)) return;
-      const auto attempt = best_attempt(image_, *rough, options_, profile_covered_symbol);
+      const auto attempt = best_explained(*rough);
       if (!attempt || attempt->decoding.fit.explained < kSymbolLike) continue;
-      const auto frame = frame_by_symbol(image_, half, corners_by_bars(*rough, *attempt),
+      const auto frame = frame_by_symbol(image_, half, corners_by_bars(*rough, *attempt), layout,
                                          attempt->profile.module_px);
-      // The bars tell the left and right sides; the upper and lower ones must show.
-      if (!frame || !frame->shown[0] || !frame->shown[2]) continue;
-      if (!bars_end_as_expected(image_, frame->corners, layout)) continue;
-      if (judge_covered(*frame)) return;
+      // Of either pair of sides one must show where the bars put it: else it may be another layout.
+      if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
+      if (!(frame->shown[1] || frame->shown[3])) continue;
+      if (judge_covered(*frame, true)) return;
     }
   }
 
@@ -274,9 +292,13 @@ class PictureReader {
     return known;
   }
 
-  // Reads carefully what did not convince at first.
-  void try_covered() {
-    for (const RefinedFrame& frame : covered_) judge_covered(frame);
+  // Reads carefully what did not convince at first: in the frame as it was found, or, where one of
+  // its sides may be something else's edge, in the one that the bars inside complete. `half` is the
+  // image at half its size.
+  void try_covered(const GrayView& half) {
+    for (const RefinedFrame& frame : covered_) {
+      if (!judge_covered(frame, false)) try_bars(half, bars_inside(image_, frame.corners));
+    }
   }
 
   bool has_read_any() const { return !result_.tags.empty(); }
@@ -326,7 +348,11 @@ class PictureReader {
   void judge_inside(const RefinedFrame& frame) {
     const auto attempt = best_attempt(image_, frame, options_, profile_symbol);
     const auto reason = attempt ? objection(*attempt, options_) : std::nullopt;
-    if (attempt && !reason) return accept(frame, *attempt, "frame");
+    if (attempt && !reason) {
+      if (accept_where_bars_end(frame, *attempt, "frame")) return;
+      result_.rejected.push_back({"feature frame: a side is hidden", corners_of(frame, *attempt)});
+      return;
+    }
     constexpr double kLeastGuards = 0.5;  // other symbols' are below
     const bool symbol_like = !attempt || attempt->decoding.guards > kLeastGuards;
     if (symbol_like && may_be_covered(frame)) covered_.push_back(frame);
@@ -337,12 +363,58 @@ class PictureReader {
   }
 
   // Reads the symbol inside a frame carefully; whether it was believed.
-  bool judge_covered(const RefinedFrame& frame) {
-    const auto attempt = best_attempt(image_, frame, options_, profile_covered_symbol);
-    if (!attempt || objection(*attempt, options_) || too_little_shown(attempt->profile)) {
-      return false;
+  bool judge_covered(const RefinedFrame& frame, bool completed) {
+    const auto attempt = read_believed(frame, completed);
+    return attempt && accept_where_bars_end(frame, *attempt, kPartlyCovered);
+  }
+
+  // What a completed frame holds, read quickly or carefully, whichever is explained better.
+  std::optional<Attempt> best_explained(const RefinedFrame& frame) const {
+    const auto quick = best_attempt(image_, frame, options_, profile_symbol);
+    auto careful = best_attempt(image_, frame, options_, profile_covered_symbol);
+    if (!careful || (quick && quick->decoding.fit.explained > careful->decoding.fit.explained)) {
+      return quick;
     }
-    accept(frame, *attempt, "frame, partly covered");
+    return careful;
+  }
+
+  // What a frame holds, where that is believed: read quickly where its sides were found or
+  // completed by the bars since it was read last, or carefully.
+  std::optional<Attempt> read_believed(const RefinedFrame& frame, bool quickly_too) const {
+    if (quickly_too) {
+      const auto quick = best_attempt(image_, frame, options_, profile_symbol);
+      if (quick && !objection(*quick, options_)) return quick;
+    }
+    const auto careful = best_attempt(image_, frame, options_, profile_covered_symbol);
+    if (!careful || objection(*careful, options_) || too_little_shown(careful->profile)) {
+      return std::nullopt;
+    }
+    return careful;
+  }
+
+  // Accepts a believed symbol whose bars end where its frame has them end, or, where one of the
+  // frame's upper and lower sides is something else's edge, with that side where the bars put it.
+  // Whether it was accepted.
+  bool accept_where_bars_end(const RefinedFrame& frame, const Attempt& attempt,
+                             const char* method) {
+    const EndsVerdict verdict =
+        judge_by_bar_ends(image_, corners_of(frame, attempt), attempt.layout);
+    const bool whole = std::ranges::all_of(frame.shown, std::identity{});
+    if (verdict.kind == EndsVerdict::odd) return false;
+    if (verdict.kind == EndsVerdict::unknown && !whole) return false;
+    if (verdict.kind != EndsVerdict::hidden) {
+      accept(frame, attempt, method);
+      return true;
+    }
+    std::array<bool, 4> shown{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      shown[i] = frame.shown[(attempt.first_corner + i) % 4] && i != verdict.side;
+    }
+    const auto completed = refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px);
+    if (!completed) return false;
+    const auto again = read_believed(*completed, true);
+    if (!again || again->decoding.digits != attempt.decoding.digits) return false;
+    accept(*completed, *again, kPartlyCovered);
     return true;
   }
 
@@ -357,6 +429,8 @@ class PictureReader {
     const double across = module_across(frame.corners);
     return across >= kLeastModule && covered_.size() < kMostTries;
   }
+
+  static constexpr const char* kPartlyCovered = "frame, partly covered";
 
   GrayView image_;
   const ReadOptions& options_;
@@ -605,7 +679,7 @@ void search(PictureReader& reader, const GrayView& image) {
   }
   // Reading what is covered takes longer than all the rest: only where nothing else was read.
   if (reader.has_read_any()) return;
-  reader.try_covered();
+  reader.try_covered(half.level.image);
   for (const BarRegion& region : unexplained_bars(reader, image, half.level)) {
     reader.try_bars(half.level.image, region);
   }
