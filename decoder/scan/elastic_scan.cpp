@@ -396,8 +396,7 @@ class Chain {
     std::array<std::size_t, 2> first{0, 0};
     for (std::size_t place = 0; place < kPlaceCount; ++place) {
       for (std::size_t r = 0; r < kWidthCount; ++r) {
-        const float cost =
-            begins_[r][place] + remain_[0][r][place] + costs_of(0).best()[r][place];
+        const float cost = begins_[r][place] + remain_[0][r][place] + costs_of(0).best()[r][place];
         if (cost >= total) continue;
         total = cost;
         first = {place, r};

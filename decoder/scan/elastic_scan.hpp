@@ -97,8 +97,7 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
 
 // The cost per module of that reading alone, in a third of the time; very large when it is more
 // than `worst`.
-double elastic_cost(const PlacedLine& line, const BarTemplates& templates,
-                    double worst = kAnyCost);
+double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst = kAnyCost);
 
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,

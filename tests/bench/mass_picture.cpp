@@ -200,6 +200,7 @@ struct Glare {
 
 // What is seen through the homography, in modules from the frame's upper left inner corner.
 struct Scene {
+  bool odd_margins = false;
   std::vector<double> edges;  // of the bars, ascending, even ones begin a bar
   double stroke_growth = 0;   // modules
   double white = 0, ink = 0, background = 0;
@@ -291,12 +292,14 @@ Scene make_scene(const Picture& picture, Random& random) {
   for (const double width : widths) total += width;
   double quiet = 9;
   if (chance(random, 0.12)) quiet = uniform(random, 4, 16);
+  scene.odd_margins = quiet != 9;
   double module = 1;
   // Other symbols fill the place of ours, or hold our module.
   const bool ours = picture.kind <= Kind::cut;
   if (!ours && total > 0 && chance(random, 0.7)) module = kModuleCount / total;
   module *= (kFrameWidth - 2 * quiet) / kModuleCount;
   double u = quiet + (chance(random, 0.1) ? uniform(random, -1.5, 1.5) : 0);
+  scene.odd_margins = scene.odd_margins || u != quiet;
   if (!ours && chance(random, 0.3)) u = (kFrameWidth - total * module) / 2;
   if (picture.kind == Kind::cut && chance(random, 0.5)) u = kFrameWidth - 9 - total * module;
   for (std::size_t i = 0; i < widths.size(); ++i) {
@@ -484,8 +487,10 @@ Picture draw(std::uint64_t seed) {
   const Scene scene = make_scene(picture, random);
   const double tilt =
       radians(chance(random, 0.7) ? uniform(random, 0, 45) : uniform(random, 45, 72));
-  picture.image =
-      expose(scene, place(picture.module_px, tilt, random), sensor, picture.blur_px, random);
+  const Placing placing = place(picture.module_px, tilt, random);
+  picture.corners = placing.corners;
+  picture.odd_margins = scene.odd_margins;
+  picture.image = expose(scene, placing, sensor, picture.blur_px, random);
   picture.jpeg = chance(random, 0.15);
   if (picture.jpeg) compress(picture.image, integer(random, 60, 95));
   return picture;
@@ -623,6 +628,8 @@ Picture draw_troubled(Trouble trouble, std::uint64_t seed) {
     }
   }
   picture.noise = sensor.noise;
+  picture.corners = placing.corners;
+  picture.odd_margins = scene.odd_margins;
   picture.image = expose(scene, placing, sensor, picture.blur_px, random);
   picture.jpeg = chance(random, 0.5);
   if (picture.jpeg) compress(picture.image, integer(random, 80, 95));
