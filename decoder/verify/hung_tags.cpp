@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "decoder/localize/attitude_scatter.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith {
@@ -53,10 +54,8 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
 
 // Where the survey does not say how plates are turned, their pictures do.
 void take_scatter(const Survey& survey, AdjustmentProblem& problem) {
-  constexpr double kMostScatter = 0.05;  // radians; beyond, something else is wrong
   if (survey.angle_sigma > 0) return;
-  const double scatter = attitude_scatter(problem).value_or(0);
-  const double sigma = std::clamp(scatter, kLeastAngleSigma, kMostScatter);
+  const double sigma = std::max(attitude_scatter(problem), kLeastAngleSigma);
   for (SightedPlate& plate : problem.plates) {
     plate.survey_variance.tail<3>().setConstant(sigma * sigma);
   }
