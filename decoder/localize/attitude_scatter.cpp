@@ -52,8 +52,8 @@ std::vector<TurnOfPair::Possible> turns_between(const Attitude& a, const Attitud
     for (const SinglePose& from_b : b.poses) {
       const Eigen::AngleAxisd turn(world_from_vehicle(from_a.vehicle).rotation.transpose() *
                                    world_from_vehicle(from_b.vehicle).rotation);
-      const double worse = from_a.chi_square - a.poses[0].chi_square + from_b.chi_square -
-                           b.poses[0].chi_square;
+      const double worse =
+          from_a.chi_square - a.poses[0].chi_square + from_b.chi_square - b.poses[0].chi_square;
       possible.push_back({turn.angle() * turn.axis(),
                           from_a.turn_covariance + from_b.turn_covariance, std::exp(-worse / 2)});
     }
@@ -90,29 +90,39 @@ double density(double turn, double variance) {
   return std::exp(-turn * turn / variance / 2) / std::sqrt(variance);
 }
 
-// Log likelihood of a pair's turn when plates are turned by `sigma` about each axis, up to a
-// constant. Axis by axis of the corners' noise: what is seen wrong about one says nothing.
+// Likelihood of a turn, up to a constant, when plates are turned by `sigma` about each axis. It may
+// be that of a plate that hangs wrong altogether, or seen wrong about one axis of the corners'
+// noise: steep frames are.
+double likelihood_of(const TurnOfPair::Possible& turn, double sigma) {
+  constexpr double kWrong = 0.05;         // of each of the two
+  const double wrong_sigma = radians(5);  // of which
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(turn.covariance);
+  const Vector3d along = axes.eigenvectors().transpose() * turn.turn;
+  Vector3d right;
+  Vector3d wrong;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double variance = std::max(axes.eigenvalues()[i], 0.0) + 2 * sigma * sigma;
+    right[i] = density(along[i], variance);
+    wrong[i] = density(along[i], variance + wrong_sigma * wrong_sigma);
+  }
+  double of_one = 0;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    of_one += wrong[i] * right[(i + 1) % 3] * right[(i + 2) % 3] / 3;
+  }
+  return (1 - 2 * kWrong) * right.prod() + kWrong * of_one + kWrong * wrong.prod();
+}
+
 double log_likelihood(const TurnOfPair& pair, double sigma) {
-  constexpr double kWrong = 0.05;         // turns that are seen wrong or are of wrongly hung plates
-  const double wrong_sigma = radians(10);  // of which
   double sum = 0;
   for (const TurnOfPair::Possible& turn : pair.possible) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(turn.covariance);
-    const Vector3d along = axes.eigenvectors().transpose() * turn.turn;
-    double product = turn.likelihood;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const double variance = std::max(axes.eigenvalues()[i], 0.0) + 2 * sigma * sigma;
-      product *= (1 - kWrong) * density(along[i], variance) +
-                 kWrong * density(along[i], variance + wrong_sigma * wrong_sigma);
-    }
-    sum += product;
+    sum += turn.likelihood * likelihood_of(turn, sigma);
   }
-  return std::log(sum);
+  return std::log(std::max(sum, 1e-300));
 }
 
 // Of the magnitude's logarithm, up to a constant.
 double log_prior(double sigma) {
-  constexpr double kFalls = 4;  // power by which it falls beyond what hanging by eye does
+  constexpr double kFalls = 8;  // power by which it falls beyond what hanging by eye does
   return -kFalls * std::max(0.0, std::log(sigma / radians(0.5)));
 }
 

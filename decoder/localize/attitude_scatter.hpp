@@ -12,7 +12,7 @@ namespace tagsmith {
 // have no part in it; a plate seen from many places counts once; and a pair may hold a plate that
 // hangs wrong altogether, which then says nothing. Known beforehand is that plates hung by eye and
 // spirit level are within a degree or so: every magnitude from 0.05 to 0.5 degrees is as likely as
-// any other, larger ones ever less. Pictures that tell nothing give 0.7 degrees.
+// any other, larger ones ever less. Pictures that tell nothing give 0.55 degrees.
 double attitude_scatter(const AdjustmentProblem& problem);
 
 }  // namespace tagsmith

@@ -443,8 +443,7 @@ std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sig
   if (!starts) return poses;
   const auto uncertain = static_cast<Index>(calibration_layout(*problem.rig).sigmas.size());
   for (const VehiclePose& start : *starts) {
-    AdjustmentState state{
-        {alone.plates[0].world_from_plate}, {start}, VectorXd::Zero(uncertain)};
+    AdjustmentState state{{alone.plates[0].world_from_plate}, {start}, VectorXd::Zero(uncertain)};
     Network network(alone, {false});
     if (!converge(network, state)) continue;
     const ReducedStation& station = network.stations()[0];

@@ -195,16 +195,6 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
   }
 }
 
-void name_doubt(const SightedPlate& plate, const PlateCheck& check, HungTag& tag) {
-  tag.rule = "contradiction";
-  tag.message = fmt::format(
-      "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
-      "tells "
-      "which; if it is {}, {}",
-      tag.tag, fmt::join(tag.rivals, ", "), millimetres(farthest_corner(plate, *check.offset)),
-      tag.tag, instruction(tag));
-}
-
 HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::size_t index,
                  const PlateCheck& check) {
   const SightedPlate& plate = problem.plates[index];
@@ -223,8 +213,27 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
     return tag;
   }
   if (check.verdict == HangVerdict::off) name_mistake(survey, plate, check, tag);
-  if (check.verdict == HangVerdict::doubtful) name_doubt(plate, check, tag);
   return tag;
+}
+
+// Of tags one of which hangs wrong: what to do about each, were it the one. The rivals of a
+// doubtful tag are doubtful, too.
+void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
+                 std::vector<HungTag>& tags) {
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const PlateCheck& check = consensus.plates[i];
+    if (check.verdict != HangVerdict::doubtful) continue;
+    std::string cures = fmt::format("if it is {}, {}", tags[i].tag, instruction(tags[i]));
+    for (const std::size_t rival : check.rivals) {
+      cures += fmt::format("; if it is {}, {}", tags[rival].tag, instruction(tags[rival]));
+    }
+    tags[i].rule = "contradiction";
+    tags[i].message = fmt::format(
+        "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
+        "tells which. Measure them: {}",
+        tags[i].tag, fmt::join(tags[i].rivals, ", "),
+        millimetres(farthest_corner(problem.plates[i], *check.offset)), cures);
+  }
 }
 
 }  // namespace
@@ -239,6 +248,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   for (std::size_t i = 0; i < problem.plates.size(); ++i) {
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
+  name_doubts(problem, consensus, result.tags);
   for (const std::string& station : consensus.stations_left_out) {
     result.notes.push_back(fmt::format(
         "{}: its tags fit no place of the cameras: pictures that were not taken together, or not "

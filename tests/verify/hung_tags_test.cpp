@@ -170,8 +170,7 @@ TEST_CASE("tags that were hung by eye are not accused of being elsewhere, howeve
       std::erase_if(picture, [&](const SightedTag& tag) {
         return tag.station != std::to_string(0.3) || (tag.tag != "002R" && tag.tag != other);
       });
-      for (const HungTag& tag :
-           check_hung_tags(corridor.survey, corridor.rig, picture).tags) {
+      for (const HungTag& tag : check_hung_tags(corridor.survey, corridor.rig, picture).tags) {
         checked += tag.verdict == HangVerdict::unchecked ? 0 : 1;
         CHECK(tag.rule == "");
       }
