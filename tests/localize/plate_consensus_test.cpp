@@ -9,28 +9,14 @@
 #include "decoder/localize/attitude_scatter.hpp"
 #include "decoder/localize/observation.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/wide_corridor.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector3d;
 
-// A rig that sees both walls of the shipped corridor: its two cameras, with wider lenses.
-struct Site {
-  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
-  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
-  std::vector<Pose> hung;  // where the plates truly hang
-
-  Site() {
-    for (RigCamera& camera : rig.cameras) camera.camera.fx = camera.camera.fy = 800;
-    for (const PlacedTag& tag : survey.tags) hung.push_back(tag.world_from_plate);
-  }
-
-  std::size_t index(std::string_view name) const {
-    return static_cast<std::size_t>(find_tag(survey, name) - survey.tags.data());
-  }
-
+struct Site : test::WideCorridor {
   // Hangs all plates by eye, `sigma` radians off about each axis.
   void tilt_all(double sigma, std::mt19937_64& random) {
     std::normal_distribution<double> angle(0, sigma);
