@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 #include <optional>
+#include <random>
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
@@ -140,6 +141,31 @@ TEST_CASE("tags that hang as surveyed are measured and have no finding") {
   CHECK(tag.offset.value.norm() < 1e-4);
   CHECK(tag.offset.sigma.maxCoeff() < 0.01);
   CHECK(tag.stations >= 2);
+}
+
+TEST_CASE("tags that were hung by eye are not accused of being elsewhere, however few are seen") {
+  std::mt19937_64 random(13);
+  std::normal_distribution<double> angle(0, radians(0.5));
+  int checked = 0;
+  for (int draw = 0; draw < 40; ++draw) {
+    Corridor corridor;
+    for (Pose& pose : corridor.hung) {
+      const Vector3d turn(angle(random), angle(random), angle(random));
+      pose.rotation *= turned(turn.norm(), turn.normalized());
+    }
+    const std::vector<SightedTag> seen = corridor.seen();
+    for (const char* other : {"001L", "001R", "002L"}) {
+      std::vector<SightedTag> picture = seen;
+      std::erase_if(picture, [&](const SightedTag& tag) {
+        return tag.station != std::to_string(0.3) || (tag.tag != "002R" && tag.tag != other);
+      });
+      for (const HungTag& tag : check_hung_tags(corridor.survey, corridor.rig, picture).tags) {
+        checked += tag.verdict == HangVerdict::unchecked ? 0 : 1;
+        CHECK(tag.rule == "");
+      }
+    }
+  }
+  CHECK(checked > 100);
 }
 
 TEST_CASE("what was found is written into the reports, in place of what was said before") {
