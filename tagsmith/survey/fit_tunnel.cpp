@@ -511,25 +511,76 @@ Result<double> roof_height(const std::vector<SurveyedPoint>& points, const Grid&
   return fail("the points of the roof (RF) lie below the floor");
 }
 
+// The plan through the walls' points, and whether the walls were measured beside it.
+struct WallPlan {
+  PlanInput input;
+  PlanFit fit;
+  bool measured_walls = false;
+};
+
+// Walls that are measured at offsets of their own are taken so where no even width fits.
+Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                               const TagTemplate& tag, const TunnelFitOptions& options) {
+  PlanInput input = plan_input(points, grid, tag, options.measured_walls);
+  Result<PlanFit> plan = fit_input(input, options.tolerance);
+  if (plan) return WallPlan{std::move(input), std::move(*plan), options.measured_walls};
+  if (options.measured_walls || !has_offsets(points)) return tl::unexpected(plan.error());
+  PlanInput by_offsets = plan_input(points, grid, tag, true);
+  Result<PlanFit> other = fit_input(by_offsets, options.tolerance);
+  if (!other) return tl::unexpected(plan.error());
+  return WallPlan{std::move(by_offsets), std::move(*other), true};
+}
+
+Result<void> fit_roof(Tunnel& tunnel, const std::vector<SurveyedPoint>& points, const Grid& grid,
+                      bool measured_walls, const TunnelFitOptions& options) {
+  const bool heights_listed = std::ranges::any_of(
+      points, [](const SurveyedPoint& point) { return point.tunnel_height.has_value(); });
+  std::optional<ChainageProfile> roof;
+  if (measured_walls || heights_listed) roof = roof_through(points, grid, tunnel.centerline);
+  if (!roof) {
+    const Result<double> height = roof_height(points, grid, tunnel.centerline, options);
+    if (!height) return tl::unexpected(height.error());
+    roof = *height;
+  }
+  tunnel.height = *roof;
+  return {};
+}
+
+// Where the points lie along the tunnel, across the plan and above the floor.
+Result<void> add_residuals(TunnelFit& fit, const std::vector<SurveyedPoint>& points,
+                           const std::vector<double>& chainages, const WallPlan& plan,
+                           const std::vector<HeightPoint>& floor, const Profile& profile,
+                           double floor_tolerance) {
+  fit.residuals.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) fit.residuals[i].chainage = chainages[i];
+  for (std::size_t i = 0; i < plan.input.indices.size(); ++i) {
+    fit.residuals[plan.input.indices[i]].across = plan.fit.residuals[i];
+  }
+  std::vector<double> ups;
+  for (const HeightPoint& point : floor) {
+    const double up = point.z - floor_at(fit.tunnel.centerline.elements(), profile, point.chainage);
+    fit.residuals[point.index].up = up;
+    ups.push_back(up);
+  }
+  const auto most = std::ranges::max_element(ups, {}, [](double up) { return std::abs(up); });
+  if (std::abs(*most) > floor_tolerance) {
+    const HeightPoint& point = floor[static_cast<std::size_t>(most - ups.begin())];
+    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
+                            point_text(points[point.index]), *most, floor_tolerance));
+  }
+  fit.rms_across = rms(plan.fit.residuals);
+  fit.rms_up = rms(ups);
+  return {};
+}
+
 }  // namespace
 
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options) {
   if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
-  bool measured_walls = options.measured_walls;
-  PlanInput input = plan_input(points, grid, tag, measured_walls);
-  Result<PlanFit> plan = fit_input(input, options.tolerance);
-  if (!plan && !measured_walls && has_offsets(points)) {
-    PlanInput by_offsets = plan_input(points, grid, tag, true);
-    Result<PlanFit> other = fit_input(by_offsets, options.tolerance);
-    if (other) {
-      measured_walls = true;
-      input = std::move(by_offsets);
-      plan = std::move(other);
-    }
-  }
+  const Result<WallPlan> plan = plan_of_walls(points, grid, tag, options);
   if (!plan) return tl::unexpected(plan.error());
-  const Centerline level = with_ends(*plan, input.sources, tag.plate_length);
+  const Centerline level = with_ends(plan->fit, plan->input.sources, tag.plate_length);
 
   std::vector<double> chainages;
   for (const SurveyedPoint& point : points) {
@@ -550,42 +601,14 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   start.z() = profile.start;
 
   TunnelFit fit;
-  fit.tunnel = plain_tunnel(plan->width, 0, Centerline(start, level.at(0).heading, elements));
-  if (measured_walls) {
-    if (auto measured = measure_walls(fit.tunnel, points, grid); !measured) {
-      return tl::unexpected(measured.error());
-    }
+  fit.tunnel = plain_tunnel(plan->fit.width, 0, Centerline(start, level.at(0).heading, elements));
+  Result<void> done;
+  if (plan->measured_walls) done = measure_walls(fit.tunnel, points, grid);
+  if (done) done = fit_roof(fit.tunnel, points, grid, plan->measured_walls, options);
+  if (done) {
+    done = add_residuals(fit, points, chainages, *plan, floor, profile, options.floor_tolerance);
   }
-  const bool heights_listed = std::ranges::any_of(
-      points, [](const SurveyedPoint& point) { return point.tunnel_height.has_value(); });
-  std::optional<ChainageProfile> roof;
-  if (measured_walls || heights_listed) roof = roof_through(points, grid, fit.tunnel.centerline);
-  if (!roof) {
-    const Result<double> height = roof_height(points, grid, fit.tunnel.centerline, options);
-    if (!height) return tl::unexpected(height.error());
-    roof = *height;
-  }
-  fit.tunnel.height = *roof;
-
-  fit.residuals.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) fit.residuals[i].chainage = chainages[i];
-  for (std::size_t i = 0; i < input.indices.size(); ++i) {
-    fit.residuals[input.indices[i]].across = plan->residuals[i];
-  }
-  std::vector<double> ups;
-  for (const HeightPoint& point : floor) {
-    const double up = point.z - floor_at(elements, profile, point.chainage);
-    fit.residuals[point.index].up = up;
-    ups.push_back(up);
-  }
-  const auto most = std::ranges::max_element(ups, {}, [](double up) { return std::abs(up); });
-  if (std::abs(*most) > options.floor_tolerance) {
-    const HeightPoint& point = floor[static_cast<std::size_t>(most - ups.begin())];
-    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
-                            point_text(points[point.index]), *most, options.floor_tolerance));
-  }
-  fit.rms_across = rms(plan->residuals);
-  fit.rms_up = rms(ups);
+  if (!done) return tl::unexpected(done.error());
   return fit;
 }
 

@@ -8,6 +8,7 @@
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/sight.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 #include "tests/placement/corridors.hpp"
 
 using namespace tagsmith;
@@ -35,6 +36,51 @@ TEST_CASE("a crest hides what stands low behind it, a sag what hangs high") {
   REQUIRE(roof.has_value());
   CHECK_FALSE(roof->through_floor);
   CHECK(FloorAndRoof(straight_survey(10, 2).tunnel, 5).is_even());
+}
+
+namespace {
+
+// Least height of a ray above the floor or below the roof, looked at every few centimetres.
+double clearance(const Tunnel& tunnel, const Vector3d& from, const Vector3d& way) {
+  constexpr int kSteps = 300;
+  double least = 10;
+  for (int i = 0; i <= kSteps; ++i) {
+    const Vector3d point = from + way * i / kSteps;
+    const double chainage = tunnel.centerline.locate(point.head<2>()).chainage;
+    const double above = point.z() - tunnel.centerline.at(chainage).position.z();
+    least = std::min({least, above, tunnel.height.at(chainage) - above});
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "in bends with grades, only lines of sight that graze the floor or the roof are told wrong") {
+  // Cameras and plates just above the floor, so that much is hidden.
+  const Survey survey = load_survey("tests/bench/decline/survey.yaml").value();
+  constexpr double kEye = 0.25;
+  constexpr double kPlatesLower = 1.5;
+  int hidden = 0;
+  int wrong = 0;
+  for (double chainage = 1; chainage < 72; chainage += 0.5) {
+    const CenterlinePoint floor = survey.tunnel.centerline.at(chainage);
+    const FloorAndRoof floor_and_roof(survey.tunnel, chainage);
+    for (const PlacedTag& tag : survey.tags) {
+      if (std::abs(tag.chainage - chainage) > 15) continue;
+      for (const double offset : {-1.2, 0.0, 1.2}) {
+        const Vector3d eye =
+            floor.position + offset * right_of(floor.heading) + Vector3d(0, 0, kEye);
+        const Vector3d way = tag.world_from_plate.translation - Vector3d(0, 0, kPlatesLower) - eye;
+        const double least = clearance(survey.tunnel, eye, way);
+        const bool is_hidden = floor_and_roof.first_exit(eye, way, 1).has_value();
+        hidden += is_hidden ? 1 : 0;
+        wrong += is_hidden != (least < 0) ? 1 : 0;
+      }
+    }
+  }
+  CHECK(hidden > 400);
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("behind a crest the plan sees the plates that the simulation shows") {
