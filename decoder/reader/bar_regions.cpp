@@ -196,7 +196,8 @@ bool may_be_symbol(const BarRegion& region, std::size_t cells) {
 
 // The cells whose neighbours above, below and beside them are taken too: what hangs together by
 // the edge of a plate or of a cable comes apart.
-std::vector<std::uint8_t> cores_of(const TextureGrid& grid, const std::vector<std::uint8_t>& striped) {
+std::vector<std::uint8_t> cores_of(const TextureGrid& grid,
+                                   const std::vector<std::uint8_t>& striped) {
   std::vector<std::uint8_t> cores(striped.size());
   for (int row = 1; row + 1 < grid.rows; ++row) {
     for (int column = 1; column + 1 < grid.columns; ++column) {

@@ -175,8 +175,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
 bool is_symbol_like(const Attempt& attempt) {
   constexpr double kLeastExplained = 0.6;
   constexpr double kLeastGuards = 0.5;
-  return attempt.decoding.fit.explained > kLeastExplained &&
-         attempt.decoding.guards > kLeastGuards;
+  return attempt.decoding.fit.explained > kLeastExplained && attempt.decoding.guards > kLeastGuards;
 }
 
 // Whether a symbol shows too little for its covered digits to be more than guesses.

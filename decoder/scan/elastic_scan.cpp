@@ -396,8 +396,7 @@ class Chain {
     std::array<std::size_t, 2> first{0, 0};
     for (std::size_t place = 0; place < kPlaceCount; ++place) {
       for (std::size_t r = 0; r < kWidthCount; ++r) {
-        const float cost =
-            begins_[r][place] + remain_[0][r][place] + costs_of(0).best()[r][place];
+        const float cost = begins_[r][place] + remain_[0][r][place] + costs_of(0).best()[r][place];
         if (cost >= total) continue;
         total = cost;
         first = {place, r};
@@ -494,6 +493,13 @@ std::vector<float> running_maximum(const std::vector<float>& samples, std::size_
   return result;
 }
 
+std::vector<float> running_minimum(std::vector<float> samples, std::size_t window) {
+  for (float& sample : samples) sample = -sample;
+  std::vector<float> result = running_maximum(samples, window);
+  for (float& sample : result) sample = -sample;
+  return result;
+}
+
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
   const std::size_t size = samples.size();
   std::vector<float> result(size);
@@ -519,47 +525,60 @@ std::vector<float> module_darkness(std::vector<float> darkness) {
   return modules;
 }
 
-// How badly a pattern of modules (1 bar, 0 space) that begins at each sample suits: 1 less its
-// correlation with the darkness, which blur lowers little. Even grey correlates with nothing.
-template <std::size_t kLength>
-std::vector<float> pattern_costs(const std::vector<float>& modules,
-                                 const std::array<int, kLength>& pattern) {
-  constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
-  constexpr auto kCount = static_cast<float>(kLength);
-  float mean = 0;
-  for (const int bar : pattern) mean += static_cast<float>(bar) / kCount;
-  const float deviation = std::sqrt(mean * (1 - mean));
-  std::array<float, kLength> weights{};
-  for (std::size_t m = 0; m < kLength; ++m) weights[m] = static_cast<float>(pattern[m]) - mean;
-  std::vector<float> costs(modules.size(), kFarCost);
-  if (modules.size() < kLength * kPerModule) return costs;
-  const std::size_t end = modules.size() - kLength * kPerModule + 1;
-  std::vector<float> products(end), variances(end);
+// How badly the three guard patterns that begin at each sample suit: 1 less the correlation of
+// their modules with the darkness, which blur lowers little. Even grey correlates with nothing.
+// With quiet zones: 00001010 at the start, 1010101 in the centre, 01010000 at the end (1 = bar).
+struct GuardCosts {
+  std::vector<float> start, centre, end;
+};
+
+// 1 - correlation, from the sum of the bars' modules and the sums over all.
+struct PatternFit {
+  float bars, count;
+
+  // Their covariance with the pattern, times the count.
+  float product(float of_bars, float sum) const { return of_bars - bars / count * sum; }
+  float cost(float product, float variance) const {
+    constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
+    const float share = bars / count;
+    const float seen = std::max(kLeastDeviation, std::sqrt(variance));
+    return 1 - product / count / (seen * std::sqrt(share * (1 - share)));
+  }
+};
+
+GuardCosts guard_costs(const std::vector<float>& modules) {
+  constexpr std::size_t kOuter = 8, kCentre = 7;  // modules of the patterns
+  constexpr PatternFit kOuterFit{2, kOuter}, kCentreFit{4, kCentre};
+  const std::size_t size = modules.size();
+  GuardCosts costs{std::vector<float>(size, kFarCost), std::vector<float>(size, kFarCost),
+                   std::vector<float>(size, kFarCost)};
+  if (size < kOuter * kPerModule) return costs;
+  const std::size_t end = size - kOuter * kPerModule + 1;
+  std::vector<float> outer_variance(end), centre_variance(end);
   for (std::size_t i = 0; i < end; ++i) {
-    float sum = 0, squares = 0, product = 0;
-    for (std::size_t m = 0; m < kLength; ++m) {
-      const float dark = modules[i + m * kPerModule];
-      sum += dark;
-      squares += dark * dark;
-      product += dark * weights[m];
+    std::array<float, kOuter> m;
+    for (std::size_t k = 0; k < kOuter; ++k) m[k] = modules[i + k * kPerModule];
+    float sum = 0, squares = 0;
+    for (std::size_t k = 0; k < kCentre; ++k) {
+      sum += m[k];
+      squares += m[k] * m[k];
     }
-    products[i] = product;
-    variances[i] = std::max(0.0F, squares / kCount - sum * sum / (kCount * kCount));
+    costs.centre[i] = kCentreFit.product(m[0] + m[2] + m[4] + m[6], sum);
+    centre_variance[i] = squares / kCentre - sum * sum / (kCentre * kCentre);
+    sum += m[kCentre];
+    squares += m[kCentre] * m[kCentre];
+    costs.start[i] = kOuterFit.product(m[4] + m[6], sum);
+    costs.end[i] = kOuterFit.product(m[1] + m[3], sum);
+    outer_variance[i] = squares / kOuter - sum * sum / (kOuter * kOuter);
   }
   for (std::size_t i = 0; i < end; ++i) {
-    const float seen = std::max(kLeastDeviation, std::sqrt(variances[i]));
-    costs[i] = 1 - products[i] / kCount / (seen * deviation);
+    const float outer = std::max(0.0F, outer_variance[i]);
+    costs.start[i] = kOuterFit.cost(costs.start[i], outer);
+    costs.end[i] = kOuterFit.cost(costs.end[i], outer);
+    costs.centre[i] = kCentreFit.cost(costs.centre[i], std::max(0.0F, centre_variance[i]));
   }
   return costs;
 }
-
-// Of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products stay
-// below.
-constexpr float kWorstPlace = 1.5F;
-
-constexpr std::array<int, 8> kStartPattern{0, 0, 0, 0, 1, 0, 1, 0};
-constexpr std::array<int, 7> kCentrePattern{1, 0, 1, 0, 1, 0, 1};
-constexpr std::array<int, 8> kEndPattern{0, 1, 0, 1, 0, 0, 0, 0};
 
 // A symbol may reach beyond the line by what its boundaries may be off.
 bool has_room(const ScanLine& line, const SymbolPlace& place) {
@@ -571,33 +590,31 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
 
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
 std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
-                                         double module) {
+                                         double module, double worst) {
   const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
   const int count = length + 2 * kMargin * kPerModule;
   const std::vector<float> samples = resampled(integral, 0, module, count);
   const std::vector<float> modules = module_darkness(local_darkness(samples, 9 * kPerModule));
-  const std::vector<float> start = pattern_costs(modules, kStartPattern);
-  const std::vector<float> centre = pattern_costs(modules, kCentrePattern);
-  const std::vector<float> end = pattern_costs(modules, kEndPattern);
-  // Where a pattern suits best within kSlackModules of a place.
+  const GuardCosts guards = guard_costs(modules);
+  // The costs of the best places within kSlackModules.
   constexpr int kSlackModules = 3;
-  const auto best_near = [&](const std::vector<float>& costs, int middle) {
-    const int behind = std::min(count, middle + kSlackModules * kPerModule + 1);
-    return std::min_element(costs.begin() + middle - kSlackModules * kPerModule,
-                            costs.begin() + behind);
-  };
+  constexpr std::size_t kSlackSamples = kSlackModules * kPerModule;
+  const std::vector<float> centres = running_minimum(guards.centre, kSlackSamples);
+  const std::vector<float> ends = running_minimum(guards.end, kSlackSamples);
   std::vector<SymbolPlace> places;
   for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
-    const float at_start = start[static_cast<std::size_t>(i)];
-    if (at_start > kWorstPlace / 2) continue;
+    const float at_start = guards.start[static_cast<std::size_t>(i)];
+    if (at_start > worst / 2) continue;
     const int first_bar = i + 4 * kPerModule;
-    const auto at_centre = best_near(centre, first_bar + 44 * kPerModule);
-    if (at_start + *at_centre > kWorstPlace) continue;
-    const auto at_end = best_near(end, first_bar + 91 * kPerModule);
-    const float cost = at_start + *at_centre + *at_end;
-    if (cost > kWorstPlace) continue;
+    const auto last_guard =
+        static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPerModule));
+    const float cost = at_start + centres[static_cast<std::size_t>(first_bar + 44 * kPerModule)] +
+                       ends[last_guard];
+    if (cost > worst) continue;
+    const auto first = guards.end.begin() + (first_bar + 91 * kPerModule) - kSlackSamples;
+    const auto at_end = std::find(first, guards.end.end(), ends[last_guard]);
     const double begin = first_bar - kMargin * kPerModule;
-    const auto bars = static_cast<double>(at_end - end.begin()) - first_bar;
+    const auto bars = static_cast<double>(at_end - guards.end.begin()) - first_bar;
     const double width = bars / 91 * module / kPerModule;
     const SymbolPlace place{begin * module / kPerModule, width, cost};
     if (has_room(line, place)) places.push_back(place);
@@ -638,13 +655,13 @@ std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {
 }
 
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most) {
+                                            std::size_t most, double worst) {
   constexpr double kStep = 1.045;
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
   const LineIntegral integral(line);
   for (double module = least; module <= greatest; module *= kStep) {
-    std::ranges::move(places_at_width(line, integral, module), std::back_inserter(all));
+    std::ranges::move(places_at_width(line, integral, module, worst), std::back_inserter(all));
   }
   std::ranges::sort(all, {}, &SymbolPlace::cost);
   std::vector<SymbolPlace> best;

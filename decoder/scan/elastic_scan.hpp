@@ -26,11 +26,15 @@ struct SymbolPlace {
   double cost = 0;    // of its guard patterns, less is better
 };
 
+// Cost of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products
+// stay below.
+inline constexpr double kWorstPlace = 1.5;
+
 // Places whose quiet zones and three guard patterns suit, best first, at most `most` of them. Both
 // directions fit equally well; the one along the line is returned. `least` and `greatest` bound
-// the module's width in samples.
+// the module's width in samples, `worst` the places' cost.
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most);
+                                            std::size_t most, double worst = kWorstPlace);
 
 // How bars look on the line.
 struct BarShape {
@@ -97,8 +101,7 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
 
 // The cost per module of that reading alone, in a third of the time; very large when it is more
 // than `worst`.
-double elastic_cost(const PlacedLine& line, const BarTemplates& templates,
-                    double worst = kAnyCost);
+double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst = kAnyCost);
 
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
