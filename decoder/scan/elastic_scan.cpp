@@ -170,17 +170,47 @@ std::vector<float> resampled(const LineIntegral& line, double begin, double modu
   return samples;
 }
 
+// A line's darkness and its squares up to each sample.
+class LineDarkness {
+ public:
+  explicit LineDarkness(std::span<const float> samples) : samples_(samples), squares_{0} {
+    squares_.reserve(samples.size() + 1);
+    for (const float sample : samples) {
+      squares_.push_back(squares_.back() + static_cast<double>(sample * sample));
+    }
+  }
+
+  std::span<const float> samples() const { return samples_; }
+  // Of `count` samples from each place on, the first of which is `first`.
+  PlaceRow squares(int first, std::size_t count) const {
+    PlaceRow row;
+    const double* from = squares_.data() + first;
+    for (std::size_t i = 0; i < kPlaceRow; ++i) {
+      row[i] = static_cast<float>(from[i + count] - from[i]);
+    }
+    return row;
+  }
+
+ private:
+  std::span<const float> samples_;
+  std::vector<double> squares_;
+};
+
 // Costs of one segment: for each place where it may begin, local module width and pattern.
 class SegmentCosts {
  public:
   // Of the ten patterns that UPC-A has there, or of `only` one; each is kept when asked for.
-  SegmentCosts(std::span<const float> darkness, int segment, const BarTemplates& templates,
+  SegmentCosts(const LineDarkness& line, int segment, const BarTemplates& templates,
                std::optional<int> only, bool keep)
       : segment_(segment), best_(filled_rows(kFarCost)) {
     const int patterns = only ? 1 : std::min(10, patterns_of(segment));
+    for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
+      const auto length = static_cast<std::size_t>(length_of(segment, static_cast<int>(ratio)));
+      squares_[ratio] = line.squares(first_sample(), length);
+    }
     for (int pattern = 0; pattern < patterns; ++pattern) {
       for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
-        const PlaceRow costs = row_of(darkness, templates, only.value_or(pattern), ratio);
+        const PlaceRow costs = row_of(line, templates, only.value_or(pattern), ratio);
         take_less(costs, best_[ratio]);
         if (keep) rows_.push_back(costs);
       }
@@ -189,10 +219,10 @@ class SegmentCosts {
   }
 
   // Keeps the patterns, too, that EAN-13 has there besides.
-  void add_rivals(std::span<const float> darkness, const BarTemplates& templates) {
+  void add_rivals(const LineDarkness& line, const BarTemplates& templates) {
     for (int pattern = 10; pattern < patterns_of(segment_); ++pattern) {
       for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
-        rows_.push_back(row_of(darkness, templates, pattern, ratio));
+        rows_.push_back(row_of(line, templates, pattern, ratio));
       }
     }
   }
@@ -205,15 +235,24 @@ class SegmentCosts {
   const PlaceRows& best() const { return best_; }
 
  private:
-  PlaceRow row_of(std::span<const float> darkness, const BarTemplates& templates, int pattern,
+  int first_sample() const { return (kMargin + nominal_begin(segment_) - kSlack) * kPerModule; }
+
+  // Squared differences of a pattern from the line at every place: squares of both, less twice
+  // their product.
+  PlaceRow row_of(const LineDarkness& line, const BarTemplates& templates, int pattern,
                   std::size_t ratio) const {
-    const int first = (kMargin + nominal_begin(segment_) - kSlack) * kPerModule;
-    const std::vector<float>& shown =
-        templates.samples(kind_of(segment_), pattern, static_cast<int>(ratio));
-    return squared_differences(darkness.data() + first, shown.data(), shown.size(), kSampleWeight);
+    const BarTemplates::Template& shown =
+        templates.shown(kind_of(segment_), pattern, static_cast<int>(ratio));
+    PlaceRow row = products(line.samples().data() + first_sample(), shown.samples.data(),
+                            shown.samples.size());
+    for (std::size_t i = 0; i < kPlaceRow; ++i) {
+      row[i] = kSampleWeight * (squares_[ratio][i] + shown.squares - 2 * row[i]);
+    }
+    return row;
   }
 
   int segment_;
+  PlaceRows squares_;  // of the darkness that a segment of each width covers
   std::vector<PlaceRow> rows_;
   PlaceRows best_;
 };
@@ -277,7 +316,7 @@ class Chain {
   // as soon as it is certain to cost more than `worst` per module.
   Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits,
         Keep keep, double worst)
-      : darkness_(darkness), remain_(kSegments, filled_rows(kFarCost)), begins_(quiet_costs(0)) {
+      : line_(darkness), remain_(kSegments, filled_rows(kFarCost)), begins_(quiet_costs(0)) {
     const auto most = static_cast<float>(std::min(1e8, worst * kWeighedModules));
     costs_.reserve(kSegments);
     PlaceRows after = quiet_costs(kModuleCount);
@@ -286,7 +325,7 @@ class Chain {
       if (digits != nullptr && is_digit(s)) {
         only = (*digits)[static_cast<std::size_t>(position_of(s))];
       }
-      costs_.emplace_back(darkness, s, templates, only, keep == Keep::patterns && is_digit(s));
+      costs_.emplace_back(line_, s, templates, only, keep == Keep::patterns && is_digit(s));
       PlaceRows& remain = remain_[static_cast<std::size_t>(s)];
       for (std::size_t r = 0; r < kWidthCount; ++r) remain[r] = moved(after[r], -shift_of(s, r));
       if (s == 0) break;
@@ -312,7 +351,7 @@ class Chain {
     for (int s = 0; s < kSegments; ++s) {
       if (!is_digit(s)) continue;
       const auto i = static_cast<std::size_t>(s);
-      costs_of(s).add_rivals(darkness_, templates);
+      costs_of(s).add_rivals(line_, templates);
       add_digit(s, entry[i], path[i], result);
     }
     return result;
@@ -335,7 +374,7 @@ class Chain {
     for (int place = 0; place < kPlaces; ++place) {
       float sum = 0;
       for (int i = first + place; i < first + place + kQuiet * kPerModule; ++i) {
-        const float dark = std::clamp(darkness_[static_cast<std::size_t>(i)], 0.0F, 1.0F);
+        const float dark = std::clamp(line_.samples()[static_cast<std::size_t>(i)], 0.0F, 1.0F);
         sum += dark * dark;
       }
       row[static_cast<std::size_t>(place)] = sum * kSampleWeight;
@@ -463,7 +502,7 @@ class Chain {
     }
   }
 
-  std::span<const float> darkness_;
+  LineDarkness line_;
   std::vector<SegmentCosts> costs_;  // the last segment first
   std::vector<PlaceRows> remain_;    // by segment: least cost of all after it, by its own begin
   PlaceRows begins_;
@@ -604,7 +643,7 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
   std::vector<SymbolPlace> places;
   for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
     const float at_start = guards.start[static_cast<std::size_t>(i)];
-    if (at_start > worst / 2) continue;
+    if (at_start > kWorstPlace / 2) continue;
     const int first_bar = i + 4 * kPerModule;
     const auto last_guard =
         static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPerModule));
@@ -625,18 +664,20 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
 }  // namespace
 
 BarTemplates::BarTemplates(const BarShape& shape) {
-  for (std::size_t kind = 0; kind < samples_.size(); ++kind) {
+  for (std::size_t kind = 0; kind < templates_.size(); ++kind) {
     const int segment = kSegmentOfKind[kind];
     for (int pattern = 0; pattern < patterns_of(segment); ++pattern) {
       for (int ratio = 0; ratio < kRatios; ++ratio) {
-        samples_[kind].push_back(samples_of(segment, pattern, length_of(segment, ratio), shape));
+        Template shown{samples_of(segment, pattern, length_of(segment, ratio), shape), 0};
+        for (const float sample : shown.samples) shown.squares += sample * sample;
+        templates_[kind].push_back(std::move(shown));
       }
     }
   }
 }
 
-const std::vector<float>& BarTemplates::samples(std::size_t kind, int pattern, int ratio) const {
-  return samples_[kind][static_cast<std::size_t>(pattern * kRatios + ratio)];
+const BarTemplates::Template& BarTemplates::shown(std::size_t kind, int pattern, int ratio) const {
+  return templates_[kind][static_cast<std::size_t>(pattern * kRatios + ratio)];
 }
 
 std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {

@@ -47,12 +47,17 @@ class BarTemplates {
  public:
   explicit BarTemplates(const BarShape& shape);
 
-  // Darkness samples of a kind of segment (0 start guard, 1 centre guard, 2 left and 3 right half,
-  // 4 end guard) at one of its local module widths.
-  const std::vector<float>& samples(std::size_t kind, int pattern, int ratio) const;
+  struct Template {
+    std::vector<float> samples;  // darkness
+    float squares = 0;           // of the samples, summed
+  };
+
+  // A kind of segment (0 start guard, 1 centre guard, 2 left and 3 right half, 4 end guard) at one
+  // of its local module widths.
+  const Template& shown(std::size_t kind, int pattern, int ratio) const;
 
  private:
-  std::array<std::vector<std::vector<float>>, 5> samples_;
+  std::array<std::vector<Template>, 5> templates_;
 };
 
 // How a symbol lies on a line.
