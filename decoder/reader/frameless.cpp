@@ -73,8 +73,8 @@ struct FirstPlace {
 
 // How little like a symbol the first line may be.
 struct FirstLineLimits {
-  double worst_place = 1.5;  // of its guard patterns; all that find_symbol_places gives
-  double worst_cost = 4;     // per module; a blurred symbol's
+  double worst_place = kWorstPlace;
+  double worst_cost = 4;  // per module; a blurred symbol's
 };
 
 // The line to start from, of three thick ones, and its reading: the best of the places whose guard
@@ -89,13 +89,13 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   for (const double share : {0.0, -0.25, 0.25}) {
     const double offset = share * region.height;
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
-    for (const SymbolPlace& place : find_symbol_places(lines.back().light, 0.5 * nominal_module,
-                                                       1.8 * nominal_module, kMostPlaces)) {
+    for (const SymbolPlace& place :
+         find_symbol_places(lines.back().light, 0.5 * nominal_module, 1.8 * nominal_module,
+                            kMostPlaces, limits.worst_place)) {
       places.push_back({lines.size() - 1, place});
     }
   }
   std::ranges::stable_sort(places, {}, [](const FirstPlace& p) { return p.place.cost; });
-  std::erase_if(places, [&](const FirstPlace& p) { return p.place.cost > limits.worst_place; });
   if (places.size() > kMostPlaces) places.resize(kMostPlaces);
   double best = limits.worst_cost;
   std::optional<FirstPlace> found;

@@ -170,17 +170,47 @@ std::vector<float> resampled(const LineIntegral& line, double begin, double modu
   return samples;
 }
 
+// A line's darkness and its squares up to each sample.
+class LineDarkness {
+ public:
+  explicit LineDarkness(std::span<const float> samples) : samples_(samples), squares_{0} {
+    squares_.reserve(samples.size() + 1);
+    for (const float sample : samples) {
+      squares_.push_back(squares_.back() + static_cast<double>(sample * sample));
+    }
+  }
+
+  std::span<const float> samples() const { return samples_; }
+  // Of `count` samples from each place on, the first of which is `first`.
+  PlaceRow squares(int first, std::size_t count) const {
+    PlaceRow row;
+    const double* from = squares_.data() + first;
+    for (std::size_t i = 0; i < kPlaceRow; ++i) {
+      row[i] = static_cast<float>(from[i + count] - from[i]);
+    }
+    return row;
+  }
+
+ private:
+  std::span<const float> samples_;
+  std::vector<double> squares_;
+};
+
 // Costs of one segment: for each place where it may begin, local module width and pattern.
 class SegmentCosts {
  public:
   // Of the ten patterns that UPC-A has there, or of `only` one; each is kept when asked for.
-  SegmentCosts(std::span<const float> darkness, int segment, const BarTemplates& templates,
+  SegmentCosts(const LineDarkness& line, int segment, const BarTemplates& templates,
                std::optional<int> only, bool keep)
       : segment_(segment), best_(filled_rows(kFarCost)) {
     const int patterns = only ? 1 : std::min(10, patterns_of(segment));
+    for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
+      const auto length = static_cast<std::size_t>(length_of(segment, static_cast<int>(ratio)));
+      squares_[ratio] = line.squares(first_sample(), length);
+    }
     for (int pattern = 0; pattern < patterns; ++pattern) {
       for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
-        const PlaceRow costs = row_of(darkness, templates, only.value_or(pattern), ratio);
+        const PlaceRow costs = row_of(line, templates, only.value_or(pattern), ratio);
         take_less(costs, best_[ratio]);
         if (keep) rows_.push_back(costs);
       }
@@ -189,10 +219,10 @@ class SegmentCosts {
   }
 
   // Keeps the patterns, too, that EAN-13 has there besides.
-  void add_rivals(std::span<const float> darkness, const BarTemplates& templates) {
+  void add_rivals(const LineDarkness& line, const BarTemplates& templates) {
     for (int pattern = 10; pattern < patterns_of(segment_); ++pattern) {
       for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
-        rows_.push_back(row_of(darkness, templates, pattern, ratio));
+        rows_.push_back(row_of(line, templates, pattern, ratio));
       }
     }
   }
@@ -205,15 +235,24 @@ class SegmentCosts {
   const PlaceRows& best() const { return best_; }
 
  private:
-  PlaceRow row_of(std::span<const float> darkness, const BarTemplates& templates, int pattern,
+  int first_sample() const { return (kMargin + nominal_begin(segment_) - kSlack) * kPerModule; }
+
+  // Squared differences of a pattern from the line at every place: squares of both, less twice
+  // their product.
+  PlaceRow row_of(const LineDarkness& line, const BarTemplates& templates, int pattern,
                   std::size_t ratio) const {
-    const int first = (kMargin + nominal_begin(segment_) - kSlack) * kPerModule;
-    const std::vector<float>& shown =
-        templates.samples(kind_of(segment_), pattern, static_cast<int>(ratio));
-    return squared_differences(darkness.data() + first, shown.data(), shown.size(), kSampleWeight);
+    const BarTemplates::Template& shown =
+        templates.shown(kind_of(segment_), pattern, static_cast<int>(ratio));
+    PlaceRow row = products(line.samples().data() + first_sample(), shown.samples.data(),
+                            shown.samples.size());
+    for (std::size_t i = 0; i < kPlaceRow; ++i) {
+      row[i] = kSampleWeight * (squares_[ratio][i] + shown.squares - 2 * row[i]);
+    }
+    return row;
   }
 
   int segment_;
+  PlaceRows squares_;  // of the darkness that a segment of each width covers
   std::vector<PlaceRow> rows_;
   PlaceRows best_;
 };
@@ -277,7 +316,7 @@ class Chain {
   // as soon as it is certain to cost more than `worst` per module.
   Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits,
         Keep keep, double worst)
-      : darkness_(darkness), remain_(kSegments, filled_rows(kFarCost)), begins_(quiet_costs(0)) {
+      : line_(darkness), remain_(kSegments, filled_rows(kFarCost)), begins_(quiet_costs(0)) {
     const auto most = static_cast<float>(std::min(1e8, worst * kWeighedModules));
     costs_.reserve(kSegments);
     PlaceRows after = quiet_costs(kModuleCount);
@@ -286,7 +325,7 @@ class Chain {
       if (digits != nullptr && is_digit(s)) {
         only = (*digits)[static_cast<std::size_t>(position_of(s))];
       }
-      costs_.emplace_back(darkness, s, templates, only, keep == Keep::patterns && is_digit(s));
+      costs_.emplace_back(line_, s, templates, only, keep == Keep::patterns && is_digit(s));
       PlaceRows& remain = remain_[static_cast<std::size_t>(s)];
       for (std::size_t r = 0; r < kWidthCount; ++r) remain[r] = moved(after[r], -shift_of(s, r));
       if (s == 0) break;
@@ -312,7 +351,7 @@ class Chain {
     for (int s = 0; s < kSegments; ++s) {
       if (!is_digit(s)) continue;
       const auto i = static_cast<std::size_t>(s);
-      costs_of(s).add_rivals(darkness_, templates);
+      costs_of(s).add_rivals(line_, templates);
       add_digit(s, entry[i], path[i], result);
     }
     return result;
@@ -335,7 +374,7 @@ class Chain {
     for (int place = 0; place < kPlaces; ++place) {
       float sum = 0;
       for (int i = first + place; i < first + place + kQuiet * kPerModule; ++i) {
-        const float dark = std::clamp(darkness_[static_cast<std::size_t>(i)], 0.0F, 1.0F);
+        const float dark = std::clamp(line_.samples()[static_cast<std::size_t>(i)], 0.0F, 1.0F);
         sum += dark * dark;
       }
       row[static_cast<std::size_t>(place)] = sum * kSampleWeight;
@@ -463,7 +502,7 @@ class Chain {
     }
   }
 
-  std::span<const float> darkness_;
+  LineDarkness line_;
   std::vector<SegmentCosts> costs_;  // the last segment first
   std::vector<PlaceRows> remain_;    // by segment: least cost of all after it, by its own begin
   PlaceRows begins_;
@@ -493,6 +532,13 @@ std::vector<float> running_maximum(const std::vector<float>& samples, std::size_
   return result;
 }
 
+std::vector<float> running_minimum(std::vector<float> samples, std::size_t window) {
+  for (float& sample : samples) sample = -sample;
+  std::vector<float> result = running_maximum(samples, window);
+  for (float& sample : result) sample = -sample;
+  return result;
+}
+
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
   const std::size_t size = samples.size();
   std::vector<float> result(size);
@@ -518,47 +564,60 @@ std::vector<float> module_darkness(std::vector<float> darkness) {
   return modules;
 }
 
-// How badly a pattern of modules (1 bar, 0 space) that begins at each sample suits: 1 less its
-// correlation with the darkness, which blur lowers little. Even grey correlates with nothing.
-template <std::size_t kLength>
-std::vector<float> pattern_costs(const std::vector<float>& modules,
-                                 const std::array<int, kLength>& pattern) {
-  constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
-  constexpr auto kCount = static_cast<float>(kLength);
-  float mean = 0;
-  for (const int bar : pattern) mean += static_cast<float>(bar) / kCount;
-  const float deviation = std::sqrt(mean * (1 - mean));
-  std::array<float, kLength> weights{};
-  for (std::size_t m = 0; m < kLength; ++m) weights[m] = static_cast<float>(pattern[m]) - mean;
-  std::vector<float> costs(modules.size(), kFarCost);
-  if (modules.size() < kLength * kPerModule) return costs;
-  const std::size_t end = modules.size() - kLength * kPerModule + 1;
-  std::vector<float> products(end), variances(end);
+// How badly the three guard patterns that begin at each sample suit: 1 less the correlation of
+// their modules with the darkness, which blur lowers little. Even grey correlates with nothing.
+// With quiet zones: 00001010 at the start, 1010101 in the centre, 01010000 at the end (1 = bar).
+struct GuardCosts {
+  std::vector<float> start, centre, end;
+};
+
+// 1 - correlation, from the sum of the bars' modules and the sums over all.
+struct PatternFit {
+  float bars, count;
+
+  // Their covariance with the pattern, times the count.
+  float product(float of_bars, float sum) const { return of_bars - bars / count * sum; }
+  float cost(float product, float variance) const {
+    constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
+    const float share = bars / count;
+    const float seen = std::max(kLeastDeviation, std::sqrt(variance));
+    return 1 - product / count / (seen * std::sqrt(share * (1 - share)));
+  }
+};
+
+GuardCosts guard_costs(const std::vector<float>& modules) {
+  constexpr std::size_t kOuter = 8, kCentre = 7;  // modules of the patterns
+  constexpr PatternFit kOuterFit{2, kOuter}, kCentreFit{4, kCentre};
+  const std::size_t size = modules.size();
+  GuardCosts costs{std::vector<float>(size, kFarCost), std::vector<float>(size, kFarCost),
+                   std::vector<float>(size, kFarCost)};
+  if (size < kOuter * kPerModule) return costs;
+  const std::size_t end = size - kOuter * kPerModule + 1;
+  std::vector<float> outer_variance(end), centre_variance(end);
   for (std::size_t i = 0; i < end; ++i) {
-    float sum = 0, squares = 0, product = 0;
-    for (std::size_t m = 0; m < kLength; ++m) {
-      const float dark = modules[i + m * kPerModule];
-      sum += dark;
-      squares += dark * dark;
-      product += dark * weights[m];
+    std::array<float, kOuter> m;
+    for (std::size_t k = 0; k < kOuter; ++k) m[k] = modules[i + k * kPerModule];
+    float sum = 0, squares = 0;
+    for (std::size_t k = 0; k < kCentre; ++k) {
+      sum += m[k];
+      squares += m[k] * m[k];
     }
-    products[i] = product;
-    variances[i] = std::max(0.0F, squares / kCount - sum * sum / (kCount * kCount));
+    costs.centre[i] = kCentreFit.product(m[0] + m[2] + m[4] + m[6], sum);
+    centre_variance[i] = squares / kCentre - sum * sum / (kCentre * kCentre);
+    sum += m[kCentre];
+    squares += m[kCentre] * m[kCentre];
+    costs.start[i] = kOuterFit.product(m[4] + m[6], sum);
+    costs.end[i] = kOuterFit.product(m[1] + m[3], sum);
+    outer_variance[i] = squares / kOuter - sum * sum / (kOuter * kOuter);
   }
   for (std::size_t i = 0; i < end; ++i) {
-    const float seen = std::max(kLeastDeviation, std::sqrt(variances[i]));
-    costs[i] = 1 - products[i] / kCount / (seen * deviation);
+    const float outer = std::max(0.0F, outer_variance[i]);
+    costs.start[i] = kOuterFit.cost(costs.start[i], outer);
+    costs.end[i] = kOuterFit.cost(costs.end[i], outer);
+    costs.centre[i] = kCentreFit.cost(costs.centre[i], std::max(0.0F, centre_variance[i]));
   }
   return costs;
 }
-
-// Of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products stay
-// below.
-constexpr float kWorstPlace = 1.5F;
-
-constexpr std::array<int, 8> kStartPattern{0, 0, 0, 0, 1, 0, 1, 0};
-constexpr std::array<int, 7> kCentrePattern{1, 0, 1, 0, 1, 0, 1};
-constexpr std::array<int, 8> kEndPattern{0, 1, 0, 1, 0, 0, 0, 0};
 
 // A symbol may reach beyond the line by what its boundaries may be off.
 bool has_room(const ScanLine& line, const SymbolPlace& place) {
@@ -570,33 +629,31 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
 
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
 std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
-                                         double module) {
+                                         double module, double worst) {
   const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
   const int count = length + 2 * kMargin * kPerModule;
   const std::vector<float> samples = resampled(integral, 0, module, count);
   const std::vector<float> modules = module_darkness(local_darkness(samples, 9 * kPerModule));
-  const std::vector<float> start = pattern_costs(modules, kStartPattern);
-  const std::vector<float> centre = pattern_costs(modules, kCentrePattern);
-  const std::vector<float> end = pattern_costs(modules, kEndPattern);
-  // Where a pattern suits best within kSlackModules of a place.
+  const GuardCosts guards = guard_costs(modules);
+  // The costs of the best places within kSlackModules.
   constexpr int kSlackModules = 3;
-  const auto best_near = [&](const std::vector<float>& costs, int middle) {
-    const int behind = std::min(count, middle + kSlackModules * kPerModule + 1);
-    return std::min_element(costs.begin() + middle - kSlackModules * kPerModule,
-                            costs.begin() + behind);
-  };
+  constexpr std::size_t kSlackSamples = kSlackModules * kPerModule;
+  const std::vector<float> centres = running_minimum(guards.centre, kSlackSamples);
+  const std::vector<float> ends = running_minimum(guards.end, kSlackSamples);
   std::vector<SymbolPlace> places;
   for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
-    const float at_start = start[static_cast<std::size_t>(i)];
+    const float at_start = guards.start[static_cast<std::size_t>(i)];
     if (at_start > kWorstPlace / 2) continue;
     const int first_bar = i + 4 * kPerModule;
-    const auto at_centre = best_near(centre, first_bar + 44 * kPerModule);
-    if (at_start + *at_centre > kWorstPlace) continue;
-    const auto at_end = best_near(end, first_bar + 91 * kPerModule);
-    const float cost = at_start + *at_centre + *at_end;
-    if (cost > kWorstPlace) continue;
+    const auto last_guard =
+        static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPerModule));
+    const float cost = at_start + centres[static_cast<std::size_t>(first_bar + 44 * kPerModule)] +
+                       ends[last_guard];
+    if (cost > worst) continue;
+    const auto first = guards.end.begin() + (first_bar + 91 * kPerModule) - kSlackSamples;
+    const auto at_end = std::find(first, guards.end.end(), ends[last_guard]);
     const double begin = first_bar - kMargin * kPerModule;
-    const auto bars = static_cast<double>(at_end - end.begin()) - first_bar;
+    const auto bars = static_cast<double>(at_end - guards.end.begin()) - first_bar;
     const double width = bars / 91 * module / kPerModule;
     const SymbolPlace place{begin * module / kPerModule, width, cost};
     if (has_room(line, place)) places.push_back(place);
@@ -607,18 +664,20 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
 }  // namespace
 
 BarTemplates::BarTemplates(const BarShape& shape) {
-  for (std::size_t kind = 0; kind < samples_.size(); ++kind) {
+  for (std::size_t kind = 0; kind < templates_.size(); ++kind) {
     const int segment = kSegmentOfKind[kind];
     for (int pattern = 0; pattern < patterns_of(segment); ++pattern) {
       for (int ratio = 0; ratio < kRatios; ++ratio) {
-        samples_[kind].push_back(samples_of(segment, pattern, length_of(segment, ratio), shape));
+        Template shown{samples_of(segment, pattern, length_of(segment, ratio), shape), 0};
+        for (const float sample : shown.samples) shown.squares += sample * sample;
+        templates_[kind].push_back(std::move(shown));
       }
     }
   }
 }
 
-const std::vector<float>& BarTemplates::samples(std::size_t kind, int pattern, int ratio) const {
-  return samples_[kind][static_cast<std::size_t>(pattern * kRatios + ratio)];
+const BarTemplates::Template& BarTemplates::shown(std::size_t kind, int pattern, int ratio) const {
+  return templates_[kind][static_cast<std::size_t>(pattern * kRatios + ratio)];
 }
 
 std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {
@@ -637,13 +696,13 @@ std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {
 }
 
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most) {
+                                            std::size_t most, double worst) {
   constexpr double kStep = 1.045;
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
   const LineIntegral integral(line);
   for (double module = least; module <= greatest; module *= kStep) {
-    std::ranges::move(places_at_width(line, integral, module), std::back_inserter(all));
+    std::ranges::move(places_at_width(line, integral, module, worst), std::back_inserter(all));
   }
   std::ranges::sort(all, {}, &SymbolPlace::cost);
   std::vector<SymbolPlace> best;

@@ -26,11 +26,15 @@ struct SymbolPlace {
   double cost = 0;    // of its guard patterns, less is better
 };
 
+// Cost of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products
+// stay below.
+inline constexpr double kWorstPlace = 1.5;
+
 // Places whose quiet zones and three guard patterns suit, best first, at most `most` of them. Both
 // directions fit equally well; the one along the line is returned. `least` and `greatest` bound
-// the module's width in samples.
+// the module's width in samples, `worst` the places' cost.
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most);
+                                            std::size_t most, double worst = kWorstPlace);
 
 // How bars look on the line.
 struct BarShape {
@@ -43,12 +47,17 @@ class BarTemplates {
  public:
   explicit BarTemplates(const BarShape& shape);
 
-  // Darkness samples of a kind of segment (0 start guard, 1 centre guard, 2 left and 3 right half,
-  // 4 end guard) at one of its local module widths.
-  const std::vector<float>& samples(std::size_t kind, int pattern, int ratio) const;
+  struct Template {
+    std::vector<float> samples;  // darkness
+    float squares = 0;           // of the samples, summed
+  };
+
+  // A kind of segment (0 start guard, 1 centre guard, 2 left and 3 right half, 4 end guard) at one
+  // of its local module widths.
+  const Template& shown(std::size_t kind, int pattern, int ratio) const;
 
  private:
-  std::array<std::vector<std::vector<float>>, 5> samples_;
+  std::array<std::vector<Template>, 5> templates_;
 };
 
 // How a symbol lies on a line.

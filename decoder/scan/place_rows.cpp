@@ -25,18 +25,15 @@ PlaceRows filled_rows(float cost) {
   return rows;
 }
 
-TAGSMITH_WIDE PlaceRow squared_differences(const float* darkness, const float* shown,
-                                           std::size_t count, float weight) {
+TAGSMITH_WIDE PlaceRow products(const float* darkness, const float* shown, std::size_t count) {
   std::array<Lanes, kVectors> sums{};
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t v = 0; v < kVectors; ++v) {
-      Lanes difference;
-      std::memcpy(&difference, darkness + i + v * kPlaceLanes, sizeof difference);
-      difference -= shown[i];
-      sums[v] += difference * difference;
+      Lanes at;
+      std::memcpy(&at, darkness + i + v * kPlaceLanes, sizeof at);
+      sums[v] += at * shown[i];
     }
   }
-  for (Lanes& sum : sums) sum *= weight;
   PlaceRow row;
   std::memcpy(row.data(), sums.data(), sizeof sums);
   return row;

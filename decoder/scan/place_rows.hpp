@@ -23,11 +23,9 @@ using WidthPenalties = std::array<std::array<float, kWidthCount>, kWidthCount>; 
 
 PlaceRows filled_rows(float cost);
 
-// The squared differences of `count` template samples from the darkness, summed at every place and
-// multiplied by `weight`: place i compares from darkness[i] on. Reads count + kPlaceRow - 1 samples
-// of darkness.
-PlaceRow squared_differences(const float* darkness, const float* shown, std::size_t count,
-                             float weight);
+// Sums of products of `count` template samples with the darkness, at every place: place i begins at
+// darkness[i]. Reads count + kPlaceRow - 1 samples of darkness.
+PlaceRow products(const float* darkness, const float* shown, std::size_t count);
 
 // Place by place the less of both.
 void take_less(const PlaceRow& costs, PlaceRow& least);
