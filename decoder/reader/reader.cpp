@@ -409,10 +409,18 @@ class PictureReader {
     return attempt && accept_where_bars_end(frame, *attempt, kPartlyCovered);
   }
 
+  std::optional<Attempt> best_careful(const RefinedFrame& frame, AddedLight added) const {
+    return best_attempt(image_, frame, options_,
+                        [added](const GrayView& image, const RefinedFrame& of, std::size_t first,
+                                const SymbolLayout& layout) {
+                          return profile_covered_symbol(image, of, first, layout, added);
+                        });
+  }
+
   // What a completed frame holds, read quickly or carefully, whichever is explained better.
   std::optional<Attempt> best_explained(const RefinedFrame& frame) const {
     const auto quick = best_attempt(image_, frame, options_, profile_symbol);
-    auto careful = best_attempt(image_, frame, options_, profile_covered_symbol);
+    auto careful = best_careful(frame, AddedLight::even);
     if (!careful || (quick && quick->decoding.fit.explained > careful->decoding.fit.explained)) {
       return quick;
     }
@@ -426,11 +434,13 @@ class PictureReader {
       const auto quick = best_attempt(image_, frame, options_, profile_symbol);
       if (quick && !objection(*quick, options_)) return quick;
     }
-    const auto careful = best_attempt(image_, frame, options_, profile_covered_symbol);
-    if (!careful || objection(*careful, options_) || too_little_shown(careful->profile)) {
-      return std::nullopt;
+    for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
+      const auto careful = best_careful(frame, added);
+      if (careful && !objection(*careful, options_) && !too_little_shown(careful->profile)) {
+        return careful;
+      }
     }
-    return careful;
+    return std::nullopt;
   }
 
   // Accepts a believed symbol whose bars end where its frame has them end, or, where one of the
