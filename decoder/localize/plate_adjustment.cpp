@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -402,6 +401,8 @@ PlateOffset offset_of(const Vector6& moved, const Matrix6& posterior, const Vect
   offset.chi_square = mean.dot(expected.ldlt().solve(mean));
   const Eigen::Matrix3d of_shift = expected.topLeftCorner<3, 3>();
   offset.shift_chi_square = offset.shift.dot(of_shift.ldlt().solve(offset.shift));
+  const Eigen::Matrix3d of_turn = expected.bottomRightCorner<3, 3>();
+  offset.turn_chi_square = offset.turn.dot(of_turn.ldlt().solve(offset.turn));
   return offset;
 }
 
@@ -431,35 +432,28 @@ bool converge(Network& network, AdjustmentState& state) {
   return network.linearise(state);
 }
 
-// What one sighting says of where the vehicle is, were its plate where it is said to be.
-struct SinglePose {
-  VehiclePose vehicle;
-  double turn_variance = 0;  // of heading, pitch and roll, added up
-  double chi_square = 0;     // of the corners, two degrees of freedom
-};
+}  // namespace
 
-std::optional<SinglePose> single_pose(const AdjustmentProblem& problem, const Sighting& sighting) {
+std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sighting& sighting) {
   AdjustmentProblem alone{problem.rig, {problem.plates[sighting.plate]}, {{"", {sighting}}}};
   alone.stations[0].sightings[0].plate = 0;
   alone.plates[0].survey_variance.setConstant(1e-12);
+  std::vector<SinglePose> poses;
   const auto starts = vehicle_poses_from(*problem.rig, alone.plates[0], sighting);
-  if (!starts) return std::nullopt;
-  std::optional<SinglePose> best;
+  if (!starts) return poses;
+  const auto uncertain = static_cast<Index>(calibration_layout(*problem.rig).sigmas.size());
   for (const VehiclePose& start : *starts) {
-    const auto uncertain = calibration_layout(*problem.rig).sigmas.size();
-    AdjustmentState state{
-        {alone.plates[0].world_from_plate}, {start}, VectorXd::Zero(static_cast<Index>(uncertain))};
+    AdjustmentState state{{alone.plates[0].world_from_plate}, {start}, VectorXd::Zero(uncertain)};
     Network network(alone, {false});
     if (!converge(network, state)) continue;
     const ReducedStation& station = network.stations()[0];
-    if (best && station.chi_square >= best->chi_square) continue;
-    best = SinglePose{state.vehicles[0], station.pose_covariance.bottomRightCorner<3, 3>().trace(),
-                      station.chi_square};
+    const Eigen::Matrix3d axes = vehicle_frame(state.vehicles[0]).turn_axes;
+    const Eigen::Matrix3d of_turn = station.pose_covariance.bottomRightCorner<3, 3>();
+    poses.push_back({state.vehicles[0], axes * of_turn * axes.transpose(), station.chi_square});
   }
-  return best;
+  std::ranges::sort(poses, {}, &SinglePose::chi_square);
+  return poses;
 }
-
-}  // namespace
 
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
                                         const std::vector<bool>& freed) {
@@ -493,44 +487,13 @@ double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sight
   return least;
 }
 
-std::optional<double> attitude_scatter(const AdjustmentProblem& problem) {
-  constexpr std::size_t kLeastPlates = 4;
-  constexpr double kSharp = 0.005;          // radians; far or frontal pictures tell too little
-  constexpr double kMedianOfThree = 2.366;  // of chi-square with three degrees
-  std::vector<double> squares;              // of a pair's turn, less what the corners' noise makes
-  std::set<std::size_t> plates;
-  for (const Station& station : problem.stations) {
-    std::vector<std::pair<std::size_t, SinglePose>> poses;
-    for (const Sighting& sighting : station.sightings) {
-      const auto pose = single_pose(problem, sighting);
-      if (pose && pose->turn_variance < kSharp * kSharp) poses.emplace_back(sighting.plate, *pose);
-    }
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      for (std::size_t j = i + 1; j < poses.size(); ++j) {
-        const auto& [a, from_a] = poses[i];
-        const auto& [b, from_b] = poses[j];
-        if (a == b) continue;
-        const Vector3d turn = turn_of(world_from_vehicle(from_a.vehicle).rotation.transpose() *
-                                      world_from_vehicle(from_b.vehicle).rotation);
-        squares.push_back(turn.squaredNorm() - from_a.turn_variance - from_b.turn_variance);
-        plates.insert({a, b});
-      }
-    }
-  }
-  if (plates.size() < kLeastPlates) return std::nullopt;
-  std::ranges::nth_element(squares,
-                           squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2));
-  const double of_pair = squares[squares.size() / 2] / kMedianOfThree;
-  return std::sqrt(std::max(0.0, of_pair / 2));
-}
-
 bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting) {
   constexpr int kFree = 2;            // eight coordinates less six of the pose
   constexpr double kAsStated = 13.8;  // chi-square that is exceeded once in a thousand
   constexpr double kMostRaised = 100;
-  const auto pose = single_pose(problem, sighting);
-  if (!pose || pose->chi_square > kFree * kMostRaised) return false;
-  if (pose->chi_square > kAsStated) sighting.covariance *= pose->chi_square / kFree;
+  const std::vector<SinglePose> poses = single_poses(problem, sighting);
+  if (poses.empty() || poses[0].chi_square > kFree * kMostRaised) return false;
+  if (poses[0].chi_square > kAsStated) sighting.covariance *= poses[0].chi_square / kFree;
   return true;
 }
 

@@ -35,9 +35,10 @@ struct PlateOffset {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of corner P, world axes, metres
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();   // rotation vector in its surveyed axes, radians
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  // of both
-  // Against the survey, whose own variances are counted: chi-square of 3 and of 6 where the plate
+  // Against the survey, whose own variances are counted: chi-square of 3, 3 and 6 where the plate
   // hangs as surveyed.
   double shift_chi_square = 0;
+  double turn_chi_square = 0;
   double chi_square = 0;
 };
 
@@ -61,11 +62,16 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
 // none.
 double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b);
 
-// Standard deviation of how far plates are turned from their surveyed attitudes about each axis,
-// radians, from how single plates' pictures of one station turn against each other: where plates
-// hang shifted has no part in it. The median of all pairs, so that a few turned plates do not
-// matter. Nothing with fewer than four plates to tell.
-std::optional<double> attitude_scatter(const AdjustmentProblem& problem);
+// What one sighting says of where the vehicle is, were its plate where it is said to be.
+struct SinglePose {
+  VehiclePose vehicle;
+  Eigen::Matrix3d turn_covariance = Eigen::Matrix3d::Zero();  // in vehicle axes, radians^2
+  double chi_square = 0;                                      // of the corners, two degrees
+};
+
+// The one or two poses that a plane's picture allows (plate_pose.hpp), the better first; none when
+// no pose explains the corners.
+std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sighting& sighting);
 
 // Raises a sighting's covariance until a rectangle explains its corners (two degrees of freedom).
 // False when none does even at a hundred times the covariance: it must not be used.

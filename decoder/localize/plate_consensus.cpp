@@ -24,8 +24,9 @@ constexpr double kGross = 0.5;         // frame diagonals: beyond, no linear tes
 constexpr std::size_t kMostRivals = 6;
 
 double excess(const PlateOffset& offset) {
-  return std::max(offset.shift_chi_square / chi_square_limit(3, kGate),
-                  offset.chi_square / chi_square_limit(6, kGate));
+  return std::max({offset.shift_chi_square / chi_square_limit(3, kGate),
+                   offset.turn_chi_square / chi_square_limit(3, kGate),
+                   offset.chi_square / chi_square_limit(6, kGate)});
 }
 
 int corner_degrees(const Station& station) {

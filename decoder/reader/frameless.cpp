@@ -402,7 +402,7 @@ std::optional<std::string> objection_to(const Decoding& decoding, const Evidence
   if (decoding.digits != consensus.digits) return "lines disagree";
   if (consensus.probability < options.min_confidence.value_or(kSureWithoutFrame) ||
       decoding.confidence < kLeastTogether) {
-    return "not certain enough";
+    return kDoubtfulReason;
   }
   if (may_be_ean13(evidence)) return "even parity: EAN-13";
   return std::nullopt;

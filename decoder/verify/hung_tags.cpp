@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "decoder/localize/attitude_scatter.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith {
@@ -53,10 +54,8 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
 
 // Where the survey does not say how plates are turned, their pictures do.
 void take_scatter(const Survey& survey, AdjustmentProblem& problem) {
-  constexpr double kMostScatter = 0.05;  // radians; beyond, something else is wrong
   if (survey.angle_sigma > 0) return;
-  const double scatter = attitude_scatter(problem).value_or(0);
-  const double sigma = std::clamp(scatter, kLeastAngleSigma, kMostScatter);
+  const double sigma = std::max(attitude_scatter(problem), kLeastAngleSigma);
   for (SightedPlate& plate : problem.plates) {
     plate.survey_variance.tail<3>().setConstant(sigma * sigma);
   }
@@ -196,16 +195,6 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
   }
 }
 
-void name_doubt(const SightedPlate& plate, const PlateCheck& check, HungTag& tag) {
-  tag.rule = "contradiction";
-  tag.message = fmt::format(
-      "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
-      "tells "
-      "which; if it is {}, {}",
-      tag.tag, fmt::join(tag.rivals, ", "), millimetres(farthest_corner(plate, *check.offset)),
-      tag.tag, instruction(tag));
-}
-
 HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::size_t index,
                  const PlateCheck& check) {
   const SightedPlate& plate = problem.plates[index];
@@ -224,8 +213,27 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
     return tag;
   }
   if (check.verdict == HangVerdict::off) name_mistake(survey, plate, check, tag);
-  if (check.verdict == HangVerdict::doubtful) name_doubt(plate, check, tag);
   return tag;
+}
+
+// Of tags one of which hangs wrong: what to do about each, were it the one. The rivals of a
+// doubtful tag are doubtful, too.
+void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
+                 std::vector<HungTag>& tags) {
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const PlateCheck& check = consensus.plates[i];
+    if (check.verdict != HangVerdict::doubtful) continue;
+    std::string cures = fmt::format("if it is {}, {}", tags[i].tag, instruction(tags[i]));
+    for (const std::size_t rival : check.rivals) {
+      cures += fmt::format("; if it is {}, {}", tags[rival].tag, instruction(tags[rival]));
+    }
+    tags[i].rule = "contradiction";
+    tags[i].message = fmt::format(
+        "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
+        "tells which. Measure them: {}",
+        tags[i].tag, fmt::join(tags[i].rivals, ", "),
+        millimetres(farthest_corner(problem.plates[i], *check.offset)), cures);
+  }
 }
 
 }  // namespace
@@ -240,6 +248,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   for (std::size_t i = 0; i < problem.plates.size(); ++i) {
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
+  name_doubts(problem, consensus, result.tags);
   for (const std::string& station : consensus.stations_left_out) {
     result.notes.push_back(fmt::format(
         "{}: its tags fit no place of the cameras: pictures that were not taken together, or not "

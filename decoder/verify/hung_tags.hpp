@@ -51,7 +51,7 @@ struct HungTags {
 
 // Least standard deviations that plates are taken to be surveyed with: a survey that states none
 // would make every offset significant. Where it states none of angles, that is attitude_scatter of
-// the pictures, when they show four plates.
+// the pictures.
 inline constexpr double kLeastSurveySigma = 0.001;        // metres
 inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degrees
 

@@ -69,7 +69,20 @@ std::string as_text(const PlannedDrive& drive, const Subject& subject,
   const std::string report = plan_report(drive);
   if (!subject.better) return report;
   return optimisation_report(subject.better->optimisation, options.optimisation) +
-         "\nThe chosen layout, planned again from its files:\n" + report;
+         "\nThe chosen layout, planned again from its files, meets the requirement:\n" + report;
+}
+
+// What --optimise claims, by the plan of the files that it writes.
+Result<void> check_claim(const DrivePlan& plan, const Subject& subject,
+                         const PlanCommandOptions& options) {
+  if (!subject.better) return {};
+  const double share =
+      served_share(plan, options.optimisation.requirement, subject.better->optimisation.demanded);
+  if (share == 1) return {};
+  return fail(fmt::format(
+      "the chosen layout ({}), planned again from its files, meets the requirement along {:.2f} % "
+      "of the drive only; nothing was written",
+      subject.better->optimisation.chosen.name, 100 * share));
 }
 
 Result<void> add_drawings(const PlannedDrive& drive, const StagedFiles& files) {
@@ -107,6 +120,9 @@ Result<bool> plan(const PlanCommandOptions& options) {
   if (!subject) return fail(subject.error().message);
   const Result<DrivePlan> drive_plan = plan_drive(subject->survey, subject->rig, options.plan);
   if (!drive_plan) return fail(drive_plan.error().message);
+  if (auto kept = check_claim(*drive_plan, *subject, options); !kept) {
+    return fail(kept.error().message);
+  }
   const PlanSummary summary = summarize(*drive_plan);
   const PlannedDrive drive{subject->survey, subject->rig, *drive_plan, summary};
   if (auto written = write_files(drive, *subject, options); !written) {

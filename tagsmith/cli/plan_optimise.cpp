@@ -156,20 +156,34 @@ std::string stagger_text(const Layout& layout) {
   return number(degrees(*layout.series.pair_angle), 1) + " deg";
 }
 
-std::string row(const LayoutReport& report, bool is_chosen) {
+std::string row(const LayoutReport& report, const Optimisation& optimisation) {
   const Layout& layout = report.layout;
   return fmt::format(
-      "{} {:<20}{:>5}{:>9.2f}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>12}  {}\n", is_chosen ? ">" : " ",
-      report.name, report.tags, report.plate_area, number(layout.series.spacing, 3),
-      number(layout.series.mount_height, 2), layout.tag_template.name, stagger_text(layout),
+      "{} {:<20}{:>5}{:>9.2f}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>13}{:>13}\n",
+      report.name == optimisation.chosen.name ? ">" : " ", report.name, report.tags,
+      report.plate_area, number(layout.series.spacing, 3), number(layout.series.mount_height, 2),
+      layout.tag_template.name, stagger_text(layout),
       layout.alpha ? number(degrees(*layout.alpha), 1) : "given",
       std::isfinite(report.worst_plane) ? fmt::format("{:.1f} mm", 1000 * report.worst_plane)
                                         : "none",
-      report.meets ? "meets" : fmt::format("{:.1f} %", 100 * report.met_share));
+      report.meets ? "met" : fmt::format("{:.1f} %", 100 * report.met_share));
 }
 
-bool is_same(const LayoutReport& a, const LayoutReport& b) {
-  return a.name == b.name && a.tags == b.tags && a.layout.series.spacing == b.layout.series.spacing;
+// A line for each; a freedom that brings nothing is said to.
+std::string table(const Optimisation& optimisation) {
+  std::string text = fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>13}{:>13}\n",
+                                 "what varies", "tags", "area, m2", "spacing", "height", "plate",
+                                 "theta", "alpha", "worst plane", "requirement");
+  text += row(optimisation.given, optimisation);
+  const std::vector<LayoutReport>& rows = optimisation.alternatives;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto same = std::ranges::find_if(
+        rows, [&](const LayoutReport& other) { return is_same(other.layout, rows[i].layout); });
+    const bool is_new = static_cast<std::size_t>(same - rows.begin()) == i;
+    text += is_new ? row(rows[i], optimisation)
+                   : fmt::format("  {:<20} no better than {}\n", rows[i].name, same->name);
+  }
+  return text;
 }
 
 nlohmann::ordered_json json_of(const LayoutReport& report) {
@@ -242,21 +256,17 @@ std::string limits_text(const OptimiseOptions& options, bool alpha_can_vary) {
 std::string optimisation_report(const Optimisation& optimisation, const OptimiseOptions& options) {
   std::string text = fmt::format(
       "required: plane at most {} mm at every pose{}\n"
-      "          along {:.1f} % of the drive (no plate can serve the rest)\n\n",
+      "          along {:.1f} % of the drive{}\n\n",
       number(1000 * options.requirement.plane_sigma, 3),
       options.requirement.tags_lost == 0
           ? ""
           : "; with any one tag lost a tag at every\n"
             "          pose still, and that plane on the center line",
-      100 * optimisation.demanded_share);
-  text +=
-      fmt::format("  {:<20}{:>5}{:>9}{:>9}{:>8}  {:<14}{:>10}{:>8}{:>12}\n", "what varies", "tags",
-                  "area, m2", "spacing", "height", "plate", "theta", "alpha", "worst plane");
-  text += row(optimisation.given, is_same(optimisation.given, optimisation.chosen));
-  for (const LayoutReport& report : optimisation.alternatives) {
-    text += row(report, is_same(report, optimisation.chosen));
-  }
-  return text + limits_text(options, optimisation.alpha_can_vary);
+      100 * optimisation.demanded_share,
+      optimisation.demanded_share < 1
+          ? " (elsewhere not even the given plates side by side serve every pose)"
+          : "");
+  return text + table(optimisation) + limits_text(options, optimisation.alpha_can_vary);
 }
 
 std::string optimisation_json(const Optimisation& optimisation) {

@@ -119,17 +119,19 @@ function drawProfile() {
   const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000];
   const step = steps.find(s => (width - l - r) / (span / s) >= 48) || 50000;
   for (let v = Math.ceil(first / step) * step; v <= first + span + 1e-9; v += step) {
-    el(svg, 'text', {x: x(v), y: height - b + 28, 'text-anchor': 'middle'}, +v.toFixed(2));
+    el(svg, 'text', {x: x(v), y: height - b + 28, 'text-anchor': 'middle'}, +v.toFixed(2) + ' m');
   }
   for (let i = 0; i + 1 < c.length; ++i) {
     el(svg, 'rect', {x: x(c[i]), y: height - b + 4, width: Math.max(0.6, x(c[i + 1]) - x(c[i]) + 0.4),
       height: 7, fill: colours[data.profile.service[i]]});
   }
+  // Steps: what a place has holds up to the next.
   const curve = (name, attributes) => {
     let d = '', open = false;
     data.profile[name].forEach((v, i) => {
       if (v === null) { open = false; return; }
-      d += (open ? 'L' : 'M') + x(c[i]).toFixed(1) + ',' + y(v).toFixed(1);
+      d += open ? 'V' + y(v).toFixed(1) : 'M' + x(c[i]).toFixed(1) + ',' + y(v).toFixed(1);
+      if (i + 1 < c.length) d += 'H' + x(c[i + 1]).toFixed(1);
       open = true;
     });
     if (d) el(svg, 'path', Object.assign({d, fill: 'none'}, attributes));

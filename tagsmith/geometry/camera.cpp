@@ -19,56 +19,58 @@ using Eigen::Vector3d;
 // Coefficients of 1, s, s^2, ...
 using Polynomial = std::array<double, 7>;
 
-double value_at(const Polynomial& p, double s) {
+template <std::size_t Size>
+double value_at(const std::array<double, Size>& p, double s) {
   double value = 0;
-  for (std::size_t i = p.size(); i-- > 0;) value = value * s + p[i];
+  for (std::size_t i = Size; i-- > 0;) value = value * s + p[i];
   return value;
-}
-
-Polynomial operator*(const Polynomial& a, const Polynomial& b) {
-  Polynomial product{};
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (a[i] == 0) continue;
-    for (std::size_t j = 0; i + j < product.size(); ++j) product[i + j] += a[i] * b[j];
-  }
-  return product;
-}
-
-// s p'(s).
-Polynomial s_times_slope(Polynomial p) {
-  for (std::size_t i = 0; i < p.size(); ++i) p[i] *= static_cast<double>(i);
-  return p;
 }
 
 // Both lens models take a point's distance from the axis to its distance in the image by one curve,
 // q N(q^2)/D(q^2): q is the tangent of the angle to the axis in the perspective model, that angle
-// itself in the fisheye's.
+// itself in the fisheye's. It is made anew for every point, hence no more than its coefficients.
 struct RadialCurve {
-  Polynomial numerator{};
-  Polynomial denominator{};
-  Polynomial rise{};  // the curve's derivative is rise / denominator^2
+  std::array<double, 5> numerator{};
+  std::array<double, 4> denominator{1};
+  bool is_ratio = false;  // else the denominator is 1
 
-  double value(double q) const {
-    return q * value_at(numerator, q * q) / value_at(denominator, q * q);
+  // The curve's value divided by q.
+  double ratio(double q) const {
+    const double value = value_at(numerator, q * q);
+    return is_ratio ? value / value_at(denominator, q * q) : value;
   }
-  double slope(double q) const {
-    const double d = value_at(denominator, q * q);
-    return value_at(rise, q * q) / (d * d);
-  }
+  double value(double q) const { return q * ratio(q); }
+  double slope(double q) const;
 };
+
+// The curve's derivative times the denominator's square: (N + 2 s N') D - 2 s N D'.
+Polynomial rise_of(const RadialCurve& curve) {
+  Polynomial rise{};
+  for (std::size_t i = 0; i < curve.numerator.size(); ++i) {
+    if (!curve.is_ratio) {
+      rise[i] = static_cast<double>(2 * i + 1) * curve.numerator[i];
+      continue;
+    }
+    for (std::size_t j = 0; j < curve.denominator.size() && i + j < rise.size(); ++j) {
+      const double factor = 1 + 2 * (static_cast<double>(i) - static_cast<double>(j));
+      rise[i + j] += factor * curve.numerator[i] * curve.denominator[j];
+    }
+  }
+  return rise;
+}
+
+double RadialCurve::slope(double q) const {
+  const double rise = value_at(rise_of(*this), q * q);
+  if (!is_ratio) return rise;
+  const double d = value_at(denominator, q * q);
+  return rise / (d * d);
+}
 
 RadialCurve radial_curve(const Camera& camera) {
   const std::array<double, 8>& k = camera.distortion;
-  RadialCurve curve;
-  curve.numerator = camera.lens == LensModel::fisheye ? Polynomial{1, k[0], k[1], k[2], k[3]}
-                                                      : Polynomial{1, k[0], k[1], k[4]};
-  curve.denominator = {1};
-  if (camera.lens == LensModel::perspective) curve.denominator = {1, k[5], k[6], k[7]};
-  const Polynomial up = s_times_slope(curve.numerator) * curve.denominator;
-  const Polynomial down = curve.numerator * s_times_slope(curve.denominator);
-  curve.rise = curve.numerator * curve.denominator;
-  for (std::size_t i = 0; i < curve.rise.size(); ++i) curve.rise[i] += 2 * (up[i] - down[i]);
-  return curve;
+  if (camera.lens == LensModel::fisheye) return {{1, k[0], k[1], k[2], k[3]}};
+  const bool is_ratio = k[5] != 0 || k[6] != 0 || k[7] != 0;
+  return {{1, k[0], k[1], k[4]}, {1, k[5], k[6], k[7]}, is_ratio};
 }
 
 // True when the polynomial with these Bernstein coefficients is positive on all of [0, 1]. It lies
@@ -87,30 +89,45 @@ bool is_positive(const Polynomial& bernstein, int halvings) {
   return is_positive(left, halvings - 1) && is_positive(right, halvings - 1);
 }
 
+// A polynomial's Bernstein coefficients over [0, 1], by its coefficients.
+constexpr std::array<Polynomial, 7> kBernstein = [] {
+  constexpr std::size_t kDegree = 6;
+  std::array<Polynomial, 7> choose{};
+  for (std::size_t j = 0; j <= kDegree; ++j) {
+    choose[j][0] = 1;
+    for (std::size_t i = 1; i <= j; ++i) choose[j][i] = choose[j - 1][i - 1] + choose[j - 1][i];
+  }
+  std::array<Polynomial, 7> weights = choose;
+  for (Polynomial& row : weights) {
+    for (std::size_t i = 0; i <= kDegree; ++i) row[i] /= choose[kDegree][i];
+  }
+  return weights;
+}();
+
 // True when p > 0 on [0, end].
 bool is_positive_up_to(const Polynomial& p, double end) {
   constexpr int kHalvings = 24;
-  constexpr std::size_t kDegree = 6;
-  constexpr std::array<std::array<double, 7>, 7> kChoose{{{1, 0, 0, 0, 0, 0, 0},
-                                                          {1, 1, 0, 0, 0, 0, 0},
-                                                          {1, 2, 1, 0, 0, 0, 0},
-                                                          {1, 3, 3, 1, 0, 0, 0},
-                                                          {1, 4, 6, 4, 1, 0, 0},
-                                                          {1, 5, 10, 10, 5, 1, 0},
-                                                          {1, 6, 15, 20, 15, 6, 1}}};
-  Polynomial scaled = p;
+  Polynomial scaled{};
+  double bound = 0;  // from below, which is enough at most places of most lenses
   double power = 1;
-  for (std::size_t i = 0; i <= kDegree; ++i, power *= end) scaled[i] *= power / kChoose[kDegree][i];
+  for (std::size_t i = 0; i < p.size(); ++i, power *= end) {
+    scaled[i] = p[i] * power;
+    bound += i > 0 ? std::min(scaled[i], 0.0) : scaled[i];
+  }
+  if (bound > 0) return true;
   Polynomial bernstein{};
-  for (std::size_t j = 0; j <= kDegree; ++j) {
-    for (std::size_t i = 0; i <= j; ++i) bernstein[j] += kChoose[j][i] * scaled[i];
+  for (std::size_t j = 0; j < p.size(); ++j) {
+    for (std::size_t i = 0; i <= j; ++i) bernstein[j] += kBernstein[j][i] * scaled[i];
   }
   return is_positive(bernstein, kHalvings);
 }
 
 // True when the curve rises all the way from 0 to q.
 bool rises_up_to(const RadialCurve& curve, double q) {
-  return is_positive_up_to(curve.rise, q * q) && is_positive_up_to(curve.denominator, q * q);
+  if (!is_positive_up_to(rise_of(curve), q * q)) return false;
+  if (!curve.is_ratio) return true;
+  const auto& d = curve.denominator;
+  return is_positive_up_to({d[0], d[1], d[2], d[3]}, q * q);
 }
 
 // The largest q that distortion is followed to. Beyond, x/z and y/z lose their meaning.
@@ -138,7 +155,7 @@ Distorted distort(const Camera& camera, const RadialCurve& curve, const Vector2d
   if (r2 < kNearAxis) {
     scale += bend / 2 * r2;
   } else {
-    scale = curve.value(q) / r;
+    scale = curve.ratio(q) * (is_fisheye ? q / r : 1.0);
     const double slope = curve.slope(q) * (is_fisheye ? 1 / (1 + r2) : 1.0);
     bend = (slope - scale) / r2;
   }

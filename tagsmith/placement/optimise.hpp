@@ -55,11 +55,24 @@ struct LayoutReport {
 
 struct Optimisation {
   LayoutReport given;
-  LayoutReport chosen;                     // the given one where no other is cheaper
-  std::vector<LayoutReport> alternatives;  // one a freedom, then all freedoms together
-  bool alpha_can_vary = false;             // every camera of the rig looks to a side
-  double demanded_share = 0;  // of the columns; the others no layout of this kind can serve
+  LayoutReport chosen;  // the given one where no other is cheaper
+  // The spacing alone, each freedom with it, then all freedoms together.
+  std::vector<LayoutReport> alternatives;
+  bool alpha_can_vary = false;  // see all_look_aside
+  double demanded_share = 0;    // of the columns, those that are demanded
+  std::vector<bool> demanded;   // by column of the plan as asked for
 };
+
+bool is_same(const Layout& a, const Layout& b);
+
+// True when every camera has a side, so that an alpha can be given to it.
+bool all_look_aside(const Rig& rig);
+
+bool is_served(const PlanColumn& column, const Requirement& requirement);
+
+// The share of the demanded columns that meet the requirement; 1 when none is demanded.
+double served_share(const DrivePlan& plan, const Requirement& requirement,
+                    const std::vector<bool>& demanded);
 
 // The survey with its regular tags laid out so; digits are left empty.
 Survey with_layout(const Survey& survey, const Layout& layout);

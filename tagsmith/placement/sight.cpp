@@ -36,20 +36,21 @@ bool acts_as_pinhole(const Camera& camera) {
   return true;
 }
 
-// The vector from where the picture of the point is to where it goes, per unit of `motion`.
-std::optional<Vector2d> picture_of_motion(const Camera& camera, bool is_pinhole,
-                                          const Vector3d& point, const Vector3d& motion) {
-  if (is_pinhole) {
-    const double inverse_depth = 1 / point.z();
-    const double along = motion.z() * inverse_depth;
-    return Vector2d(camera.fx * inverse_depth * (motion.x() - point.x() * along),
-                    camera.fy * inverse_depth * (motion.y() - point.y() * along));
+// How the picture of a point moves with it, pixels a metre.
+std::optional<Eigen::Matrix<double, 2, 3>> picture_by_point(const Camera& camera, bool is_pinhole,
+                                                            const Vector3d& point) {
+  if (!is_pinhole) {
+    const std::optional<Projection> projection = project_with_derivative(camera, point);
+    if (!projection) return std::nullopt;
+    return projection->by_point;
   }
-  const double step = 1e-4 * point.z() / (1e-12 + motion.norm());
-  const std::optional<Vector2d> ahead = project(camera, point + step * motion);
-  const std::optional<Vector2d> behind = project(camera, point - step * motion);
-  if (!ahead || !behind) return std::nullopt;
-  return (*ahead - *behind) / (2 * step);
+  const double inverse_depth = 1 / point.z();
+  const double by_x = camera.fx * inverse_depth;
+  const double by_y = camera.fy * inverse_depth;
+  Eigen::Matrix<double, 2, 3> by_point;
+  by_point << by_x, 0, -by_x * point.x() * inverse_depth, 0, by_y,
+      -by_y * point.y() * inverse_depth;
+  return by_point;
 }
 
 }  // namespace
@@ -248,10 +249,11 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
   const Vector3d middle = rotation * way;
   if (middle.z() < kNearest) return std::nullopt;
   const Vector3d right = rotation * plate.right;
-  const auto module = picture_of_motion(rig_camera.camera, lens.is_pinhole, middle, right);
-  if (!module) return std::nullopt;
+  const auto by_point = picture_by_point(rig_camera.camera, lens.is_pinhole, middle);
+  if (!by_point) return std::nullopt;
+  const Vector2d module = *by_point * right;
   PlateSight sight;
-  const double px_per_metre = module->norm();
+  const double px_per_metre = module.norm();
   sight.module_px = module_ * px_per_metre;
   if (sight.module_px < book_.least_module_px()) return std::nullopt;
   if (!fits_in_image(camera, middle, right, rotation * plate.down)) return std::nullopt;
@@ -272,9 +274,7 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
     sight.blur_px = std::hypot(sight.blur_px, circle / 4);
   }
   const Vector3d motion = -stand.travel - stand.turn.cross(middle);
-  const auto smear = picture_of_motion(rig_camera.camera, lens.is_pinhole, middle, motion);
-  if (!smear) return std::nullopt;
-  sight.smear_px = std::abs(smear->dot(*module)) / px_per_metre;
+  sight.smear_px = std::abs((*by_point * motion).dot(module)) / px_per_metre;
   // An even path of m pixels has a standard deviation of m / sqrt(12).
   const auto travel = [&](const BlurLimits& limits) {
     const double most = limits.greatest_blur_px(sight.cosine, sight.module_px);

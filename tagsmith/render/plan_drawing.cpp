@@ -13,6 +13,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
@@ -24,7 +25,6 @@ using Eigen::Vector2d;
 constexpr double kCoverageWidth = 0.0012;  // of the coloured center line, metres on paper
 constexpr double kProfileHeight = 0.050;   // of the profile, metres on paper
 constexpr double kProfileLength = 0.330;
-constexpr int kDecades = 3;
 
 // The runs of columns within [from, to] that are served alike.
 struct Run {
@@ -110,11 +110,12 @@ struct ProfileAxes {
   double from = 0;
   double to = 1;
   double least = 1e-3;  // metres, the lowest decade
+  int decades = 3;
 
   SketchPoint at(double chainage, double sigma) const {
     const double x = kProfileLength * (chainage - from) / (to - from);
-    const double decades = std::clamp(std::log10(sigma / least), 0.0, double{kDecades});
-    return SketchPoint({0, 0}, {x, kProfileHeight * decades / kDecades});
+    const double above = std::clamp(std::log10(sigma / least), 0.0, static_cast<double>(decades));
+    return SketchPoint({0, 0}, {x, kProfileHeight * above / decades});
   }
 };
 
@@ -133,7 +134,7 @@ double round_step(double least) {
 
 void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
   SketchLayer& layer = sketch.layer("axes");
-  for (int decade = 0; decade <= kDecades; ++decade) {
+  for (int decade = 0; decade <= axes.decades; ++decade) {
     const double sigma = axes.least * std::pow(10.0, decade);
     Polyline line;
     line.line = {colours::kPale, kExtraNarrow, {}};
@@ -147,13 +148,27 @@ void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
   for (double chainage = std::ceil(axes.from / step) * step; chainage <= axes.to + 1e-9;
        chainage += step) {
     SketchPoint place = axes.at(chainage, axes.least);
-    place.paper.y() -= 0.003;
-    layer.add(
-        Words{format_number(chainage, 2), place, 0.0018, 0, TextAlign::centre, TextLevel::top});
+    place.paper.y() -= 0.004;
+    layer.add(Words{format_number(chainage, 2) + " m", place, 0.0018, 0, TextAlign::centre,
+                    TextLevel::top});
   }
 }
 
-// A curve, broken where there is no value; at most 2000 points, each the greatest of its columns.
+// Coverage below the axis, as on the center line.
+void draw_coverage_strip(const DrivePlan& plan, const ProfileAxes& axes, Sketch& sketch) {
+  for (const Run& run : runs(plan, axes.from, axes.to)) {
+    Polyline line;
+    line.line = {colour_of(run.service), kCoverageWidth, {}};
+    for (const std::size_t column : {run.first, run.last}) {
+      line.points.push_back(axes.at(plan.columns[column].chainage, axes.least));
+      line.points.back().paper.y() -= 0.002;
+    }
+    sketch.layer("coverage").add(std::move(line));
+  }
+}
+
+// A curve of steps, for each time that a tag comes or goes it jumps: what a column has holds up to
+// the next. Broken where there is no value; at most 2000 steps, each the greatest of its columns.
 void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle& style,
                 const std::function<double(const PlanColumn&)>& value, Sketch& sketch) {
   const std::size_t stride = std::max<std::size_t>(1, plan.columns.size() / 2000);
@@ -170,29 +185,43 @@ void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle&
     }
     if (most < 0) {
       finish();
-    } else {
-      line.points.push_back(axes.at(plan.columns[i].chainage, most));
+      continue;
     }
+    const std::size_t next = std::min(i + stride, plan.columns.size() - 1);
+    line.points.push_back(axes.at(plan.columns[i].chainage, most));
+    line.points.push_back(axes.at(plan.columns[next].chainage, most));
   }
   finish();
 }
 
-// The decade below the least sigma drawn.
-double lowest_decade(const DrivePlan& plan) {
+// Whole decades around all that is drawn.
+ProfileAxes profile_axes(const DrivePlan& plan) {
+  constexpr int kMostDecades = 5;
+  constexpr double kFinest = 1e-6;
   double least = 1e-3;
+  double most = 1;
   for (const PlanColumn& column : plan.columns) {
-    if (std::isfinite(column.nominal.plane)) least = std::min(least, column.nominal.plane);
+    for (const double sigma :
+         {column.nominal.plane, column.worst.plane, column.paper.sigma.plane}) {
+      if (!std::isfinite(sigma)) continue;
+      least = std::min(least, std::max(sigma, kFinest));
+      most = std::max(most, sigma);
+    }
   }
-  return std::pow(10.0, std::floor(std::log10(std::max(least, 1e-6))));
+  const double lowest = std::floor(std::log10(least));
+  const int decades = static_cast<int>(
+      std::min(std::ceil(std::log10(most)) - lowest, static_cast<double>(kMostDecades)));
+  return {plan.columns.front().chainage, plan.columns.back().chainage, std::pow(10.0, lowest),
+          decades};
 }
 
 DrawingView profile_view(const DrivePlan& plan) {
-  ProfileAxes axes{plan.columns.front().chainage, plan.columns.back().chainage,
-                   lowest_decade(plan)};
+  const ProfileAxes axes = profile_axes(plan);
   DrawingView view;
   view.title = "Standard deviation in the plane along the chainage";
   view.new_row = true;
   draw_axes(axes, view.sketch);
+  draw_coverage_strip(plan, axes, view.sketch);
   draw_curve(
       plan, axes, {colours::kGrey, kNarrow, dashed()},
       [](const PlanColumn& column) { return column.paper.sigma.plane; }, view.sketch);
@@ -248,16 +277,22 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
   const VehiclePose pose = vehicle_on_floor(survey.tunnel.centerline.at(from + (to - from) / 3),
                                             {.height = rig.vehicle_height});
   const double reach = usual_reach(survey, plan);
+  const TunnelWalls walls(survey.tunnel, survey.tunnel.stand_off,
+                          survey.tunnel.centerline.locate(pose.position.head<2>()).chainage,
+                          2 * reach);
   std::vector<std::vector<Eigen::Vector3d>> fields;
   for (const RigCamera& rig_camera : rig.cameras) {
     const Pose world_from_camera = world_from_vehicle(pose) * rig_camera.vehicle_from_camera;
     const Camera& camera = rig_camera.camera;
     std::vector<Eigen::Vector3d> outline{world_from_camera.translation};
-    constexpr int kRays = 8;
+    constexpr int kRays = 32;
     for (int i = 0; i <= kRays; ++i) {
       const Vector2d pixel((camera.width - 1) * i / static_cast<double>(kRays), camera.cy);
       const std::optional<Eigen::Vector3d> ray = ray_through(camera, pixel);
-      if (ray) outline.push_back(world_from_camera * (reach * ray->normalized()));
+      if (!ray) continue;
+      const Eigen::Vector3d way = reach * (world_from_camera.rotation * ray->normalized());
+      const auto hit = walls.first_hit(world_from_camera.translation.head<2>(), way.head<2>());
+      outline.push_back(world_from_camera.translation + std::min(hit ? hit->way : 1, 1.0) * way);
     }
     fields.push_back(std::move(outline));
   }

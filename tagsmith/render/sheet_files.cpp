@@ -49,11 +49,9 @@ class Painter {
 
   void operator()(const SheetLine& line) {
     set_colour(line.line.colour);
-    cairo_set_line_width(context_, line.line.width);
-    cairo_set_dash(context_, line.line.dashes.data(), static_cast<int>(line.line.dashes.size()), 0);
     trace(line.points);
     if (line.closed) cairo_close_path(context_);
-    cairo_stroke(context_);
+    stroke(line.line);
   }
 
   void operator()(const SheetArea& area) {
@@ -90,6 +88,19 @@ class Painter {
   }
 
  private:
+  // In millimetres, because Cairo's PDF leaves out gaps that are short in metres.
+  void stroke(const LineStyle& style) {
+    constexpr double kMillimetre = 0.001;
+    std::vector<double> dashes_mm = style.dashes;
+    for (double& dash : dashes_mm) dash /= kMillimetre;
+    cairo_save(context_);
+    cairo_scale(context_, kMillimetre, kMillimetre);
+    cairo_set_line_width(context_, style.width / kMillimetre);
+    cairo_set_dash(context_, dashes_mm.data(), static_cast<int>(dashes_mm.size()), 0);
+    cairo_stroke(context_);
+    cairo_restore(context_);
+  }
+
   static void fill(cairo_surface_t* pixels, const SheetPicture& picture) {
     unsigned char* data = cairo_image_surface_get_data(pixels);
     const int stride = cairo_image_surface_get_stride(pixels);

@@ -147,6 +147,7 @@ struct Displacement {
   const char* name;
   Vector3d shift;  // plate axes
   double turn = 0;
+  double angle_sigma = kLeastAngleSigma;  // of all plates
 };
 
 Survey displaced(Survey survey, std::size_t tag, const Displacement& by) {
@@ -191,18 +192,20 @@ void measure_false_alarms(const PictureSet& set, const Groups& groups, const cha
 }
 
 void measure(const PictureSet& set, const Groups& groups) {
-  const std::vector<Displacement> displacements{{"30 mm along the wall", {0.03, 0, 0}},
-                                                {"30 mm back along it", {-0.03, 0, 0}},
-                                                {"30 mm up", {0, -0.03, 0}},
-                                                {"30 mm down", {0, 0.03, 0}},
-                                                {"30 mm out of the wall", {0, 0, -0.03}},
-                                                {"30 mm into the wall", {0, 0, 0.03}},
-                                                {"turned 5 degrees", {0, 0, 0}, radians(5)}};
+  const std::vector<Displacement> displacements{
+      {"30 mm along the wall", {0.03, 0, 0}},
+      {"30 mm back along it", {-0.03, 0, 0}},
+      {"30 mm up", {0, -0.03, 0}},
+      {"30 mm down", {0, 0.03, 0}},
+      {"30 mm out of the wall", {0, 0, -0.03}},
+      {"30 mm into the wall", {0, 0, 0.03}},
+      {"turned 5 degrees", {0, 0, 0}, radians(5)},
+      {"30 mm up, all plates tilted by 0.5 degrees", {0, -0.03, 0}, 0, radians(0.5)}};
   std::mt19937_64 random(5);
   for (const Displacement& by : displacements) {
     Tally tally;
     for (std::size_t i = 0; i < set.survey.tags.size(); ++i) {
-      const Survey survey = displaced(surveyed(set.survey, kLeastAngleSigma, random), i, by);
+      const Survey survey = displaced(surveyed(set.survey, by.angle_sigma, random), i, by);
       for (const auto& group : groups) {
         if (std::ranges::find(group, survey.tags[i].name, &SightedTag::tag) == group.end())
           continue;

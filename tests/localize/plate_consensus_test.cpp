@@ -6,28 +6,24 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
+#include "decoder/localize/attitude_scatter.hpp"
 #include "decoder/localize/observation.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/wide_corridor.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector3d;
 
-// A rig that sees both walls of the shipped corridor: its two cameras, with wider lenses.
-struct Site {
-  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
-  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
-  std::vector<Pose> hung;  // where the plates truly hang
-
-  Site() {
-    for (RigCamera& camera : rig.cameras) camera.camera.fx = camera.camera.fy = 800;
-    for (const PlacedTag& tag : survey.tags) hung.push_back(tag.world_from_plate);
-  }
-
-  std::size_t index(std::string_view name) const {
-    return static_cast<std::size_t>(find_tag(survey, name) - survey.tags.data());
+struct Site : test::WideCorridor {
+  // Hangs all plates by eye, `sigma` radians off about each axis.
+  void tilt_all(double sigma, std::mt19937_64& random) {
+    std::normal_distribution<double> angle(0, sigma);
+    for (Pose& pose : hung) {
+      const Vector3d turn(angle(random), angle(random), angle(random));
+      pose.rotation *= Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+    }
   }
 
   // Moves a plate in its own axes: right, down, into the wall.
@@ -147,6 +143,34 @@ TEST_CASE("a plate off by less than the tolerance fits") {
   for (SightedPlate& plate : problem.plates) plate.survey_variance.head<3>().setConstant(1e-7);
   CHECK(find_consensus(problem).plates[site.index("001L")].verdict == HangVerdict::fits);
   CHECK(find_consensus(problem, 0.004).plates[site.index("001L")].verdict == HangVerdict::off);
+}
+
+TEST_CASE("how plates are tilted is told by their pictures, by custom where these tell nothing") {
+  std::mt19937_64 random(11);
+  const Site straight;
+  AdjustmentProblem one = problem_of(straight);
+  one.stations = {seen_from(straight, 0.3, {"001L"}, random)};
+  CHECK(degrees(attitude_scatter(one)) == doctest::Approx(0.7).epsilon(0.1));
+  AdjustmentProblem two = problem_of(straight);
+  two.stations = {seen_from(straight, 0.3, {"001L", "001R"}, random)};
+  CHECK(degrees(attitude_scatter(two)) < 0.3);
+  CHECK(degrees(attitude_scatter(drive(straight))) < 0.15);
+  int below = 0;
+  for (int draw = 0; draw < 20; ++draw) {
+    Site by_eye;
+    by_eye.tilt_all(radians(0.5), random);
+    const double scatter = degrees(attitude_scatter(drive(by_eye)));
+    CHECK(scatter < 1.2);
+    below += scatter < 0.5 ? 1 : 0;
+  }
+  CHECK(below <= 2);
+}
+
+TEST_CASE("a plate that hangs wrong altogether does not make the others look tilted") {
+  Site site;
+  site.move("001L", {0.03, 0, 0}, radians(5));
+  site.move("002R", {0, 0.1, 0});
+  CHECK(degrees(attitude_scatter(drive(site))) < 0.25);
 }
 
 TEST_CASE("exchanged plates are told as such") {

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -79,6 +80,34 @@ TEST_CASE("plan -o writes drawings and a page that needs no network") {
   CHECK(page.find("src=") == std::string::npos);
   CHECK(page.find("href=") == std::string::npos);
   CHECK(nlohmann::json::parse(contents(folder.path() / "plan.json")).contains("profile"));
+}
+
+TEST_CASE("the drawing's curves are steps, broken at gaps") {
+  const TemporaryFolder folder;
+  run_tagsmith("plan surveys/drift/survey.yaml --rig surveys/drift/rig.yaml --to 12 -o " +
+               folder.path().string());
+  const std::string svg = contents(folder.path() / "plan.svg");
+  const std::size_t begin = svg.find("<g id=\"sigma\"");
+  REQUIRE(begin != std::string::npos);
+  const std::string curves = svg.substr(begin, svg.find("</g>", begin) - begin);
+  int paths = 0;
+  for (std::size_t at = curves.find(" d=\"M"); at != std::string::npos;
+       at = curves.find(" d=\"M", at + 1)) {
+    std::istringstream points(curves.substr(at + 5, curves.find('"', at + 5) - at - 5));
+    double last_x = 0;
+    double last_y = 0;
+    for (int i = 0; !points.eof(); ++i) {
+      char letter = 0;
+      double x = 0;
+      double y = 0;
+      REQUIRE((points >> letter >> x >> y));
+      if (i > 0) CHECK((x == last_x || y == last_y));
+      last_x = x;
+      last_y = y;
+    }
+    ++paths;
+  }
+  CHECK(paths > 3);  // more pieces than curves
 }
 
 TEST_CASE("--optimise writes a valid survey that needs no more tags, comments and all") {

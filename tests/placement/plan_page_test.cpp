@@ -20,6 +20,8 @@ const seen = {};
 seen.overflow = doc.documentElement.scrollWidth - doc.documentElement.clientWidth;
 seen.profile = doc.getElementById('profile').getBoundingClientRect().width;
 seen.curves = curves.filter(length => length > 100).length;
+seen.slopes = [...doc.querySelectorAll('#profile path')].filter(
+  path => /L/.test(path.getAttribute('d'))).length;
 seen.cells = [...doc.querySelectorAll('#profile rect')].length;
 seen.tags = doc.querySelectorAll('#map circle').length;
 seen.walls = doc.querySelectorAll('#map polyline').length;
@@ -47,6 +49,7 @@ TEST_CASE("the plan's page has its chart and its numbers, fits a phone, and repo
     CHECK(seen["overflow"] <= 0);
     CHECK(seen["profile"] > 0.7 * std::min(width, 1100));
     CHECK(seen["curves"] >= 2);
+    CHECK(seen["slopes"] == 0);  // steps are drawn as steps
     CHECK(seen["cells"] > 10);
     CHECK(seen["tags"] == 16);
     CHECK(seen["walls"] >= 3);

@@ -96,6 +96,20 @@ TEST_CASE("lengths are true to the scale that the title block says, in PDF and S
   }
 }
 
+TEST_CASE("a dashed line has its gaps in PDF and SVG") {
+  DrawingView view;
+  view.scale = 1;
+  view.sketch.layer("dashes").add(
+      Polyline{{Vector2d(0, 0), Vector2d(0.039, 0)}, {.width = kWide, .dashes = dashed()}});
+  const std::vector<Sheet> sheets = sheets_of({view});
+  const auto& line = std::get<SheetLine>(layer_named(sheets[0], "dashes").items.front()).points;
+  const Rectangle strip{line[0].x() - 0.001, line[0].y() - 1e-4, 0.041, 2e-4};
+  for (const Raster& raster : {rasterize_pdf(render_sheets_pdf(sheets).value(), 600),
+                               rasterize_svg(render_sheet_svg(sheets[0]), 600)}) {
+    CHECK(lines_mm(profile_of(raster, strip, false)).size() == 10);
+  }
+}
+
 TEST_CASE("the same sheets give the same bytes, the formats their own files") {
   const std::vector<Sheet> one = sheets_of({square_view()});
   const std::vector<Sheet> two{one[0], one[0]};
