@@ -113,20 +113,27 @@ void find_slopes(const BarRows& rows, Common& common) {
   }
 }
 
-// How the common darkness d shows on a stretch of a row: light = white - contrast d.
+// How the common darkness d shows on a stretch of a row: light = white + gradient x - contrast d,
+// x bins from the stretch's middle. A highlight adds light that changes from bar to bar.
 struct Stretch {
   float white = 0;
+  float gradient = 0;
+  float middle = 0;  // bins
   float contrast = 0;
   float variance = 0;  // of a pixel's light about that
 };
 
 // Weighted sums along a row, up to each bin.
 struct RunningSums {
-  double w = 0, d = 0, dd = 0, l = 0, ll = 0, dl = 0;
+  double w = 0, d = 0, dd = 0, l = 0, ll = 0, dl = 0, x = 0, xx = 0, dx = 0, lx = 0;
   int cells = 0;
 
-  void add(double weight, double darkness, double light) {
+  void add(double weight, double bin, double darkness, double light) {
     w += weight;
+    x += weight * bin;
+    xx += weight * bin * bin;
+    dx += weight * darkness * bin;
+    lx += weight * light * bin;
     d += weight * darkness;
     dd += weight * darkness * darkness;
     l += weight * light;
@@ -136,21 +143,39 @@ struct RunningSums {
   }
 };
 
-std::optional<Stretch> fit_stretch(const RunningSums& a, const RunningSums& b) {
+std::optional<Stretch> fit_stretch(const RunningSums& a, const RunningSums& b, AddedLight added) {
   constexpr double kLeastModulation = 0.03;  // variance of the common darkness
+  constexpr double kMuchLess = 0.5;          // of what is left without a gradient
   const double w = b.w - a.w;
   const int cells = b.cells - a.cells;
   if (cells < 8 || w <= 0) return std::nullopt;
   const double d = (b.d - a.d) / w;
   const double l = (b.l - a.l) / w;
+  const double x = (b.x - a.x) / w;
   const double dd = (b.dd - a.dd) / w - d * d;
   const double ll = (b.ll - a.ll) / w - l * l;
   const double dl = (b.dl - a.dl) / w - d * l;
   if (dd < kLeastModulation) return std::nullopt;
-  const double slope = dl / dd;
-  const double residual = std::max(0.0, ll - slope * dl) * w / (cells - 2);
-  return Stretch{static_cast<float>(l - slope * d), static_cast<float>(-slope),
-                 static_cast<float>(residual)};
+  const auto stretch = [&](double contrast, double gradient, double left) {
+    return Stretch{static_cast<float>(l + contrast * d), static_cast<float>(gradient),
+                   static_cast<float>(x), static_cast<float>(contrast),
+                   static_cast<float>(std::max(0.0, left))};
+  };
+  const double even = ll - dl * dl / dd;
+  const Stretch evenly = stretch(-dl / dd, 0, even * w / (cells - 2));
+  if (added == AddedLight::even) return evenly;
+  // Partial regression: what no gradient explains.
+  const double xx = (b.xx - a.xx) / w - x * x;
+  if (!(xx > 0)) return evenly;
+  const double dx = (b.dx - a.dx) / w - d * x;
+  const double lx = (b.lx - a.lx) / w - l * x;
+  const double dd_left = dd - dx * dx / xx;
+  const double dl_left = dl - dx * lx / xx;
+  if (dd_left < kLeastModulation) return evenly;
+  const double slanted = ll - lx * lx / xx - dl_left * dl_left / dd_left;
+  if (slanted > kMuchLess * even) return evenly;
+  const double slope = dl_left / dd_left;
+  return stretch(-slope, (lx - slope * dx) / xx, slanted * w / (cells - 3));
 }
 
 // The stretches of every row, one a module, each ten modules long.
@@ -167,7 +192,7 @@ struct Stretches {
   }
 };
 
-Stretches fit_stretches(const BarRows& rows, const Common& common) {
+Stretches fit_stretches(const BarRows& rows, const Common& common, AddedLight added) {
   constexpr double kHalf = 5;  // modules
   Stretches result;
   result.stride = static_cast<std::size_t>(rows.grid.per_module);
@@ -181,14 +206,15 @@ Stretches fit_stretches(const BarRows& rows, const Common& common) {
       const float count = rows.count(row, bin);
       if (count == 0 || common.certainty[bin] == 0) continue;
       const float darkness = common.at(rows, bin, rows.position(row, bin));
-      sums[bin + 1].add(static_cast<double>(count), static_cast<double>(darkness),
+      sums[bin + 1].add(static_cast<double>(count), static_cast<double>(bin),
+                        static_cast<double>(darkness),
                         static_cast<double>(rows.cell(row, bin).light));
     }
     for (std::size_t i = 0; i < result.per_row; ++i) {
       const std::size_t middle = i * result.stride;
       const std::size_t begin = middle > result.reach ? middle - result.reach : 0;
       const std::size_t end = std::min(rows.bins, middle + result.reach + 1);
-      result.all.push_back(fit_stretch(sums[begin], sums[end]));
+      result.all.push_back(fit_stretch(sums[begin], sums[end], added));
       if (!result.all.back()) continue;
       contrasts.push_back(static_cast<double>(result.all.back()->contrast));
       variances.push_back(static_cast<double>(result.all.back()->variance));
@@ -236,7 +262,8 @@ Vote vote_of(const BarRows& rows, const Stretches& stretches, std::size_t row, s
   if (best == nullptr) return {};
   const float off = rows.position(row, bin) - rows.middles[bin];
   const float variance = std::max(stretches.variance, best->variance);
-  return {(best->white - rows.cell(row, bin).light) / best->contrast - off * common.slope[bin],
+  const float white = best->white + best->gradient * (static_cast<float>(bin) - best->middle);
+  return {(white - rows.cell(row, bin).light) / best->contrast - off * common.slope[bin],
           count * best->contrast * best->contrast / variance};
 }
 
@@ -475,7 +502,8 @@ ScanProfile profile_of(const BarRows& rows, const std::vector<Agreed>& agreed,
 }  // namespace
 
 SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
-                                     std::size_t first_corner, const SymbolLayout& layout) {
+                                     std::size_t first_corner, const SymbolLayout& layout,
+                                     AddedLight added) {
   constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
   constexpr int kRounds = 4;
   Quad corners{};
@@ -502,7 +530,7 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
   Common common = first_guess(rows);
   std::vector<Agreed> agreed;
   for (int round = 0; round < kRounds; ++round) {
-    const Stretches stretches = fit_stretches(rows, common);
+    const Stretches stretches = fit_stretches(rows, common, added);
     agreed = agree_on_all(rows, stretches, common);
     anchor(agreed, rows.grid.per_module);
     common = common_of(rows, agreed, common);

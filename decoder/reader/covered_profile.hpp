@@ -11,12 +11,17 @@
 
 namespace tagsmith {
 
+// What the light in front of a row adds within ten modules: the same everywhere, or, under a
+// highlight, what changes from bar to bar.
+enum class AddedLight { even, slanted };
+
 // As profile_symbol, for pictures where that is not enough. What is common to the rows of the bars
 // is sought together with every row's own local white and contrast (about ten modules long), so
 // that glare, shadows and thin dust only make a row count less; stretches of rows that do not
 // follow the others, and cables across the tag (find_cover_strips), do not count at all. Places
 // that no row shows get a variance that says nothing.
 SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
-                                     std::size_t first_corner, const SymbolLayout& layout);
+                                     std::size_t first_corner, const SymbolLayout& layout,
+                                     AddedLight added = AddedLight::even);
 
 }  // namespace tagsmith

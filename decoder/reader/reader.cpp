@@ -274,11 +274,14 @@ class PictureReader {
   // Reads what stands in frames that are completed by the bars of a region. `half` is the image at
   // half its size.
   void try_bars(const GrayView& half, const BarRegion& region) {
-    constexpr double kSymbolLike = 0.7;  // explained
+    constexpr double kSymbolLike = 0.7;     // explained
+    constexpr double kSameCompleted = 1.5;  // pixels
     for (const SymbolLayout& layout : options_.layouts) {
       const auto rough = frame_by_bars(image_, half, region, layout);
       if (!rough) continue;
       if (is_read(rough->corners)) return;
+      if (was_tried(completed_, rough->corners, kSameCompleted)) continue;
+      completed_.push_back(rough->corners);
       const auto attempt = best_explained(*rough);
       if (!attempt || attempt->decoding.fit.explained < kSymbolLike) continue;
       const auto frame = frame_by_symbol(image_, half, corners_by_bars(*rough, *attempt), layout,
@@ -312,6 +315,20 @@ class PictureReader {
     for (const BarRegion& region : odd_bars_) {
       if (!has_reading_at(region.centre) && has_bars(image_, region)) try_bars(half, region);
     }
+  }
+
+  // Whether bars of about this place were looked at in try_covered.
+  bool was_looked_at(const BarRegion& region) const {
+    return std::ranges::any_of(odd_bars_, [&](const BarRegion& other) {
+      return distance(other.centre, region.centre) < 0.25 * region.length;
+    });
+  }
+
+  // Whether something was in the way of a tag: another may be behind it too.
+  bool has_met_covers() const {
+    return !covered_.empty() || std::ranges::any_of(result_.tags, [](const Reading& tag) {
+      return tag.method == kPartlyCovered;
+    });
   }
 
   bool has_reading_at(PixelPoint point) const {
@@ -372,7 +389,8 @@ class PictureReader {
       result_.rejected.push_back({"feature frame: a side is hidden", corners_of(frame, *attempt)});
       return;
     }
-    if (may_be_covered(frame)) {
+    const double module_px = attempt ? attempt->profile.module_px : module_across(frame.corners);
+    if (may_be_covered(module_px)) {
       if (attempt && is_symbol_like(*attempt)) {
         covered_.push_back(frame);
       } else {
@@ -391,10 +409,18 @@ class PictureReader {
     return attempt && accept_where_bars_end(frame, *attempt, kPartlyCovered);
   }
 
+  std::optional<Attempt> best_careful(const RefinedFrame& frame, AddedLight added) const {
+    return best_attempt(image_, frame, options_,
+                        [added](const GrayView& image, const RefinedFrame& of, std::size_t first,
+                                const SymbolLayout& layout) {
+                          return profile_covered_symbol(image, of, first, layout, added);
+                        });
+  }
+
   // What a completed frame holds, read quickly or carefully, whichever is explained better.
   std::optional<Attempt> best_explained(const RefinedFrame& frame) const {
     const auto quick = best_attempt(image_, frame, options_, profile_symbol);
-    auto careful = best_attempt(image_, frame, options_, profile_covered_symbol);
+    auto careful = best_careful(frame, AddedLight::even);
     if (!careful || (quick && quick->decoding.fit.explained > careful->decoding.fit.explained)) {
       return quick;
     }
@@ -408,11 +434,13 @@ class PictureReader {
       const auto quick = best_attempt(image_, frame, options_, profile_symbol);
       if (quick && !objection(*quick, options_)) return quick;
     }
-    const auto careful = best_attempt(image_, frame, options_, profile_covered_symbol);
-    if (!careful || objection(*careful, options_) || too_little_shown(careful->profile)) {
-      return std::nullopt;
+    for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
+      const auto careful = best_careful(frame, added);
+      if (careful && !objection(*careful, options_) && !too_little_shown(careful->profile)) {
+        return careful;
+      }
     }
-    return careful;
+    return std::nullopt;
   }
 
   // Accepts a believed symbol whose bars end where its frame has them end, or, where one of the
@@ -446,11 +474,10 @@ class PictureReader {
   }
 
   // Whether the careful way may help: it needs bars that stand apart, and takes time.
-  bool may_be_covered(const RefinedFrame& frame) {
+  bool may_be_covered(double module_px) const {
     constexpr std::size_t kMostTries = 4;  // in one picture
     constexpr double kLeastModule = 1.2;   // pixels
-    const double across = module_across(frame.corners);
-    return across >= kLeastModule && covered_.size() + odd_bars_.size() < kMostTries;
+    return module_px >= kLeastModule && covered_.size() + odd_bars_.size() < kMostTries;
   }
 
   static constexpr const char* kPartlyCovered = "frame, partly covered";
@@ -462,6 +489,7 @@ class PictureReader {
   std::vector<Quad> refined_;
   std::vector<RefinedFrame> covered_;  // frames whose symbols did not convince
   std::vector<BarRegion> odd_bars_;    // what stands in frames where no symbol should
+  std::vector<Quad> completed_;        // frames completed by bars
 };
 
 // Frames larger than this are seen in the image at half its size, pixels.
@@ -689,29 +717,38 @@ std::vector<BarRegion> unexplained_bars(const PictureReader& reader, const GrayV
 }
 
 // The largest of the blocks of bars that no reading explains.
-std::vector<BarRegion> regions_of(const PictureReader& reader, const GrayView& image,
+std::vector<BarRegion> largest_of(const PictureReader& reader, const GrayView& image,
                                   std::vector<BarBlock> blocks) {
-  constexpr std::size_t kMost = 2;
+  constexpr std::size_t kMost = 1;
   std::ranges::stable_sort(blocks, std::ranges::greater{}, &BarBlock::half_width);
   std::vector<BarRegion> regions;
   for (const BarBlock& block : blocks) {
     if (regions.size() == kMost) break;
     const BarRegion region{block.centre, block.across, 2 * block.half_width, 2 * block.half_height};
-    if (2 * block.half_width < kLeastBarsLength || reader.has_reading_at(block.centre)) continue;
-    const auto same = [&](const BarRegion& other) { return overlap(other, region); };
-    if (std::ranges::any_of(regions, same) || is_cut_off(image, region)) continue;
+    if (region.length < kLeastBarsLength || reader.has_reading_at(region.centre) ||
+        reader.was_looked_at(region) || is_cut_off(image, region)) {
+      continue;
+    }
     if (has_bars(image, region)) regions.push_back(region);
   }
   return regions;
 }
 
-// Reads carefully what may be covered tags, which takes longer than all the rest. Where others were
-// read, only where bars are that are much like a symbol and that no reading explains.
+// Whether covered tags are looked for around all bars that no reading explains: where nothing was
+// read, or something was in the way.
+bool is_worth_care(const PictureReader& reader) {
+  return !reader.has_read_any() || reader.has_met_covers();
+}
+
+// Reads carefully what may be covered tags, which takes longer than all the rest: in frames that
+// did not convince, and around bars, where is_worth_care() does not say so those alone that were
+// found to be much like a symbol (`symbols`).
 void read_covered(PictureReader& reader, const GrayView& image, const PyramidLevel& half,
                   const std::vector<BarBlock>& symbols) {
+  const bool everywhere = is_worth_care(reader);
   reader.try_covered(half.image);
-  const std::vector<BarRegion> bars = reader.has_read_any() ? regions_of(reader, image, symbols)
-                                                            : unexplained_bars(reader, image, half);
+  const std::vector<BarRegion> bars =
+      everywhere ? unexplained_bars(reader, image, half) : largest_of(reader, image, symbols);
   for (const BarRegion& region : bars) reader.try_bars(half.image, region);
 }
 
@@ -721,7 +758,9 @@ void search(PictureReader& reader, const GrayView& image) {
   // Bars that no reading explains, or a picture without any reading, are worth a closer look.
   const SearchLevel& half = pyramid.scaled_down(2);
   std::vector<BarBlock> symbols = search_around_bars(reader, pyramid.scaled_down(4), half.level);
-  if (symbols.empty() && reader.has_read_any()) return;
+  if (symbols.empty() && reader.has_read_any()) {
+    return read_covered(reader, image, half.level, symbols);
+  }
   const std::vector<BarBlock> small = search_around_bars(reader, half, half.level);
   symbols.insert(symbols.end(), small.begin(), small.end());
   const bool everywhere = !reader.has_read_any();

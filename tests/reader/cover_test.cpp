@@ -113,6 +113,36 @@ TEST_CASE("a board over a side of the frame: the bars say where the side is, and
   }
 }
 
+TEST_CASE("a covered tag beside a clean one is read too") {
+  Camera camera;
+  camera.width = 960;
+  camera.height = 340;
+  camera.fx = camera.fy = 1600;
+  camera.cx = (camera.width - 1) / 2.0;
+  camera.cy = (camera.height - 1) / 2.0;
+  const double module = 0.343 / 113;
+  std::array<ScenePlate, 2> plates;
+  plates[0].drawing = draw_tag(test::corridor_template(), *parse_digits(kCode));
+  plates[0].finish.cover = Cover{{-0.04, -0.02, 0.42, 0.02 + 4 * module}, 0.1};
+  plates[1].drawing = draw_tag(test::corridor_template(), *parse_digits("000001140408"));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double distance = camera.fx * plates[i].drawing.module / 3;
+    const Eigen::Vector2d middle{240.0 + 480.0 * static_cast<double>(i), camera.cy};
+    plates[i].camera_from_plate =
+        camera_from_turned_plate(camera, plates[i].drawing, middle, distance, 0.3, 0.1, 0.1);
+  }
+  ViewOptions options;
+  options.sensor.noise_sigma = 2;
+  const View view = render_view(camera, plates, options);
+  const ReadResult result = read_tags(view.image.view());
+  REQUIRE(result.tags.size() == 2);
+  for (const Reading& tag : result.tags) {
+    const bool covered = to_string(tag.digits) == kCode;
+    CHECK((covered || to_string(tag.digits) == "000001140408"));
+    CHECK(tag.method == (covered ? "frame, partly covered" : "frame"));
+  }
+}
+
 TEST_CASE("a highlight on the bars is read around") {
   PlateFinish finish;
   finish.glare = Glare{{0.12, 0.11}, 0.025, 1.5};
