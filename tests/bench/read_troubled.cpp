@@ -3,14 +3,13 @@
 // hard, one cause at a time (mass_picture.hpp), and whether anything is read wrongly there; two
 // pictures of three show a tag, the others what must not be read. Usage:
 // bench_read_troubled [PICTURES_PER_CAUSE] [FIRST]
-#include <atomic>
 #include <cstdlib>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/mass_picture.hpp"
@@ -60,15 +59,8 @@ Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
 
 void run_cause(mass::Trouble trouble, std::size_t count, std::uint64_t first) {
   std::vector<Outcome> outcomes(count);
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) outcomes[i] = run_one(trouble, first + i);
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
-    threads.emplace_back(work);
-  }
-  threads.clear();
+  tbb::parallel_for(std::size_t{0}, count,
+                    [&](std::size_t i) { outcomes[i] = run_one(trouble, first + i); });
   int tags = 0, read = 0, carefully = 0, wrong = 0;
   std::vector<int> others(bench::other_readers().size());
   for (const Outcome& outcome : outcomes) {
