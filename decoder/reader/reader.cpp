@@ -182,7 +182,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.kept < kLeastKept) return "bars covered";
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
-  const double sure = with_book ? kSureWithBook : kSureAlone;
+  const double sure = with_book ? kSureWithBook : options.check ? kSureAlone : kSureEitherCheck;
   if (decoding.confidence < options.min_confidence.value_or(sure)) return kDoubtfulReason;
   return std::nullopt;
 }

@@ -62,7 +62,7 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 // ("Reliability"). A tunnel holds less.
 constexpr double kWrongCheck = 0.02;    // a symbol whose check digit fails
 constexpr double kForeign = 0.1;        // a character that is no digit
-constexpr double kOtherScheme = 0.1;    // a code of the other scheme, where both count
+constexpr double kOtherScheme = 1;      // a code of the other scheme, where both count
 constexpr double kNearStranger = 2e-3;  // a symbol that differs from the book's in one character
 constexpr double kStrangers = 0.5;      // all strangers to the book together
 // Fitted on the same frames: what is wrong without a book, over what the sums say. With a book they

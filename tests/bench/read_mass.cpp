@@ -55,10 +55,15 @@ std::vector<Digits> code_book() {
   return book;
 }
 
+// What is known of the codes beforehand: the check digit's scheme, not even that, or a code book.
+enum class Mode { scheme, either, book, count };
+constexpr auto kModes = static_cast<std::size_t>(Mode::count);
+constexpr std::array<const char*, kModes> kModeNames{"scheme named", "either scheme", "code book"};
+
 // The reading that matters of a picture: a wrong one before a right one.
 struct Outcome {
   mass::Kind kind = mass::Kind::tag;
-  bool with_book = false;
+  Mode mode = Mode::scheme;
   bool is_read = false;   // at all, believed or not
   bool accepted = false;  // by the thresholds of the reader
   bool right = false;
@@ -83,11 +88,12 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
   std::mt19937_64 random(number ^ 0x9e3779b97f4a7c15ULL);
   Outcome outcome;
   outcome.kind = picture.kind;
-  outcome.with_book = random() % 2 == 0;
+  const bool with_book = random() % 2 == 0;
   ReadOptions options;
   if (random() % 2 == 0) options.check = CheckDigit::gs1;
+  outcome.mode = with_book ? Mode::book : options.check ? Mode::scheme : Mode::either;
   bool known = may_be_read(picture);
-  if (outcome.with_book) {
+  if (with_book) {
     options.code_book = codes;
     const bool stranger = random() % 3 == 0;
     known = known && !stranger;
@@ -112,9 +118,9 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
     outcome.doubt = 1 - reading.confidence;
     if (outcome.right) continue;
     outcome.story = fmt::format(
-        "{} {}{}: {} for {}, by {}, doubt {:.2g}, {:.2f} px/module, blur {:.2f}, noise {:.1f}, "
+        "{} {}, {}: {} for {}, by {}, doubt {:.2g}, {:.2f} px/module, blur {:.2f}, noise {:.1f}, "
         "growth {:.2f}",
-        number, mass::name_of(picture.kind), outcome.with_book ? " with a book" : "",
+        number, mass::name_of(picture.kind), kModeNames[static_cast<std::size_t>(outcome.mode)],
         to_string(reading.digits), to_string(picture.code), reading.method, outcome.doubt,
         picture.module_px, picture.blur_px, picture.noise, picture.growth);
     break;
@@ -138,16 +144,16 @@ struct DoubtTally {
 
 // What came of some pictures; sums add up.
 struct Tables {
-  std::array<std::array<KindTally, 2>, static_cast<std::size_t>(mass::Kind::count)> kinds{};
-  std::array<std::array<DoubtTally, kDecades>, 2> doubts{};  // without and with a book; by -log10
-  std::vector<std::string> wrong;                            // accepted
-  std::vector<std::string> nearly;                           // wrong, refused, doubt less than 1 %
+  std::array<std::array<KindTally, kModes>, static_cast<std::size_t>(mass::Kind::count)> kinds{};
+  std::array<std::array<DoubtTally, kDecades>, kModes> doubts{};  // by mode and -log10
+  std::vector<std::string> wrong;                                 // accepted
+  std::vector<std::string> nearly;  // wrong, refused, doubt less than 1 %
 };
 
 void count(const Outcome& outcome, Tables& tables) {
   constexpr double kNearly = 0.01;
-  const std::size_t book = outcome.with_book ? 1 : 0;
-  KindTally& kind = tables.kinds[static_cast<std::size_t>(outcome.kind)][book];
+  const auto mode = static_cast<std::size_t>(outcome.mode);
+  KindTally& kind = tables.kinds[static_cast<std::size_t>(outcome.kind)][mode];
   ++kind.shown;
   if (!outcome.is_read) return;
   if (outcome.accepted) ++(outcome.right ? kind.read : kind.wrong);
@@ -157,7 +163,7 @@ void count(const Outcome& outcome, Tables& tables) {
   }
   const double decade = std::floor(-std::log10(std::max(outcome.doubt, 1e-16)));
   const auto bin = static_cast<std::size_t>(std::clamp(decade, 0.0, kDecades - 1.0));
-  DoubtTally& tally = tables.doubts[book][bin];
+  DoubtTally& tally = tables.doubts[mode][bin];
   ++(outcome.right ? tally.right : tally.wrong);
   tally.stated += outcome.doubt;
 }
@@ -185,17 +191,17 @@ Tables read_chunk(std::uint64_t first, std::uint64_t size, const std::vector<Dig
 std::string to_text(const Tables& tables, std::uint64_t first, std::uint64_t size,
                     const std::string& program) {
   std::string text = fmt::format("chunk {} {} {}\n", first, size, program);
-  for (std::size_t book = 0; book < 2; ++book) {
+  for (std::size_t mode = 0; mode < kModes; ++mode) {
     for (std::size_t kind = 0; kind < tables.kinds.size(); ++kind) {
-      const KindTally& tally = tables.kinds[kind][book];
+      const KindTally& tally = tables.kinds[kind][mode];
       if (tally.shown == 0) continue;
       text +=
-          fmt::format("kind {} {} {} {} {}\n", kind, book, tally.shown, tally.read, tally.wrong);
+          fmt::format("kind {} {} {} {} {}\n", kind, mode, tally.shown, tally.read, tally.wrong);
     }
     for (std::size_t decade = 0; decade < kDecades; ++decade) {
-      const DoubtTally& tally = tables.doubts[book][decade];
+      const DoubtTally& tally = tables.doubts[mode][decade];
       if (tally.right + tally.wrong == 0) continue;
-      text += fmt::format("doubt {} {} {} {} {:.6g}\n", decade, book, tally.right, tally.wrong,
+      text += fmt::format("doubt {} {} {} {} {:.6g}\n", decade, mode, tally.right, tally.wrong,
                           tally.stated);
     }
   }
@@ -204,17 +210,25 @@ std::string to_text(const Tables& tables, std::uint64_t first, std::uint64_t siz
   return text + fmt::format("end {}\n", first);
 }
 
+void add(const KindTally& part, KindTally& sum) {
+  sum.shown += part.shown;
+  sum.read += part.read;
+  sum.wrong += part.wrong;
+}
+
+void add(const DoubtTally& part, DoubtTally& sum) {
+  sum.right += part.right;
+  sum.wrong += part.wrong;
+  sum.stated += part.stated;
+}
+
 void add(const Tables& part, Tables& sum) {
-  for (std::size_t book = 0; book < 2; ++book) {
+  for (std::size_t mode = 0; mode < kModes; ++mode) {
     for (std::size_t kind = 0; kind < sum.kinds.size(); ++kind) {
-      sum.kinds[kind][book].shown += part.kinds[kind][book].shown;
-      sum.kinds[kind][book].read += part.kinds[kind][book].read;
-      sum.kinds[kind][book].wrong += part.kinds[kind][book].wrong;
+      add(part.kinds[kind][mode], sum.kinds[kind][mode]);
     }
     for (std::size_t decade = 0; decade < kDecades; ++decade) {
-      sum.doubts[book][decade].right += part.doubts[book][decade].right;
-      sum.doubts[book][decade].wrong += part.doubts[book][decade].wrong;
-      sum.doubts[book][decade].stated += part.doubts[book][decade].stated;
+      add(part.doubts[mode][decade], sum.doubts[mode][decade]);
     }
   }
   sum.wrong.insert(sum.wrong.end(), part.wrong.begin(), part.wrong.end());
@@ -233,18 +247,18 @@ struct Run {
 void add_line(const std::string& line, Tables& tables) {
   std::istringstream in(line);
   std::string word;
-  std::size_t index = 0, book = 0;
+  std::size_t index = 0, mode = 0;
   in >> word;
   if (word == "wrong" || word == "nearly") {
     (word == "wrong" ? tables.wrong : tables.nearly).push_back(line.substr(word.size() + 1));
     return;
   }
-  in >> index >> book;
-  if (word == "kind" && index < tables.kinds.size() && book < 2) {
-    KindTally& tally = tables.kinds[index][book];
+  in >> index >> mode;
+  if (word == "kind" && index < tables.kinds.size() && mode < kModes) {
+    KindTally& tally = tables.kinds[index][mode];
     in >> tally.shown >> tally.read >> tally.wrong;
-  } else if (word == "doubt" && index < kDecades && book < 2) {
-    DoubtTally& tally = tables.doubts[book][index];
+  } else if (word == "doubt" && index < kDecades && mode < kModes) {
+    DoubtTally& tally = tables.doubts[mode][index];
     in >> tally.right >> tally.wrong >> tally.stated;
   }
 }
@@ -286,34 +300,35 @@ std::string this_program() {
 }
 
 void print_kinds(const Tables& tables) {
-  fmt::print(
-      "| what was in the frame | shown | read, no book | wrong | shown | read, book | wrong |\n"
-      "|---|---|---|---|---|---|---|\n");
-  std::array<KindTally, 2> all{};
-  for (std::size_t kind = 0; kind < tables.kinds.size(); ++kind) {
-    fmt::print("| {} |", mass::name_of(static_cast<mass::Kind>(kind)));
-    for (std::size_t book = 0; book < 2; ++book) {
-      const KindTally& tally = tables.kinds[kind][book];
+  fmt::print("| what was in the frame |");
+  for (const char* mode : kModeNames) fmt::print(" {}: shown | read | wrong |", mode);
+  fmt::print("\n|---|---|---|---|---|---|---|---|---|---|\n");
+  std::array<KindTally, kModes> all{};
+  const auto print_cells = [](const std::array<KindTally, kModes>& tallies) {
+    for (const KindTally& tally : tallies) {
       fmt::print(" {} | {} | {} |", tally.shown, tally.read, tally.wrong);
-      all[book].shown += tally.shown;
-      all[book].read += tally.read;
-      all[book].wrong += tally.wrong;
     }
     fmt::print("\n");
+  };
+  for (std::size_t kind = 0; kind < tables.kinds.size(); ++kind) {
+    fmt::print("| {} |", mass::name_of(static_cast<mass::Kind>(kind)));
+    print_cells(tables.kinds[kind]);
+    for (std::size_t mode = 0; mode < kModes; ++mode) add(tables.kinds[kind][mode], all[mode]);
   }
-  fmt::print("| all | {} | {} | {} | {} | {} | {} |\n", all[0].shown, all[0].read, all[0].wrong,
-             all[1].shown, all[1].read, all[1].wrong);
+  fmt::print("| all |");
+  print_cells(all);
 }
 
 void print_doubts(const Tables& tables) {
-  fmt::print(
-      "\n| stated doubt | readings, no book | wrong | stated | observed | readings, book | wrong | "
-      "stated | observed |\n|---|---|---|---|---|---|---|---|---|\n");
+  fmt::print("\n| stated doubt |");
+  for (const char* mode : kModeNames)
+    fmt::print(" {}: readings | wrong | stated | observed |", mode);
+  fmt::print("\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (std::size_t decade = 0; decade < kDecades; ++decade) {
     fmt::print("| {} |", decade + 1 < kDecades ? fmt::format("1e-{} to 1e-{}", decade, decade + 1)
                                                : fmt::format("less than 1e-{}", decade));
-    for (std::size_t book = 0; book < 2; ++book) {
-      const DoubtTally& tally = tables.doubts[book][decade];
+    for (std::size_t mode = 0; mode < kModes; ++mode) {
+      const DoubtTally& tally = tables.doubts[mode][decade];
       const auto readings = static_cast<double>(tally.right + tally.wrong);
       const double per_reading = readings > 0 ? 1 / readings : 0;
       fmt::print(" {} | {} | {:.1e} | {:.2g} |", tally.right + tally.wrong, tally.wrong,
