@@ -11,6 +11,24 @@
 
 namespace tagsmith {
 
+// How far a side stands outwards from the chord between its ends where a lens bends it:
+// (1 - s^2) (middle + skew s + flat s^2) pixels at s, which is -1 at the begin and 1 at the end.
+struct SideBow {
+  double middle = 0;
+  double skew = 0;
+  double flat = 0;
+
+  double at(double s) const { return (1 - s * s) * (middle + s * (skew + s * flat)); }
+  double slope(double s) const {  // by s
+    return skew - 2 * s * (middle - flat) - s * s * (3 * skew + 4 * s * flat);
+  }
+};
+
+using SideBows = std::array<SideBow, 4>;
+
+// The bows in an image this many times as large.
+SideBows scaled(SideBows bows, double by);
+
 // A side while it is being fitted.
 struct SideLine {
   PixelPoint begin;
@@ -19,9 +37,10 @@ struct SideLine {
   PixelPoint outward;  // unit
   double reach = 0;   // how far to look to both sides without leaving stroke and quiet zone, pixels
   double stroke = 0;  // likely thickness of the stroke, pixels
+  SideBow bow;
 };
 
-// Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1.
+// Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight.
 SideLine side_of(const Quad& quad, std::size_t i);
 
 // A point of the side, -1 at its begin and 1 at its end.

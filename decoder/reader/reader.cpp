@@ -17,6 +17,7 @@
 #include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
+#include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
@@ -118,7 +119,7 @@ FrameCorners corners_by_bars(const RefinedFrame& frame, const Attempt& attempt) 
     return (quiet + seen) / (kModuleCount + 2 * quiet);
   };
   const double left = u_of(-quiet), right = u_of(kModuleCount + quiet);
-  const Homography map = homography_to(corners);
+  const FrameMap map(corners, frame.lens);
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
@@ -218,7 +219,9 @@ Reading reading_from(const RefinedFrame& frame, const Attempt& attempt, const Fr
 class PictureReader {
  public:
   PictureReader(const GrayView& image, const ReadOptions& options)
-      : image_(image), options_(options) {}
+      : image_(image), options_(options) {
+    if (options.camera) lens_ = LensBend(*options.camera);
+  }
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
@@ -231,13 +234,14 @@ class PictureReader {
 
   // Reads what stands in a frame that is known to a few pixels of the level.
   void try_frame(const PyramidLevel& level, const Quad& rough) {
-    const Result<Quad> settled = settle_frame(level.image, rough);
+    const Result<SettledFrame> settled =
+        settle_frame(level.image, rough, known_bows(level, rough));
     if (!settled) return pass_over(to_full(level, rough), settled.error().message);
-    const Quad quad = to_full(level, *settled);
+    const Quad quad = to_full(level, settled->corners);
     if (is_read(quad)) return;
     if (was_tried(settled_, quad, 0.4)) return;
     settled_.push_back(quad);
-    const Result<RefinedFrame> frame = refine_frame(image_, quad);
+    const Result<RefinedFrame> frame = refine_frame(image_, quad, lens_for(level, *settled));
     if (!frame) return pass_over(quad, frame.error().message);
     if (was_tried(refined_, frame->corners, 0.1)) return;
     refined_.push_back(frame->corners);
@@ -318,6 +322,21 @@ class PictureReader {
         tried, [&](const Quad& other) { return nearly_equal(other, quad, pixels); });
   }
 
+  // How a known lens bends the sides of a frame, in pixels of the level.
+  SideBows known_bows(const PyramidLevel& level, const Quad& quad) const {
+    if (!lens_) return {};
+    return scaled(bows_of(*lens_, to_full(level, quad)), 1 / level.scale);
+  }
+
+  LensGuess lens_for(const PyramidLevel& level, const SettledFrame& settled) const {
+    constexpr double kSettledSigma = 0.25;  // of a bow, pixels of the level
+    if (lens_) return {lens_};
+    const PixelPoint centre{(image_.width - 1) / 2.0, (image_.height - 1) / 2.0};
+    return {std::nullopt,
+            lambda_of_settled(to_full(level, settled.corners), scaled(settled.bows, level.scale),
+                              kSettledSigma * level.scale, centre)};
+  }
+
   void pass_over(const Quad& quad, const std::string& reason) {
     if (options_.tell_passed_over) result_.passed_over.push_back({reason, quad});
   }
@@ -360,6 +379,7 @@ class PictureReader {
 
   GrayView image_;
   const ReadOptions& options_;
+  std::optional<LensBend> lens_;  // of the camera, if that is known
   ReadResult result_;
   std::vector<Quad> settled_;  // frames tried, before and after the fine fit
   std::vector<Quad> refined_;
