@@ -75,6 +75,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double 
   const auto slope_of = [](std::size_t k) {
     return kMaxSlope * (static_cast<double>(k) - kSlopes) / kSlopes;
   };
+  if (static_cast<double>(falls.size()) < least_shown * kScanLines) return {};
   std::vector<std::vector<int>> votes(2 * kSlopes + 1, std::vector<int>(bins));
   int best = 0;
   for (std::size_t k = 0; k < votes.size(); ++k) {

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -13,44 +16,93 @@
 namespace tagsmith {
 namespace {
 
+// Light of every sample.
+const std::array<float, 256>& light_table() {
+  static const auto table = [] {
+    std::array<float, 256> light{};
+    for (std::size_t i = 0; i < light.size(); ++i) {
+      light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
+    }
+    return light;
+  }();
+  return table;
+}
+
 // Weights of the pixels before, at, after and two after a place at `t` of the way (Keys 1981,
 // a = -1/2). Linear interpolation would blur most halfway between pixels, which at one or two
 // pixels a module looks like other bars.
-std::array<double, 4> cubic_weights(double t) {
-  const double t2 = t * t;
-  const double t3 = t2 * t;
-  return {0.5 * (-t3 + 2 * t2 - t), 0.5 * (3 * t3 - 5 * t2 + 2), 0.5 * (-3 * t3 + 4 * t2 + t),
-          0.5 * (t3 - t2)};
+std::array<float, 4> cubic_weights(float t) {
+  const float t2 = t * t;
+  const float t3 = t2 * t;
+  return {0.5F * (2 * t2 - t3 - t), 0.5F * (3 * t3 - 5 * t2 + 2), 0.5F * (4 * t2 - 3 * t3 + t),
+          0.5F * (t3 - t2)};
+}
+
+float weighed(const std::uint8_t* samples, const std::array<int, 4>& at,
+              const std::array<float, 4>& weights, const std::array<float, 256>& light) {
+  return weights[0] * light[samples[at[0]]] + weights[1] * light[samples[at[1]]] +
+         weights[2] * light[samples[at[2]]] + weights[3] * light[samples[at[3]]];
 }
 
 // Beyond the image its border pixels continue.
-float light_at(const GrayView& image, const ToneCurve& tone, PixelPoint at) {
+float light_at(const GrayView& image, const std::array<float, 256>& light, PixelPoint at) {
   const double x = std::clamp(at.x, 0.0, image.width - 1.0);
   const double y = std::clamp(at.y, 0.0, image.height - 1.0);
   const int left = static_cast<int>(x);
   const int top = static_cast<int>(y);
-  const std::array<double, 4> across = cubic_weights(x - left);
-  const std::array<double, 4> down = cubic_weights(y - top);
-  double light = 0;
+  const std::array<float, 4> across = cubic_weights(static_cast<float>(x - left));
+  const std::array<float, 4> down = cubic_weights(static_cast<float>(y - top));
+  if (left >= 1 && top >= 1 && left + 2 < image.width && top + 2 < image.height) {
+    constexpr std::array<int, 4> kAt{0, 1, 2, 3};
+    const std::uint8_t* row = image.row(top - 1) + (left - 1);
+    float sum = 0;
+    for (const float weight : down) {
+      sum += weight * weighed(row, kAt, across, light);
+      row += image.stride;
+    }
+    return sum;
+  }
+  std::array<int, 4> columns{};
+  for (int i = 0; i < 4; ++i) {
+    columns[static_cast<std::size_t>(i)] = std::clamp(left + i - 1, 0, image.width - 1);
+  }
+  float sum = 0;
   for (int j = 0; j < 4; ++j) {
     const std::uint8_t* row = image.row(std::clamp(top + j - 1, 0, image.height - 1));
-    double sum = 0;
-    for (int i = 0; i < 4; ++i) {
-      sum += across[static_cast<std::size_t>(i)] *
-             tone.light_of(row[std::clamp(left + i - 1, 0, image.width - 1)]);
-    }
-    light += down[static_cast<std::size_t>(j)] * sum;
+    sum += down[static_cast<std::size_t>(j)] * weighed(row, columns, across, light);
   }
-  return static_cast<float>(light);
+  return sum;
+}
+
+// Adds the light along one thin line to `line`.
+void add_light(const GrayView& image, const LineFrame& frame, double offset, ScanLine& line) {
+  const std::array<float, 256>& light = light_table();
+  const PixelPoint start = frame.pixel(0.5, offset);
+  const PixelPoint step = frame.step * frame.across;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    line[i] += light_at(image, light, start + static_cast<double>(i) * step);
+  }
+}
+
+// The thin lines that a thick one is the mean of: how many, and where one of them runs.
+int rows_of(double thickness) {
+  constexpr int kMostRows = 24;
+  return std::clamp(static_cast<int>(std::lround(thickness)), 1, kMostRows);
+}
+
+double row_offset(int row, int rows, double thickness) {
+  return ((row + 0.5) / rows - 0.5) * thickness;
 }
 
 double sharpness(const ScanLine& line) {
-  double sum = 0;
-  for (std::size_t i = 2; i < line.size(); ++i) {
-    const double difference = line[i] - line[i - 2];
-    sum += difference * difference;
+  std::array<float, 4> sums{};  // side by side
+  for (std::size_t i = 2; i + 4 <= line.size(); i += 4) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float difference = line[i + k] - line[i + k - 2];
+      sums[k] += difference * difference;
+    }
   }
-  return sum;
+  return static_cast<double>(sums[0] + sums[1] + sums[2] + sums[3]);
 }
 
 PixelPoint turned(PixelPoint vector, double angle) {
@@ -78,40 +130,64 @@ std::array<double, 2> inside(const GrayView& image, PixelPoint centre, PixelPoin
 
 }  // namespace
 
+namespace {
+
+// How far the bars lean from the frame's own `along`, radians: so that a thick line is sharpest.
+// Its rows are taken once and moved against each other by whole samples.
+double lean_of(const GrayView& image, const LineFrame& frame, double thickness) {
+  constexpr int kMostLean = 8;  // degrees
+  constexpr double kDegree = std::numbers::pi / 180;
+  const int rows = rows_of(thickness);
+  const double farthest = thickness / 2 * std::sin(kMostLean * kDegree);
+  const auto extra = static_cast<std::size_t>(farthest / frame.step) + 1;
+  LineFrame longer = frame;
+  longer.begin -= static_cast<double>(extra) * frame.step;
+  longer.count += 2 * extra;
+  std::vector<ScanLine> lines;
+  for (int row = 0; row < rows; ++row) {
+    lines.emplace_back(longer.count, 0.0F);
+    add_light(image, longer, row_offset(row, rows, thickness), lines.back());
+  }
+  double best = -1, lean = 0;
+  for (int degrees = -kMostLean; degrees <= kMostLean; ++degrees) {
+    ScanLine sum(frame.count, 0.0F);
+    for (int row = 0; row < rows; ++row) {
+      const double across = row_offset(row, rows, thickness) * std::sin(degrees * kDegree);
+      const auto shift = static_cast<std::ptrdiff_t>(std::lround(across / frame.step));
+      const float* from = lines[static_cast<std::size_t>(row)].data() +
+                          (static_cast<std::ptrdiff_t>(extra) - shift);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += from[i];
+    }
+    const double sharp = sharpness(sum);
+    if (sharp <= best) continue;
+    best = sharp;
+    lean = degrees * kDegree;
+  }
+  return lean;
+}
+
+}  // namespace
+
 LineFrame line_frame_for(const GrayView& image, const BarRegion& region) {
   constexpr double kBeyond = 0.5;  // of the length, on both sides
   constexpr double kStepsPerModule = 5;
-  constexpr double kMostLean = 8;  // degrees that the bars may lean from the region's direction
+  constexpr double kThickness = 0.6;  // of the height
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / 95 / kStepsPerModule, 0.2, 2.0);
   const auto [low, high] =
       inside(image, region.centre, region.across, region.length * (0.5 + kBeyond));
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
-  double best = -1;
-  const PixelPoint upright = frame.along;
-  for (double lean = -kMostLean; lean <= kMostLean; lean += 1) {
-    LineFrame leaning = frame;
-    leaning.along = turned(upright, lean * std::acos(-1.0) / 180);
-    const double sharp = sharpness(light_along(image, leaning, 0, 0.6 * region.height));
-    if (sharp <= best) continue;
-    best = sharp;
-    frame.along = leaning.along;
-  }
+  frame.along = turned(frame.along, lean_of(image, frame, kThickness * region.height));
   return frame;
 }
 
 ScanLine light_along(const GrayView& image, const LineFrame& frame, double offset,
                      double thickness) {
-  constexpr int kMostRows = 24;
-  const int rows = std::clamp(static_cast<int>(std::lround(thickness)), 1, kMostRows);
-  const ToneCurve& tone = ToneCurve::srgb();
+  const int rows = rows_of(thickness);
   ScanLine line(frame.count, 0.0F);
   for (int row = 0; row < rows; ++row) {
-    const double at = offset + ((row + 0.5) / rows - 0.5) * thickness;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      line[i] += light_at(image, tone, frame.pixel(static_cast<double>(i) + 0.5, at));
-    }
+    add_light(image, frame, offset + row_offset(row, rows, thickness), line);
   }
   for (float& sample : line) sample /= static_cast<float>(rows);
   return line;

@@ -2,8 +2,10 @@
 #include "decoder/reader/bar_regions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -14,7 +16,7 @@ namespace {
 
 constexpr int kCell = 8;  // pixels
 constexpr double kMaxPixels = 2e6;
-constexpr int kLevels = 4;
+constexpr std::size_t kLevels = 4;
 constexpr int kLeastSide = 24;  // pixels of a level worth looking at
 
 // The structure tensor of a cell: energy, and the doubled-angle vector of its main direction.
@@ -23,7 +25,10 @@ struct Texture {
   float cos2 = 0;    // Jxx - Jyy
   float sin2 = 0;    // 2 Jxy
 
-  float strength() const { return std::hypot(cos2, sin2); }
+  float squared_strength() const { return cos2 * cos2 + sin2 * sin2; }
+  bool is_coherent(float share) const {
+    return squared_strength() > share * share * energy * energy;
+  }
 };
 
 struct TextureGrid {
@@ -37,23 +42,27 @@ struct TextureGrid {
   }
 };
 
+using Gradients = std::array<std::int16_t, kCell * kCell / 2>;
+
+int product(const Gradients& a, const Gradients& b) {
+  int sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 // Gradients of every second row suffice for sums over cells.
-Texture texture_of_cell(const GrayView& image, int x_begin, int y_begin) {
-  int xx = 0;
-  int yy = 0;
-  int xy = 0;
-  for (int y = y_begin; y < y_begin + kCell; y += 2) {
-    const std::uint8_t* above = image.row(y - 1);
-    const std::uint8_t* here = image.row(y);
-    const std::uint8_t* below = image.row(y + 1);
-    for (int x = x_begin; x < x_begin + kCell; ++x) {
-      const int gx = here[x + 1] - here[x - 1];
-      const int gy = below[x] - above[x];
-      xx += gx * gx;
-      yy += gy * gy;
-      xy += gx * gy;
+Texture texture_of_cell(const GrayView& image, int x, int y) {
+  Gradients gx, gy;
+  for (std::size_t row = 0; row < kCell / 2; ++row) {
+    const std::uint8_t* here = image.row(y + 2 * static_cast<int>(row)) + x;
+    const std::uint8_t* above = here - image.stride;
+    const std::uint8_t* below = here + image.stride;
+    for (std::size_t i = 0; i < kCell; ++i) {
+      gx[row * kCell + i] = static_cast<std::int16_t>(here[i + 1] - (here - 1)[i]);
+      gy[row * kCell + i] = static_cast<std::int16_t>(below[i] - above[i]);
     }
   }
+  const int xx = product(gx, gx), yy = product(gy, gy), xy = product(gx, gy);
   return {static_cast<float>(xx + yy), static_cast<float>(xx - yy), static_cast<float>(2 * xy)};
 }
 
@@ -69,20 +78,26 @@ TextureGrid texture_of(const GrayView& image) {
   return grid;
 }
 
+Texture operator+(const Texture& a, const Texture& b) {
+  return {a.energy + b.energy, a.cos2 + b.cos2, a.sin2 + b.sin2};
+}
+
 // Each cell with its neighbours.
 TextureGrid smoothed(const TextureGrid& grid) {
-  TextureGrid sums{grid.columns, grid.rows, std::vector<Texture>(grid.cells.size())};
+  TextureGrid across = grid;
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      Texture& sum = sums.cells[sums.index(column, row)];
-      for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
-        for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
-          const Texture& cell = grid.cells[grid.index(x, y)];
-          sum.energy += cell.energy;
-          sum.cos2 += cell.cos2;
-          sum.sin2 += cell.sin2;
-        }
-      }
+      Texture& sum = across.cells[grid.index(column, row)];
+      if (column > 0) sum = sum + grid.cells[grid.index(column - 1, row)];
+      if (column + 1 < grid.columns) sum = sum + grid.cells[grid.index(column + 1, row)];
+    }
+  }
+  TextureGrid sums = across;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      Texture& sum = sums.cells[grid.index(column, row)];
+      if (row > 0) sum = sum + across.cells[grid.index(column, row - 1)];
+      if (row + 1 < grid.rows) sum = sum + across.cells[grid.index(column, row + 1)];
     }
   }
   return sums;
@@ -92,35 +107,37 @@ bool is_striped(const Texture& texture) {
   constexpr float kCoherence = 0.5F;
   // Over nine cells with 32 gradients each: 4 grey levels of difference over two pixels.
   constexpr float kLeastEnergy = 9 * 32 * 16.0F;
-  return texture.energy > kLeastEnergy && texture.strength() > kCoherence * texture.energy;
+  return texture.energy > kLeastEnergy && texture.is_coherent(kCoherence);
 }
 
 // One cell alone: noise makes it less sure of its direction.
 bool is_striped_cell(const Texture& texture) {
   constexpr float kCoherence = 0.4F;
   constexpr float kLeastEnergy = 32 * 36.0F;
-  return texture.energy > kLeastEnergy && texture.strength() > kCoherence * texture.energy;
+  return texture.energy > kLeastEnergy && texture.is_coherent(kCoherence);
 }
 
 bool same_direction(const Texture& a, const Texture& b) {
   constexpr float kCosine = 0.82F;  // of the doubled angle: 17 degrees
-  return a.cos2 * b.cos2 + a.sin2 * b.sin2 > kCosine * a.strength() * b.strength();
+  const float product = a.cos2 * b.cos2 + a.sin2 * b.sin2;
+  return product > 0 &&
+         product * product > kCosine * kCosine * a.squared_strength() * b.squared_strength();
 }
 
 using CellList = std::vector<std::pair<int, int>>;
 
 // Takes the striped cells that hang together with `seed`, neighbour by neighbour.
-CellList grow(const TextureGrid& grid, std::vector<bool>& open, std::pair<int, int> seed) {
+CellList grow(const TextureGrid& grid, std::vector<std::uint8_t>& open, std::pair<int, int> seed) {
   CellList cells{seed};
-  open[grid.index(seed.first, seed.second)] = false;
+  open[grid.index(seed.first, seed.second)] = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto [column, row] = cells[i];
     const Texture& here = grid.cells[grid.index(column, row)];
     for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
       for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
         const std::size_t next = grid.index(x, y);
-        if (!open[next] || !same_direction(here, grid.cells[next])) continue;
-        open[next] = false;
+        if (open[next] == 0 || !same_direction(here, grid.cells[next])) continue;
+        open[next] = 0;
         cells.emplace_back(x, y);
       }
     }
@@ -167,9 +184,11 @@ BarRegion region_of(const TextureGrid& grid, const CellList& cells) {
   return region;
 }
 
+constexpr double kLeastLength = 40;  // 95 modules of half a pixel, less the smoothing's loss
+constexpr double kLeastFilled = 0.35;
+constexpr std::size_t kLeastCells = 2;  // of that length, one cell high
+
 bool may_be_symbol(const BarRegion& region, std::size_t cells) {
-  constexpr double kLeastLength = 40;  // 95 modules of half a pixel, less the smoothing's loss
-  constexpr double kLeastFilled = 0.35;
   const double area = region.length * region.height / (kCell * kCell);
   return region.length >= kLeastLength && region.length > 0.5 * region.height &&
          static_cast<double>(cells) > kLeastFilled * area;
@@ -177,31 +196,33 @@ bool may_be_symbol(const BarRegion& region, std::size_t cells) {
 
 // The cells whose neighbours above, below and beside them are taken too: what hangs together by
 // the edge of a plate or of a cable comes apart.
-std::vector<bool> cores_of(const TextureGrid& grid, const std::vector<bool>& striped) {
-  std::vector<bool> cores(striped.size());
+std::vector<std::uint8_t> cores_of(const TextureGrid& grid,
+                                   const std::vector<std::uint8_t>& striped) {
+  std::vector<std::uint8_t> cores(striped.size());
   for (int row = 1; row + 1 < grid.rows; ++row) {
     for (int column = 1; column + 1 < grid.columns; ++column) {
       cores[grid.index(column, row)] =
-          striped[grid.index(column, row)] && striped[grid.index(column - 1, row)] &&
-          striped[grid.index(column + 1, row)] && striped[grid.index(column, row - 1)] &&
+          striped[grid.index(column, row)] & striped[grid.index(column - 1, row)] &
+          striped[grid.index(column + 1, row)] & striped[grid.index(column, row - 1)] &
           striped[grid.index(column, row + 1)];
     }
   }
   return cores;
 }
 
-void add_regions(const GrayView& image, double scale, bool apart, std::vector<BarRegion>& regions) {
-  const TextureGrid texture = texture_of(image);
+void add_regions(const TextureGrid& texture, double scale, bool apart,
+                 std::vector<BarRegion>& regions) {
   const TextureGrid grid = apart ? texture : smoothed(texture);
-  std::vector<bool> open(grid.cells.size());
+  std::vector<std::uint8_t> open(grid.cells.size());
   for (std::size_t i = 0; i < open.size(); ++i) {
-    open[i] = apart ? is_striped_cell(grid.cells[i]) : is_striped(grid.cells[i]);
+    open[i] = (apart ? is_striped_cell(grid.cells[i]) : is_striped(grid.cells[i])) ? 1 : 0;
   }
   if (apart) open = cores_of(grid, open);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      if (!open[grid.index(column, row)]) continue;
+      if (open[grid.index(column, row)] == 0) continue;
       const CellList cells = grow(grid, open, {column, row});
+      if (cells.size() < kLeastCells) continue;
       BarRegion region = region_of(grid, cells);
       if (!may_be_symbol(region, cells.size())) continue;
       const double shift = (scale - 1) / 2;  // pixel centres of a reduced image
@@ -219,22 +240,32 @@ bool same_region(const BarRegion& a, const BarRegion& b) {
          b.length < 1.25 * a.length;
 }
 
-}  // namespace
+// A level of the image's reductions as cells.
+struct CellLevel {
+  TextureGrid texture;
+  double scale = 1;
+};
 
-std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most, bool apart) {
-  std::vector<BarRegion> found;
+std::vector<CellLevel> cell_levels(const GrayView& image) {
+  std::vector<CellLevel> levels;
   GrayImage reduced;
   GrayView level = image;
   double scale = 1;
-  for (int levels = 0; levels < kLevels && std::min(level.width, level.height) >= kLeastSide;) {
+  while (levels.size() < kLevels && std::min(level.width, level.height) >= kLeastSide) {
     if (static_cast<double>(level.width) * level.height <= kMaxPixels) {
-      add_regions(level, scale, apart, found);
-      ++levels;
+      levels.push_back({texture_of(level), scale});
     }
     reduced = half_size(level);
     level = reduced.view();
     scale *= 2;
   }
+  return levels;
+}
+
+std::vector<BarRegion> regions_of(const std::vector<CellLevel>& levels, std::size_t most,
+                                  bool apart) {
+  std::vector<BarRegion> found;
+  for (const CellLevel& level : levels) add_regions(level.texture, level.scale, apart, found);
   const auto area = [](const BarRegion& region) { return region.length * region.height; };
   std::ranges::stable_sort(found, std::ranges::greater{}, area);
   std::vector<BarRegion> regions;
@@ -243,6 +274,20 @@ std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most,
     const auto same = [&](const BarRegion& other) { return same_region(region, other); };
     if (std::ranges::none_of(regions, same)) regions.push_back(region);
   }
+  return regions;
+}
+
+}  // namespace
+
+std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most) {
+  return regions_of(cell_levels(image), most, false);
+}
+
+std::vector<BarRegion> find_bar_regions_apart(const GrayView& image, std::size_t most) {
+  const std::vector<CellLevel> levels = cell_levels(image);
+  std::vector<BarRegion> regions = regions_of(levels, most, true);
+  const std::vector<BarRegion> whole = regions_of(levels, most, false);
+  regions.insert(regions.end(), whole.begin(), whole.end());
   return regions;
 }
 

@@ -22,9 +22,10 @@ struct BarRegion {
 // image so that modules from half a pixel to some ten pixels fill the cells. Images of more than
 // two million pixels are searched reduced, so that modules below about one pixel of the reduced
 // image are missed.
-// With `apart`, patches that only hang together by thin necks are several, and each is a cell
-// smaller on all sides.
-std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most,
-                                        bool apart = false);
+std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most);
+
+// Before these as many others: patches that only hang together by thin necks are several, and each
+// is a cell smaller on all sides.
+std::vector<BarRegion> find_bar_regions_apart(const GrayView& image, std::size_t most);
 
 }  // namespace tagsmith

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -14,19 +13,21 @@
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
-#include "decoder/image/bilinear.hpp"
+#include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
 namespace {
 
-// A field of bars and the lines where the frame's left and right inner edges should be, in pixels
-// of a level.
+constexpr double kHiddenSigma = 0.2;  // modules, of a side known by the bars beside it
+
+// A field of bars and the lines where the frame's inner edges should be, in pixels of a level; the
+// upper and lower ones where the bars show where they end.
 struct FramedBars {
   BarBlock block;
-  SideLine left;   // upwards
-  SideLine right;  // downwards
+  std::array<std::optional<SideLine>, 4> sides;  // from the upper one on, clockwise
+  std::array<double, 4> sigma_px{};              // of each
   double module_px = 0;
 };
 
@@ -62,67 +63,118 @@ std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayou
   block.half_width = distance(first, last) / 2;
   const double quiet = layout.quiet_zone_modules;
   const double half = block.half_height;
-  framed.left =
+  framed.sides[3] =
       line_through(crossing(bars, block, -quiet, half), crossing(bars, block, -quiet, -half));
-  framed.right = line_through(crossing(bars, block, kModuleCount + quiet, -half),
-                              crossing(bars, block, kModuleCount + quiet, half));
+  framed.sides[1] = line_through(crossing(bars, block, kModuleCount + quiet, -half),
+                                 crossing(bars, block, kModuleCount + quiet, half));
+  framed.sigma_px[1] = framed.sigma_px[3] = kHiddenSigma * framed.module_px;
   return framed;
+}
+
+// Adds the upper and the lower side, where the bars of a field show both their ends. `first` and
+// `last` are the field's bars in the layout.
+void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnds& lower,
+                       const SymbolLayout& layout, FramedBars& framed) {
+  const Homography map = homography_to(field.corners);
+  const auto at = [&](double u, const BarEnds& ends) { return map(u, ends.at(u)); };
+  const Homography image_from_bars = homography_to({at(field.first, upper), at(field.last, upper),
+                                                    at(field.last, lower), at(field.first, lower)});
+  const double height = layout.bars_bottom - layout.bars_top;
+  const double above = -layout.bars_top / height, below = (1 - layout.bars_top) / height;
+  framed.sides[0] = line_through(image_from_bars(0, above), image_from_bars(1, above));
+  framed.sides[2] = line_through(image_from_bars(1, below), image_from_bars(0, below));
+  // From the bars' ends on, a quarter of their height farther.
+  framed.sigma_px[0] = std::hypot(1 - above, above) * std::max(upper.sigma_px, lower.sigma_px);
+  framed.sigma_px[2] = framed.sigma_px[0];
+}
+
+// The same by looking for the ends around bars that were followed line by line, perhaps not over
+// all of their height.
+void look_for_ends(const GrayView& image, const LocatedBars& bars, const SymbolLayout& layout,
+                   FramedBars& framed) {
+  constexpr double kInside = 0.35, kOutside = 0.8;  // of the height that was followed
+  const double half = framed.block.half_height;
+  const BarField field{
+      {crossing(bars, framed.block, 0, -half), crossing(bars, framed.block, kModuleCount, -half),
+       crossing(bars, framed.block, kModuleCount, half), crossing(bars, framed.block, 0, half)}};
+  const auto upper = find_bar_ends(image, field, kInside, -kOutside);
+  if (!upper) return;
+  const auto lower = find_bar_ends(image, field, 1 - kInside, 1 + kOutside);
+  if (lower) add_sides_by_ends(field, *upper, *lower, layout, framed);
 }
 
 // In pixels of the image at half its size.
 FramedBars halved(const FramedBars& bars) {
-  const auto half = [](const SideLine& side) {
-    const PixelPoint offset{0.5, 0.5};
-    return line_through(0.5 * (side.begin - offset), 0.5 * (side.end - offset));
-  };
-  return {scaled(bars.block, 0.5), half(bars.left), half(bars.right), bars.module_px / 2};
+  const PixelPoint offset{0.5, 0.5};
+  FramedBars result = bars;
+  result.block = scaled(bars.block, 0.5);
+  for (auto& side : result.sides) {
+    if (side) side = line_through(0.5 * (side->begin - offset), 0.5 * (side->end - offset));
+  }
+  result.module_px = bars.module_px / 2;
+  return result;
 }
 
 double distance_from(const SideLine& line, PixelPoint point) {
   return std::abs(dot(point - line.begin, line.outward));
 }
 
-// A quadrilateral with its left or right side, or both, put where the bars say.
+// A quadrilateral with the sides that do not show put where the bars say, as far as they do.
 std::optional<Quad> with_expected_sides(const Quad& quad, const FramedBars& expected,
                                         const std::array<bool, 4>& shown) {
   std::array<SideLine, 4> sides{};
-  for (std::size_t i = 0; i < 4; ++i) sides[i] = side_of(quad, i);
-  if (!shown[1]) sides[1] = expected.right;
-  if (!shown[3]) sides[3] = expected.left;
+  for (std::size_t i = 0; i < 4; ++i) {
+    sides[i] = shown[i] || !expected.sides[i] ? side_of(quad, i) : *expected.sides[i];
+  }
   return corners_of(sides);
 }
 
+// How far the frame's sides may be from where the bars say, pixels.
+struct Tolerances {
+  double beside = 0;   // left and right
+  double at_ends = 0;  // above and below
+};
+
 // Takes sides that are not where the bars say for something else: a cable has an edge too.
-void doubt_strangers(const Quad& quad, const FramedBars& expected, double tolerance,
+void doubt_strangers(const Quad& quad, const FramedBars& expected, const Tolerances& tolerances,
                      std::array<bool, 4>& shown) {
-  const auto agrees = [&](const SideLine& line, PixelPoint a, PixelPoint b) {
-    return distance_from(line, a) < tolerance && distance_from(line, b) < tolerance;
-  };
-  shown[1] = shown[1] && agrees(expected.right, quad[1], quad[2]);
-  shown[3] = shown[3] && agrees(expected.left, quad[3], quad[0]);
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!expected.sides[i]) continue;
+    const double tolerance = i % 2 == 1 ? tolerances.beside : tolerances.at_ends;
+    shown[i] = shown[i] && distance_from(*expected.sides[i], quad[i]) < tolerance &&
+               distance_from(*expected.sides[i], quad[(i + 1) % 4]) < tolerance;
+  }
 }
 
-// Settles and fits the sides that show; `tolerance` is how far the left and right ones may be from
-// where the bars say, pixels of the full image.
+// Settles and fits the sides that show.
 std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel& level,
                                       const Quad& rough, const FramedBars& in_full,
-                                      double tolerance) {
-  constexpr double kHiddenSigma = 0.2;  // modules
+                                      const Tolerances& tolerances) {
   auto settled = settle_shown_sides(level.image, rough);
   if (!settled) return std::nullopt;
   const Quad in_image = to_full(level, settled->quad);
-  doubt_strangers(in_image, in_full, tolerance + 0.5 * level.scale, settled->shown);
+  const double coarse = 0.5 * level.scale;
+  doubt_strangers(in_image, in_full, {tolerances.beside + coarse, tolerances.at_ends + coarse},
+                  settled->shown);
   auto quad = with_expected_sides(in_image, in_full, settled->shown);
   if (!quad) return std::nullopt;
-  const double sigma = kHiddenSigma * in_full.module_px;
-  auto frame = refine_shown_sides(image, *quad, settled->shown, sigma);
+  const auto fit = [&](const std::array<bool, 4>& shown) {
+    auto frame = refine_shown_sides(image, *quad, shown, 0);
+    for (std::size_t i = 0; frame && i < 4; ++i) {
+      if (frame->shown[i]) continue;
+      frame->sides[i].covariance =
+          in_full.sigma_px[i] * in_full.sigma_px[i] * Eigen::Matrix2d::Identity();
+    }
+    return frame;
+  };
+  auto frame = fit(settled->shown);
   if (!frame) return std::nullopt;
   std::array<bool, 4> shown = frame->shown;
-  doubt_strangers(frame->corners, in_full, tolerance, shown);
+  doubt_strangers(frame->corners, in_full, tolerances, shown);
   if (shown == frame->shown) return *frame;
   quad = with_expected_sides(*quad, in_full, shown);
   if (!quad) return std::nullopt;
-  frame = refine_shown_sides(image, *quad, shown, sigma);
+  frame = fit(shown);
   return frame ? std::optional(*frame) : std::nullopt;
 }
 
@@ -135,99 +187,46 @@ std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView&
   constexpr double kTolerance = 1.2;  // modules
   const auto bars = locate_bars(image, region);
   if (!bars) return std::nullopt;
-  const auto in_full = framed_bars(*bars, layout);
+  auto in_full = framed_bars(*bars, layout);
   if (!in_full) return std::nullopt;
+  look_for_ends(image, *bars, layout, *in_full);
   const bool reduce = in_full->module_px >= kReducedFrom;
   const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
   const FramedBars in_level = reduce ? halved(*in_full) : *in_full;
-  const auto rough = frame_between(level.image, in_level.block, in_level.left, in_level.right);
+  const auto& sides = in_level.sides;
+  const auto rough = sides[0] ? corners_of({*sides[0], *sides[1], *sides[2], *sides[3]})
+                              : frame_between(level.image, in_level.block, *sides[3], *sides[1]);
   if (!rough) return std::nullopt;
-  return fit_frame(image, level, *rough, *in_full, kTolerance * in_full->module_px);
+  const double tolerance = kTolerance * in_full->module_px;
+  return fit_frame(image, level, *rough, *in_full, {tolerance, 1 + tolerance});
 }
 
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
-                                            const Quad& expected, double module_px) {
-  const double tolerance = std::max(0.35, 0.12 * module_px);
+                                            const Quad& expected, const SymbolLayout& layout,
+                                            double module_px) {
+  constexpr double kInside = 0.2, kOutside = 0.25;  // of the frame's height
   FramedBars in_full;
-  in_full.left = line_through(expected[3], expected[0]);
-  in_full.right = line_through(expected[1], expected[2]);
+  in_full.sides[3] = line_through(expected[3], expected[0]);
+  in_full.sides[1] = line_through(expected[1], expected[2]);
+  in_full.sigma_px[1] = in_full.sigma_px[3] = kHiddenSigma * module_px;
   in_full.module_px = module_px;
+  const BarField field = bar_field(expected, layout);
+  const auto upper =
+      find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
+  const auto lower =
+      find_bar_ends(image, field, layout.bars_bottom - kInside, layout.bars_bottom + kOutside);
+  Quad rough = expected;
+  if (upper && lower) {
+    add_sides_by_ends(field, *upper, *lower, layout, in_full);
+    const auto& sides = in_full.sides;
+    rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
+  }
   const bool reduce = module_px >= kReducedFrom;
   const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
-  return fit_frame(image, level, to_level(level, expected), in_full, tolerance);
-}
-
-namespace {
-
-// Places along one half of the symbol, as grey levels less their mean.
-using HalfRow = std::array<double, 96>;
-
-HalfRow half_row(const GrayView& image, const Homography& map, double first_u, double v) {
-  constexpr double kWidth = 0.38;  // of the frame: half of the bars, clear of their quiet zone
-  HalfRow row{};
-  double mean = 0;
-  for (std::size_t k = 0; k < row.size(); ++k) {
-    const double u = first_u + kWidth * static_cast<double>(k) / (row.size() - 1.0);
-    row[k] = sample_bilinear(image, map(u, v));
-    mean += row[k] / static_cast<double>(row.size());
-  }
-  for (double& value : row) value -= mean;
-  return row;
-}
-
-double product(const HalfRow& a, const HalfRow& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
-
-// The mean of rows in the middle of the bars.
-HalfRow usual_row(const GrayView& image, const Homography& map, double first_u) {
-  constexpr int kRows = 16;
-  HalfRow mean{};
-  for (int i = 0; i < kRows; ++i) {
-    const HalfRow row = half_row(image, map, first_u, 0.3 + 0.4 * i / (kRows - 1));
-    for (std::size_t k = 0; k < row.size(); ++k) mean[k] += row[k] / kRows;
-  }
-  return mean;
-}
-
-// Where, going outwards from the bars, rows stop being like the usual one; nothing where that is
-// not near `expected`. `step` is half a pixel outwards.
-std::optional<double> end_of_bars(const GrayView& image, const Homography& map, double first_u,
-                                  double expected, double step) {
-  constexpr int kReach = 10;  // steps
-  const HalfRow usual = usual_row(image, map, first_u);
-  const double full = product(usual, usual);
-  if (!(full > 0)) return std::nullopt;
-  double before = 0;
-  for (int k = -kReach; k <= kReach; ++k) {
-    const double v = expected + k * step;
-    const double share = product(half_row(image, map, first_u, v), usual) / full;
-    if (k > -kReach && before >= 0.5 && share < 0.5) {
-      return v - step * (0.5 - share) / (before - share);
-    }
-    before = share;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
-bool bars_end_as_expected(const GrayView& image, const Quad& corners, const SymbolLayout& layout) {
-  constexpr double kTolerance = 1;     // pixels
-  constexpr double kOfHeight = 0.005;  // templates round their margins
-  constexpr int kLeastRight = 3;
-  const Homography map = homography_to(corners);
-  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
-  const double step = 0.5 / height;
-  const double tolerance = kTolerance / height + kOfHeight;
-  int right = 0;
-  for (const double first_u : {0.1, 0.52}) {
-    const auto top = end_of_bars(image, map, first_u, layout.bars_top, -step);
-    const auto bottom = end_of_bars(image, map, first_u, layout.bars_bottom, step);
-    right += top && std::abs(*top - layout.bars_top) < tolerance ? 1 : 0;
-    right += bottom && std::abs(*bottom - layout.bars_bottom) < tolerance ? 1 : 0;
-  }
-  return right >= kLeastRight;
+  const double height =
+      (distance(expected[0], expected[3]) + distance(expected[1], expected[2])) / 2;
+  return fit_frame(image, level, to_level(level, rough), in_full,
+                   {std::max(0.35, 0.12 * module_px), 1.2 + 0.006 * height});
 }
 
 }  // namespace tagsmith

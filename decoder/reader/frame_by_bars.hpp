@@ -21,11 +21,7 @@ std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView&
 // The frame fitted anew around a symbol that was read: `expected` is where its bars put the frame's
 // corners, clockwise from P. Left and right sides that are not there are taken for hidden.
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
-                                            const Quad& expected, double module_px);
-
-// Whether the bars end where a frame with these corners (clockwise from P) has them end, within a
-// pixel or so, at three of the ends of their left and right halves: what has an edge like the
-// frame's upper or lower side and is not it fails.
-bool bars_end_as_expected(const GrayView& image, const Quad& corners, const SymbolLayout& layout);
+                                            const Quad& expected, const SymbolLayout& layout,
+                                            double module_px);
 
 }  // namespace tagsmith

@@ -62,6 +62,9 @@ struct FramelessResult {
 // Why most outlines are passed over: they are not even roughly a feature frame.
 inline constexpr const char* kNotFramedReason = "no white, black, white across its sides";
 
+// Why a symbol is refused that passed every test but that of its confidence.
+inline constexpr const char* kDoubtfulReason = "not certain enough";
+
 struct ReadResult {
   std::vector<Reading> tags;
   std::vector<Rejection> rejected;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
+#include "decoder/scan/place_rows.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -22,7 +23,7 @@ constexpr int kSamplesPerDigit = kModulesPerDigit * kPerModule;
 constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
 constexpr int kLineSamples = (kModuleCount + 2 * kMargin) * kPerModule;
 constexpr int kTemplates = 20;  // ten digits; for the left half ten more of even parity
-constexpr float kFar = 1e9F;
+static_assert(kPlaces == kPlaceCount && kRatios == kWidthCount);
 // Squared residual per sample of a good line: 0.14 of the contrast, much of it shared by a module's
 // samples. Tuned, with the penalties below, on rendered symbols (tests/reader/frameless_test.cpp).
 constexpr float kSampleWeight = 1.0F / (0.02F * kPerModule);
@@ -133,24 +134,38 @@ int patterns_of(int segment) {
   return is_left(segment) ? kTemplates : 10;
 }
 
+// The light of a line up to any place; beyond its ends its last samples continue.
+class LineIntegral {
+ public:
+  explicit LineIntegral(const ScanLine& line) : line_(line), sums_(line.size() + 1, 0.0) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      sums_[i + 1] = sums_[i] + static_cast<double>(line[i]);
+    }
+  }
+
+  double to(double at) const {
+    const auto size = static_cast<double>(line_.size());
+    if (at < 0) return at * static_cast<double>(line_.front());
+    if (at >= size) return sums_.back() + (at - size) * static_cast<double>(line_.back());
+    const auto i = static_cast<std::size_t>(at);
+    return sums_[i] + (at - static_cast<double>(i)) * static_cast<double>(line_[i]);
+  }
+
+ private:
+  const ScanLine& line_;
+  std::vector<double> sums_;
+};
+
 // A line at kPerModule samples a module, the symbol nominally from kMargin modules on. Each sample
-// is the mean of what it covers; beyond the line's ends its last samples continue.
-std::vector<float> resampled(const ScanLine& line, double begin, double module, int count) {
-  std::vector<double> integral(line.size() + 1, 0.0);
-  for (std::size_t i = 0; i < line.size(); ++i) integral[i + 1] = integral[i] + line[i];
-  const auto size = static_cast<double>(line.size());
-  const auto sum_to = [&](double at) {
-    const double inside = std::clamp(at, 0.0, size);
-    const auto i = std::min(static_cast<std::size_t>(inside), line.size() - 1);
-    const double sum = integral[i] + (inside - static_cast<double>(i)) * line[i];
-    return sum + (at < 0 ? at * line.front() : std::max(0.0, at - size) * line.back());
-  };
+// is the mean of what it covers.
+std::vector<float> resampled(const LineIntegral& line, double begin, double module, int count) {
   const double step = module / kPerModule;
-  std::vector<float> samples;
-  samples.reserve(static_cast<std::size_t>(count));
+  std::vector<float> samples(static_cast<std::size_t>(count));
+  double before = line.to(begin - kMargin * kPerModule * step);
   for (int i = 0; i < count; ++i) {
-    const double from = begin + (i - kMargin * kPerModule) * step;
-    samples.push_back(static_cast<float>((sum_to(from + step) - sum_to(from)) / step));
+    const double sum = line.to(begin + (i + 1 - kMargin * kPerModule) * step);
+    samples[static_cast<std::size_t>(i)] = static_cast<float>((sum - before) / step);
+    before = sum;
   }
   return samples;
 }
@@ -158,79 +173,54 @@ std::vector<float> resampled(const ScanLine& line, double begin, double module, 
 // Costs of one segment: for each place where it may begin, local module width and pattern.
 class SegmentCosts {
  public:
-  // The first `patterns` of those that may stand there, or `only` one.
+  // Of the ten patterns that UPC-A has there, or of `only` one; each is kept when asked for.
   SegmentCosts(std::span<const float> darkness, int segment, const BarTemplates& templates,
-               int patterns, std::optional<int> only)
-      : patterns_(only ? 1 : std::min(patterns, patterns_of(segment))),
-        costs_(static_cast<std::size_t>(kPlaces * kRatios * patterns_), 0.0F) {
-    const int first = (kMargin + nominal_begin(segment) - kSlack) * kPerModule;
-    const std::span<const float> from = darkness.subspan(static_cast<std::size_t>(first));
-    for (int ratio = 0; ratio < kRatios; ++ratio) {
-      for (int pattern = 0; pattern < patterns_; ++pattern) {
-        add_residuals(from, templates.samples(kind_of(segment), only.value_or(pattern), ratio),
-                      &costs_[index(0, ratio, pattern)]);
+               std::optional<int> only, bool keep)
+      : segment_(segment), best_(filled_rows(kFarCost)) {
+    const int patterns = only ? 1 : std::min(10, patterns_of(segment));
+    for (int pattern = 0; pattern < patterns; ++pattern) {
+      for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
+        const PlaceRow costs = row_of(darkness, templates, only.value_or(pattern), ratio);
+        take_less(costs, best_[ratio]);
+        if (keep) rows_.push_back(costs);
       }
     }
-    fill_best();
+    for (PlaceRow& row : best_) std::fill(row.begin() + kPlaces, row.end(), kFarCost);
   }
 
-  int patterns() const { return patterns_; }
-  float cost(int place, int ratio, int pattern) const {
-    return costs_[index(place, ratio, pattern)];
+  // Keeps the patterns, too, that EAN-13 has there besides.
+  void add_rivals(std::span<const float> darkness, const BarTemplates& templates) {
+    for (int pattern = 10; pattern < patterns_of(segment_); ++pattern) {
+      for (std::size_t ratio = 0; ratio < kWidthCount; ++ratio) {
+        rows_.push_back(row_of(darkness, templates, pattern, ratio));
+      }
+    }
   }
 
+  std::size_t patterns() const { return rows_.size() / kWidthCount; }
+  const PlaceRow& row(std::size_t pattern, std::size_t ratio) const {
+    return rows_[pattern * kWidthCount + ratio];
+  }
   // The least of the patterns that UPC-A has there.
-  float best(int place, int ratio) const {
-    return best_[static_cast<std::size_t>(ratio * kPlaces + place)];
-  }
+  const PlaceRows& best() const { return best_; }
 
  private:
-  std::size_t index(int place, int ratio, int pattern) const {
-    return static_cast<std::size_t>((ratio * patterns_ + pattern) * kPlaces + place);
+  PlaceRow row_of(std::span<const float> darkness, const BarTemplates& templates, int pattern,
+                  std::size_t ratio) const {
+    const int first = (kMargin + nominal_begin(segment_) - kSlack) * kPerModule;
+    const std::vector<float>& shown =
+        templates.samples(kind_of(segment_), pattern, static_cast<int>(ratio));
+    return squared_differences(darkness.data() + first, shown.data(), shown.size(), kSampleWeight);
   }
 
-  // Places innermost: they are independent of each other, so the sums run side by side.
-  static void add_residuals(std::span<const float> darkness, const std::vector<float>& shown,
-                            float* costs) {
-    for (std::size_t i = 0; i < shown.size(); ++i) {
-      for (std::size_t place = 0; place < kPlaces; ++place) {
-        const float difference = darkness[i + place] - shown[i];
-        costs[place] += kSampleWeight * difference * difference;
-      }
-    }
-  }
-
-  void fill_best() {
-    best_.assign(static_cast<std::size_t>(kPlaces * kRatios), kFar);
-    for (int ratio = 0; ratio < kRatios; ++ratio) {
-      for (int pattern = 0; pattern < std::min(patterns_, 10); ++pattern) {
-        for (int place = 0; place < kPlaces; ++place) {
-          float& least = best_[static_cast<std::size_t>(ratio * kPlaces + place)];
-          least = std::min(least, cost(place, ratio, pattern));
-        }
-      }
-    }
-  }
-
-  int patterns_;
-  std::vector<float> costs_;
-  std::vector<float> best_;
+  int segment_;
+  std::vector<PlaceRow> rows_;
+  PlaceRows best_;
 };
 
-// State of the chain at a boundary: where it lies and how wide the modules before it were.
-using Front = std::array<std::array<float, kRatios>, kPlaces>;
-
-Front filled(float value) {
-  Front front;
-  for (auto& row : front) row.fill(value);
-  return front;
-}
-
-using Penalties = std::array<std::array<float, kRatios>, kRatios>;  // [from][to]
-
-Penalties penalties_for(double sigma) {
+WidthPenalties penalties_for(double sigma) {
   constexpr double kLevelSigma = 0.15;
-  Penalties table{};
+  WidthPenalties table{};
   for (int from = 0; from < kRatios; ++from) {
     for (int to = 0; to < kRatios; ++to) {
       const double change = static_cast<double>(to - from) / kSamplesPerDigit / sigma;
@@ -243,192 +233,170 @@ Penalties penalties_for(double sigma) {
 }
 
 // Local widths change slowly; guard patterns are too short to tell theirs closely.
-const Penalties& change_penalties(int segment) {
-  static const Penalties digits = penalties_for(0.04);
-  static const Penalties guards = penalties_for(0.08);
+const WidthPenalties& change_penalties(int segment) {
+  static const WidthPenalties digits = penalties_for(0.04);
+  static const WidthPenalties guards = penalties_for(0.08);
   return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
 }
 
-float change_penalty(int segment, int from, int to) {
-  return change_penalties(segment)[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)];
+WidthPenalties transposed(const WidthPenalties& table) {
+  WidthPenalties result{};
+  for (std::size_t i = 0; i < kWidthCount; ++i) {
+    for (std::size_t j = 0; j < kWidthCount; ++j) result[i][j] = table[j][i];
+  }
+  return result;
 }
 
-// Where the next boundary lies, as a place of its own window, or -1.
-int next_place(int segment, int place, int ratio) {
-  const int offset = place + length_of(segment, ratio) - modules_of_segment(segment) * kPerModule;
-  return offset >= 0 && offset < kPlaces ? offset : -1;
+// The same by the width after, then the one before.
+const WidthPenalties& penalties_backwards(int segment) {
+  static const WidthPenalties digits = transposed(penalties_for(0.04));
+  static const WidthPenalties guards = transposed(penalties_for(0.08));
+  return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
 }
 
+// By how many places a segment of a local width moves the next boundary in that one's own window.
+int shift_of(int segment, std::size_t ratio) {
+  return length_of(segment, static_cast<int>(ratio)) - modules_of_segment(segment) * kPerModule;
+}
+
+// A row moved by some places: what comes from outside costs kFarCost.
+PlaceRow moved(const PlaceRow& row, int shift) {
+  PlaceRow result;
+  result.fill(kFarCost);
+  const int first = std::max(0, shift), end = std::min(kPlaces, kPlaces + shift);
+  std::copy(row.begin() + (first - shift), row.begin() + (end - shift), result.begin() + first);
+  return result;
+}
+
+// The chain of a symbol's segments over a line, by dynamic programming from its end.
 class Chain {
  public:
-  // Over all symbols, with even parity besides when `with_rivals`, or over the distortions of one.
+  enum class Keep { best, patterns };
+
+  // Over all symbols, or over the distortions of one. The chain is given up, and costs kFarCost,
+  // as soon as it is certain to cost more than `worst` per module.
   Chain(std::span<const float> darkness, const BarTemplates& templates, const Digits* digits,
-        bool with_rivals)
-      : darkness_(darkness) {
+        Keep keep, double worst)
+      : darkness_(darkness), remain_(kSegments, filled_rows(kFarCost)), begins_(quiet_costs(0)) {
+    const auto most = static_cast<float>(std::min(1e8, worst * kWeighedModules));
     costs_.reserve(kSegments);
-    for (int s = 0; s < kSegments; ++s) {
+    PlaceRows after = quiet_costs(kModuleCount);
+    for (int s = kSegments - 1; s >= 0; --s) {
       std::optional<int> only;
       if (digits != nullptr && is_digit(s)) {
         only = (*digits)[static_cast<std::size_t>(position_of(s))];
       }
-      costs_.emplace_back(darkness, s, templates, with_rivals ? kTemplates : 10, only);
+      costs_.emplace_back(darkness, s, templates, only, keep == Keep::patterns && is_digit(s));
+      PlaceRows& remain = remain_[static_cast<std::size_t>(s)];
+      for (std::size_t r = 0; r < kWidthCount; ++r) remain[r] = moved(after[r], -shift_of(s, r));
+      if (s == 0) break;
+      after = onwards(s);
+      if (least_of(after) > most) return;
     }
-    run_backward();
+    least_ = find_least();
   }
 
+  bool is_given_up() const { return !(least_ < kFarCost); }
   double cost_per_module() const {
-    float least = kFar;
-    const Front begin = begins();
-    for (int place = 0; place < kPlaces; ++place) {
-      for (int r = 0; r < kRatios; ++r)
-        least = std::min(least, around(0, begin, place, r) + costs_[0].best(place, r));
-    }
-    return least / (kModuleCount + 2 * kQuiet);
+    return is_given_up() ? static_cast<double>(kFarCost)
+                         : static_cast<double>(least_ / kWeighedModules);
   }
 
-  ElasticAlignment alignment() const {
-    ElasticAlignment result;
-    const std::vector<std::array<int, 2>> path = best_path();
-    for (std::size_t s = 0; s < path.size(); ++s) {
-      result.boundaries[s] = (nominal_begin(static_cast<int>(s)) - kSlack) +
-                             static_cast<double>(path[s][0]) / kPerModule;
-    }
-    result.boundaries[kSegments] =
-        result.boundaries[kSegments - 1] +
-        static_cast<double>(length_of(kSegments - 1, path.back()[1])) / kPerModule;
-    result.cost_per_module = cost_per_module();
-    return result;
-  }
+  ElasticAlignment alignment() const { return alignment_of(best_path()); }
 
-  ElasticReading reading() const {
+  ElasticReading reading(const BarTemplates& templates) {
     ElasticReading result;
-    result.alignment = alignment();
-    const std::vector<std::array<int, 2>> path = best_path();
-    const std::vector<Front> entry = entries();
+    const std::vector<std::array<std::size_t, 2>> path = best_path();
+    result.alignment = alignment_of(path);
+    const std::vector<PlaceRows> entry = entries();
     for (int s = 0; s < kSegments; ++s) {
+      if (!is_digit(s)) continue;
       const auto i = static_cast<std::size_t>(s);
-      if (is_digit(s)) add_digit(s, entry[i], path[i], result);
+      costs_of(s).add_rivals(darkness_, templates);
+      add_digit(s, entry[i], path[i], result);
     }
     return result;
   }
 
  private:
-  float quiet_cost(int first) const {
-    float sum = 0;
-    for (int i = first; i < first + kQuiet * kPerModule; ++i) {
-      const float dark = std::clamp(darkness_[static_cast<std::size_t>(i)], 0.0F, 1.0F);
-      sum += dark * dark;
+  static constexpr int kWeighedModules = kModuleCount + 2 * kQuiet;
+
+  // The segments' costs are made from the last one on.
+  const SegmentCosts& costs_of(int s) const {
+    return costs_[static_cast<std::size_t>(kSegments - 1 - s)];
+  }
+  SegmentCosts& costs_of(int s) { return costs_[static_cast<std::size_t>(kSegments - 1 - s)]; }
+
+  // Of a quiet zone before the first bar (module 0) or after the last, by the boundary's place.
+  PlaceRows quiet_costs(int module) const {
+    PlaceRow row;
+    row.fill(kFarCost);
+    const int first = (kMargin + module - kSlack - (module == 0 ? kQuiet : 0)) * kPerModule;
+    for (int place = 0; place < kPlaces; ++place) {
+      float sum = 0;
+      for (int i = first + place; i < first + place + kQuiet * kPerModule; ++i) {
+        const float dark = std::clamp(darkness_[static_cast<std::size_t>(i)], 0.0F, 1.0F);
+        sum += dark * dark;
+      }
+      row[static_cast<std::size_t>(place)] = sum * kSampleWeight;
     }
-    return sum * kSampleWeight;
+    PlaceRows rows;
+    rows.fill(row);
+    return rows;
   }
 
-  // The quiet zone before the first bar.
-  Front begins() const {
-    Front front = filled(kFar);
-    for (int place = 0; place < kPlaces; ++place) {
-      const int begin = (kMargin - kSlack - kQuiet) * kPerModule + place;
-      front[static_cast<std::size_t>(place)].fill(quiet_cost(begin));
+  // Least cost from a place on, where segment s begins, by the width of the segment before.
+  PlaceRows onwards(int s) const {
+    PlaceRows with_segment = costs_of(s).best();
+    const PlaceRows& remain = remain_[static_cast<std::size_t>(s)];
+    for (std::size_t r = 0; r < kWidthCount; ++r) {
+      for (std::size_t place = 0; place < kPlaceRow; ++place) {
+        with_segment[r][place] += remain[r][place];
+      }
     }
-    return front;
+    return least_onwards(with_segment, change_penalties(s));
   }
 
   // For each segment: least cost of all before it, by the place where it begins and its local
   // width, the change of width included.
-  std::vector<Front> entries() const {
-    std::vector<Front> entry{begins()};
+  std::vector<PlaceRows> entries() const {
+    std::vector<PlaceRows> entry{begins_};
     for (int s = 0; s + 1 < kSegments; ++s) {
-      const Front exit = exits(s, entry.back());
-      const Penalties& penalties = change_penalties(s + 1);
-      Front next = filled(kFar);
-      for (std::size_t place = 0; place < kPlaces; ++place) {
-        for (std::size_t from = 0; from < kRatios; ++from) {
-          for (std::size_t to = 0; to < kRatios; ++to) {
-            next[place][to] = std::min(next[place][to], exit[place][from] + penalties[from][to]);
-          }
-        }
+      PlaceRows exit;
+      for (std::size_t r = 0; r < kWidthCount; ++r) {
+        PlaceRow row = entry.back()[r];
+        for (std::size_t i = 0; i < kPlaceRow; ++i) row[i] += costs_of(s).best()[r][i];
+        exit[r] = moved(row, shift_of(s, r));
       }
-      entry.push_back(next);
+      entry.push_back(least_onwards(exit, penalties_backwards(s + 1)));
     }
     return entry;
   }
 
-  // Costs at the boundary after segment s, by the place there and the segment's width.
-  Front exits(int s, const Front& entry) const {
-    Front exit = filled(kFar);
-    for (int place = 0; place < kPlaces; ++place) {
-      for (int r = 0; r < kRatios; ++r) {
-        const int next = next_place(s, place, r);
-        if (next < 0) continue;
-        float& cell = exit[static_cast<std::size_t>(next)][static_cast<std::size_t>(r)];
-        cell = std::min(cell, entry[static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] +
-                                  costs_[static_cast<std::size_t>(s)].best(place, r));
-      }
-    }
-    return exit;
+  // Cost of the whole line with segment s at a place and width, its own pattern apart.
+  PlaceRow around(int s, const PlaceRows& entry, std::size_t ratio) const {
+    PlaceRow row = entry[ratio];
+    const PlaceRow& remain = remain_[static_cast<std::size_t>(s)][ratio];
+    for (std::size_t i = 0; i < kPlaceRow; ++i) row[i] += remain[i];
+    return row;
   }
 
-  // remain_[s](place, ratio): least cost of all after segment s that begins at a place and has a
-  // local width.
-  void run_backward() {
-    remain_.assign(kSegments, filled(kFar));
-    for (int s = kSegments - 1; s >= 0; --s) {
-      const Front after = s + 1 < kSegments ? onwards(s + 1) : ends();
-      Front& remain = remain_[static_cast<std::size_t>(s)];
-      for (int place = 0; place < kPlaces; ++place) {
-        for (int r = 0; r < kRatios; ++r) {
-          const int next = next_place(s, place, r);
-          if (next < 0) continue;
-          remain[static_cast<std::size_t>(place)][static_cast<std::size_t>(r)] =
-              after[static_cast<std::size_t>(next)][static_cast<std::size_t>(r)];
-        }
-      }
-    }
-  }
-
-  // Least cost from a place on, where segment s begins, by the width of the segment before.
-  Front onwards(int s) const {
-    const Penalties& penalties = change_penalties(s);
-    const SegmentCosts& costs = costs_[static_cast<std::size_t>(s)];
-    const Front& remain = remain_[static_cast<std::size_t>(s)];
-    Front least = filled(kFar);
-    for (std::size_t place = 0; place < kPlaces; ++place) {
-      for (std::size_t to = 0; to < kRatios; ++to) {
-        const float cost =
-            costs.best(static_cast<int>(place), static_cast<int>(to)) + remain[place][to];
-        for (std::size_t from = 0; from < kRatios; ++from) {
-          least[place][from] = std::min(least[place][from], cost + penalties[from][to]);
-        }
-      }
+  float find_least() const {
+    float least = kFarCost;
+    for (std::size_t r = 0; r < kWidthCount; ++r) {
+      least = std::min(least, least_sum(around(0, begins_, r), costs_of(0).best()[r]));
     }
     return least;
   }
 
-  // The quiet zone after the last bar.
-  Front ends() const {
-    Front front = filled(kFar);
-    for (int place = 0; place < kPlaces; ++place) {
-      const int end = (kMargin - kSlack + kModuleCount) * kPerModule + place;
-      front[static_cast<std::size_t>(place)].fill(quiet_cost(end));
-    }
-    return front;
-  }
-
-  // Cost of the whole line with segment s at a place and width, its own pattern apart.
-  float around(int s, const Front& entry, int place, int r) const {
-    const auto p = static_cast<std::size_t>(place);
-    const auto ratio = static_cast<std::size_t>(r);
-    return entry[p][ratio] + remain_[static_cast<std::size_t>(s)][p][ratio];
-  }
-
   // Place and width of every segment on the best path.
-  std::vector<std::array<int, 2>> best_path() const {
-    std::vector<std::array<int, 2>> path;
-    float total = kFar;
-    std::array<int, 2> first{0, 0};
-    const Front begin = begins();
-    for (int place = 0; place < kPlaces; ++place) {
-      for (int r = 0; r < kRatios; ++r) {
-        const float cost = around(0, begin, place, r) + costs_[0].best(place, r);
+  std::vector<std::array<std::size_t, 2>> best_path() const {
+    std::vector<std::array<std::size_t, 2>> path;
+    float total = kFarCost;
+    std::array<std::size_t, 2> first{0, 0};
+    for (std::size_t place = 0; place < kPlaceCount; ++place) {
+      for (std::size_t r = 0; r < kWidthCount; ++r) {
+        const float cost = begins_[r][place] + remain_[0][r][place] + costs_of(0).best()[r][place];
         if (cost >= total) continue;
         total = cost;
         first = {place, r};
@@ -439,15 +407,14 @@ class Chain {
     return path;
   }
 
-  std::array<int, 2> step(int s, const std::array<int, 2>& before) const {
-    const int place = std::max(0, next_place(s - 1, before[0], before[1]));
-    std::array<int, 2> best{place, kNominalRatio};
-    float least = kFar;
-    for (int to = 0; to < kRatios; ++to) {
-      const float cost = change_penalty(s, before[1], to) +
-                         costs_[static_cast<std::size_t>(s)].best(place, to) +
-                         remain_[static_cast<std::size_t>(s)][static_cast<std::size_t>(place)]
-                                [static_cast<std::size_t>(to)];
+  std::array<std::size_t, 2> step(int s, const std::array<std::size_t, 2>& before) const {
+    const int next = static_cast<int>(before[0]) + shift_of(s - 1, before[1]);
+    const auto place = static_cast<std::size_t>(next >= 0 && next < kPlaces ? next : 0);
+    std::array<std::size_t, 2> best{place, kNominalRatio};
+    float least = kFarCost;
+    for (std::size_t to = 0; to < kWidthCount; ++to) {
+      const float cost = change_penalties(s)[before[1]][to] + costs_of(s).best()[to][place] +
+                         remain_[static_cast<std::size_t>(s)][to][place];
       if (cost >= least) continue;
       least = cost;
       best[1] = to;
@@ -455,28 +422,36 @@ class Chain {
     return best;
   }
 
-  void add_digit(int s, const Front& entry, const std::array<int, 2>& on_path,
+  ElasticAlignment alignment_of(const std::vector<std::array<std::size_t, 2>>& path) const {
+    ElasticAlignment result;
+    for (std::size_t s = 0; s < path.size(); ++s) {
+      result.boundaries[s] = (nominal_begin(static_cast<int>(s)) - kSlack) +
+                             static_cast<double>(path[s][0]) / kPerModule;
+    }
+    const int last = length_of(kSegments - 1, static_cast<int>(path.back()[1]));
+    result.boundaries[kSegments] =
+        result.boundaries[kSegments - 1] + static_cast<double>(last) / kPerModule;
+    result.cost_per_module = cost_per_module();
+    return result;
+  }
+
+  void add_digit(int s, const PlaceRows& entry, const std::array<std::size_t, 2>& on_path,
                  ElasticReading& result) const {
-    const auto total =
-        static_cast<float>(result.alignment.cost_per_module * (kModuleCount + 2 * kQuiet));
+    const auto total = static_cast<float>(result.alignment.cost_per_module * kWeighedModules);
     const auto position = static_cast<std::size_t>(position_of(s));
-    const SegmentCosts& costs = costs_[static_cast<std::size_t>(s)];
+    const SegmentCosts& costs = costs_of(s);
     std::array<float, kTemplates> least;
-    least.fill(kFar);
-    for (int place = 0; place < kPlaces; ++place) {
-      for (int r = 0; r < kRatios; ++r) {
-        const float base = around(s, entry, place, r);
-        if (base >= kFar) continue;
-        for (int p = 0; p < costs.patterns(); ++p) {
-          auto& cell = least[static_cast<std::size_t>(p)];
-          cell = std::min(cell, base + costs.cost(place, r, p));
-        }
+    least.fill(kFarCost);
+    for (std::size_t r = 0; r < kWidthCount; ++r) {
+      const PlaceRow base = around(s, entry, r);
+      for (std::size_t p = 0; p < costs.patterns(); ++p) {
+        least[p] = std::min(least[p], least_sum(base, costs.row(p, r)));
       }
     }
-    int best = 0;
-    for (int p = 1; p < 10; ++p) {
-      if (costs.cost(on_path[0], on_path[1], p) < costs.cost(on_path[0], on_path[1], best))
-        best = p;
+    const auto on_place = [&](std::size_t p) { return costs.row(p, on_path[1])[on_path[0]]; };
+    std::size_t best = 0;
+    for (std::size_t p = 1; p < 10; ++p) {
+      if (on_place(p) < on_place(best)) best = p;
     }
     result.digits[position] = static_cast<std::uint8_t>(best);
     for (std::size_t p = 0; p < 10; ++p) {
@@ -489,8 +464,10 @@ class Chain {
   }
 
   std::span<const float> darkness_;
-  std::vector<SegmentCosts> costs_;
-  std::vector<Front> remain_;
+  std::vector<SegmentCosts> costs_;  // the last segment first
+  std::vector<PlaceRows> remain_;    // by segment: least cost of all after it, by its own begin
+  PlaceRows begins_;
+  float least_ = kFarCost;
 };
 
 // Greatest (or, with negated samples, least) value within `window` samples to both sides.
@@ -498,71 +475,79 @@ std::vector<float> running_maximum(const std::vector<float>& samples, std::size_
   // Blocks of 2 window + 1: running maxima from both ends of each (van Herk 1992, Gil and Werman
   // 1993).
   const std::size_t block = 2 * window + 1;
-  const std::size_t padded = samples.size() + 2 * window;
-  const auto at = [&](std::size_t i) {
-    return samples[std::clamp<std::size_t>(i, window, window + samples.size() - 1) - window];
-  };
-  std::vector<float> ahead(padded), behind(padded);
-  for (std::size_t i = 0; i < padded; ++i) {
-    ahead[i] = i % block == 0 ? at(i) : std::max(ahead[i - 1], at(i));
-  }
-  for (std::size_t i = padded; i-- > 0;) {
-    behind[i] = i + 1 == padded || (i + 1) % block == 0 ? at(i) : std::max(behind[i + 1], at(i));
+  std::vector<float> padded(samples.size() + 2 * window, samples.back());
+  std::fill_n(padded.begin(), window, samples.front());
+  std::ranges::copy(samples, padded.begin() + static_cast<std::ptrdiff_t>(window));
+  std::vector<float> ahead(padded);
+  for (std::size_t begin = 0; begin < padded.size(); begin += block) {
+    const std::size_t end = std::min(padded.size(), begin + block);
+    float most = padded[begin];
+    for (std::size_t i = begin; i < end; ++i) ahead[i] = most = std::max(most, padded[i]);
+    most = padded[end - 1];
+    for (std::size_t i = end; i-- > begin;) padded[i] = most = std::max(most, padded[i]);
   }
   std::vector<float> result(samples.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = std::max(behind[i], ahead[i + 2 * window]);
+    result[i] = std::max(padded[i], ahead[i + 2 * window]);
   }
   return result;
 }
 
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
-  std::vector<double> integral(samples.size() + 1, 0.0);
-  for (std::size_t i = 0; i < samples.size(); ++i) integral[i + 1] = integral[i] + samples[i];
-  std::vector<float> result(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const std::size_t from = i > window ? i - window : 0;
-    const std::size_t to = std::min(samples.size(), i + window + 1);
-    result[i] =
-        static_cast<float>((integral[to] - integral[from]) / static_cast<double>(to - from));
+  const std::size_t size = samples.size();
+  std::vector<float> result(size);
+  double sum = 0;
+  std::size_t from = 0, to = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t end = std::min(size, i + window + 1);
+    while (to < end) sum += static_cast<double>(samples[to++]);
+    if (i > window) sum -= static_cast<double>(samples[from++]);
+    result[i] = static_cast<float>(sum / static_cast<double>(to - from));
   }
   return result;
 }
 
 // Mean darkness of the module that begins at each sample; of its middle three samples, because its
 // edges are blurred.
-std::vector<float> module_darkness(const std::vector<float>& darkness) {
+std::vector<float> module_darkness(std::vector<float> darkness) {
+  for (float& sample : darkness) sample = std::min(std::max(sample, 0.0F), 1.0F);
   std::vector<float> modules(darkness.size(), 0.0F);
-  const auto clamped = [&](std::size_t i) { return std::clamp(darkness[i], 0.0F, 1.0F); };
   for (std::size_t i = 0; i + kPerModule <= darkness.size(); ++i) {
-    modules[i] = (clamped(i + 1) + clamped(i + 2) + clamped(i + 3)) / 3;
+    modules[i] = (darkness[i + 1] + darkness[i + 2] + darkness[i + 3]) / 3;
   }
   return modules;
 }
 
 // How badly a pattern of modules (1 bar, 0 space) that begins at each sample suits: 1 less its
 // correlation with the darkness, which blur lowers little. Even grey correlates with nothing.
-std::vector<float> pattern_costs(const std::vector<float>& modules, std::span<const int> pattern) {
+template <std::size_t kLength>
+std::vector<float> pattern_costs(const std::vector<float>& modules,
+                                 const std::array<int, kLength>& pattern) {
   constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
-  const auto count = static_cast<float>(pattern.size());
-  const std::size_t length = pattern.size() * kPerModule;
+  constexpr auto kCount = static_cast<float>(kLength);
   float mean = 0;
-  for (const int bar : pattern) mean += static_cast<float>(bar) / count;
+  for (const int bar : pattern) mean += static_cast<float>(bar) / kCount;
   const float deviation = std::sqrt(mean * (1 - mean));
-  std::vector<float> costs(modules.size(), kFar);
-  for (std::size_t i = 0; i + length <= modules.size(); ++i) {
-    float sum = 0;
-    float squares = 0;
-    float product = 0;
-    for (std::size_t m = 0; m < pattern.size(); ++m) {
+  std::array<float, kLength> weights{};
+  for (std::size_t m = 0; m < kLength; ++m) weights[m] = static_cast<float>(pattern[m]) - mean;
+  std::vector<float> costs(modules.size(), kFarCost);
+  if (modules.size() < kLength * kPerModule) return costs;
+  const std::size_t end = modules.size() - kLength * kPerModule + 1;
+  std::vector<float> products(end), variances(end);
+  for (std::size_t i = 0; i < end; ++i) {
+    float sum = 0, squares = 0, product = 0;
+    for (std::size_t m = 0; m < kLength; ++m) {
       const float dark = modules[i + m * kPerModule];
       sum += dark;
       squares += dark * dark;
-      product += dark * (static_cast<float>(pattern[m]) - mean);
+      product += dark * weights[m];
     }
-    const float variance = squares / count - sum * sum / (count * count);
-    const float seen = std::max(kLeastDeviation, std::sqrt(std::max(0.0F, variance)));
-    costs[i] = 1 - product / count / (seen * deviation);
+    products[i] = product;
+    variances[i] = std::max(0.0F, squares / kCount - sum * sum / (kCount * kCount));
+  }
+  for (std::size_t i = 0; i < end; ++i) {
+    const float seen = std::max(kLeastDeviation, std::sqrt(variances[i]));
+    costs[i] = 1 - products[i] / kCount / (seen * deviation);
   }
   return costs;
 }
@@ -584,35 +569,35 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
 }
 
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
-std::vector<SymbolPlace> places_at_width(const ScanLine& line, double module) {
+std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
+                                         double module) {
   const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
   const int count = length + 2 * kMargin * kPerModule;
-  const std::vector<float> samples = resampled(line, 0, module, count);
+  const std::vector<float> samples = resampled(integral, 0, module, count);
   const std::vector<float> modules = module_darkness(local_darkness(samples, 9 * kPerModule));
   const std::vector<float> start = pattern_costs(modules, kStartPattern);
   const std::vector<float> centre = pattern_costs(modules, kCentrePattern);
   const std::vector<float> end = pattern_costs(modules, kEndPattern);
-  const auto least_near = [&](const std::vector<float>& costs, int middle, int slack) {
-    std::array<float, 2> best{kFar, 0};
-    for (int i = middle - slack; i <= middle + slack; ++i) {
-      if (i < 0 || i >= static_cast<int>(costs.size())) continue;
-      if (costs[static_cast<std::size_t>(i)] < best[0])
-        best = {costs[static_cast<std::size_t>(i)], static_cast<float>(i)};
-    }
-    return best;
+  // Where a pattern suits best within kSlackModules of a place.
+  constexpr int kSlackModules = 3;
+  const auto best_near = [&](const std::vector<float>& costs, int middle) {
+    const int behind = std::min(count, middle + kSlackModules * kPerModule + 1);
+    return std::min_element(costs.begin() + middle - kSlackModules * kPerModule,
+                            costs.begin() + behind);
   };
   std::vector<SymbolPlace> places;
-  for (int i = 0; i < count - (kModuleCount - 4) * kPerModule; ++i) {
+  for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
     const float at_start = start[static_cast<std::size_t>(i)];
     if (at_start > kWorstPlace / 2) continue;
     const int first_bar = i + 4 * kPerModule;
-    const auto at_centre = least_near(centre, first_bar + 44 * kPerModule, 3 * kPerModule);
-    if (at_start + at_centre[0] > kWorstPlace) continue;
-    const auto at_end = least_near(end, first_bar + 91 * kPerModule, 3 * kPerModule);
-    const float cost = at_start + at_centre[0] + at_end[0];
+    const auto at_centre = best_near(centre, first_bar + 44 * kPerModule);
+    if (at_start + *at_centre > kWorstPlace) continue;
+    const auto at_end = best_near(end, first_bar + 91 * kPerModule);
+    const float cost = at_start + *at_centre + *at_end;
     if (cost > kWorstPlace) continue;
     const double begin = first_bar - kMargin * kPerModule;
-    const double width = (static_cast<double>(at_end[1]) - first_bar) / 91 * module / kPerModule;
+    const auto bars = static_cast<double>(at_end - end.begin()) - first_bar;
+    const double width = bars / 91 * module / kPerModule;
     const SymbolPlace place{begin * module / kPerModule, width, cost};
     if (has_room(line, place)) places.push_back(place);
   }
@@ -656,8 +641,9 @@ std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, 
   constexpr double kStep = 1.045;
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
+  const LineIntegral integral(line);
   for (double module = least; module <= greatest; module *= kStep) {
-    std::ranges::move(places_at_width(line, module), std::back_inserter(all));
+    std::ranges::move(places_at_width(line, integral, module), std::back_inserter(all));
   }
   std::ranges::sort(all, {}, &SymbolPlace::cost);
   std::vector<SymbolPlace> best;
@@ -677,20 +663,15 @@ std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, 
 
 namespace {
 
-// A line resampled about a place, as darkness, the symbol running along it.
-struct PlacedLine {
-  std::vector<float> darkness;
-  double begin = 0;  // of the place, samples of the line in its own or the turned direction
-  double module = 0;
-  double turned_size = 0;  // samples of the line when it was turned, else 0
-
-  void to_line(ElasticAlignment& alignment) const {
-    for (double& boundary : alignment.boundaries) {
-      boundary = begin + boundary * module;
-      if (turned_size > 0) boundary = turned_size - boundary;
-    }
+// Where the symbol's boundaries lie on the line itself.
+void to_line(const PlacedLine& placed, ElasticAlignment& alignment) {
+  for (double& boundary : alignment.boundaries) {
+    boundary = placed.begin + boundary * placed.module;
+    if (placed.turned_size > 0) boundary = placed.turned_size - boundary;
   }
-};
+}
+
+}  // namespace
 
 std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place) {
   const auto size = static_cast<double>(line.size());
@@ -701,37 +682,41 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
   if (place.module < 0) {
     const ScanLine turned(line.rbegin(), line.rend());
     placed = {{}, size - place.begin, -place.module, size};
-    placed.darkness = resampled(turned, placed.begin, placed.module, kLineSamples);
+    placed.darkness = resampled(LineIntegral(turned), placed.begin, placed.module, kLineSamples);
   } else {
-    placed.darkness = resampled(line, placed.begin, placed.module, kLineSamples);
+    placed.darkness = resampled(LineIntegral(line), placed.begin, placed.module, kLineSamples);
   }
   placed.darkness = local_darkness(placed.darkness, 9 * kPerModule);
   return placed;
 }
 
-}  // namespace
+double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst) {
+  return Chain(line.darkness, templates, nullptr, Chain::Keep::best, worst).cost_per_module();
+}
 
-double elastic_cost(const ScanLine& line, const SymbolPlace& place, const BarTemplates& templates) {
-  const auto placed = placed_line(line, place);
-  if (!placed) return kFar;
-  return Chain(placed->darkness, templates, nullptr, false).cost_per_module();
+std::optional<ElasticReading> read_elastic(const PlacedLine& line, const BarTemplates& templates,
+                                           double worst) {
+  Chain chain(line.darkness, templates, nullptr, Chain::Keep::patterns, worst);
+  if (chain.is_given_up()) return std::nullopt;
+  ElasticReading reading = chain.reading(templates);
+  to_line(line, reading.alignment);
+  return reading;
 }
 
 std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
-                                           const BarTemplates& templates) {
+                                           const BarTemplates& templates, double worst) {
   const auto placed = placed_line(line, place);
-  if (!placed) return std::nullopt;
-  ElasticReading reading = Chain(placed->darkness, templates, nullptr, true).reading();
-  placed->to_line(reading.alignment);
-  return reading;
+  return placed ? read_elastic(*placed, templates, worst) : std::nullopt;
 }
 
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
                                               const BarTemplates& templates, const Digits& digits) {
   const auto placed = placed_line(line, place);
   if (!placed) return std::nullopt;
-  ElasticAlignment alignment = Chain(placed->darkness, templates, &digits, false).alignment();
-  placed->to_line(alignment);
+  const Chain chain(placed->darkness, templates, &digits, Chain::Keep::best, kAnyCost);
+  if (chain.is_given_up()) return std::nullopt;
+  ElasticAlignment alignment = chain.alignment();
+  to_line(*placed, alignment);
   return alignment;
 }
 

@@ -73,14 +73,31 @@ struct ElasticReading {
   std::array<double, 6> even_parity_cost{};
 };
 
-// Reads the symbol near `place`: its boundaries may lie 5 modules from where the place's even
-// modules put them, its local module width may vary by a ninth. Nothing when the place leaves no
-// room on the line.
-std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
-                                           const BarTemplates& templates);
+// A line resampled about a place, as darkness (0 space, 1 bar), the symbol running along it.
+struct PlacedLine {
+  std::vector<float> darkness;
+  double begin = 0;  // of the place, samples of the line in its own or the turned direction
+  double module = 0;
+  double turned_size = 0;  // samples of the line when it was turned, else 0
+};
 
-// The cost per module of that reading alone, in a third of the time; very large without room.
-double elastic_cost(const ScanLine& line, const SymbolPlace& place, const BarTemplates& templates);
+// Nothing when the place leaves no room on the line.
+std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place);
+
+// Costs per module above this are of no interest to anybody.
+inline constexpr double kAnyCost = 1e6;
+
+// Reads the symbol near the line's place: its boundaries may lie 5 modules from where the place's
+// even modules put them, its local module width may vary by a ninth. Nothing when the place leaves
+// no room on the line, or, found out early, when the reading costs more than `worst` per module.
+std::optional<ElasticReading> read_elastic(const PlacedLine& line, const BarTemplates& templates,
+                                           double worst = kAnyCost);
+std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPlace& place,
+                                           const BarTemplates& templates, double worst = kAnyCost);
+
+// The cost per module of that reading alone, in a third of the time; very large when it is more
+// than `worst`.
+double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst = kAnyCost);
 
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,

@@ -51,9 +51,4 @@ std::string survey_keywords(const Survey& survey, const std::string& revision) {
   return "survey " + with_revision(survey.name, revision);
 }
 
-Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style) {
-  const TagDrawing drawing = draw_tag(survey.tag_template, tag.digits, tag_text(survey, tag));
-  return lay_out_page(tag.name, drawing, page_notes(survey, tag), style);
-}
-
 }  // namespace tagsmith

@@ -23,7 +23,4 @@ PageNotes page_notes(const Survey& survey, const PlacedTag& tag, const std::stri
 // Survey and revision, for the metadata of files.
 std::string survey_keywords(const Survey& survey, const std::string& revision);
 
-// The page of one tag of the survey.
-Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style = {});
-
 }  // namespace tagsmith

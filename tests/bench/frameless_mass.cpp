@@ -5,7 +5,6 @@
 // bench_frameless_mass [SYMBOLS] [SEED]
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -14,10 +13,10 @@
 #include <random>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include "decoder/reader/frameless.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -204,14 +203,7 @@ int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 2000;
   const std::uint64_t first_seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   Trials trials;
-  std::atomic<int> next = 0;
-  std::vector<std::jthread> threads;
-  for (unsigned t = 0; t < std::max(1U, std::thread::hardware_concurrency()); ++t) {
-    threads.emplace_back([&] {
-      for (int i = next++; i < count; i = next++)
-        trials.run(first_seed + static_cast<std::uint64_t>(i));
-    });
-  }
-  threads.clear();
+  tbb::parallel_for(0, count,
+                    [&](int i) { trials.run(first_seed + static_cast<std::uint64_t>(i)); });
   trials.print();
 }

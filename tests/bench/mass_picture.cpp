@@ -200,6 +200,7 @@ struct Glare {
 
 // What is seen through the homography, in modules from the frame's upper left inner corner.
 struct Scene {
+  bool odd_margins = false;
   std::vector<double> edges;  // of the bars, ascending, even ones begin a bar
   double stroke_growth = 0;   // modules
   double white = 0, ink = 0, background = 0;
@@ -209,55 +210,97 @@ struct Scene {
   std::optional<Glare> glare;
 };
 
-double step(double distance, double sigma) {
-  return static_cast<double>(NormalTable::get()(static_cast<float>(distance / sigma)).integral);
-}
+// Where a ray meets the plate, modules, and one over the point spread's standard deviations there.
+struct Sight {
+  float u = 0, v = 0;
+  float sharp_u = 0, sharp_v = 0;
+};
 
-double between(double at, double low, double high, double sigma) {
-  return step(at - low, sigma) - step(at - high, sigma);
-}
+// The light that a scene sends along a ray. One for each row of a picture, from left to right: the
+// edge of the last bar in reach is where the next ray's search begins.
+class Light {
+ public:
+  explicit Light(const Scene& scene) : scene_(scene), growth_(float_of(scene.stroke_growth) / 2) {
+    edges_.reserve(scene.edges.size());
+    for (const double edge : scene.edges) edges_.push_back(float_of(edge));
+  }
 
-double bars_at(const Scene& scene, double u, double sigma) {
-  const double reach = 5 * sigma;
-  auto edge = std::ranges::lower_bound(scene.edges, u - reach);
-  auto i = static_cast<std::size_t>(edge - scene.edges.begin());
-  double share = i % 2 == 0 ? 0 : 1;
-  for (; i < scene.edges.size() && scene.edges[i] < u + reach; ++i) {
-    share += (i % 2 == 0 ? 1 : -1) * step(u - scene.edges[i], sigma);
+  float along(const Sight& sight) {
+    const float sharp = 2 / (1 / sight.sharp_u + 1 / sight.sharp_v);
+    const float plate = inside(sight, kPlateMargin, kPlateMarginAcross);
+    float light = float_of(scene_.background);
+    if (plate > 0) light += plate * (on_plate(sight, sharp) - light);
+    for (const Strip& strip : scene_.strips) {
+      const float off =
+          std::abs(float_of(strip.a) * sight.u + float_of(strip.b) * sight.v + float_of(strip.c));
+      const float share = step((float_of(strip.half_width) - off) * sharp);
+      light += share * (float_of(strip.light) - light);
+    }
+    return light;
   }
-  return share;
-}
 
-double light_at(const Scene& scene, double u, double v, double su, double sv) {
-  const double g = scene.stroke_growth / 2;
-  const double inner = between(u, g, kFrameWidth - g, su) * between(v, g, kFrameHeight - g, sv);
-  const double outer = between(u, -kStroke - g, kFrameWidth + kStroke + g, su) *
-                       between(v, -kStroke - g, kFrameHeight + kStroke + g, sv);
-  const double bars =
-      bars_at(scene, u, su) * between(v, kBarsMargin - g, kFrameHeight - kBarsMargin + g, sv);
-  const double ink = outer - inner + bars;
-  const double plate = between(u, -kPlateMargin, kFrameWidth + kPlateMargin, su) *
-                       between(v, -kPlateMarginAcross, kFrameHeight + kPlateMarginAcross, sv);
-  const double lamp =
-      1 + scene.shade_u * (u / kFrameWidth - 0.5) + scene.shade_v * (v / kFrameHeight - 0.5);
-  double light = (scene.white + ink * (scene.ink - scene.white)) * lamp;
-  const double sigma = 0.5 * (su + sv);
-  for (const Blotch& blotch : scene.dirt) {
-    const double share = step(blotch.radius - std::hypot(u - blotch.u, v - blotch.v), sigma + 0.2);
-    light += share * (blotch.light * lamp - light);
+ private:
+  static float float_of(double value) { return static_cast<float>(value); }
+
+  // An edge, `z` standard deviations of the point spread away.
+  float step(float z) const { return normal_(z).integral; }
+
+  float between(float at, float low, float high, float sharp) const {
+    return step((at - low) * sharp) - step((at - high) * sharp);
   }
-  if (scene.glare) {
-    const double du = (u - scene.glare->u) / scene.glare->radius;
-    const double dv = (v - scene.glare->v) / scene.glare->radius;
-    light += scene.glare->strength * std::exp(-0.5 * (du * du + dv * dv));
+
+  // The share of a rectangle that is so much larger on each side than the frame's inner edge.
+  float inside(const Sight& sight, double beyond, double beyond_across) const {
+    const float out = float_of(beyond), out_across = float_of(beyond_across);
+    const float across =
+        between(sight.v, -out_across, float_of(kFrameHeight) + out_across, sight.sharp_v);
+    if (across == 0) return 0;
+    return across * between(sight.u, -out, float_of(kFrameWidth) + out, sight.sharp_u);
   }
-  light = scene.background + plate * (light - scene.background);
-  for (const Strip& strip : scene.strips) {
-    const double off = std::abs(strip.a * u + strip.b * v + strip.c);
-    light += step(strip.half_width - off, sigma) * (strip.light - light);
+
+  float bars_at(const Sight& sight) {
+    constexpr float kReach = 6;
+    const float begin = sight.u - kReach / sight.sharp_u, end = sight.u + kReach / sight.sharp_u;
+    while (first_ > 0 && edges_[first_ - 1] >= begin) --first_;
+    while (first_ < edges_.size() && edges_[first_] < begin) ++first_;
+    float share = first_ % 2 == 0 ? 0 : 1;
+    for (std::size_t i = first_; i < edges_.size() && edges_[i] < end; ++i) {
+      share += (i % 2 == 0 ? 1.0F : -1.0F) * step((sight.u - edges_[i]) * sight.sharp_u);
+    }
+    return share;
   }
-  return light;
-}
+
+  float on_plate(const Sight& sight, float sharp) {
+    const double g = static_cast<double>(growth_);
+    const float outer = inside(sight, kStroke + g, kStroke + g);
+    float ink = 0;
+    if (outer > 0) {
+      ink = outer - inside(sight, -g, -g);
+      const float high = inside(sight, kStroke, g - kBarsMargin);
+      if (high > 0) ink += high * bars_at(sight);
+    }
+    const float lamp = 1 + float_of(scene_.shade_u) * (sight.u / float_of(kFrameWidth) - 0.5F) +
+                       float_of(scene_.shade_v) * (sight.v / float_of(kFrameHeight) - 0.5F);
+    float light = (float_of(scene_.white) + ink * float_of(scene_.ink - scene_.white)) * lamp;
+    for (const Blotch& blotch : scene_.dirt) {
+      const float du = sight.u - float_of(blotch.u), dv = sight.v - float_of(blotch.v);
+      const float off = float_of(blotch.radius) - std::sqrt(du * du + dv * dv);
+      light += step(off / (1 / sharp + 0.2F)) * (float_of(blotch.light) * lamp - light);
+    }
+    if (scene_.glare) {
+      const float du = (sight.u - float_of(scene_.glare->u)) / float_of(scene_.glare->radius);
+      const float dv = (sight.v - float_of(scene_.glare->v)) / float_of(scene_.glare->radius);
+      light += float_of(scene_.glare->strength) * std::exp(-0.5F * (du * du + dv * dv));
+    }
+    return light;
+  }
+
+  const Scene& scene_;
+  const NormalTable& normal_ = NormalTable::get();
+  std::vector<float> edges_;
+  float growth_;           // of the frame's stroke, at each side
+  std::size_t first_ = 0;  // edge in reach of the last ray
+};
 
 void dirty(Scene& scene, Random& random) {
   if (chance(random, 0.3)) {
@@ -291,12 +334,14 @@ Scene make_scene(const Picture& picture, Random& random) {
   for (const double width : widths) total += width;
   double quiet = 9;
   if (chance(random, 0.12)) quiet = uniform(random, 4, 16);
+  scene.odd_margins = quiet != 9;
   double module = 1;
   // Other symbols fill the place of ours, or hold our module.
   const bool ours = picture.kind <= Kind::cut;
   if (!ours && total > 0 && chance(random, 0.7)) module = kModuleCount / total;
   module *= (kFrameWidth - 2 * quiet) / kModuleCount;
   double u = quiet + (chance(random, 0.1) ? uniform(random, -1.5, 1.5) : 0);
+  scene.odd_margins = scene.odd_margins || u != quiet;
   if (!ours && chance(random, 0.3)) u = (kFrameWidth - total * module) / 2;
   if (picture.kind == Kind::cut && chance(random, 0.5)) u = kFrameWidth - 9 - total * module;
   for (std::size_t i = 0; i < widths.size(); ++i) {
@@ -390,36 +435,57 @@ struct Sensor {
   PixelPoint motion;
 };
 
+// Rays from pixels to the plate.
+class Rays {
+ public:
+  Rays(const Placing& placing, double sigma) : sharp_(1 / static_cast<float>(sigma)) {
+    const Homography unit_from_image = inverse(homography_to(placing.corners));
+    for (std::size_t i = 0; i < h_.size(); ++i) {
+      const double scale = i < 3 ? kFrameWidth : i < 6 ? kFrameHeight : 1;
+      h_[i] = static_cast<float>(scale * unit_from_image.h[i]);
+    }
+  }
+
+  Sight through(float x, float y) const {
+    const float c = 1 / (h_[6] * x + h_[7] * y + h_[8]);
+    const float u = (h_[0] * x + h_[1] * y + h_[2]) * c;
+    const float v = (h_[3] * x + h_[4] * y + h_[5]) * c;
+    const float c_sharp = sharp_ / std::abs(c);
+    return {u, v, c_sharp / length(h_[0] - u * h_[6], h_[1] - u * h_[7]),
+            c_sharp / length(h_[3] - v * h_[6], h_[4] - v * h_[7])};
+  }
+
+ private:
+  static float length(float a, float b) { return std::sqrt(a * a + b * b); }
+
+  std::array<float, 9> h_{};  // to modules
+  float sharp_;               // one over the point spread's standard deviation, 1 / pixels
+};
+
 GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
                  Random& random) {
-  const Homography unit_from_image = inverse(homography_to(placing.corners));
-  const auto& h = unit_from_image.h;
+  const Rays rays(placing, std::sqrt(blur_px * blur_px + 1.0 / 12));
   const ToneCurve& tone = ToneCurve::srgb();
   const std::vector<float>& deviates = normal_deviates();
-  const double sigma = std::sqrt(blur_px * blur_px + 1.0 / 12);
   const int steps = std::max(1, static_cast<int>(std::ceil(length(sensor.motion) / 1.2)));
+  const auto motion_x = static_cast<float>(sensor.motion.x) / static_cast<float>(steps);
+  const auto motion_y = static_cast<float>(sensor.motion.y) / static_cast<float>(steps);
+  Light light(scene);
   GrayImage image{placing.width, placing.height, {}};
   image.samples.reserve(static_cast<std::size_t>(image.width) *
                         static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      double light = 0;
+      float sum = 0;
       for (int k = 0; k < steps; ++k) {
-        const double t = (k + 0.5) / steps - 0.5;
-        const double px = x + t * sensor.motion.x;
-        const double py = y + t * sensor.motion.y;
-        const double c = 1 / (h[6] * px + h[7] * py + h[8]);
-        const double u = (h[0] * px + h[1] * py + h[2]) * c;
-        const double v = (h[3] * px + h[4] * py + h[5]) * c;
-        const double su = std::hypot(h[0] - u * h[6], h[1] - u * h[7]) * c * kFrameWidth;
-        const double sv = std::hypot(h[3] - v * h[6], h[4] - v * h[7]) * c * kFrameHeight;
-        light += light_at(scene, u * kFrameWidth, v * kFrameHeight, std::abs(su) * sigma,
-                          std::abs(sv) * sigma);
+        const float t = static_cast<float>(k) + 0.5F - 0.5F * static_cast<float>(steps);
+        sum += light.along(rays.through(static_cast<float>(x) + t * motion_x,
+                                        static_cast<float>(y) + t * motion_y));
       }
-      const double share = sensor.exposure * light / steps;
+      const double share = sensor.exposure * static_cast<double>(sum) / steps;
       double value = sensor.linear ? 255 * share : tone.sample_of(share);
       value += sensor.noise * static_cast<double>(deviates[random() & 0xffffU]);
-      image.samples.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)));
+      image.samples.push_back(static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0) + 0.5));
     }
   }
   return image;
@@ -484,8 +550,10 @@ Picture draw(std::uint64_t seed) {
   const Scene scene = make_scene(picture, random);
   const double tilt =
       radians(chance(random, 0.7) ? uniform(random, 0, 45) : uniform(random, 45, 72));
-  picture.image =
-      expose(scene, place(picture.module_px, tilt, random), sensor, picture.blur_px, random);
+  const Placing placing = place(picture.module_px, tilt, random);
+  picture.corners = placing.corners;
+  picture.odd_margins = scene.odd_margins;
+  picture.image = expose(scene, placing, sensor, picture.blur_px, random);
   picture.jpeg = chance(random, 0.15);
   if (picture.jpeg) compress(picture.image, integer(random, 60, 95));
   return picture;
@@ -623,6 +691,8 @@ Picture draw_troubled(Trouble trouble, std::uint64_t seed) {
     }
   }
   picture.noise = sensor.noise;
+  picture.corners = placing.corners;
+  picture.odd_margins = scene.odd_margins;
   picture.image = expose(scene, placing, sensor, picture.blur_px, random);
   picture.jpeg = chance(random, 0.5);
   if (picture.jpeg) compress(picture.image, integer(random, 80, 95));

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
@@ -34,7 +35,9 @@ const char* name_of(Kind kind);
 struct Picture {
   GrayImage image;
   Kind kind = Kind::tag;
-  Digits code{};  // the symbol's, or what it was before it was spoilt
+  Digits code{};             // the symbol's, or what it was before it was spoilt
+  Quad corners{};            // of the frame's inner edge, from P on
+  bool odd_margins = false;  // the bars do not stand where a template of ours has them
   double module_px = 0;
   double blur_px = 0;
   double noise = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads folders of photos that have a truth.json and tables what was read: recall by resolution,
-// wrong readings, corner errors. Usage: bench_photo_sets FOLDER...
+// wrong readings, corner errors. Usage: bench_photo_sets [-v] [-b] FOLDER...; -v lists every tag,
+// -b gives the folder's codes as the code book.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,10 +21,12 @@
 #include "tests/bench/other_readers.hpp"
 
 using namespace tagsmith;
+using nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
 
+// Tags of one level of degradation and one range of resolution.
 struct Cell {
   std::vector<int> others;  // read, as bench::other_readers()
   int tags = 0;
@@ -32,10 +35,175 @@ struct Cell {
   std::vector<double> chi_squares;  // of each tag's corners against their covariance, over 8
 };
 
+// What a folder of photos gave.
+struct Outcome {
+  std::map<std::string, Cell> cells;
+  int wrong = 0;
+  std::vector<double> times_ms;
+};
+
+struct Photo {
+  std::string file;
+  ReadResult result;
+  std::vector<std::set<std::string>> others;  // codes, as bench::other_readers()
+};
+
+struct CornerFit {
+  Eigen::Matrix<double, 8, 1> error;  // pixels
+  double sigma = 0;                   // stated, root mean square of a coordinate
+  double chi_square = 0;              // over 8
+};
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
+}
+
+std::string bin_of(double module_px) {
+  if (module_px >= 2) return "2.0+";
+  if (module_px >= 1.5) return "1.5-2.0";
+  if (module_px >= 1) return "1.0-1.5";
+  return module_px >= 0.8 ? "0.8-1.0" : "0.0-0.8";
+}
+
+ReadOptions options_for(const json& truth, bool with_book) {
+  ReadOptions options;
+  options.check = parse_check_digit(truth.at("check").get<std::string>());
+  if (!with_book) return options;
+  std::set<Digits> codes;
+  for (const auto& item : truth.at("images")) {
+    for (const auto& plate : item.at("plates")) {
+      const auto code = parse_digits(plate.value("code", std::string()));
+      if (code) codes.insert(*code);
+    }
+  }
+  options.code_book.assign(codes.begin(), codes.end());
+  return options;
+}
+
+CornerFit corner_fit(const Reading& reading, const json& plate) {
+  CornerFit fit;
+  Eigen::Index at = 0;
+  for (const char* name : {"P", "F", "R", "Q"}) {
+    const auto& truth = plate.at("corners_px").at(name);
+    const auto& corner = reading.corners[static_cast<std::size_t>(at / 2)];
+    fit.error[at++] = corner.x - truth[0].get<double>();
+    fit.error[at++] = corner.y - truth[1].get<double>();
+  }
+  const CornerCovariance& covariance = reading.corner_covariance;
+  fit.sigma = std::sqrt(covariance.trace() / 8);
+  fit.chi_square = fit.error.dot(covariance.ldlt().solve(fit.error)) / 8;
+  return fit;
+}
+
+void print_read(const Photo& photo, const json& plate, const Reading& reading,
+                const CornerFit& fit) {
+  std::string text;
+  for (Eigen::Index c = 0; c < 8; c += 2) {
+    text += fmt::format(" {:+.3f},{:+.3f}", fit.error[c], fit.error[c + 1]);
+  }
+  fmt::print("{} {} ppm {:.2f} inc {:.0f} conf {:.9f} err{} sigma {:.4f} chi2/8 {:.2f}\n",
+             photo.file, to_string(reading.digits), plate.at("px_per_module").get<double>(),
+             plate.at("incidence_deg").get<double>(), reading.confidence, text, fit.sigma,
+             fit.chi_square);
+}
+
+void print_missed(const Photo& photo, const json& plate) {
+  fmt::print("{} {} MISSED ppm {:.2f} inc {:.0f} visible {:.2f}:", photo.file,
+             plate.at("code").get<std::string>(), plate.at("px_per_module").get<double>(),
+             plate.at("incidence_deg").get<double>(), plate.at("fraction_visible").get<double>());
+  for (const Rejection& rejection : photo.result.rejected) {
+    fmt::print(" [{} {:.0f},{:.0f}]", rejection.reason, rejection.corners[0].x,
+               rejection.corners[0].y);
+  }
+  fmt::print("\n");
+}
+
+// One plate of ours that is wholly in the picture.
+void count_plate(const Photo& photo, const json& plate, bool verbose, Cell& cell) {
+  const std::string code = plate.at("code").get<std::string>();
+  ++cell.tags;
+  cell.others.resize(photo.others.size());
+  for (std::size_t r = 0; r < photo.others.size(); ++r) {
+    cell.others[r] += photo.others[r].contains(code) ? 1 : 0;
+  }
+  const auto reading = std::ranges::find(photo.result.tags, code,
+                                         [](const Reading& tag) { return to_string(tag.digits); });
+  if (reading == photo.result.tags.end()) {
+    if (verbose) print_missed(photo, plate);
+    return;
+  }
+  ++cell.read;
+  const CornerFit fit = corner_fit(*reading, plate);
+  for (const double error : fit.error) cell.errors.push_back(std::abs(error));
+  cell.chi_squares.push_back(fit.chi_square);
+  if (verbose) print_read(photo, plate, *reading, fit);
+}
+
+// Readings that are none of the picture's plates.
+int count_wrong(const Photo& photo, const json& plates) {
+  int wrong = 0;
+  for (const Reading& reading : photo.result.tags) {
+    const std::string code = to_string(reading.digits);
+    if (std::ranges::any_of(plates, [&](const json& plate) {
+          return plate.value("code", std::string()) == code;
+        })) {
+      continue;
+    }
+    ++wrong;
+    fmt::print("WRONG {} {} conf {:.9f} at {:.0f},{:.0f} ppm {:.2f}\n", photo.file, code,
+               reading.confidence, reading.corners[0].x, reading.corners[0].y, reading.module_px);
+  }
+  return wrong;
+}
+
+Photo read_photo(const std::string& file, const GrayView& image, const ReadOptions& options,
+                 std::vector<double>& times_ms) {
+  Photo photo;
+  photo.file = file;
+  const auto start = std::chrono::steady_clock::now();
+  photo.result = read_tags(image, options);
+  const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+  times_ms.push_back(time.count());
+  for (const bench::OtherReader& reader : bench::other_readers()) {
+    photo.others.push_back(reader.read(image));
+  }
+  return photo;
+}
+
+Result<Outcome> read_folder(const fs::path& folder, bool with_book, bool verbose) {
+  const auto truth = json::parse(std::ifstream(folder / "truth.json"));
+  const ReadOptions options = options_for(truth, with_book);
+  Outcome outcome;
+  for (const auto& item : truth.at("images")) {
+    const std::string file = item.at("file").get<std::string>();
+    const Result<GrayImage> image = load_gray_image(folder / file);
+    if (!image) return tl::unexpected(image.error());
+    const Photo photo = read_photo(file, image->view(), options, outcome.times_ms);
+    for (const auto& plate : item.at("plates")) {
+      if (plate.at("kind") != "upca" || !plate.at("frame_in_image").get<bool>()) continue;
+      const std::string level = item.value("level", std::string("all"));
+      const std::string bin = bin_of(plate.at("px_per_module").get<double>());
+      count_plate(photo, plate, verbose, outcome.cells[level + " " + bin]);
+    }
+    outcome.wrong += count_wrong(photo, item.at("plates"));
+  }
+  return outcome;
+}
+
+void print(const std::string& name, const Outcome& outcome) {
+  fmt::print("{}: {} images, {} wrong, median {:.2f} ms, max {:.2f} ms\n", name,
+             outcome.times_ms.size(), outcome.wrong, median(outcome.times_ms),
+             *std::ranges::max_element(outcome.times_ms));
+  for (const auto& [cell_name, cell] : outcome.cells) {
+    fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}",
+               cell_name, cell.read, cell.tags, median(cell.errors), median(cell.chi_squares));
+    for (std::size_t r = 0; r < cell.others.size(); ++r) {
+      fmt::print(", {} {}", bench::other_readers()[r].name, cell.others[r]);
+    }
+    fmt::print("\n");
+  }
 }
 
 }  // namespace
@@ -44,130 +212,18 @@ int main(int argc, char** argv) {
   bool verbose = false;
   bool with_book = false;
   for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "-v") {
+    const std::string argument = argv[i];
+    if (argument == "-v") {
       verbose = true;
-      continue;
-    }
-    if (std::string(argv[i]) == "-b") {
+    } else if (argument == "-b") {
       with_book = true;
-      continue;
-    }
-    const fs::path folder = argv[i];
-    const auto truth = nlohmann::json::parse(std::ifstream(folder / "truth.json"));
-    std::map<std::string, Cell> cells;
-    ReadOptions options;
-    options.check = parse_check_digit(truth.at("check").get<std::string>());
-    if (with_book) {
-      for (const auto& item : truth.at("images")) {
-        for (const auto& plate : item.at("plates")) {
-          if (!plate.contains("code")) continue;
-          const auto code = parse_digits(plate.at("code").get<std::string>());
-          if (code && std::find(options.code_book.begin(), options.code_book.end(), *code) ==
-                          options.code_book.end()) {
-            options.code_book.push_back(*code);
-          }
-        }
-      }
-    }
-    int wrong = 0;
-    std::vector<double> times;
-    std::vector<double> bias;
-    for (const auto& item : truth.at("images")) {
-      const std::string file = item.at("file").get<std::string>();
-      const Result<GrayImage> image = load_gray_image(folder / file);
-      if (!image) {
-        fmt::print("{}\n", image.error().message);
+    } else {
+      const Result<Outcome> outcome = read_folder(argument, with_book, verbose);
+      if (!outcome) {
+        fmt::print(stderr, "{}\n", outcome.error().message);
         return 2;
       }
-      const auto start = std::chrono::steady_clock::now();
-      const ReadResult result = read_tags(image->view(), options);
-      times.push_back(
-          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-              .count());
-      std::vector<std::set<std::string>> other_codes;
-      for (const bench::OtherReader& reader : bench::other_readers()) {
-        other_codes.push_back(reader.read(image->view()));
-      }
-      std::vector<bool> right(result.tags.size());
-      for (const auto& plate : item.at("plates")) {
-        if (plate.at("kind") != "upca" || !plate.at("frame_in_image").get<bool>()) continue;
-        const std::string code = plate.at("code").get<std::string>();
-        const double ppm = plate.at("px_per_module").get<double>();
-        const std::string level = item.value("level", std::string("all"));
-        const std::string bin = ppm >= 2     ? "2.0+"
-                                : ppm >= 1.5 ? "1.5-2.0"
-                                : ppm >= 1   ? "1.0-1.5"
-                                : ppm >= 0.8 ? "0.8-1.0"
-                                             : "0.0-0.8";
-        Cell& cell = cells[level + " " + bin];
-        ++cell.tags;
-        cell.others.resize(other_codes.size());
-        for (std::size_t r = 0; r < other_codes.size(); ++r) {
-          cell.others[r] += other_codes[r].contains(code) ? 1 : 0;
-        }
-        bool found = false;
-        for (std::size_t k = 0; k < result.tags.size(); ++k) {
-          const Reading& reading = result.tags[k];
-          if (to_string(reading.digits) != code) continue;
-          right[k] = true;
-          found = true;
-          ++cell.read;
-          const char* names[] = {"P", "F", "R", "Q"};
-          std::string text;
-          Eigen::Matrix<double, 8, 1> error;
-          for (std::size_t c = 0; c < 4; ++c) {
-            const auto& corner = plate.at("corners_px").at(names[c]);
-            const double ex = reading.corners[c].x - corner[0].get<double>();
-            const double ey = reading.corners[c].y - corner[1].get<double>();
-            error.segment<2>(static_cast<Eigen::Index>(2 * c)) << ex, ey;
-            cell.errors.push_back(std::abs(ex));
-            cell.errors.push_back(std::abs(ey));
-            text += fmt::format(" {:+.3f},{:+.3f}", ex, ey);
-          }
-          const CornerCovariance& covariance = reading.corner_covariance;
-          const double chi_square = error.dot(covariance.ldlt().solve(error));
-          cell.chi_squares.push_back(chi_square / 8);
-          if (verbose) {
-            fmt::print("{} {} ppm {:.2f} inc {:.0f} conf {:.9f} err{} sigma {:.4f} chi2/8 {:.2f}\n",
-                       file, code, ppm, plate.at("incidence_deg").get<double>(), reading.confidence,
-                       text, std::sqrt(covariance.trace() / 8), chi_square / 8);
-          }
-          break;
-        }
-        if (!found && verbose) {
-          fmt::print("{} {} MISSED ppm {:.2f} inc {:.0f} visible {:.2f}:", file, code, ppm,
-                     plate.at("incidence_deg").get<double>(),
-                     plate.at("fraction_visible").get<double>());
-          for (const Rejection& rejection : result.rejected) {
-            fmt::print(" [{} {:.0f},{:.0f}]", rejection.reason, rejection.corners[0].x,
-                       rejection.corners[0].y);
-          }
-          fmt::print("\n");
-        }
-      }
-      for (std::size_t k = 0; k < right.size(); ++k) {
-        bool known = right[k];
-        for (const auto& plate : item.at("plates")) {
-          known = known || plate.value("code", std::string()) == to_string(result.tags[k].digits);
-        }
-        if (known) continue;
-        ++wrong;
-        fmt::print("WRONG {} {} conf {:.9f} at {:.0f},{:.0f} ppm {:.2f}\n", file,
-                   to_string(result.tags[k].digits), result.tags[k].confidence,
-                   result.tags[k].corners[0].x, result.tags[k].corners[0].y,
-                   result.tags[k].module_px);
-      }
-    }
-    fmt::print("{}: {} images, {} wrong, median {:.2f} ms, max {:.2f} ms\n",
-               folder.filename().string(), times.size(), wrong, median(times),
-               *std::max_element(times.begin(), times.end()));
-    for (const auto& [name, cell] : cells) {
-      fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}",
-                 name, cell.read, cell.tags, median(cell.errors), median(cell.chi_squares));
-      for (std::size_t r = 0; r < cell.others.size(); ++r) {
-        fmt::print(", {} {}", bench::other_readers()[r].name, cell.others[r]);
-      }
-      fmt::print("\n");
+      print(fs::path(argument).filename().string(), *outcome);
     }
   }
   return 0;

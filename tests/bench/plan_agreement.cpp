@@ -3,16 +3,15 @@
 // envelope are rendered and read, and every plate in a picture is compared with its prediction.
 // Usage: bench_plan_agreement [POSES [SURVEY RIG]...]
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <mutex>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
@@ -189,17 +188,9 @@ int compare(const std::string& survey_file, const std::string& rig_file, int pos
   const SightModel sure(*survey, *rig, ReadShare::reliable);
   Comparison total;
   std::mutex mutex;
-  std::atomic<int> next = 0;
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
-      threads.emplace_back([&] {
-        for (int pose = next++; pose < poses; pose = next++) {
-          compare_pose(likely, sure, static_cast<std::uint64_t>(1000 + pose), total, mutex);
-        }
-      });
-    }
-  }
+  tbb::parallel_for(0, poses, [&](int pose) {
+    compare_pose(likely, sure, static_cast<std::uint64_t>(1000 + pose), total, mutex);
+  });
   fmt::print("| {} | {} | {} | {} | {:.2f} % | {} of {} | {:.2f} % | {} of {} |\n", survey->name,
              poses, total.plates, total.read, 100.0 * total.agree / std::max(1, total.plates),
              total.kept, total.promised, 100.0 * total.poses_agree / std::max(1, total.poses),

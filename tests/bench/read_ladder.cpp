@@ -4,26 +4,24 @@
 // Usage: bench_read_ladder [TAGS_PER_CELL]
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
-#include <mutex>
 #include <numbers>
 #include <random>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/other_readers.hpp"
+#include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
@@ -55,14 +53,6 @@ struct Outcome {
   std::array<double, 8> errors{};  // of corner coordinates, pixels
 };
 
-Digits random_code(std::mt19937_64& random) {
-  std::uniform_int_distribution<int> digit(0, 9);
-  Digits digits{};
-  for (auto& value : digits) value = static_cast<std::uint8_t>(digit(random));
-  digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
-  return digits;
-}
-
 Camera camera_for(double module_px) {
   Camera camera;
   const double size = std::max(200.0, 190.0 * module_px);
@@ -77,29 +67,21 @@ Camera camera_for(double module_px) {
 ScenePlate place(const Camera& camera, const Digits& code, const Conditions& conditions,
                  std::mt19937_64& random) {
   std::uniform_real_distribution<double> any(0, 1);
-  ScenePlate plate;
-  plate.drawing = draw_tag(test::corridor_template(), code);
-  plate.finish.bar_growth = conditions.growth;
-  plate.finish.white_reflectance = 0.435 + 0.385 * conditions.contrast;
-  plate.finish.ink_reflectance = 0.435 - 0.385 * conditions.contrast;
   const double tilt = conditions.incidence < 0 ? radians(40 * any(random)) : conditions.incidence;
   const double way = any(random) < 0.5 ? 1 : -1;
   const double roll = conditions.roll < 0 ? 2 * std::numbers::pi * any(random) : conditions.roll;
   const Eigen::Vector2d pixel(camera.cx + any(random), camera.cy + any(random));
-  double distance = camera.fx * plate.drawing.module / conditions.module_px * std::cos(tilt);
-  for (int i = 0; i < 4; ++i) {
-    plate.camera_from_plate =
-        camera_from_turned_plate(camera, plate.drawing, pixel, distance, way * tilt, 0, roll);
-    const auto truth = plate_truths(camera, std::span(&plate, 1));
-    if (truth.front().module_px <= 0) break;
-    distance *= truth.front().module_px / conditions.module_px;
-  }
+  ScenePlate plate = bench::plate_at(camera, draw_tag(test::corridor_template(), code),
+                                     {pixel, conditions.module_px, way * tilt, roll});
+  plate.finish.bar_growth = conditions.growth;
+  plate.finish.white_reflectance = 0.435 + 0.385 * conditions.contrast;
+  plate.finish.ink_reflectance = 0.435 - 0.385 * conditions.contrast;
   return plate;
 }
 
 Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const Digits code = random_code(random);
+  const Digits code = bench::random_code(random);
   const Camera camera = camera_for(conditions.module_px);
   const ScenePlate plate = place(camera, code, conditions, random);
   ViewOptions view;
@@ -112,12 +94,7 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   const View picture = render_view(camera, std::span(&plate, 1), view);
   ReadOptions options;
   options.check = CheckDigit::gs1;
-  if (conditions.book > 0) {
-    options.code_book.push_back(code);
-    while (options.code_book.size() < conditions.book) {
-      options.code_book.push_back(random_code(random));
-    }
-  }
+  if (conditions.book > 0) options.code_book = bench::book_with(code, conditions.book, random);
   Outcome outcome;
   const GrayView view_of_picture = picture.image.view();
   for (const bench::OtherReader& reader : bench::other_readers()) {
@@ -131,29 +108,15 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
       continue;
     }
     outcome.read = true;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d truth =
-          picture.plates.front().corners[i].value_or(Eigen::Vector2d::Zero());
-      outcome.errors[2 * i] = std::abs(reading.corners[i].x - truth.x());
-      outcome.errors[2 * i + 1] = std::abs(reading.corners[i].y - truth.y());
-    }
+    outcome.errors = bench::corner_errors(reading, picture.plates.front());
   }
   return outcome;
 }
 
 void run_cell(const std::string& name, const Conditions& conditions, int count) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < outcomes.size(); i = next++) {
-      outcomes[i] = run_one(conditions, 1000 + i);
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
-    threads.emplace_back(work);
-  }
-  threads.clear();
+  tbb::parallel_for(std::size_t{0}, outcomes.size(),
+                    [&](std::size_t i) { outcomes[i] = run_one(conditions, 1000 + i); });
   int read = 0, wrong = 0;
   std::vector<double> errors;
   for (const Outcome& outcome : outcomes) {
@@ -178,6 +141,83 @@ void run_cell(const std::string& name, const Conditions& conditions, int count) 
   std::fflush(stdout);
 }
 
+// Turned by up to 40 degrees, and in the picture's plane at will.
+Conditions typical() {
+  Conditions conditions;
+  conditions.incidence = -1;
+  return conditions;
+}
+
+void print_head(int count) {
+  fmt::print("| condition ({} tags each) | read | wrong | median corner error, px |", count);
+  for (const bench::OtherReader& reader : bench::other_readers()) {
+    fmt::print(" {}: read, wrong |", reader.name);
+  }
+  fmt::print("\n|---|---|---|---|");
+  for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
+  fmt::print("\n");
+}
+
+void run_resolutions(int count) {
+  for (const double module_px : {0.35, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 4.0}) {
+    Conditions conditions = typical();
+    conditions.module_px = module_px;
+    run_cell(fmt::format("{} px/module, incidence 0-40", module_px), conditions, count);
+    conditions.blur_px = 0.35;
+    conditions.noise = 2;
+    run_cell(fmt::format("{} px/module, clean", module_px), conditions, count);
+    if (module_px > 0.6) continue;
+    conditions = typical();
+    conditions.module_px = module_px;
+    conditions.book = 200;
+    run_cell(fmt::format("{} px/module, code book of 200", module_px), conditions, count);
+  }
+}
+
+void run_views(int count) {
+  for (const double incidence : {50.0, 60.0, 65.0, 70.0}) {
+    Conditions conditions;
+    conditions.module_px = 1.5;
+    conditions.incidence = radians(incidence);
+    run_cell(fmt::format("incidence {} at 1.5 px/module", incidence), conditions, count);
+  }
+  for (const double roll : {10.0, 30.0, 45.0, 70.0, 90.0}) {
+    Conditions conditions = typical();
+    conditions.roll = radians(roll);
+    run_cell(fmt::format("roll {} at 2 px/module", roll), conditions, count);
+  }
+}
+
+void run_spoilt(int count) {
+  for (const double noise : {10.0, 20.0, 30.0}) {
+    Conditions conditions = typical();
+    conditions.noise = noise;
+    run_cell(fmt::format("noise sigma {} at 2 px/module", noise), conditions, count);
+  }
+  for (const double growth : {-0.6, -0.4, -0.2, 0.2, 0.4, 0.6}) {
+    Conditions conditions = typical();
+    conditions.growth = growth;
+    run_cell(fmt::format("bar growth {} at 2 px/module", growth), conditions, count);
+  }
+  for (const double blur : {1.0, 1.5, 2.0}) {
+    Conditions conditions = typical();
+    conditions.blur_px = blur;
+    run_cell(fmt::format("blur sigma {} px at 2 px/module", blur), conditions, count);
+  }
+}
+
+void run_cameras(int count) {
+  Conditions linear = typical();
+  linear.tone = SensorTone::linear;
+  run_cell("linear camera at 2 px/module", linear, count);
+  Conditions pale = typical();
+  pale.contrast = 0.25;
+  run_cell("quarter contrast at 2 px/module", pale, count);
+  Conditions motion = typical();
+  motion.motion_px = 4;
+  run_cell("motion of 4 px at 2 px/module", motion, count);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -186,62 +226,10 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: bench_read_ladder [TAGS_PER_CELL]\n");
     return 2;
   }
-  fmt::print("| condition ({} tags each) | read | wrong | median corner error, px |", count);
-  for (const bench::OtherReader& reader : bench::other_readers()) {
-    fmt::print(" {}: read, wrong |", reader.name);
-  }
-  fmt::print("\n|---|---|---|---|");
-  for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
-  fmt::print("\n");
-  Conditions typical;
-  typical.incidence = -1;
-  for (const double module_px : {0.35, 0.4, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 4.0}) {
-    Conditions conditions = typical;
-    conditions.module_px = module_px;
-    run_cell(fmt::format("{} px/module, incidence 0-40", module_px), conditions, count);
-    conditions.blur_px = 0.35;
-    conditions.noise = 2;
-    run_cell(fmt::format("{} px/module, clean", module_px), conditions, count);
-    if (module_px > 0.6) continue;
-    conditions = typical;
-    conditions.module_px = module_px;
-    conditions.book = 200;
-    run_cell(fmt::format("{} px/module, code book of 200", module_px), conditions, count);
-  }
-  for (const double incidence : {50.0, 60.0, 65.0, 70.0}) {
-    Conditions conditions;
-    conditions.module_px = 1.5;
-    conditions.incidence = radians(incidence);
-    run_cell(fmt::format("incidence {} at 1.5 px/module", incidence), conditions, count);
-  }
-  for (const double roll : {10.0, 30.0, 45.0, 70.0, 90.0}) {
-    Conditions conditions = typical;
-    conditions.roll = radians(roll);
-    run_cell(fmt::format("roll {} at 2 px/module", roll), conditions, count);
-  }
-  for (const double noise : {10.0, 20.0, 30.0}) {
-    Conditions conditions = typical;
-    conditions.noise = noise;
-    run_cell(fmt::format("noise sigma {} at 2 px/module", noise), conditions, count);
-  }
-  for (const double growth : {-0.6, -0.4, -0.2, 0.2, 0.4, 0.6}) {
-    Conditions conditions = typical;
-    conditions.growth = growth;
-    run_cell(fmt::format("bar growth {} at 2 px/module", growth), conditions, count);
-  }
-  for (const double blur : {1.0, 1.5, 2.0}) {
-    Conditions conditions = typical;
-    conditions.blur_px = blur;
-    run_cell(fmt::format("blur sigma {} px at 2 px/module", blur), conditions, count);
-  }
-  Conditions linear = typical;
-  linear.tone = SensorTone::linear;
-  run_cell("linear camera at 2 px/module", linear, count);
-  Conditions pale = typical;
-  pale.contrast = 0.25;
-  run_cell("quarter contrast at 2 px/module", pale, count);
-  Conditions motion = typical;
-  motion.motion_px = 4;
-  run_cell("motion of 4 px at 2 px/module", motion, count);
+  print_head(count);
+  run_resolutions(count);
+  run_views(count);
+  run_spoilt(count);
+  run_cameras(count);
   return 0;
 }

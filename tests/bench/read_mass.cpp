@@ -1,18 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // Looks for wrong readings among feature frames with anything inside, degraded in every way at once
 // (mass_picture.hpp), half of them read with a code book of 400 codes; and compares the stated
-// confidence with what was right. Every picture depends on its number alone, so that a long run can
-// be made in parts. Usage: bench_read_mass [COUNT] [FIRST] [-v]
+// confidence with what was right. Every picture depends on its number alone.
+// Usage: bench_read_mass [COUNT] [FIRST] [FILE...]
+// Without a file, reads the pictures and tables them. With one, adds to it chunk by chunk what is
+// not in it yet, so that a long run can be broken off and gone on with, and tables all that the
+// files hold of these pictures. Only what this very program added counts: chunks of another
+// reader are left out, and said to be.
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <random>
+#include <set>
 #include <span>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -43,13 +55,15 @@ std::vector<Digits> code_book() {
   return book;
 }
 
+// The reading that matters of a picture: a wrong one before a right one.
 struct Outcome {
   mass::Kind kind = mass::Kind::tag;
   bool with_book = false;
+  bool is_read = false;   // at all, believed or not
+  bool accepted = false;  // by the thresholds of the reader
   bool right = false;
-  bool wrong = false;
-  double confidence = 0;
-  std::string story;
+  double doubt = 1;
+  std::string story;  // of a wrong reading
 };
 
 // What may be read in the picture: the tag's code, and that of a spoilt symbol which still looks
@@ -60,8 +74,11 @@ bool may_be_read(const mass::Picture& picture) {
 }
 
 // Half of the pictures are read with a book, which holds the code of two tags of three; the others
-// are strangers, whose codes must not be taken for one of the book.
+// are strangers, whose codes must not be taken for one of the book. What the reader refuses for its
+// doubt alone is read again without that test, so that doubts above the thresholds are compared
+// too.
 Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
+  constexpr double kLeastConfidence = 0.3;
   const mass::Picture picture = mass::draw(number);
   std::mt19937_64 random(number ^ 0x9e3779b97f4a7c15ULL);
   Outcome outcome;
@@ -69,7 +86,6 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
   outcome.with_book = random() % 2 == 0;
   ReadOptions options;
   if (random() % 2 == 0) options.check = CheckDigit::gs1;
-  options.min_confidence = 0.3;
   bool known = may_be_read(picture);
   if (outcome.with_book) {
     options.code_book = codes;
@@ -81,98 +97,80 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
       entry.back() = check_digit(CheckDigit::gs1, std::span(entry).first<11>());
     }
   }
-  for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
-    const bool right = known && reading.digits == picture.code;
-    outcome.right = outcome.right || right;
-    if (!right) outcome.wrong = true;
-    if (right || reading.confidence > outcome.confidence) outcome.confidence = reading.confidence;
-    if (right) continue;
-    outcome.confidence = reading.confidence;
+  ReadResult result = read_tags(picture.image.view(), options);
+  outcome.accepted = !result.tags.empty();
+  const auto doubted = [](const Rejection& rejection) {
+    return rejection.reason == kDoubtfulReason;
+  };
+  if (!outcome.accepted && std::ranges::any_of(result.rejected, doubted)) {
+    options.min_confidence = kLeastConfidence;
+    result = read_tags(picture.image.view(), options);
+  }
+  for (const Reading& reading : result.tags) {
+    outcome.is_read = true;
+    outcome.right = known && reading.digits == picture.code;
+    outcome.doubt = 1 - reading.confidence;
+    if (outcome.right) continue;
     outcome.story = fmt::format(
-        "{} {}{}: {} for {}, confidence 1 - {:.2g}, {:.2f} px/module, blur {:.2f}, noise {:.1f}, "
+        "{} {}{}: {} for {}, by {}, doubt {:.2g}, {:.2f} px/module, blur {:.2f}, noise {:.1f}, "
         "growth {:.2f}",
         number, mass::name_of(picture.kind), outcome.with_book ? " with a book" : "",
-        to_string(reading.digits), to_string(picture.code), 1 - reading.confidence,
+        to_string(reading.digits), to_string(picture.code), reading.method, outcome.doubt,
         picture.module_px, picture.blur_px, picture.noise, picture.growth);
     break;
   }
   return outcome;
 }
 
-struct Tally {
-  int shown = 0;
-  int right = 0;
-  int wrong = 0;
+constexpr int kDecades = 9;  // of doubt, the last one open
+
+struct KindTally {
+  long shown = 0;
+  long read = 0;  // and right
+  long wrong = 0;
 };
 
+struct DoubtTally {
+  long right = 0;
+  long wrong = 0;
+  double stated = 0;  // sum of doubts
+};
+
+// What came of some pictures; sums add up.
 struct Tables {
-  std::map<std::pair<int, bool>, Tally> kinds;
-  std::array<std::map<int, Tally>, 2> doubts;  // without and with a book; by -log10 of the doubt
+  std::array<std::array<KindTally, 2>, static_cast<std::size_t>(mass::Kind::count)> kinds{};
+  std::array<std::array<DoubtTally, kDecades>, 2> doubts{};  // without and with a book; by -log10
+  std::vector<std::string> wrong;                            // accepted
+  std::vector<std::string> nearly;                           // wrong, refused, doubt less than 1 %
 };
 
-void count(const Outcome& outcome, bool verbose, Tables& tables) {
-  Tally& kind = tables.kinds[{static_cast<int>(outcome.kind), outcome.with_book}];
+void count(const Outcome& outcome, Tables& tables) {
+  constexpr double kNearly = 0.01;
+  const std::size_t book = outcome.with_book ? 1 : 0;
+  KindTally& kind = tables.kinds[static_cast<std::size_t>(outcome.kind)][book];
   ++kind.shown;
-  const bool sure = outcome.confidence >= (outcome.with_book ? kSureWithBook : kSureAlone);
-  kind.right += outcome.right && !outcome.wrong && sure ? 1 : 0;
-  kind.wrong += outcome.wrong && sure ? 1 : 0;
-  if (outcome.wrong && (sure || (verbose && outcome.confidence > 0.99))) {
-    fmt::print("{} {}\n", sure ? "WRONG" : "doubted", outcome.story);
-    std::fflush(stdout);
+  if (!outcome.is_read) return;
+  if (outcome.accepted) ++(outcome.right ? kind.read : kind.wrong);
+  if (!outcome.right && outcome.accepted) tables.wrong.push_back(outcome.story);
+  if (!outcome.right && !outcome.accepted && outcome.doubt < kNearly) {
+    tables.nearly.push_back(outcome.story);
   }
-  if (!outcome.right && !outcome.wrong) return;
-  const double doubt = -std::log10(std::max(1 - outcome.confidence, 1e-8));
-  Tally& bin = tables.doubts[outcome.with_book ? 1 : 0][static_cast<int>(std::floor(doubt))];
-  bin.right += outcome.wrong ? 0 : 1;
-  bin.wrong += outcome.wrong ? 1 : 0;
+  const double decade = std::floor(-std::log10(std::max(outcome.doubt, 1e-16)));
+  const auto bin = static_cast<std::size_t>(std::clamp(decade, 0.0, kDecades - 1.0));
+  DoubtTally& tally = tables.doubts[book][bin];
+  ++(outcome.right ? tally.right : tally.wrong);
+  tally.stated += outcome.doubt;
 }
 
-void print(const Tables& tables) {
-  fmt::print(
-      "| what was in the frame | code book | shown | read | wrong, stated as sure |\n"
-      "|---|---|---|---|---|\n");
-  Tally all;
-  for (const auto& [key, tally] : tables.kinds) {
-    fmt::print("| {} | {} | {} | {} | {} |\n", mass::name_of(static_cast<mass::Kind>(key.first)),
-               key.second ? "400" : "none", tally.shown, tally.right, tally.wrong);
-    all.shown += tally.shown;
-    all.right += tally.right;
-    all.wrong += tally.wrong;
-  }
-  fmt::print("| all | | {} | {} | {} |\n", all.shown, all.right, all.wrong);
-  for (std::size_t book = 0; book < 2; ++book) {
-    fmt::print(
-        "\n| stated doubt, {} code book | readings | wrong | observed |\n|---|---|---|---|\n",
-        book == 1 ? "with a" : "no");
-    for (const auto& [doubt, tally] : tables.doubts[book]) {
-      const int readings = tally.right + tally.wrong;
-      fmt::print("| 1e-{} to 1e-{} | {} | {} | {:.2g} |\n", doubt, doubt + 1, readings, tally.wrong,
-                 static_cast<double>(tally.wrong) / readings);
-    }
-  }
-}
-
-}  // namespace
-
-int main(int argc, char** argv) {
-  std::vector<std::string> arguments(argv + 1, argv + argc);
-  const bool verbose = std::erase(arguments, "-v") > 0;
-  const int total = !arguments.empty() ? std::atoi(arguments[0].c_str()) : 10000;
-  const std::uint64_t first =
-      arguments.size() > 1 ? std::strtoull(arguments[1].c_str(), nullptr, 10) : 0;
-  if (total < 1) {
-    fmt::print(stderr, "usage: bench_read_mass [COUNT] [FIRST] [-v]\n");
-    return 2;
-  }
-  std::atomic<int> next = 0;
+Tables read_chunk(std::uint64_t first, std::uint64_t size, const std::vector<Digits>& codes) {
+  std::atomic<std::uint64_t> next = 0;
   std::mutex guard;
   Tables tables;
-  const std::vector<Digits> codes = code_book();
   const auto work = [&] {
-    for (int i = next++; i < total; i = next++) {
-      const Outcome outcome = run_one(first + static_cast<std::uint64_t>(i), codes);
+    for (std::uint64_t i = next++; i < size; i = next++) {
+      const Outcome outcome = run_one(first + i, codes);
       const std::scoped_lock lock(guard);
-      count(outcome, verbose, tables);
+      count(outcome, tables);
     }
   };
   std::vector<std::jthread> threads;
@@ -180,6 +178,196 @@ int main(int argc, char** argv) {
     threads.emplace_back(work);
   }
   threads.clear();
-  print(tables);
+  return tables;
+}
+
+// A chunk of a run as lines of text.
+std::string to_text(const Tables& tables, std::uint64_t first, std::uint64_t size,
+                    const std::string& program) {
+  std::string text = fmt::format("chunk {} {} {}\n", first, size, program);
+  for (std::size_t book = 0; book < 2; ++book) {
+    for (std::size_t kind = 0; kind < tables.kinds.size(); ++kind) {
+      const KindTally& tally = tables.kinds[kind][book];
+      if (tally.shown == 0) continue;
+      text +=
+          fmt::format("kind {} {} {} {} {}\n", kind, book, tally.shown, tally.read, tally.wrong);
+    }
+    for (std::size_t decade = 0; decade < kDecades; ++decade) {
+      const DoubtTally& tally = tables.doubts[book][decade];
+      if (tally.right + tally.wrong == 0) continue;
+      text += fmt::format("doubt {} {} {} {} {:.6g}\n", decade, book, tally.right, tally.wrong,
+                          tally.stated);
+    }
+  }
+  for (const std::string& story : tables.wrong) text += "wrong " + story + "\n";
+  for (const std::string& story : tables.nearly) text += "nearly " + story + "\n";
+  return text + fmt::format("end {}\n", first);
+}
+
+void add(const Tables& part, Tables& sum) {
+  for (std::size_t book = 0; book < 2; ++book) {
+    for (std::size_t kind = 0; kind < sum.kinds.size(); ++kind) {
+      sum.kinds[kind][book].shown += part.kinds[kind][book].shown;
+      sum.kinds[kind][book].read += part.kinds[kind][book].read;
+      sum.kinds[kind][book].wrong += part.kinds[kind][book].wrong;
+    }
+    for (std::size_t decade = 0; decade < kDecades; ++decade) {
+      sum.doubts[book][decade].right += part.doubts[book][decade].right;
+      sum.doubts[book][decade].wrong += part.doubts[book][decade].wrong;
+      sum.doubts[book][decade].stated += part.doubts[book][decade].stated;
+    }
+  }
+  sum.wrong.insert(sum.wrong.end(), part.wrong.begin(), part.wrong.end());
+  sum.nearly.insert(sum.nearly.end(), part.nearly.begin(), part.nearly.end());
+}
+
+constexpr std::uint64_t kChunk = 1000;  // pictures, from a multiple of so many after the first
+
+// The complete chunks that files hold of a range of pictures, added up.
+struct Run {
+  Tables sum;
+  std::set<std::uint64_t> done;  // first pictures of the chunks
+  int of_others = 0;             // chunks that another program made
+};
+
+void add_line(const std::string& line, Tables& tables) {
+  std::istringstream in(line);
+  std::string word;
+  std::size_t index = 0, book = 0;
+  in >> word;
+  if (word == "wrong" || word == "nearly") {
+    (word == "wrong" ? tables.wrong : tables.nearly).push_back(line.substr(word.size() + 1));
+    return;
+  }
+  in >> index >> book;
+  if (word == "kind" && index < tables.kinds.size() && book < 2) {
+    KindTally& tally = tables.kinds[index][book];
+    in >> tally.shown >> tally.read >> tally.wrong;
+  } else if (word == "doubt" && index < kDecades && book < 2) {
+    DoubtTally& tally = tables.doubts[book][index];
+    in >> tally.right >> tally.wrong >> tally.stated;
+  }
+}
+
+void read_file(const std::string& path, const std::string& program, std::uint64_t first,
+               std::uint64_t end, Run& run) {
+  std::ifstream file(path);
+  std::string line;
+  bool is_ours = false, counts = false;  // the chunk at hand
+  Tables tables;
+  while (std::getline(file, line)) {
+    std::istringstream in(line);
+    std::string word, by;
+    std::uint64_t number = 0, size = 0;
+    in >> word >> number;
+    if (word == "chunk") {
+      in >> size >> by;
+      tables = {};
+      is_ours = by == program;
+      counts = number >= first && number < end && size == std::min(kChunk, end - number);
+    } else if (word == "end" && counts) {
+      counts = false;
+      if (!is_ours) ++run.of_others;
+      if (is_ours && run.done.insert(number).second) add(tables, run.sum);
+    } else if (counts) {
+      add_line(line, tables);
+    }
+  }
+}
+
+// What tells this program from one with another reader: a hash of it (FNV-1a).
+std::string this_program() {
+  std::ifstream file("/proc/self/exe", std::ios::binary);
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (std::istreambuf_iterator<char> at(file), end; at != end; ++at) {
+    hash = (hash ^ static_cast<unsigned char>(*at)) * 1099511628211ULL;
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+void print_kinds(const Tables& tables) {
+  fmt::print(
+      "| what was in the frame | shown | read, no book | wrong | shown | read, book | wrong |\n"
+      "|---|---|---|---|---|---|---|\n");
+  std::array<KindTally, 2> all{};
+  for (std::size_t kind = 0; kind < tables.kinds.size(); ++kind) {
+    fmt::print("| {} |", mass::name_of(static_cast<mass::Kind>(kind)));
+    for (std::size_t book = 0; book < 2; ++book) {
+      const KindTally& tally = tables.kinds[kind][book];
+      fmt::print(" {} | {} | {} |", tally.shown, tally.read, tally.wrong);
+      all[book].shown += tally.shown;
+      all[book].read += tally.read;
+      all[book].wrong += tally.wrong;
+    }
+    fmt::print("\n");
+  }
+  fmt::print("| all | {} | {} | {} | {} | {} | {} |\n", all[0].shown, all[0].read, all[0].wrong,
+             all[1].shown, all[1].read, all[1].wrong);
+}
+
+void print_doubts(const Tables& tables) {
+  fmt::print(
+      "\n| stated doubt | readings, no book | wrong | stated | observed | readings, book | wrong | "
+      "stated | observed |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (std::size_t decade = 0; decade < kDecades; ++decade) {
+    fmt::print("| {} |", decade + 1 < kDecades ? fmt::format("1e-{} to 1e-{}", decade, decade + 1)
+                                               : fmt::format("less than 1e-{}", decade));
+    for (std::size_t book = 0; book < 2; ++book) {
+      const DoubtTally& tally = tables.doubts[book][decade];
+      const auto readings = static_cast<double>(tally.right + tally.wrong);
+      const double per_reading = readings > 0 ? 1 / readings : 0;
+      fmt::print(" {} | {} | {:.1e} | {:.2g} |", tally.right + tally.wrong, tally.wrong,
+                 per_reading * tally.stated, per_reading * static_cast<double>(tally.wrong));
+    }
+    fmt::print("\n");
+  }
+}
+
+void print(const Tables& tables) {
+  print_kinds(tables);
+  print_doubts(tables);
+  for (const std::string& story : tables.wrong) fmt::print("WRONG {}\n", story);
+  for (const std::string& story : tables.nearly) fmt::print("refused {}\n", story);
+}
+
+bool is_number(std::string_view text, std::uint64_t& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::uint64_t total = 10'000, first = 0;
+  if ((!arguments.empty() && !is_number(arguments[0], total)) || total < 1 ||
+      (arguments.size() > 1 && !is_number(arguments[1], first))) {
+    fmt::print(stderr, "usage: bench_read_mass [COUNT] [FIRST] [FILE...]\n");
+    return 2;
+  }
+  const std::span files(arguments.begin() + std::min<std::ptrdiff_t>(2, std::ssize(arguments)),
+                        arguments.end());
+  const std::string program = this_program();
+  Run run;
+  for (const std::string& file : files) read_file(file, program, first, first + total, run);
+  if (run.of_others > 0) {
+    fmt::print(stderr, "{} chunks were made by another program and do not count\n", run.of_others);
+  }
+  const std::vector<Digits> codes = code_book();
+  const std::clock_t start = std::clock();
+  std::uint64_t read = 0;
+  for (std::uint64_t at = first; at < first + total; at += kChunk) {
+    if (run.done.contains(at)) continue;
+    const std::uint64_t size = std::min(kChunk, first + total - at);
+    const Tables tables = read_chunk(at, size, codes);
+    add(tables, run.sum);
+    read += size;
+    if (files.empty()) continue;
+    std::ofstream(files[0], std::ios::app) << to_text(tables, at, size, program) << std::flush;
+  }
+  print(run.sum);
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  fmt::print(stderr, "{} pictures read, {:.2f} ms of one processor each\n", read,
+             1e3 * seconds / static_cast<double>(std::max<std::uint64_t>(1, read)));
   return 0;
 }

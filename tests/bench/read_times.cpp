@@ -4,17 +4,16 @@
 // RUNS]; by default two shipped photos. Times are medians of the runs, least time in parentheses:
 // on a machine that others use too the least is the fairer one.
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/core.h>
+#include <tbb/parallel_for_each.h>
 
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/half_size.hpp"
@@ -175,15 +174,7 @@ void time_large(const fs::path& path) {
 double seconds_for(const std::vector<fs::path>& files,
                    const std::function<void(const fs::path&)>& work) {
   const auto start = std::chrono::steady_clock::now();
-  std::atomic<std::size_t> next = 0;
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned t = 0; t < std::max(1U, std::thread::hardware_concurrency()); ++t) {
-      threads.emplace_back([&] {
-        for (std::size_t i = next++; i < files.size(); i = next++) work(files[i]);
-      });
-    }
-  }
+  tbb::parallel_for_each(files, work);
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -4,7 +4,6 @@
 // Usage: bench_reader_limits [TAGS_PER_CELL [FILE]]
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -12,16 +11,17 @@
 #include <random>
 #include <span>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
@@ -60,14 +60,6 @@ struct Outcome {
   std::array<double, 8> errors{};  // of corner coordinates, pixels
 };
 
-Digits random_code(std::mt19937_64& random) {
-  std::uniform_int_distribution<int> digit(0, 9);
-  Digits digits{};
-  for (auto& value : digits) value = static_cast<std::uint8_t>(digit(random));
-  digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
-  return digits;
-}
-
 // An image with room for the plate and a margin of 40 px. The lens grows with the resolution, so
 // that the perspective is that of a tag at kDistance in all cells.
 Camera camera_for(const Conditions& conditions) {
@@ -87,26 +79,16 @@ Camera camera_for(const Conditions& conditions) {
 ScenePlate place(const Camera& camera, const Digits& code, const Conditions& conditions,
                  std::mt19937_64& random) {
   std::uniform_real_distribution<double> either(-1, 1);
-  ScenePlate plate;
-  plate.drawing = draw_tag(test::corridor_template(), code);
   const double way = either(random) < 0 ? -1 : 1;
   const double roll = radians(kRoll) * either(random);
   const Eigen::Vector2d pixel(camera.cx + either(random), camera.cy + either(random));
-  double distance =
-      camera.fx * plate.drawing.module / conditions.module_px * std::cos(conditions.incidence);
-  for (int i = 0; i < 6; ++i) {
-    plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, pixel, distance,
-                                                       way * conditions.incidence, 0, roll);
-    const auto truth = plate_truths(camera, std::span(&plate, 1));
-    if (truth.front().module_px <= 0) break;
-    distance *= truth.front().module_px / conditions.module_px;
-  }
-  return plate;
+  return bench::plate_at(camera, draw_tag(test::corridor_template(), code),
+                         {pixel, conditions.module_px, way * conditions.incidence, roll});
 }
 
 Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const Digits code = random_code(random);
+  const Digits code = bench::random_code(random);
   const Camera camera = camera_for(conditions);
   const ScenePlate plate = place(camera, code, conditions, random);
   ViewOptions view;
@@ -117,37 +99,20 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   const View picture = render_view(camera, std::span(&plate, 1), view);
   ReadOptions options;
   options.check = CheckDigit::gs1;
-  if (conditions.code_book) {
-    options.code_book.push_back(code);
-    while (options.code_book.size() < kBook) options.code_book.push_back(random_code(random));
-  }
+  if (conditions.code_book) options.code_book = bench::book_with(code, kBook, random);
   Outcome outcome;
   for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
     if (reading.digits != code) continue;
     outcome.read = true;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector2d truth =
-          picture.plates.front().corners[i].value_or(Eigen::Vector2d::Zero());
-      outcome.errors[2 * i] = std::abs(reading.corners[i].x - truth.x());
-      outcome.errors[2 * i + 1] = std::abs(reading.corners[i].y - truth.y());
-    }
+    outcome.errors = bench::corner_errors(reading, picture.plates.front());
   }
   return outcome;
 }
 
 std::vector<Outcome> run_cell(const Conditions& conditions, int count) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < outcomes.size(); i = next++) {
-      outcomes[i] = run_one(conditions, 1000 + i);
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
-    threads.emplace_back(work);
-  }
-  threads.clear();
+  tbb::parallel_for(std::size_t{0}, outcomes.size(),
+                    [&](std::size_t i) { outcomes[i] = run_one(conditions, 1000 + i); });
   return outcomes;
 }
 

@@ -8,28 +8,14 @@
 
 #include "decoder/localize/observation.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/wide_corridor.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector3d;
 
-// A rig that sees both walls of the shipped corridor: its two cameras, with wider lenses.
-struct Site {
-  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
-  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
-  std::vector<Pose> hung;  // where the plates truly hang
-
-  Site() {
-    for (RigCamera& camera : rig.cameras) camera.camera.fx = camera.camera.fy = 800;
-    for (const PlacedTag& tag : survey.tags) hung.push_back(tag.world_from_plate);
-  }
-
-  std::size_t index(std::string_view name) const {
-    return static_cast<std::size_t>(find_tag(survey, name) - survey.tags.data());
-  }
-
+struct Site : test::WideCorridor {
   // Moves a plate in its own axes: right, down, into the wall.
   void move(std::string_view name, const Vector3d& shift, double turn = 0) {
     Pose& pose = hung[index(name)];

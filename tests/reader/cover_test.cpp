@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tags with something in front of a part of their bars' height.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -82,12 +83,19 @@ TEST_CASE("what hides most of the bars' height is never taken for bars") {
 }
 
 TEST_CASE("a board over a side of the frame: the bars say where the side is, and how surely") {
-  // Left, right: over the frame's stroke and the quiet zone's first half, not over the bars.
+  // Over the frame's stroke and the quiet zone's first part, not over the bars: left, right, above,
+  // below.
   const double module = 0.343 / 113;
-  for (const double x : {-0.02, 0.343 - 4 * module}) {
-    CAPTURE(x);
+  const double width = 0.343, height = 0.168;
+  const std::array<Rectangle, 4> boards{{{-0.02, -0.08, 0.02 + 4 * module, 0.32},
+                                         {width - 4 * module, -0.08, 0.02 + 4 * module, 0.32},
+                                         {-0.04, -0.02, 0.42, 0.02 + 4 * module},
+                                         {-0.04, height - 4 * module, 0.42, 0.02 + 4 * module}}};
+  for (const Rectangle& board : boards) {
+    CAPTURE(board.x);
+    CAPTURE(board.y);
     PlateFinish finish;
-    finish.cover = Cover{{x, -0.08, 0.02 + 4 * module, 0.32}, 0.1};
+    finish.cover = Cover{board, 0.1};
     const CoveredPicture picture = read_behind(finish);
     REQUIRE(picture.result.tags.size() == 1);
     const Reading& tag = picture.result.tags[0];

@@ -45,6 +45,12 @@ inline PlacedTag sample_tag(const Survey& survey, const Eigen::Vector3d& p_in_gr
   return tag;
 }
 
+// The page that `print` lays out for one tag, but for the survey's revision.
+inline Page tag_page(const Survey& survey, const PlacedTag& tag, const PageStyle& style = {}) {
+  const TagDrawing drawing = draw_tag(survey.tag_template, tag.digits, tag_text(survey, tag));
+  return lay_out_page(tag.name, drawing, page_notes(survey, tag), style);
+}
+
 inline Page sample_page(const TagTemplate& tag, const std::string& survey_name = "corridor") {
   const Survey survey = sample_survey(tag, CheckDigit::gs1, survey_name);
   return tag_page(survey, sample_tag(survey, {1.9, 12.34, 0.4}));

@@ -10,27 +10,16 @@
 
 #include "decoder/verify/hanging_check.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/wide_corridor.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector3d;
 
-// The shipped corridor, seen by wide cameras from three places, exactly.
-struct Corridor {
-  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
-  Rig rig = load_rig("surveys/corridor/rig.yaml").value();
-  std::vector<Pose> hung;
-
-  Corridor() {
-    for (RigCamera& camera : rig.cameras) camera.camera.fx = camera.camera.fy = 800;
-    for (const PlacedTag& tag : survey.tags) hung.push_back(tag.world_from_plate);
-  }
-
-  Pose& at(std::string_view name) {
-    return hung[static_cast<std::size_t>(find_tag(survey, name) - survey.tags.data())];
-  }
+// Seen from three places, exactly.
+struct Corridor : test::WideCorridor {
+  Pose& at(std::string_view name) { return hung[index(name)]; }
 
   std::vector<SightedTag> seen() const {
     std::vector<SightedTag> sighted;

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/bar_ends.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "decoder/image/bilinear.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr std::size_t kWindows = 8;    // of the symbol, side by side
+constexpr std::size_t kInWindow = 24;  // places: two a module
+constexpr double kHalfShown = 0.5;     // of the bars' contrast: the end of a blurred bar
+
+// Light (0-1) of one window's places along the symbol.
+using Row = std::array<float, kInWindow>;
+
+// The window's bars as light less its mean, and their levels.
+struct Pattern {
+  Row bars{};
+  float power = 0;  // sum of squares
+  float white = 0;  // mean of the brighter places, of the darker ones
+  float black = 0;
+};
+
+class Symbol {
+ public:
+  Symbol(const GrayView& image, const BarField& field)
+      : image_(image), field_(field), image_from_unit_(homography_to(field.corners)) {}
+
+  Row row(std::size_t window, double v) const {
+    const double width = (field_.last - field_.first) / kWindows;
+    const double begin = field_.first + static_cast<double>(window) * width;
+    Row row{};
+    for (std::size_t k = 0; k < kInWindow; ++k) {
+      const double u = begin + width * (static_cast<double>(k) + 0.5) / kInWindow;
+      row[k] = light_at(image_from_unit_(u, v));
+    }
+    return row;
+  }
+
+  double middle_of(std::size_t window) const {
+    return field_.first +
+           (field_.last - field_.first) * (static_cast<double>(window) + 0.5) / kWindows;
+  }
+
+  // The bars amid their height: the middle one of `rows` rows at every place.
+  Pattern pattern(std::size_t window, std::size_t rows) const {
+    std::vector<Row> seen;
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double share = 0.15 + 0.7 * (static_cast<double>(i) + 0.5) / static_cast<double>(rows);
+      seen.push_back(row(window, field_.top + share * (field_.bottom - field_.top)));
+    }
+    Pattern pattern;
+    std::vector<float> values(rows);
+    float mean = 0;
+    for (std::size_t k = 0; k < kInWindow; ++k) {
+      std::ranges::transform(seen, values.begin(), [k](const Row& row) { return row[k]; });
+      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(rows / 2);
+      std::ranges::nth_element(values, middle);
+      pattern.bars[k] = *middle;
+      mean += *middle / kInWindow;
+    }
+    float bright = 0, dark = 0;
+    for (float& value : pattern.bars) {
+      value -= mean;
+      pattern.power += value * value;
+      (value > 0 ? pattern.white : pattern.black) += value;
+      (value > 0 ? bright : dark) += 1;
+    }
+    pattern.white = mean + pattern.white / std::max(bright, 1.0F);
+    pattern.black = mean + pattern.black / std::max(dark, 1.0F);
+    return pattern;
+  }
+
+  // Pixels from (u, v) to (u, v + dv), per unit of v.
+  double pixels_per_v(double u, double v) const {
+    constexpr double kStep = 0.01;
+    return distance(image_from_unit_(u, v - kStep), image_from_unit_(u, v + kStep)) / (2 * kStep);
+  }
+
+ private:
+  // In light a blurred end is where half of the contrast is left; in grey levels it is not.
+  float light_at(PixelPoint at) const {
+    const double level = sample_bilinear(image_, at);
+    return static_cast<float>(tone_.light_of(static_cast<int>(level + 0.5)));
+  }
+
+  const ToneCurve& tone_ = ToneCurve::srgb();
+  GrayView image_;
+  BarField field_;
+  Homography image_from_unit_;
+};
+
+// How much of the bars' contrast a row shows.
+float share_of(const Pattern& pattern, const Row& row) {
+  float sum = 0;
+  for (std::size_t k = 0; k < kInWindow; ++k) sum += pattern.bars[k] * row[k];
+  return sum / pattern.power;
+}
+
+// Light of a row between the bars' black (0) and white (1).
+float level_of(const Pattern& pattern, const Row& row) {
+  float mean = 0;
+  for (const float value : row) mean += value / kInWindow;
+  return (mean - pattern.black) / (pattern.white - pattern.black);
+}
+
+bool has_contrast(const Pattern& pattern) {
+  constexpr float kLeastContrast = 0.05F;  // of the white
+  return pattern.white - pattern.black > kLeastContrast * pattern.white;
+}
+
+// Where a window's bars end between two heights; nothing where that does not show.
+std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, double from,
+                                    double to) {
+  constexpr double kStepPx = 0.5;
+  constexpr std::size_t kRows = 9;
+  constexpr double kBeyondPx = 3;  // of white that must follow
+  constexpr float kHardlyAny = 0.3F;
+  constexpr float kClearly = 0.65F;
+  constexpr float kWhite = 0.6F, kDark = 0.15F;
+  const Pattern pattern = symbol.pattern(window, kRows);
+  if (!has_contrast(pattern)) return std::nullopt;
+  const double u = symbol.middle_of(window);
+  const double pixels = std::abs(to - from) * symbol.pixels_per_v(u, (from + to) / 2);
+  const int steps = std::clamp(static_cast<int>(pixels / kStepPx), 4, 400);
+  const double step = (to - from) / steps;
+  const double step_px = pixels / steps;
+  std::optional<double> end;
+  double before = 0;
+  bool clear = false;  // bars were seen before
+  double white_px = 0;
+  for (int k = 0; k <= steps; ++k) {
+    const double v = from + k * step;
+    const Row row = symbol.row(window, v);
+    const auto share = static_cast<double>(share_of(pattern, row));
+    clear = clear || share > static_cast<double>(kClearly);
+    if (share >= kHalfShown) {
+      end.reset();
+      white_px = 0;
+    } else if (k > 0 && before >= kHalfShown && clear) {
+      end = v - step * (kHalfShown - share) / (before - share);
+    }
+    const float level = level_of(pattern, row);
+    // Something dark in front cuts the bars off before they end.
+    if (end && level < kDark) return std::nullopt;
+    if (end && share < static_cast<double>(kHardlyAny) && level > kWhite) {
+      white_px += step_px;
+      if (white_px >= kBeyondPx) return end;
+    }
+    before = share;
+  }
+  return std::nullopt;
+}
+
+struct WindowEnd {
+  double u = 0;
+  double v = 0;
+};
+
+// The line that most of the ends are near, fitted to these.
+std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double pixels_per_v) {
+  constexpr double kTolerancePx = 0.8;
+  constexpr std::size_t kLeast = kWindows / 2;
+  constexpr double kLeastApart = 0.4;  // of the frame's width
+  std::vector<WindowEnd> best;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    for (std::size_t j = i + 1; j < ends.size(); ++j) {
+      const double slope = (ends[j].v - ends[i].v) / (ends[j].u - ends[i].u);
+      std::vector<WindowEnd> near;
+      for (const WindowEnd& end : ends) {
+        const double off = end.v - ends[i].v - slope * (end.u - ends[i].u);
+        if (std::abs(off) * pixels_per_v < kTolerancePx) near.push_back(end);
+      }
+      if (near.size() > best.size()) best = std::move(near);
+    }
+  }
+  if (best.size() < kLeast || best.back().u - best.front().u < kLeastApart) return std::nullopt;
+  const auto count = static_cast<double>(best.size());
+  double u = 0, v = 0, uu = 0, uv = 0;
+  for (const WindowEnd& end : best) {
+    u += end.u / count;
+    v += end.v / count;
+  }
+  for (const WindowEnd& end : best) {
+    uu += (end.u - u) * (end.u - u);
+    uv += (end.u - u) * (end.v - v);
+  }
+  const double slope = uv / uu;
+  double squares = 0;
+  for (const WindowEnd& end : best) squares += std::pow(end.v - v - slope * (end.u - u), 2);
+  // What neighbouring windows are off by together, beside what they differ by.
+  constexpr double kSystematicPx = 0.15;
+  const double variance = squares / std::max(1.0, count - 2);
+  const double reach = std::max(u, 1 - u);
+  const double at_ends = variance * (1 / count + reach * reach / uu) * pixels_per_v * pixels_per_v;
+  return BarEnds{v - slope * u, v + slope * (1 - u),
+                 std::sqrt(at_ends + kSystematicPx * kSystematicPx)};
+}
+
+double height_px(const Quad& corners) {
+  return (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+}
+
+// How far the bars' ends may be from where the layout has them, shares of the frame's height:
+// templates round their margins, lenses bend, ends are blurred.
+double tolerance_of(double height) { return 1.2 / height + 0.006; }
+
+}  // namespace
+
+BarField bar_field(const Quad& corners, const SymbolLayout& layout) {
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  const double first = layout.quiet_zone_modules / modules;
+  return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom};
+}
+
+std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
+                                     double to) {
+  const Symbol symbol(image, field);
+  std::vector<WindowEnd> ends;
+  for (std::size_t window = 0; window < kWindows; ++window) {
+    const auto end = end_in_window(symbol, window, from, to);
+    if (end) ends.push_back({symbol.middle_of(window), *end});
+  }
+  return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
+}
+
+bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout) {
+  constexpr std::size_t kRows = 3;
+  constexpr std::size_t kLeastRight = 5;  // windows
+  const Symbol symbol(image, bar_field(corners, layout));
+  const double height = height_px(corners);
+  const double near = std::max(1.5 / height, tolerance_of(height));
+  std::size_t above = 0, below = 0;
+  for (std::size_t window = 0; window < kWindows; ++window) {
+    const Pattern pattern = symbol.pattern(window, kRows);
+    if (!has_contrast(pattern)) continue;
+    const auto shown = [&](double v) {
+      return static_cast<double>(share_of(pattern, symbol.row(window, v))) > kHalfShown;
+    };
+    above += shown(layout.bars_top + near) && !shown(layout.bars_top - near) ? 1U : 0U;
+    below += shown(layout.bars_bottom - near) && !shown(layout.bars_bottom + near) ? 1U : 0U;
+  }
+  return above >= kLeastRight && below >= kLeastRight;
+}
+
+namespace {
+
+// The frame's corners when the line of v = `v` in the layout, other than the upper (0) or lower (2)
+// `side`, lies where the bars end, and the other three sides are the frame's.
+Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& ends, double v) {
+  const Homography image_from_unit = homography_to(corners);
+  const PixelPoint left = image_from_unit(0, ends.at_left);
+  const PixelPoint right = image_from_unit(1, ends.at_right);
+  Quad shown = corners;
+  (side == 0 ? shown[0] : shown[3]) = left;
+  (side == 0 ? shown[1] : shown[2]) = right;
+  // `shown` spans v to 1 of the plate, or 0 to v.
+  const Homography image_from_shown = homography_to(shown);
+  Quad completed = corners;
+  if (side == 0) {
+    completed[0] = image_from_shown(0, -v / (1 - v));
+    completed[1] = image_from_shown(1, -v / (1 - v));
+  } else {
+    completed[2] = image_from_shown(1, 1 / v);
+    completed[3] = image_from_shown(0, 1 / v);
+  }
+  return completed;
+}
+
+// By how much ends seen in one frame miss a height in another, pixels.
+double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, double v) {
+  const Homography seen = homography_to(seen_in);
+  const Homography unit_from_image = inverse(homography_to(frame));
+  const PixelPoint left = seen(0, ends.at_left), right = seen(1, ends.at_right);
+  const auto miss = [&](PixelPoint at) {
+    const auto& h = unit_from_image.h;
+    const double w = h[6] * at.x + h[7] * at.y + h[8];
+    return std::abs((h[3] * at.x + h[4] * at.y + h[5]) / w - v);
+  };
+  return std::max(miss(left), miss(right)) * height_px(frame);
+}
+
+}  // namespace
+
+EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
+                              const SymbolLayout& layout) {
+  if (bars_end_near(image, corners, layout)) return {EndsVerdict::suited, corners, 0, 0};
+  constexpr double kInside = 0.2, kOutside = 0.3;  // of the frame's height
+  const BarField field = bar_field(corners, layout);
+  const auto upper =
+      find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
+  const auto lower =
+      find_bar_ends(image, field, layout.bars_bottom - kInside, layout.bars_bottom + kOutside);
+  const double tolerance = tolerance_of(height_px(corners)) * height_px(corners);
+  const auto off = [&](const std::optional<BarEnds>& ends, double v) {
+    return ends && missed_px(corners, *ends, corners, v) > tolerance + 3 * ends->sigma_px;
+  };
+  const bool upper_off = off(upper, layout.bars_top);
+  const bool lower_off = off(lower, layout.bars_bottom);
+  if (!upper_off && !lower_off) {
+    return {upper && lower ? EndsVerdict::suited : EndsVerdict::unknown, corners, 0, 0};
+  }
+  if (!upper || !lower) return {EndsVerdict::odd, corners, 0, 0};
+  std::optional<EndsVerdict> found;
+  for (const std::size_t side : {0U, 2U}) {
+    const BarEnds& own = side == 0 ? *upper : *lower;
+    const BarEnds& other = side == 0 ? *lower : *upper;
+    const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
+    const Quad completed = corners_with_side(corners, side, own, v);
+    if (!is_convex(completed)) continue;
+    const double miss =
+        missed_px(corners, other, completed, layout.bars_top + layout.bars_bottom - v);
+    if (miss > tolerance + 3 * other.sigma_px) continue;
+    // Where both may be, neither is certain.
+    if (found) return {EndsVerdict::odd, corners, 0, 0};
+    constexpr double kLayout = 0.003;  // of the height
+    const double sigma =
+        std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kLayout * height_px(completed));
+    found = {EndsVerdict::hidden, completed, side, sigma};
+  }
+  if (found) return *found;
+  const double middle = (upper->at(0.5) + lower->at(0.5)) / 2;
+  // As far off above as below: another layout's frame.
+  const bool even =
+      std::abs(middle - (layout.bars_top + layout.bars_bottom) / 2) * height_px(corners) <
+      tolerance;
+  return {even ? EndsVerdict::unknown : EndsVerdict::odd, corners, 0, 0};
+}
+
+}  // namespace tagsmith
