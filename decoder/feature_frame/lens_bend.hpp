@@ -91,7 +91,7 @@ class FrameMap {
   bool bends() const { return lens_.bends(); }
 
   // The place in the unit square of a pixel that the map without the lens puts at (u, v). For
-  // places in the square or near it, to about a thousandth of what the lens changes.
+  // places in the square or near it, to about a fiftieth of what the lens changes.
   void correct(float& u, float& v) const;
 
  private:

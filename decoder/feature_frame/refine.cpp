@@ -278,8 +278,7 @@ SeenBow seen_bow(const SideSamples& samples, const Solution& solution) {
   const Eigen::Matrix<double, kParameters, kParameters> matrix =
       normal.matrix.selfadjointView<Eigen::Lower>();
   const Parameters eliminated = matrix.ldlt().solve(shared);
-  const double information =
-      static_cast<double>(by_bow.squaredNorm()) - shared.dot(eliminated);
+  const double information = static_cast<double>(by_bow.squaredNorm()) - shared.dot(eliminated);
   if (!(information > 0)) return {};
   const double noise = std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
   const double blur = std::exp(solution.parameters[kLogBlur]);
@@ -424,7 +423,12 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
     for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit->bows[i].beyond;
     if (!fit_again(next)) break;
   }
-  for (std::size_t i = 0; i < 4; ++i) fit->frame.bow_variances[i] = fit->bows[i].variance;
+  // A bow of the fitted shape is not quite that of a real lens.
+  constexpr double kShape = 0.02;  // of the bow
+  const SideBows bows = bows_of(fit->frame.lens, fit->frame.corners);
+  for (std::size_t i = 0; i < 4; ++i) {
+    fit->frame.bow_variances[i] = fit->bows[i].variance + std::pow(kShape * bows[i].middle, 2);
+  }
   return fit->frame;
 }
 
@@ -469,12 +473,16 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
 }  // namespace
 
 Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
-                                        const std::array<bool, 4>& shown, double hidden_sigma) {
+                                        const std::array<bool, 4>& shown, double hidden_sigma,
+                                        const LensBend& lens) {
   constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
+  frame.lens = lens;
+  const SideBows bows = bows_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
     SideSamples samples(edge_samples(image, lines[i]));

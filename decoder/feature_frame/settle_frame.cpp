@@ -95,8 +95,8 @@ LineFit fit_line(const std::vector<EdgePoint>& points, double tolerance) {
     fit.intercept = (stt * sa - st * sta) / determinant;
     fit.slope = (sw * sta - st * sa) / determinant;
   }
-  fit.inliers = share_within(
-      points, tolerance, [&](double along) { return fit.intercept + fit.slope * along; });
+  fit.inliers = share_within(points, tolerance,
+                             [&](double along) { return fit.intercept + fit.slope * along; });
   return fit;
 }
 
@@ -109,7 +109,9 @@ struct BowedFit {
 BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
   constexpr int kIterations = 10;
   Eigen::Vector3d fit = Eigen::Vector3d::Zero();
-  const auto at = [&](double along) { return fit[0] + along * fit[1] + (1 - along * along) * fit[2]; };
+  const auto at = [&](double along) {
+    return fit[0] + along * fit[1] + (1 - along * along) * fit[2];
+  };
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const double width = tolerance * std::max(1, kIterations - 2 - iteration);
     Eigen::Matrix3d matrix = 1e-3 * Eigen::Matrix3d::Identity();
@@ -117,7 +119,7 @@ BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
     for (const EdgePoint& point : points) {
       const double ratio = (point.across - at(point.along)) / (2 * width);
       // The first time all count, for no fit is at hand.
-      const double weight = iteration == 0         ? 1
+      const double weight = iteration == 0        ? 1
                             : std::abs(ratio) < 1 ? std::pow(1 - ratio * ratio, 2)
                                                   : 0;
       const Eigen::Vector3d terms(1, point.along, 1 - point.along * point.along);
@@ -131,10 +133,10 @@ BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
 
 // The line, or the bowed side where only that is what the points agree on.
 BowedFit fit_side(const std::vector<EdgePoint>& points, double side_length, bool may_bow) {
-  constexpr double kTolerance = 0.6;      // pixels
-  constexpr double kAgreed = 0.85;        // of the points: as good as all
-  constexpr double kMuchBetter = 0.2;     // of the points
-  constexpr double kMostBow = 0.06;       // of the side's length
+  constexpr double kTolerance = 0.6;   // pixels
+  constexpr double kAgreed = 0.85;     // of the points: as good as all
+  constexpr double kMuchBetter = 0.2;  // of the points
+  constexpr double kMostBow = 0.06;    // of the side's length
   const LineFit line = fit_line(points, kTolerance);
   if (!may_bow || line.inliers > kAgreed) return {line, 0};
   const BowedFit bowed = fit_bowed(points, kTolerance);
@@ -199,8 +201,7 @@ bool looks_framed(const GrayView& image, const Quad& rough) {
   return true;
 }
 
-Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
-                                  const SideBows& bows) {
+Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough, const SideBows& bows) {
   SettledFrame frame{rough, bows};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};

@@ -261,8 +261,9 @@ class PictureReader {
 
   // Reads what stands in a frame that is known to a few pixels of the level.
   void try_frame(const PyramidLevel& level, const Quad& rough) {
-    const Result<SettledFrame> settled =
-        settle_frame(level.image, rough, known_bows(level, rough));
+    Result<SettledFrame> settled = settle_frame(level.image, rough, known_bows(level, rough));
+    // The corners of an outline's hull are too far out where its sides bow.
+    if (!settled && lens_ && lens_->bends()) settled = settle_frame(level.image, rough);
     if (!settled) return pass_over(to_full(level, rough), settled.error().message);
     const Quad quad = to_full(level, settled->corners);
     if (is_read(quad)) return;
@@ -440,7 +441,7 @@ class PictureReader {
   bool accept_where_bars_end(const RefinedFrame& frame, const Attempt& attempt,
                              const char* method) {
     const EndsVerdict verdict =
-        judge_by_bar_ends(image_, corners_of(frame, attempt), attempt.layout);
+        judge_by_bar_ends(image_, corners_of(frame, attempt), attempt.layout, frame.lens);
     const bool whole = std::ranges::all_of(frame.shown, std::identity{});
     if (verdict.kind == EndsVerdict::odd) return false;
     if (verdict.kind == EndsVerdict::unknown && !whole) return false;
@@ -452,7 +453,8 @@ class PictureReader {
     for (std::size_t i = 0; i < 4; ++i) {
       shown[i] = frame.shown[(attempt.first_corner + i) % 4] && i != verdict.side;
     }
-    const auto completed = refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px);
+    const auto completed = refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px,
+                                              lens_.value_or(LensBend{}));
     if (!completed) return false;
     const auto again = read_believed(*completed, true);
     if (!again || again->decoding.digits != attempt.decoding.digits) return false;
