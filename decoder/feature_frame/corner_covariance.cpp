@@ -49,11 +49,6 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i) {
   return Eigen::Matrix2d::Constant(whole * whole) + Eigen::Matrix2d::Identity() * kEnd * kEnd;
 }
 
-// A line fitted to a bow stands off its ends by two thirds of it.
-Eigen::Matrix2d by_bow(const RefinedFrame& frame, std::size_t i) {
-  return Eigen::Matrix2d::Constant(4.0 / 9 * frame.bow_variances[i]);
-}
-
 }  // namespace
 
 CornerCovariance corner_covariance(const RefinedFrame& frame) {
@@ -61,7 +56,7 @@ CornerCovariance corner_covariance(const RefinedFrame& frame) {
   CornerCovariance of_places = CornerCovariance::Zero();
   for (std::size_t i = 0; i < 4; ++i) {
     of_places.block<2, 2>(index(2 * i), index(2 * i)) =
-        kJpeg * frame.sides[i].covariance + unexplained(frame, i) + by_bow(frame, i);
+        kJpeg * frame.sides[i].covariance + unexplained(frame, i);
   }
   const CornerCovariance by_places = corners_by_places(frame.corners);
   return by_places * of_places * by_places.transpose();

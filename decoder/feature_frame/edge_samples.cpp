@@ -93,7 +93,7 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
   const double along_unit = 2 / side_length;
   const auto by_across = static_cast<float>(steep ? side.outward.x : side.outward.y);
   const auto by_along = static_cast<float>((steep ? side.along.x : side.along.y) * along_unit);
-  const bool is_bowed = side.bow.middle != 0;
+  const bool is_bowed = !side.bow.is_straight();
   for (int major = first; major <= last; major += stride) {
     const double t = steep ? (major - side.begin.y) / d.y : (major - side.begin.x) / d.x;
     double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 namespace tagsmith {
@@ -50,24 +51,28 @@ std::optional<PixelPoint> LensBend::bent(PixelPoint point) const {
 
 namespace {
 
-// A bent side's pixels at three places, and the curve through them and the ends.
+// The curve through a bent side's ends and its pixels at five places.
 SideBow bow_between(const LensBend& lens, const SideLine& side, PixelPoint from, PixelPoint to) {
-  constexpr std::array<double, 3> kPlaces{0.12, 0.5, 0.88};
+  constexpr std::array<double, 5> kPlaces{0.04, 0.22, 0.5, 0.78, 0.96};
+  constexpr auto kCount = static_cast<Eigen::Index>(kPlaces.size());
   const double side_length = distance(side.begin, side.end);
-  std::array<double, 3> s{};
-  std::array<double, 3> q{};
-  for (std::size_t i = 0; i < kPlaces.size(); ++i) {
-    const auto pixel = lens.bent((1 - kPlaces[i]) * from + kPlaces[i] * to);
+  Eigen::Matrix<double, kCount, kCount> powers;
+  Eigen::Matrix<double, kCount, 1> series;
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    const double place = kPlaces[static_cast<std::size_t>(i)];
+    const auto pixel = lens.bent((1 - place) * from + place * to);
     if (!pixel) return {};
     const PixelPoint off = *pixel - side.begin;
-    s[i] = 2 * dot(off, side.along) / side_length - 1;
-    if (!(std::abs(s[i]) < 0.99)) return {};
-    q[i] = dot(off, side.outward) / (1 - s[i] * s[i]);
+    const double s = 2 * dot(off, side.along) / side_length - 1;
+    if (!(std::abs(s) < 0.995)) return {};
+    series[i] = dot(off, side.outward) / (1 - s * s);
+    double power = 1;
+    for (Eigen::Index k = 0; k < kCount; ++k, power *= s) powers(i, k) = power;
   }
-  // Newton's form of the parabola through (s, q), written out by powers.
-  const double first = (q[1] - q[0]) / (s[1] - s[0]);
-  const double second = ((q[2] - q[1]) / (s[2] - s[1]) - first) / (s[2] - s[0]);
-  return {q[0] - first * s[0] + second * s[0] * s[1], first - second * (s[0] + s[1]), second};
+  const Eigen::Matrix<double, kCount, 1> c = powers.partialPivLu().solve(series);
+  SideBow bow;
+  std::ranges::copy(c, bow.c.begin());
+  return bow;
 }
 
 // The change of the sides' bows with lambda.
@@ -79,7 +84,7 @@ std::array<double, 4> bows_by_lambda(const Quad& corners, PixelPoint centre, dou
   const SideBows less = bows_of(LensBend::radial(centre, lambda - step), corners);
   std::array<double, 4> by_lambda{};
   for (std::size_t i = 0; i < 4; ++i) {
-    by_lambda[i] = (more[i].middle - less[i].middle) / (2 * step);
+    by_lambda[i] = (more[i].middle() - less[i].middle()) / (2 * step);
   }
   return by_lambda;
 }
@@ -135,7 +140,7 @@ double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma
   std::array<SeenBow, 4> seen{};
   for (std::size_t i = 0; i < 4; ++i) {
     // A straight line was good enough where none was taken for bowed: that tells little.
-    if (bows[i].middle != 0) seen[i] = {bows[i].middle, sigma * sigma};
+    if (bows[i].middle() != 0) seen[i] = {bows[i].middle(), sigma * sigma};
   }
   const auto lens = lens_of_sides(corners, seen, centre, 0);
   return lens ? lens->lambda : 0;

@@ -45,7 +45,7 @@ class LensBend {
 };
 
 // How the lens bends the sides of a quadrilateral (clockwise in the image) whose corners have these
-// pixels, to a hundredth of their bow; zero where it has no ray for one.
+// pixels, to a thousandth of their bow; zero where it has no ray for one.
 SideBows bows_of(const LensBend& lens, const Quad& corners);
 
 // What is known of the lens before a frame is fitted.

@@ -347,7 +347,7 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
     lines[i].bow = bows[i];
-    lines[i].bow.middle += beyond[i];
+    lines[i].bow.c[0] += beyond[i];
     samples.emplace_back(edge_samples(image, lines[i]));
     if (samples[i].samples.size() < 2 * kParameters)
       return fail("feature frame: a side is too short");
@@ -389,6 +389,18 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoin
   return fit_frame(image, settled, lens, told.beyond);
 }
 
+// What an unknown lens adds to the sides' covariances: a line fitted to a bow stands off its ends
+// by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
+void add_lens_doubt(FrameFit& fit) {
+  constexpr double kShape = 0.02;  // of the bow, at either end
+  const SideBows bows = bows_of(fit.frame.lens, fit.frame.corners);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double shape = kShape * bows[i].middle();
+    fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(4.0 / 9 * fit.bows[i].variance) +
+                                     Eigen::Matrix2d::Identity() * shape * shape;
+  }
+}
+
 // Fits the frame and what its sides tell of the lens in turn, until neither changes.
 Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, PixelPoint centre,
                                    double lambda) {
@@ -423,12 +435,7 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
     for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit->bows[i].beyond;
     if (!fit_again(next)) break;
   }
-  // A bow of the fitted shape is not quite that of a real lens.
-  constexpr double kShape = 0.02;  // of the bow
-  const SideBows bows = bows_of(fit->frame.lens, fit->frame.corners);
-  for (std::size_t i = 0; i < 4; ++i) {
-    fit->frame.bow_variances[i] = fit->bows[i].variance + std::pow(kShape * bows[i].middle, 2);
-  }
+  add_lens_doubt(*fit);
   return fit->frame;
 }
 

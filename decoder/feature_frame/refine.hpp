@@ -32,8 +32,7 @@ struct RefinedFrame {
   // neighbours'.
   std::array<bool, 4> shown{true, true, true, true};
   LensBend lens;  // through which it was fitted
-  // Of how far the sides' middles bow, pixels^2; zero for a lens that was known.
-  std::array<double, 4> bow_variances{};
+};
 };
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke

@@ -163,7 +163,7 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
   const auto [fit, bow] = fit_side(points, side_length, may_bow);
   if (fit.inliers * static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
   SideLine settled = moved(side, fit.intercept - fit.slope, fit.intercept + fit.slope);
-  settled.bow.middle += bow;
+  settled.bow.c[0] += bow;
   return settled;
 }
 

@@ -32,13 +32,21 @@ SideLine side_of(const Quad& quad, std::size_t i) {
   return side;
 }
 
+double SideBow::slope(double s) const {
+  const double series_slope = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * 4 * c[4]));
+  return (1 - s * s) * series_slope - 2 * s * series(s);
+}
+
 SideBows scaled(SideBows bows, double by) {
-  for (SideBow& bow : bows) bow = {by * bow.middle, by * bow.skew, by * bow.flat};
+  for (SideBow& bow : bows) {
+    for (double& c : bow.c) c *= by;
+  }
   return bows;
 }
 
 PixelPoint point_on(const SideLine& side, double along) {
   const PixelPoint on_chord = 0.5 * (1 - along) * side.begin + 0.5 * (1 + along) * side.end;
+  if (side.bow.is_straight()) return on_chord;
   return on_chord + side.bow.at(along) * side.outward;
 }
 
@@ -46,8 +54,8 @@ namespace {
 
 // The side's direction at s; as long as the chord's unit or a little longer.
 PixelPoint tangent(const SideLine& side, double s) {
+  if (side.bow.is_straight()) return side.along;
   const double slope = side.bow.slope(s);
-  if (slope == 0) return side.along;
   return side.along + 2 * slope / distance(side.begin, side.end) * side.outward;
 }
 

@@ -12,16 +12,17 @@
 namespace tagsmith {
 
 // How far a side stands outwards from the chord between its ends where a lens bends it:
-// (1 - s^2) (middle + skew s + flat s^2) pixels at s, which is -1 at the begin and 1 at the end.
+// (1 - s^2) (c0 + c1 s + c2 s^2 + ...) pixels at s, which is -1 at the begin and 1 at the end.
 struct SideBow {
-  double middle = 0;
-  double skew = 0;
-  double flat = 0;
+  std::array<double, 5> c{};
 
-  double at(double s) const { return (1 - s * s) * (middle + s * (skew + s * flat)); }
-  double slope(double s) const {  // by s
-    return skew - 2 * s * (middle - flat) - s * s * (3 * skew + 4 * s * flat);
-  }
+  double middle() const { return c[0]; }
+  bool is_straight() const { return c == std::array<double, 5>{}; }
+  double at(double s) const { return (1 - s * s) * series(s); }
+  double slope(double s) const;  // of at, by s
+
+ private:
+  double series(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4]))); }
 };
 
 using SideBows = std::array<SideBow, 4>;
