@@ -6,6 +6,7 @@
 
 #include <Eigen/LU>
 
+#include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 
 namespace tagsmith {

@@ -2,11 +2,13 @@
 // How well a refined frame's corners are known.
 #pragma once
 
+#include <cstddef>
+
 #include <Eigen/Core>
 
-#include "decoder/feature_frame/refine.hpp"
-
 namespace tagsmith {
+
+struct RefinedFrame;
 
 // Of u, v of the four corners in their order, pixels^2.
 using CornerCovariance = Eigen::Matrix<double, 8, 8>;

@@ -93,19 +93,27 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
   const double along_unit = 2 / side_length;
   const auto by_across = static_cast<float>(steep ? side.outward.x : side.outward.y);
   const auto by_along = static_cast<float>((steep ? side.along.x : side.along.y) * along_unit);
+  const bool is_bowed = !side.bow.is_straight();
   for (int major = first; major <= last; major += stride) {
     const double t = steep ? (major - side.begin.y) / d.y : (major - side.begin.x) / d.x;
-    const double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;
+    double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;
+    // Near the edge the bow's tangent there will do.
+    const double s = std::clamp(2 * t - 1, -1.0, 1.0);
+    const double bow = is_bowed ? side.bow.at(s) : 0;
+    const double slope = is_bowed ? side.bow.slope(s) : 0;
+    if (is_bowed) centre += bow / static_cast<double>(by_across);
     const int from = std::max(0, static_cast<int>(std::ceil(centre - band)));
     const int to = std::min(limit, static_cast<int>(std::floor(centre + band)));
     const PixelPoint point{static_cast<double>(steep ? from : major),
                            static_cast<double>(steep ? major : from)};
     auto across = static_cast<float>(dot(point - side.begin, side.outward));
     auto along = static_cast<float>(along_unit * dot(point - side.begin, side.along) - 1);
+    if (is_bowed) across -= static_cast<float>(bow + slope * (static_cast<double>(along) - s));
+    const float step_across = by_across - static_cast<float>(slope) * by_along;
     const std::uint8_t* pixel = image.row(steep ? major : from) + (steep ? from : major);
     for (int minor = from; minor <= to; ++minor) {
       if (bins.holds(across)) bins.add(along, across, static_cast<float>(*pixel));
-      across += by_across;
+      across += step_across;
       along += by_along;
       pixel += step;
     }

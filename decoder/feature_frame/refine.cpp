@@ -254,6 +254,40 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
   return variance * (ends.transpose() * matrix.ldlt().solve(ends));
 }
 
+// How far the samples of a fitted side say that its middle is off the bow that it was fitted with:
+// one more parameter, eliminated from the others (a Schur complement).
+SeenBow seen_bow(const SideSamples& samples, const Solution& solution) {
+  constexpr double kAlike = 1.8;  // compression makes neighbouring pixels' noise alike
+  // What a pixel's response and a blurred stroke leave of a straight side's bow, as in
+  // corner_covariance.
+  constexpr double kUnexplained = 0.012;
+  constexpr double kBlurred = 0.3;
+  const NormalEquations& normal = solution.normal;
+  const auto count = static_cast<Eigen::Index>(samples.samples.size());
+  Eigen::VectorXf by_bow(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const float s = samples.samples[static_cast<std::size_t>(i)].along;
+    by_bow[i] = samples.rows(i, kPlace) * (1 - s * s);
+  }
+  const Eigen::Matrix<double, kParameters + 1, 1> products =
+      (samples.rows.transpose() * by_bow).cast<double>();
+  const Parameters right =
+      (samples.rows.leftCols<kParameters>().transpose() * samples.rows.col(kParameters))
+          .cast<double>();
+  const Parameters shared = products.head<kParameters>();
+  const Eigen::Matrix<double, kParameters, kParameters> matrix =
+      normal.matrix.selfadjointView<Eigen::Lower>();
+  const Parameters eliminated = matrix.ldlt().solve(shared);
+  const double information = static_cast<double>(by_bow.squaredNorm()) - shared.dot(eliminated);
+  if (!(information > 0)) return {};
+  const double noise = std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
+  const double blur = std::exp(solution.parameters[kLogBlur]);
+  const double stroke = std::exp(solution.parameters[kLogStroke]);
+  const double unexplained = std::hypot(kUnexplained, kBlurred * std::pow(blur / stroke, 2));
+  return {(products[kParameters] - eliminated.dot(right)) / information,
+          kAlike * noise / information + unexplained * unexplained};
+}
+
 struct SideFit {
   SideLine line;
   FrameSide side;
@@ -293,14 +327,27 @@ SideFit fit_again(SideSamples& samples, const SideLine& side, double start_blur,
 
 }  // namespace
 
-Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
+namespace {
+
+// The frame fitted through one lens, and what its sides say of another.
+struct FrameFit {
+  RefinedFrame frame;
+  std::array<SeenBow, 4> bows;
+};
+
+// `beyond`: by how much the sides' middles bow beyond what the lens gives.
+Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const LensBend& lens,
+                           const std::array<double, 4>& beyond) {
   std::array<SideLine, 4> lines{};
   std::vector<SideSamples> samples;
   samples.reserve(4);
   std::array<Solution, 4> solutions{};
   std::array<double, 4> blurs{};
+  const SideBows bows = bows_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].bow = bows[i];
+    lines[i].bow.c[0] += beyond[i];
     samples.emplace_back(edge_samples(image, lines[i]));
     if (samples[i].samples.size() < 2 * kParameters)
       return fail("feature frame: a side is too short");
@@ -312,19 +359,97 @@ Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled) {
   }
   std::ranges::sort(blurs);
   const double common_blur = (blurs[1] + blurs[2]) / 2;  // logarithm of
-  RefinedFrame frame;
+  FrameFit result;
   for (std::size_t i = 0; i < 4; ++i) {
+    result.bows[i] = seen_bow(samples[i], solutions[i]);
     const bool alike = std::abs(solutions[i].parameters[kLogBlur] - common_blur) < 0.25;
     const SideFit fit = alike
                             ? describe(solutions[i], lines[i])
                             : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
     lines[i] = fit.line;
-    frame.sides[i] = fit.side;
+    result.frame.sides[i] = fit.side;
   }
   const std::optional<Quad> corners = corners_of(lines);
   if (!corners) return fail("feature frame: its sides do not close");
-  frame.corners = *corners;
-  return frame;
+  result.frame.corners = *corners;
+  result.frame.lens = lens;
+  return result;
+}
+
+// What the sides of a frame tell of an unknown lens: one for all of them, and of each by how much
+// it bows beyond that, for real lenses are not quite of one model.
+struct ToldLens {
+  RadialLens radial;
+  std::array<double, 4> beyond{};
+};
+
+Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoint centre,
+                           const ToldLens& told) {
+  const LensBend lens = LensBend::radial(centre, told.radial.lambda);
+  return fit_frame(image, settled, lens, told.beyond);
+}
+
+// What an unknown lens adds to the sides' covariances: a line fitted to a bow stands off its ends
+// by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
+void add_lens_doubt(FrameFit& fit) {
+  constexpr double kShape = 0.02;  // of the bow, at either end
+  const SideBows bows = bows_of(fit.frame.lens, fit.frame.corners);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double shape = kShape * bows[i].middle();
+    fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(4.0 / 9 * fit.bows[i].variance) +
+                                     Eigen::Matrix2d::Identity() * shape * shape;
+  }
+}
+
+// Fits the frame and what its sides tell of the lens in turn, until neither changes.
+Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, PixelPoint centre,
+                                   double lambda) {
+  constexpr int kMostRounds = 4;
+  constexpr int kBeyondRounds = 2;
+  ToldLens told{{lambda, 0}, {}};
+  Result<FrameFit> fit = fit_frame(image, settled, centre, told);
+  if (!fit && lambda != 0) {
+    told = {};
+    fit = fit_frame(image, settled, centre, told);
+  }
+  if (!fit) return tl::unexpected(fit.error());
+  const auto fit_again = [&](const ToldLens& next) {
+    Result<FrameFit> again = fit_frame(image, fit->frame.corners, centre, next);
+    if (!again) return false;
+    fit = std::move(again);
+    told = next;
+    return true;
+  };
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double now = told.radial.lambda;
+    const auto radial = lens_of_sides(fit->frame.corners, fit->bows, centre, now);
+    if (!radial) {
+      if (now != 0 && !fit_again({})) break;
+      return fit->frame;
+    }
+    if (std::abs(radial->lambda - now) < radial->sigma) break;
+    if (!fit_again({*radial, {}})) break;
+  }
+  for (int round = 0; round < kBeyondRounds; ++round) {
+    ToldLens next = told;
+    for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit->bows[i].beyond;
+    if (!fit_again(next)) break;
+  }
+  add_lens_doubt(*fit);
+  return fit->frame;
+}
+
+}  // namespace
+
+Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
+                                  const LensGuess& lens) {
+  if (lens.known) {
+    Result<FrameFit> fit = fit_frame(image, settled, *lens.known, {});
+    if (!fit) return tl::unexpected(fit.error());
+    return fit->frame;
+  }
+  const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
+  return fit_with_lens(image, settled, centre, lens.lambda);
 }
 
 namespace {
@@ -355,12 +480,16 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
 }  // namespace
 
 Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
-                                        const std::array<bool, 4>& shown, double hidden_sigma) {
+                                        const std::array<bool, 4>& shown, double hidden_sigma,
+                                        const LensBend& lens) {
   constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
+  frame.lens = lens;
+  const SideBows bows = bows_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
     SideSamples samples(edge_samples(image, lines[i]));

@@ -7,6 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/bilinear.hpp"
 
@@ -59,6 +62,13 @@ struct LineFit {
   double inliers = 0;  // fraction of the points within the tolerance
 };
 
+double share_within(const std::vector<EdgePoint>& points, double tolerance, const auto& curve) {
+  const auto inliers = std::ranges::count_if(points, [&](const EdgePoint& point) {
+    return std::abs(point.across - curve(point.along)) < tolerance;
+  });
+  return static_cast<double>(inliers) / static_cast<double>(points.size());
+}
+
 LineFit fit_line(const std::vector<EdgePoint>& points, double tolerance) {
   LineFit fit;
   // Start from the median so that a cable or a lump of dirt does not pull the first fit.
@@ -85,17 +95,59 @@ LineFit fit_line(const std::vector<EdgePoint>& points, double tolerance) {
     fit.intercept = (stt * sa - st * sta) / determinant;
     fit.slope = (sw * sta - st * sa) / determinant;
   }
-  int inliers = 0;
-  for (const EdgePoint& point : points) {
-    const double residual = point.across - fit.intercept - fit.slope * point.along;
-    inliers += std::abs(residual) < tolerance ? 1 : 0;
-  }
-  fit.inliers = static_cast<double>(inliers) / static_cast<double>(points.size());
+  fit.inliers = share_within(points, tolerance,
+                             [&](double along) { return fit.intercept + fit.slope * along; });
   return fit;
 }
 
+// across = line + bow * (1 - along^2).
+struct BowedFit {
+  LineFit line;
+  double bow = 0;
+};
+
+BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
+  constexpr int kIterations = 10;
+  Eigen::Vector3d fit = Eigen::Vector3d::Zero();
+  const auto at = [&](double along) {
+    return fit[0] + along * fit[1] + (1 - along * along) * fit[2];
+  };
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const double width = tolerance * std::max(1, kIterations - 2 - iteration);
+    Eigen::Matrix3d matrix = 1e-3 * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const EdgePoint& point : points) {
+      const double ratio = (point.across - at(point.along)) / (2 * width);
+      // The first time all count, for no fit is at hand.
+      const double weight = iteration == 0        ? 1
+                            : std::abs(ratio) < 1 ? std::pow(1 - ratio * ratio, 2)
+                                                  : 0;
+      const Eigen::Vector3d terms(1, point.along, 1 - point.along * point.along);
+      matrix += weight * terms * terms.transpose();
+      right += weight * point.across * terms;
+    }
+    fit = matrix.ldlt().solve(right);
+  }
+  return {{fit[0], fit[1], share_within(points, tolerance, at)}, fit[2]};
+}
+
+// The line, or the bowed side where only that is what the points agree on.
+BowedFit fit_side(const std::vector<EdgePoint>& points, double side_length, bool may_bow) {
+  constexpr double kTolerance = 0.6;   // pixels
+  constexpr double kAgreed = 0.85;     // of the points: as good as all
+  constexpr double kMuchBetter = 0.2;  // of the points
+  constexpr double kMostBow = 0.06;    // of the side's length
+  const LineFit line = fit_line(points, kTolerance);
+  if (!may_bow || line.inliers > kAgreed) return {line, 0};
+  const BowedFit bowed = fit_bowed(points, kTolerance);
+  const bool better = bowed.line.inliers > line.inliers + kMuchBetter &&
+                      std::abs(bowed.bow) < kMostBow * side_length;
+  return better ? bowed : BowedFit{line, 0};
+}
+
 // The side moved onto the edge that most of its profiles show; nothing when fewer than half do.
-std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side, double reach) {
+std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side, double reach,
+                                    bool may_bow) {
   constexpr double kMinFall = 6;        // grey levels a pixel
   constexpr double kEnds = 0.92;        // leave the corners out
   constexpr double kLeastShown = 0.45;  // of the profiles must agree on one edge
@@ -108,13 +160,10 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
     if (across) points.push_back({along, *across});
   }
   if (static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
-  const LineFit fit = fit_line(points, 0.6);
+  const auto [fit, bow] = fit_side(points, side_length, may_bow);
   if (fit.inliers * static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
-  SideLine settled = side;
-  settled.begin = side.begin + (fit.intercept - fit.slope) * side.outward;
-  settled.end = side.end + (fit.intercept + fit.slope) * side.outward;
-  settled.along = 1.0 / distance(settled.begin, settled.end) * (settled.end - settled.begin);
-  settled.outward = {settled.along.y, -settled.along.x};
+  SideLine settled = moved(side, fit.intercept - fit.slope, fit.intercept + fit.slope);
+  settled.bow.c[0] += bow;
   return settled;
 }
 
@@ -152,22 +201,24 @@ bool looks_framed(const GrayView& image, const Quad& rough) {
   return true;
 }
 
-Result<Quad> settle_frame(const GrayView& image, const Quad& rough) {
-  Quad quad = rough;
+Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough, const SideBows& bows) {
+  SettledFrame frame{rough, bows};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
-      const SideLine side = side_of(quad, i);
-      const auto settled =
-          settle_side(image, side, pass == 0 ? side.reach + 1 : std::min(side.reach, 3.0));
+      SideLine side = side_of(frame.corners, i);
+      side.bow = frame.bows[i];
+      const double reach = pass == 0 ? side.reach + 1 : std::min(side.reach, 3.0);
+      const auto settled = settle_side(image, side, reach, true);
       if (!settled) return fail("feature frame: a side shows no edge along most of its length");
       sides[i] = *settled;
+      frame.bows[i] = settled->bow;
     }
     const std::optional<Quad> corners = corners_of(sides);
     if (!corners) return fail("feature frame: its sides do not close");
-    quad = *corners;
+    frame.corners = *corners;
   }
-  return quad;
+  return frame;
 }
 
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough) {
@@ -177,7 +228,7 @@ std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& 
     for (std::size_t i = 0; i < 4; ++i) {
       sides[i] = side_of(result.quad, i);
       const double reach = pass == 0 ? sides[i].reach + 1 : std::min(sides[i].reach, 3.0);
-      const auto settled = settle_side(image, sides[i], reach);
+      const auto settled = settle_side(image, sides[i], reach, false);
       result.shown[i] = settled.has_value();
       if (settled) sides[i] = *settled;
     }

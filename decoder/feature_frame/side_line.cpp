@@ -32,9 +32,34 @@ SideLine side_of(const Quad& quad, std::size_t i) {
   return side;
 }
 
-PixelPoint point_on(const SideLine& side, double along) {
-  return 0.5 * (1 - along) * side.begin + 0.5 * (1 + along) * side.end;
+double SideBow::slope(double s) const {
+  const double series_slope = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * 4 * c[4]));
+  return (1 - s * s) * series_slope - 2 * s * series(s);
 }
+
+SideBows scaled(SideBows bows, double by) {
+  for (SideBow& bow : bows) {
+    for (double& c : bow.c) c *= by;
+  }
+  return bows;
+}
+
+PixelPoint point_on(const SideLine& side, double along) {
+  const PixelPoint on_chord = 0.5 * (1 - along) * side.begin + 0.5 * (1 + along) * side.end;
+  if (side.bow.is_straight()) return on_chord;
+  return on_chord + side.bow.at(along) * side.outward;
+}
+
+namespace {
+
+// The side's direction at s; as long as the chord's unit or a little longer.
+PixelPoint tangent(const SideLine& side, double s) {
+  if (side.bow.is_straight()) return side.along;
+  const double slope = side.bow.slope(s);
+  return side.along + 2 * slope / distance(side.begin, side.end) * side.outward;
+}
+
+}  // namespace
 
 SideLine moved(const SideLine& side, double begin_shift, double end_shift) {
   SideLine line = side;
@@ -50,10 +75,13 @@ std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides) {
   for (std::size_t i = 0; i < 4; ++i) {
     const SideLine& before = sides[(i + 3) % 4];
     const SideLine& here = sides[i];
-    const double determinant = cross(before.along, here.along);
+    // Prolonged along their tangents, from the ends, which are next to the corner.
+    const PixelPoint out = tangent(before, 1);
+    const PixelPoint in = tangent(here, -1);
+    const double determinant = cross(out, in);
     if (std::abs(determinant) < 0.05) return std::nullopt;
-    const double t = cross(here.begin - before.begin, here.along) / determinant;
-    corners[i] = before.begin + t * before.along;
+    const double t = cross(here.begin - before.end, in) / determinant;
+    corners[i] = before.end + t * out;
   }
   return is_convex(corners) ? std::optional(corners) : std::nullopt;
 }

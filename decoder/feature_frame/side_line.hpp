@@ -11,6 +11,25 @@
 
 namespace tagsmith {
 
+// How far a side stands outwards from the chord between its ends where a lens bends it:
+// (1 - s^2) (c0 + c1 s + c2 s^2 + ...) pixels at s, which is -1 at the begin and 1 at the end.
+struct SideBow {
+  std::array<double, 5> c{};
+
+  double middle() const { return c[0]; }
+  bool is_straight() const { return c == std::array<double, 5>{}; }
+  double at(double s) const { return (1 - s * s) * series(s); }
+  double slope(double s) const;  // of at, by s
+
+ private:
+  double series(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4]))); }
+};
+
+using SideBows = std::array<SideBow, 4>;
+
+// The bows in an image this many times as large.
+SideBows scaled(SideBows bows, double by);
+
 // A side while it is being fitted.
 struct SideLine {
   PixelPoint begin;
@@ -19,9 +38,10 @@ struct SideLine {
   PixelPoint outward;  // unit
   double reach = 0;   // how far to look to both sides without leaving stroke and quiet zone, pixels
   double stroke = 0;  // likely thickness of the stroke, pixels
+  SideBow bow;
 };
 
-// Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1.
+// Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight.
 SideLine side_of(const Quad& quad, std::size_t i);
 
 // A point of the side, -1 at its begin and 1 at its end.

@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "decoder/image/load.hpp"
-#include "decoder/localize/lens_bend.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
@@ -34,8 +33,8 @@ std::string no_tag_read(const std::string& image, const ReadResult& result) {
   return text;
 }
 
-SeenCorners corners_in(const Reading& reading, const Camera& camera, const ReaderChoice& reader) {
-  return seen_corners(reading.corners, reading.corner_covariance, camera, reader.corner_sigma_px);
+SeenCorners corners_in(const Reading& reading, const ReaderChoice& reader) {
+  return seen_corners(reading.corners, reading.corner_covariance, reader.corner_sigma_px);
 }
 
 // A tag that no survey has, hung where its digits say: on the wall nearest to there. Nothing when
@@ -64,7 +63,7 @@ void add_unsurveyed(Observation& observation, const RigCamera& camera, const Sur
     return;
   }
   observation.tags.push_back(
-      {camera.name, 0, *tag, corners_in(reading, camera.camera, reader), std::nullopt, true});
+      {camera.name, 0, *tag, corners_in(reading, reader), std::nullopt, true});
 }
 
 void add_distance(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
@@ -86,21 +85,10 @@ void add_distance(Observation& observation, const RigCamera& camera, const Camer
 
 }  // namespace
 
-// The shift takes a line fitted evenly along each side; the reader leaves out what lies far from
-// its line.
 SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& covariance,
-                         const Camera& camera, double sigma_px) {
-  constexpr double kShiftSigma = 0.4;  // of the shift: 0.17 to 0.37 is left in simulated pictures
-  SeenCorners seen{corners_of_bent_sides(camera, corners), sigma_px, covariance};
-  if (seen.covariance.isZero()) {
-    seen.covariance = seen.sigma_px * seen.sigma_px * CornerCovariance::Identity();
-  }
-  for (std::size_t i = 0; i < seen.corners.size(); ++i) {
-    const PixelPoint shift = seen.corners[i] - corners[i];
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    seen.covariance(row, row) += std::pow(kShiftSigma * shift.x, 2);
-    seen.covariance(row + 1, row + 1) += std::pow(kShiftSigma * shift.y, 2);
-  }
+                         double sigma_px) {
+  SeenCorners seen{corners, sigma_px, covariance};
+  if (covariance.isZero()) seen.covariance = sigma_px * sigma_px * CornerCovariance::Identity();
   return seen;
 }
 
@@ -137,6 +125,7 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
     return;
   }
   ReadOptions options = read_options_for(surveys);
+  options.camera = camera.camera;
   if (reader.unsurveyed) options.code_book.clear();
   if (prior) options.expected = expected_tags(*prior, surveys[prior->survey], camera);
   const ReadResult result = reader.read(image, options);
@@ -148,7 +137,7 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
     }
     for (const auto& [survey, tag] : found) {
       observation.tags.push_back(
-          {camera.name, survey, *tag, corners_in(reading, camera.camera, reader), std::nullopt});
+          {camera.name, survey, *tag, corners_in(reading, reader), std::nullopt});
     }
   }
 }

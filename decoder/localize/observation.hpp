@@ -57,10 +57,10 @@ struct ReaderChoice {
 inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
 
-// The reading's corners where they really lie under the camera's lens, which bends the frame's
-// sides. `covariance` zero = not estimated: `sigma_px` is taken instead.
+// A reading's corners; by a reader that knew the camera, where its lens bends straight lines.
+// `covariance` zero = not estimated: `sigma_px` is taken instead.
 SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& covariance,
-                         const Camera& camera, double sigma_px = kFittedCornerSigmaPx);
+                         double sigma_px = kFittedCornerSigmaPx);
 
 // A tag of the survey where it should hang, with how surely it does.
 SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey);

@@ -32,7 +32,7 @@ struct Pattern {
 class Symbol {
  public:
   Symbol(const GrayView& image, const BarField& field)
-      : image_(image), field_(field), image_from_unit_(homography_to(field.corners)) {}
+      : image_(image), field_(field), image_from_unit_(field.corners, field.lens) {}
 
   Row row(std::size_t window, double v) const {
     const double width = (field_.last - field_.first) / kWindows;
@@ -95,7 +95,7 @@ class Symbol {
   const ToneCurve& tone_ = ToneCurve::srgb();
   GrayView image_;
   BarField field_;
-  Homography image_from_unit_;
+  FrameMap image_from_unit_;
 };
 
 // How much of the bars' contrast a row shows.
@@ -215,10 +215,10 @@ double tolerance_of(double height) { return 1.2 / height + 0.006; }
 
 }  // namespace
 
-BarField bar_field(const Quad& corners, const SymbolLayout& layout) {
+BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensBend& lens) {
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   const double first = layout.quiet_zone_modules / modules;
-  return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom};
+  return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom, lens};
 }
 
 std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
@@ -232,10 +232,11 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
   return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
 }
 
-bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout) {
+bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
+                   const LensBend& lens) {
   constexpr std::size_t kRows = 3;
   constexpr std::size_t kLeastRight = 5;  // windows
-  const Symbol symbol(image, bar_field(corners, layout));
+  const Symbol symbol(image, bar_field(corners, layout, lens));
   const double height = height_px(corners);
   const double near = std::max(1.5 / height, tolerance_of(height));
   std::size_t above = 0, below = 0;
@@ -291,10 +292,10 @@ double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, do
 }  // namespace
 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout) {
-  if (bars_end_near(image, corners, layout)) return {EndsVerdict::suited, corners, 0, 0};
+                              const SymbolLayout& layout, const LensBend& lens) {
+  if (bars_end_near(image, corners, layout, lens)) return {EndsVerdict::suited, corners, 0, 0};
   constexpr double kInside = 0.2, kOutside = 0.3;  // of the frame's height
-  const BarField field = bar_field(corners, layout);
+  const BarField field = bar_field(corners, layout, lens);
   const auto upper =
       find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
   const auto lower =

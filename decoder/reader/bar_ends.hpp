@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
@@ -17,9 +18,10 @@ struct BarField {
   Quad corners{};              // in the image, clockwise
   double first = 0, last = 1;  // u of the first and the last bar
   double top = 0, bottom = 1;  // v between which the bars are known to run
+  LensBend lens = {};          // through which the bars are seen
 };
 
-BarField bar_field(const Quad& corners, const SymbolLayout& layout);
+BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensBend& lens = {});
 
 // A straight line across the bars.
 struct BarEnds {
@@ -38,7 +40,8 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
 
 // Whether the bars end above and below where the layout has them end in a frame with these corners
 // (clockwise from P), to a pixel or two: a quick look.
-bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout);
+bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
+                   const LensBend& lens = {});
 
 // What the bars' ends say of a frame's upper and lower side.
 struct EndsVerdict {
@@ -57,6 +60,6 @@ struct EndsVerdict {
 // Compares the bars' ends with a frame that is otherwise the symbol's own (corners clockwise from
 // P).
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout);
+                              const SymbolLayout& layout, const LensBend& lens = {});
 
 }  // namespace tagsmith

@@ -46,7 +46,9 @@ std::optional<ExplainedSymbol> explain_framed(const GrayView& image, const Frame
                                               const std::optional<Digits>& digits,
                                               const SymbolLayout& layout,
                                               const ReadOptions& options) {
-  const Result<RefinedFrame> frame = refine_frame(image, corners);
+  LensGuess lens;
+  if (options.camera) lens.known = LensBend(*options.camera);
+  const Result<RefinedFrame> frame = refine_frame(image, corners, lens);
   if (!frame) return std::nullopt;
   SymbolProfile profile = profile_symbol(image, *frame, 0, layout);
   SymbolImage start;
@@ -61,7 +63,7 @@ std::optional<ExplainedSymbol> explain_framed(const GrayView& image, const Frame
   symbol.decoding = *decoding;
   symbol.module_px = profile.module_px;
   symbol.profile = std::move(profile.bins);
-  const Homography image_from_unit = homography_to(frame->corners);
+  const FrameMap image_from_unit(frame->corners, frame->lens);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   const auto u_of = [&](double module) { return (layout.quiet_zone_modules + module) / modules; };
   for (const double v : {layout.bars_top, 0.5, layout.bars_bottom}) {

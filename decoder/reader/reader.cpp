@@ -18,6 +18,7 @@
 #include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
+#include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
@@ -136,7 +137,7 @@ FrameCorners corners_by_bars(const RefinedFrame& frame, const Attempt& attempt) 
     return (quiet + seen) / (kModuleCount + 2 * quiet);
   };
   const double left = u_of(-quiet), right = u_of(kModuleCount + quiet);
-  const Homography map = homography_to(corners);
+  const FrameMap map(corners, frame.lens);
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
@@ -245,7 +246,9 @@ Reading reading_from(const RefinedFrame& frame, const Attempt& attempt, const Fr
 class PictureReader {
  public:
   PictureReader(const GrayView& image, const ReadOptions& options)
-      : image_(image), options_(options) {}
+      : image_(image), options_(options) {
+    if (options.camera) lens_ = LensBend(*options.camera);
+  }
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate) {
@@ -258,13 +261,15 @@ class PictureReader {
 
   // Reads what stands in a frame that is known to a few pixels of the level.
   void try_frame(const PyramidLevel& level, const Quad& rough) {
-    const Result<Quad> settled = settle_frame(level.image, rough);
+    Result<SettledFrame> settled = settle_frame(level.image, rough, known_bows(level, rough));
+    // The corners of an outline's hull are too far out where its sides bow.
+    if (!settled && lens_ && lens_->bends()) settled = settle_frame(level.image, rough);
     if (!settled) return pass_over(to_full(level, rough), settled.error().message);
-    const Quad quad = to_full(level, *settled);
+    const Quad quad = to_full(level, settled->corners);
     if (is_read(quad)) return;
     if (was_tried(settled_, quad, 0.4)) return;
     settled_.push_back(quad);
-    const Result<RefinedFrame> frame = refine_frame(image_, quad);
+    const Result<RefinedFrame> frame = refine_frame(image_, quad, lens_for(level, *settled));
     if (!frame) return pass_over(quad, frame.error().message);
     if (was_tried(refined_, frame->corners, 0.1)) return;
     refined_.push_back(frame->corners);
@@ -375,6 +380,21 @@ class PictureReader {
         tried, [&](const Quad& other) { return nearly_equal(other, quad, pixels); });
   }
 
+  // How a known lens bends the sides of a frame, in pixels of the level.
+  SideBows known_bows(const PyramidLevel& level, const Quad& quad) const {
+    if (!lens_) return {};
+    return scaled(bows_of(*lens_, to_full(level, quad)), 1 / level.scale);
+  }
+
+  LensGuess lens_for(const PyramidLevel& level, const SettledFrame& settled) const {
+    constexpr double kSettledSigma = 0.25;  // of a bow, pixels of the level
+    if (lens_) return {lens_};
+    const PixelPoint centre{(image_.width - 1) / 2.0, (image_.height - 1) / 2.0};
+    return {std::nullopt,
+            lambda_of_settled(to_full(level, settled.corners), scaled(settled.bows, level.scale),
+                              kSettledSigma * level.scale, centre)};
+  }
+
   void pass_over(const Quad& quad, const std::string& reason) {
     if (options_.tell_passed_over) result_.passed_over.push_back({reason, quad});
   }
@@ -449,7 +469,7 @@ class PictureReader {
   bool accept_where_bars_end(const RefinedFrame& frame, const Attempt& attempt,
                              const char* method) {
     const EndsVerdict verdict =
-        judge_by_bar_ends(image_, corners_of(frame, attempt), attempt.layout);
+        judge_by_bar_ends(image_, corners_of(frame, attempt), attempt.layout, frame.lens);
     const bool whole = std::ranges::all_of(frame.shown, std::identity{});
     if (verdict.kind == EndsVerdict::odd) return false;
     if (verdict.kind == EndsVerdict::unknown && !whole) return false;
@@ -461,7 +481,8 @@ class PictureReader {
     for (std::size_t i = 0; i < 4; ++i) {
       shown[i] = frame.shown[(attempt.first_corner + i) % 4] && i != verdict.side;
     }
-    const auto completed = refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px);
+    const auto completed = refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px,
+                                              lens_.value_or(LensBend{}));
     if (!completed) return false;
     const auto again = read_believed(*completed, true);
     if (!again || again->decoding.digits != attempt.decoding.digits) return false;
@@ -484,6 +505,7 @@ class PictureReader {
 
   GrayView image_;
   const ReadOptions& options_;
+  std::optional<LensBend> lens_;  // of the camera, if that is known
   ReadResult result_;
   std::vector<Quad> settled_;  // frames tried, before and after the fine fit
   std::vector<Quad> refined_;

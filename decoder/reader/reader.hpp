@@ -8,6 +8,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/symbol_layout.hpp"
+#include "tagsmith/geometry/camera.hpp"
 
 namespace tagsmith {
 
@@ -44,6 +45,10 @@ struct ReadOptions {
   // Looked for first, by fitting their frames where they should be: no search where that succeeds.
   std::vector<ExpectedTag> expected;
   Search search = Search::when_missing;
+  // The camera that took the picture, of the picture's size: the corners are as exact under a lens
+  // that bends straight lines as under any other. Without, a frame's own sides tell how its lens
+  // bends them, as far as a radial distortion about the picture's middle does.
+  std::optional<Camera> camera;
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).
   std::optional<CheckDigit> check;
   // Codes that exist (the survey's). When not empty, only these are returned, and reading works at

@@ -86,15 +86,26 @@ RowSpan span_of_row(const Quad& quad, int y, int width) {
 }
 
 // The symbol with a little of its quiet zones, in the image.
-Quad scanned_region(const Homography& image_from_unit, const SymbolLayout& layout) {
+Quad scanned_region(const FrameMap& image_from_unit, const SymbolLayout& layout) {
   const auto [top, bottom] = scanned_height(layout);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   const double left = (layout.quiet_zone_modules - kBeyond) / modules;
-  return {image_from_unit(left, top), image_from_unit(1 - left, top),
-          image_from_unit(1 - left, bottom), image_from_unit(left, bottom)};
+  const Quad region{image_from_unit(left, top), image_from_unit(1 - left, top),
+                    image_from_unit(1 - left, bottom), image_from_unit(left, bottom)};
+  if (!image_from_unit.bends()) return region;
+  // Between the corners, bowed sides reach further out.
+  double farthest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool level = i % 2 == 0;
+    const PixelPoint chord = 0.5 * (region[i] + region[(i + 1) % 4]);
+    const PixelPoint middle = level ? image_from_unit(0.5, i == 0 ? top : bottom)
+                                    : image_from_unit(i == 1 ? 1 - left : left, 0.5);
+    farthest = std::max(farthest, distance(chord, middle));
+  }
+  return widened(region, farthest);
 }
 
-CellGrid collect(const GrayView& image, const Homography& image_from_unit, const Field& white,
+CellGrid collect(const GrayView& image, const FrameMap& image_from_unit, const Field& white,
                  const Field& black, const SymbolLayout& layout, int bins_per_module, int skip,
                  std::size_t bands) {
   const auto [scan_top, scan_bottom] = scanned_height(layout);
@@ -111,7 +122,7 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
     light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
   }
   std::array<float, 9> h{};
-  const Homography unit_from_image = inverse(image_from_unit);
+  const Homography unit_from_image = inverse(image_from_unit.flat());
   for (std::size_t i = 0; i < h.size(); ++i) h[i] = static_cast<float>(unit_from_image.h[i]);
   const auto top = static_cast<float>(scan_top);
   const float bands_per_height =
@@ -140,16 +151,24 @@ CellGrid collect(const GrayView& image, const Homography& image_from_unit, const
     // First what the compiler can work out for several pixels at a time.
     std::size_t count = 0;
     for (int x = begin; x <= span.end; x += x_step) samples[count++] = light[row[x]];
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto fx = static_cast<float>(begin + static_cast<int>(i) * x_step);
-      const float scale = 1 / (h[6] * fx + w0);
-      const float u = (h[0] * fx + u0) * scale;
-      const float v = (h[3] * fx + v0) * scale;
-      heights[i] = (v - top) * bands_per_height;
-      places[i] = u * modules - first_place;
-      const float paper = white.at(u, v);
-      const float contrast = paper - black.at(u, v);
-      samples[i] = (paper - samples[i]) / (contrast < 1e-3F ? 1e-3F : contrast);
+    const auto place_all = [&](const auto& correct) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto fx = static_cast<float>(begin + static_cast<int>(i) * x_step);
+        const float scale = 1 / (h[6] * fx + w0);
+        float u = (h[0] * fx + u0) * scale;
+        float v = (h[3] * fx + v0) * scale;
+        correct(u, v);
+        heights[i] = (v - top) * bands_per_height;
+        places[i] = u * modules - first_place;
+        const float paper = white.at(u, v);
+        const float contrast = paper - black.at(u, v);
+        samples[i] = (paper - samples[i]) / (contrast < 1e-3F ? 1e-3F : contrast);
+      }
+    };
+    if (image_from_unit.bends()) {
+      place_all([&](float& u, float& v) { image_from_unit.correct(u, v); });
+    } else {
+      place_all([](float&, float&) {});
     }
     for (std::size_t i = 0; i < count; ++i) {
       const float position = places[i] * per_bin;
@@ -486,7 +505,7 @@ ScanProfile combine_all(const CellGrid& grid, double variance) {
 }
 
 // Width of a module in the middle of the frame, pixels.
-double module_at_middle(const Homography& image_from_unit, const SymbolLayout& layout) {
+double module_at_middle(const FrameMap& image_from_unit, const SymbolLayout& layout) {
   const double half = 0.5 / (kModuleCount + 2 * layout.quiet_zone_modules);
   return distance(image_from_unit(0.5 - half, 0.5), image_from_unit(0.5 + half, 0.5));
 }
@@ -501,7 +520,7 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
     corners[i] = frame.corners[(first_corner + i) % 4];
     sides[i] = frame.sides[(first_corner + i) % 4];
   }
-  const Homography image_from_unit = homography_to(corners);
+  const FrameMap image_from_unit(corners, frame.lens);
   SymbolProfile profile;
   profile.module_px = module_at_middle(image_from_unit, layout);
   const double frame_height =

@@ -104,9 +104,8 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
           std::ranges::count_if(report.tags, same) > 1) {
         continue;
       }
-      sighted.push_back(
-          {origin->station, origin->camera, tag.tag,
-           seen_corners(tag.corners, tag.corner_covariance, rig.cameras[origin->camera].camera)});
+      sighted.push_back({origin->station, origin->camera, tag.tag,
+                         seen_corners(tag.corners, tag.corner_covariance)});
     }
   }
   return sighted;

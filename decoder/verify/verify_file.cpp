@@ -116,11 +116,12 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   const Survey& survey = request.survey;
   const GrayView image = loaded->view();
   FileReport report;
-  report.tags = check_tags(survey, read_for_survey(image, survey),
+  const Camera* camera = camera_of(request, file.path);
+  report.tags = check_tags(survey, read_for_survey(image, survey, camera),
                            PictureSize{image.width, image.height}, request.also);
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags);
   find_mirrored(image, survey.tag_template, report.tags);
-  find_bent(image, survey.tag_template, camera_of(request, file.path), report.tags);
+  find_bent(image, survey.tag_template, camera, report.tags);
   find_misplaced(survey, report.tags);
   report.width = image.width;
   report.height = image.height;
@@ -313,9 +314,13 @@ ReadResult merge_readings(const ReadResult& first, const ReadResult& second) {
   return merged;
 }
 
-ReadResult read_for_survey(const GrayView& image, const Survey& survey) {
+ReadResult read_for_survey(const GrayView& image, const Survey& survey, const Camera* camera) {
   ReadOptions with_code_book = read_options_for(std::span(&survey, 1));
+  const bool calibrated =
+      camera != nullptr && camera->width == image.width && camera->height == image.height;
+  if (calibrated) with_code_book.camera = *camera;
   ReadOptions any_code;
+  any_code.camera = with_code_book.camera;
   any_code.layouts = with_code_book.layouts;
   const ReadResult first = read_tags(image, any_code);
   // The search does not depend on the codes: only what it found and refused can read otherwise now.

@@ -31,7 +31,9 @@ struct VerifyRequest {
 // Everything in the picture: first read without the survey, so that a tag that should not be there
 // is seen for what it is; then what that refused once more with the survey as the code book, for
 // tags too small or too worn for the first. What the first reading found stays as it was found.
-ReadResult read_for_survey(const GrayView& image, const Survey& survey);
+// `camera`: what took the picture, used if the picture has its size; null = not known.
+ReadResult read_for_survey(const GrayView& image, const Survey& survey,
+                           const Camera* camera = nullptr);
 
 // Readings of both passes in one: of a second reading that lies on a first one the first is kept,
 // and a refusal that lies on any reading is dropped.

@@ -18,6 +18,7 @@
 #include <fmt/core.h>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/feature_frame/refine.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"

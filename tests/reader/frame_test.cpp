@@ -111,7 +111,7 @@ TEST_CASE("refined corners are exact to a fiftieth of a pixel whatever their fra
                        PixelPoint{right - 1.1, bottom - 1}, PixelPoint{left - 0.8, bottom + 0.9}};
       const auto settled = settle_frame(image.view(), rough);
       REQUIRE(settled.has_value());
-      const auto frame = refine_frame(image.view(), *settled);
+      const auto frame = refine_frame(image.view(), settled->corners);
       REQUIRE(frame.has_value());
       const Quad expected{PixelPoint{left, top}, PixelPoint{right, top}, PixelPoint{right, bottom},
                           PixelPoint{left, bottom}};

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/lens_bend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+namespace tagsmith {
+
+LensBend::LensBend(const Camera& camera) {
+  if (!is_rectilinear(camera)) lens_ = camera;
+}
+
+LensBend LensBend::radial(PixelPoint centre, double lambda) {
+  LensBend bend;
+  if (lambda != 0) bend.lens_ = Division{centre, lambda};
+  return bend;
+}
+
+std::optional<PixelPoint> LensBend::straightened(PixelPoint pixel) const {
+  if (const auto* camera = std::get_if<Camera>(&lens_)) {
+    const auto ray = ray_through(*camera, {pixel.x, pixel.y});
+    return ray ? std::optional(PixelPoint{ray->x(), ray->y()}) : std::nullopt;
+  }
+  if (const auto* division = std::get_if<Division>(&lens_)) {
+    const PixelPoint off = pixel - division->centre;
+    const double scale = 1 + division->lambda * dot(off, off);
+    constexpr double kLeastScale = 0.05;
+    if (scale < kLeastScale) return std::nullopt;
+    return division->centre + 1 / scale * off;
+  }
+  return pixel;
+}
+
+std::optional<PixelPoint> LensBend::bent(PixelPoint point) const {
+  if (const auto* camera = std::get_if<Camera>(&lens_)) {
+    const auto pixel = project(*camera, {point.x, point.y, 1});
+    return pixel ? std::optional(PixelPoint{pixel->x(), pixel->y()}) : std::nullopt;
+  }
+  if (const auto* division = std::get_if<Division>(&lens_)) {
+    const PixelPoint off = point - division->centre;
+    const double discriminant = 1 - 4 * division->lambda * dot(off, off);
+    if (discriminant <= 0) return std::nullopt;
+    return division->centre + 2 / (1 + std::sqrt(discriminant)) * off;
+  }
+  return point;
+}
+
+namespace {
+
+// The curve through a bent side's ends and its pixels at five places.
+SideBow bow_between(const LensBend& lens, const SideLine& side, PixelPoint from, PixelPoint to) {
+  constexpr std::array<double, 5> kPlaces{0.04, 0.22, 0.5, 0.78, 0.96};
+  constexpr auto kCount = static_cast<Eigen::Index>(kPlaces.size());
+  const double side_length = distance(side.begin, side.end);
+  Eigen::Matrix<double, kCount, kCount> powers;
+  Eigen::Matrix<double, kCount, 1> series;
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    const double place = kPlaces[static_cast<std::size_t>(i)];
+    const auto pixel = lens.bent((1 - place) * from + place * to);
+    if (!pixel) return {};
+    const PixelPoint off = *pixel - side.begin;
+    const double s = 2 * dot(off, side.along) / side_length - 1;
+    if (!(std::abs(s) < 0.995)) return {};
+    series[i] = dot(off, side.outward) / (1 - s * s);
+    double power = 1;
+    for (Eigen::Index k = 0; k < kCount; ++k, power *= s) powers(i, k) = power;
+  }
+  const Eigen::Matrix<double, kCount, 1> c = powers.partialPivLu().solve(series);
+  SideBow bow;
+  std::ranges::copy(c, bow.c.begin());
+  return bow;
+}
+
+// The change of the sides' bows with lambda.
+std::array<double, 4> bows_by_lambda(const Quad& corners, PixelPoint centre, double lambda) {
+  double farthest = 1;
+  for (const PixelPoint& corner : corners) farthest = std::max(farthest, distance(corner, centre));
+  const double step = 1e-3 / (farthest * farthest);
+  const SideBows more = bows_of(LensBend::radial(centre, lambda + step), corners);
+  const SideBows less = bows_of(LensBend::radial(centre, lambda - step), corners);
+  std::array<double, 4> by_lambda{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    by_lambda[i] = (more[i].middle() - less[i].middle()) / (2 * step);
+  }
+  return by_lambda;
+}
+
+}  // namespace
+
+SideBows bows_of(const LensBend& lens, const Quad& corners) {
+  SideBows bows{};
+  if (!lens.bends()) return bows;
+  Quad straight{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto point = lens.straightened(corners[i]);
+    if (!point) return bows;
+    straight[i] = *point;
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    bows[i] = bow_between(lens, side_of(corners, i), straight[i], straight[(i + 1) % 4]);
+  }
+  return bows;
+}
+
+std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
+                                        PixelPoint centre, double lambda) {
+  constexpr double kClear = 4;  // standard deviations: straight lenses are left alone
+  constexpr double kMostBarrel = 0.8, kMostCushion = 0.5;  // of 1, at the farthest corner
+  const std::array<double, 4> by_lambda = bows_by_lambda(corners, centre, lambda);
+  double weight = 0, sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!(seen[i].variance > 0)) continue;
+    weight += by_lambda[i] * by_lambda[i] / seen[i].variance;
+    sum += by_lambda[i] * seen[i].beyond / seen[i].variance;
+  }
+  if (!(weight > 0)) return std::nullopt;
+  const double change = sum / weight;
+  RadialLens lens{lambda + change, 1 / std::sqrt(weight)};
+  double unexplained = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!(seen[i].variance > 0)) continue;
+    unexplained += std::pow(seen[i].beyond - change * by_lambda[i], 2) / seen[i].variance;
+  }
+  const double explained = std::pow(lens.lambda / lens.sigma, 2);
+  if (!(explained > std::max(kClear * kClear, unexplained))) return std::nullopt;
+  for (const PixelPoint& corner : corners) {
+    const PixelPoint off = corner - centre;
+    const double there = lens.lambda * dot(off, off);
+    if (there < -kMostBarrel || there > kMostCushion) return std::nullopt;
+  }
+  return lens;
+}
+
+double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,
+                         PixelPoint centre) {
+  std::array<SeenBow, 4> seen{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    // A straight line was good enough where none was taken for bowed: that tells little.
+    if (bows[i].middle() != 0) seen[i] = {bows[i].middle(), sigma * sigma};
+  }
+  const auto lens = lens_of_sides(corners, seen, centre, 0);
+  return lens ? lens->lambda : 0;
+}
+
+FrameMap::FrameMap(const Quad& corners, const LensBend& lens) : flat_(homography_to(corners)) {
+  if (!lens.bends()) return;
+  Quad straight{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto point = lens.straightened(corners[i]);
+    if (!point) return;
+    straight[i] = *point;
+  }
+  lens_ = lens;
+  straight_ = homography_to(straight);
+  fit_correction();
+}
+
+PixelPoint FrameMap::operator()(double u, double v) const {
+  if (!lens_.bends()) return flat_(u, v);
+  return lens_.bent(straight_(u, v)).value_or(flat_(u, v));
+}
+
+void FrameMap::correct(float& u, float& v) const {
+  float change_u = 0, change_v = 0;
+  for (std::size_t j = kAcross; j-- > 0;) {
+    float along_u = 0, along_v = 0;
+    for (std::size_t i = kAlong; i-- > 0;) {
+      along_u = along_u * u + by_u_[j][i];
+      along_v = along_v * u + by_v_[j][i];
+    }
+    change_u = change_u * v + along_u;
+    change_v = change_v * v + along_v;
+  }
+  u += change_u;
+  v += change_v;
+}
+
+// Least squares over a grid of places.
+void FrameMap::fit_correction() {
+  constexpr int kColumns = 11, kRows = 7;
+  constexpr int kTerms = kAlong * kAcross;
+  const Homography flat_from_image = inverse(flat_);
+  Eigen::Matrix<double, kColumns * kRows, kTerms> terms;
+  Eigen::Matrix<double, kColumns * kRows, 2> changes;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const double u = static_cast<double>(column) / (kColumns - 1);
+      const double v = static_cast<double>(row) / (kRows - 1);
+      const PixelPoint pixel = (*this)(u, v);
+      const PixelPoint flat = flat_from_image(pixel.x, pixel.y);
+      const Eigen::Index k = row * kColumns + column;
+      changes.row(k) << u - flat.x, v - flat.y;
+      double across = 1;
+      for (int j = 0; j < kAcross; ++j, across *= flat.y) {
+        double power = across;
+        for (int i = 0; i < kAlong; ++i, power *= flat.x) terms(k, j * kAlong + i) = power;
+      }
+    }
+  }
+  const Eigen::Matrix<double, kTerms, 2> fit = terms.householderQr().solve(changes);
+  for (std::size_t j = 0; j < kAcross; ++j) {
+    for (std::size_t i = 0; i < kAlong; ++i) {
+      const auto term = static_cast<Eigen::Index>(j * kAlong + i);
+      by_u_[j][i] = static_cast<float>(fit(term, 0));
+      by_v_[j][i] = static_cast<float>(fit(term, 1));
+    }
+  }
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a lens bends what is straight.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <variant>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/image/pixel.hpp"
+#include "tagsmith/geometry/camera.hpp"
+
+namespace tagsmith {
+
+// A map between the image and a plane in which straight lines are straight.
+class LensBend {
+ public:
+  // Bends nothing.
+  LensBend() = default;
+
+  // A camera's lens. The plane is z = 1 of the camera frame.
+  explicit LensBend(const Camera& camera);
+
+  // The division model (Fitzgibbon 2001, "Simultaneous linear estimation of multiple view geometry
+  // and lens distortion", (5)): a pixel at the distance r from `centre` belongs to the point of the
+  // plane, in pixels, at r / (1 + lambda r^2) in the same direction. A barrel has lambda < 0.
+  static LensBend radial(PixelPoint centre, double lambda);
+
+  bool bends() const { return !std::holds_alternative<std::monostate>(lens_); }
+
+  // The pixel's point of the plane; nothing where the lens has none.
+  std::optional<PixelPoint> straightened(PixelPoint pixel) const;
+
+  // The point's pixel; nothing where the lens has none.
+  std::optional<PixelPoint> bent(PixelPoint point) const;
+
+ private:
+  struct Division {
+    PixelPoint centre;
+    double lambda = 0;
+  };
+
+  std::variant<std::monostate, Division, Camera> lens_;
+};
+
+// How the lens bends the sides of a quadrilateral (clockwise in the image) whose corners have these
+// pixels, to a thousandth of their bow; zero where it has no ray for one.
+SideBows bows_of(const LensBend& lens, const Quad& corners);
+
+// What is known of the lens before a frame is fitted.
+struct LensGuess {
+  std::optional<LensBend> known;  // otherwise the frame's own sides tell
+  double lambda = 0;              // about the image's centre, to start from
+};
+
+// A side's bow as seen: its middle's distance outwards from the chord beyond what the lens that it
+// was fitted with gives.
+struct SeenBow {
+  double beyond = 0;    // pixels
+  double variance = 0;  // pixels^2
+};
+
+struct RadialLens {
+  double lambda = 0;
+  double sigma = 0;
+};
+
+// The lens of the division model that the sides of a frame tell, when they were fitted with that of
+// `lambda`; nothing when they are straight as far as can be seen, or bow in ways that no such lens
+// explains for the most part.
+std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
+                                        PixelPoint centre, double lambda);
+
+// The lambda that the bows of a settled frame tell, zero when they tell none; `sigma` of a bow's
+// middle, pixels.
+double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,
+                         PixelPoint centre);
+
+// The map from the unit square, (0,0) (1,0) (1,1) (0,1) -> a frame's corners in order, to the image
+// through a lens.
+class FrameMap {
+ public:
+  FrameMap(const Quad& corners, const LensBend& lens);
+
+  PixelPoint operator()(double u, double v) const;
+
+  // The same without the lens.
+  const Homography& flat() const { return flat_; }
+
+  bool bends() const { return lens_.bends(); }
+
+  // The place in the unit square of a pixel that the map without the lens puts at (u, v). For
+  // places in the square or near it, to about a fiftieth of what the lens changes.
+  void correct(float& u, float& v) const;
+
+ private:
+  static constexpr int kAlong = 5;  // coefficients, by powers of u
+  static constexpr int kAcross = 4;
+
+  void fit_correction();
+
+  LensBend lens_;
+  Homography flat_;
+  Homography straight_;
+  std::array<std::array<float, kAlong>, kAcross> by_u_{};
+  std::array<std::array<float, kAlong>, kAcross> by_v_{};
+};
+
+}  // namespace tagsmith

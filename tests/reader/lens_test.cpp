@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames whose sides a lens bends.
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include <doctest/doctest.h>
+
+#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/survey_view.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+Camera fisheye() {
+  return {1280, 960, 620, 622, 645, 470, {-0.03, 0.01, -0.004, 0.0007}, LensModel::fisheye};
+}
+
+Camera wide_angle() { return {1280, 960, 800, 800, 639.5, 479.5, {-0.28, 0.08, 0.001, -0.0015}}; }
+
+struct CornerErrors {
+  double square = 0;  // over all corners, pixels^2
+  int tags = 0;
+
+  double mean() const { return std::sqrt(square / (4 * tags)); }
+};
+
+// Over the large tags that a camera at the left reads along the corridor.
+CornerErrors errors_along_corridor(const Camera& camera, const ReadOptions& options) {
+  const auto survey = load_survey("surveys/corridor/survey.yaml");
+  REQUIRE(survey.has_value());
+  RigCamera rig_camera;
+  rig_camera.camera = camera;
+  rig_camera.vehicle_from_camera = vehicle_from_side_camera(Side::left, radians(20));
+  ViewOptions view;
+  view.lighting = tunnel_lighting();
+  view.sensor.noise_sigma = 1.5;
+  CornerErrors errors;
+  for (const double y : {0.3, 1.1, 1.9, 2.7}) {
+    const Pose vehicle = vehicle_in_tunnel(*survey, {0.95, y, 0.24}, radians(2));
+    const SurveyView seen = render_survey_view(*survey, rig_camera, vehicle, view, 1);
+    for (const Reading& reading : read_tags(seen.view.image.view(), options).tags) {
+      for (std::size_t i = 0; i < seen.tags.size(); ++i) {
+        const PlateTruth& plate = seen.view.plates[i];
+        if (survey->tags[seen.tags[i]].digits != reading.digits || plate.module_px < 1.2) continue;
+        ++errors.tags;
+        for (std::size_t corner = 0; corner < 4; ++corner) {
+          const PixelPoint& at = reading.corners[corner];
+          errors.square += (Eigen::Vector2d(at.x, at.y) - *plate.corners[corner]).squaredNorm();
+        }
+      }
+    }
+  }
+  return errors;
+}
+
+std::optional<PixelPoint> there_and_back(const LensBend& lens, PixelPoint pixel) {
+  const auto straight = lens.straightened(pixel);
+  return straight ? lens.bent(*straight) : std::nullopt;
+}
+
+}  // namespace
+
+TEST_CASE("a lens that bends the frame's sides does not shift its corners") {
+  for (const Camera& camera : {fisheye(), wide_angle()}) {
+    ReadOptions known;
+    known.camera = camera;
+    const CornerErrors by_camera = errors_along_corridor(camera, known);
+    const CornerErrors by_sides = errors_along_corridor(camera, {});
+    MESSAGE(by_camera.tags << " and " << by_sides.tags << " tags: " << by_camera.mean()
+                           << " px with the camera, " << by_sides.mean() << " px without");
+    CHECK(by_camera.tags >= 4);
+    CHECK(by_sides.tags >= 4);
+    CHECK(by_camera.mean() < 0.03);
+    CHECK(by_sides.mean() < 0.15);
+  }
+}
+
+TEST_CASE("what is straightened is bent back to where it was") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> x(0, 1279), y(0, 959);
+  const LensBend barrel = LensBend::radial({639.5, 479.5}, -6e-7);
+  const LensBend cushion = LensBend::radial({639.5, 479.5}, 3e-7);
+  for (const LensBend& lens :
+       {barrel, cushion, LensBend(fisheye()), LensBend(wide_angle()), LensBend()}) {
+    for (int i = 0; i < 50; ++i) {
+      const PixelPoint pixel{x(random), y(random)};
+      const auto back = there_and_back(lens, pixel);
+      REQUIRE(back.has_value());
+      CHECK(distance(*back, pixel) < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("a bent side is described by its bow to a hundredth of a pixel over half the image") {
+  const Quad corners{PixelPoint{350, 120}, PixelPoint{1020, 180}, PixelPoint{980, 520},
+                     PixelPoint{330, 440}};
+  for (const LensBend& lens : {LensBend(fisheye()), LensBend(wide_angle())}) {
+    const SideBows bows = bows_of(lens, corners);
+    const PixelPoint from = *lens.straightened(corners[0]);
+    const PixelPoint to = *lens.straightened(corners[1]);
+    const SideLine side = side_of(corners, 0);
+    CHECK(std::abs(bows[0].middle()) > 5);
+    for (double part = 0; part <= 1; part += 0.05) {
+      const PixelPoint off = *lens.bent((1 - part) * from + part * to) - side.begin;
+      const double s = 2 * dot(off, side.along) / distance(side.begin, side.end) - 1;
+      CHECK(std::abs(dot(off, side.outward) - bows[0].at(s)) < 0.01);
+    }
+  }
+  CHECK(bows_of(LensBend(), corners)[0].middle() == 0);
+}
+
+TEST_CASE("places in a bent frame are found from its pixels") {
+  const Quad corners{PixelPoint{700, 120}, PixelPoint{1210, 160}, PixelPoint{1180, 420},
+                     PixelPoint{690, 400}};
+  const FrameMap map(corners, LensBend(wide_angle()));
+  const Homography unit_from_image = inverse(map.flat());
+  double farthest_flat = 0;
+  for (double u = 0; u <= 1; u += 0.1) {
+    for (double v = 0; v <= 1; v += 0.1) {
+      const PixelPoint pixel = map(u, v);
+      const PixelPoint flat = unit_from_image(pixel.x, pixel.y);
+      auto found_u = static_cast<float>(flat.x), found_v = static_cast<float>(flat.y);
+      map.correct(found_u, found_v);
+      farthest_flat = std::max(farthest_flat, std::abs(flat.x - u));
+      CHECK(std::abs(static_cast<double>(found_u) - u) < 6e-4);  // a fifteenth of a module
+      CHECK(std::abs(static_cast<double>(found_v) - v) < 6e-4);
+    }
+  }
+  CHECK(farthest_flat > 5e-3);
+}
+
+TEST_CASE("corners without a ray bend nothing") {
+  const Quad corners{PixelPoint{20, 20}, PixelPoint{300, 30}, PixelPoint{310, 220},
+                     PixelPoint{30, 200}};
+  Camera narrow = fisheye();
+  narrow.fx = narrow.fy = 200;  // the image's corners lie outside of the image circle
+  const LensBend lens(narrow);
+  REQUIRE(lens.bends());
+  for (const SideBow& bow : bows_of(lens, corners)) CHECK(bow.middle() == 0);
+  CHECK_FALSE(FrameMap(corners, lens).bends());
+}
