@@ -33,7 +33,6 @@ struct RefinedFrame {
   std::array<bool, 4> shown{true, true, true, true};
   LensBend lens;  // through which it was fitted
 };
-};
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
 // and, where the stroke is thin, back to white, in light. Fails with the reason when one does not
