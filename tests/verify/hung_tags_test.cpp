@@ -134,6 +134,33 @@ TEST_CASE("a plate on its head, in another's place, or exchanged is told as such
   CHECK(wrong_wall.message.find("in the place of 001R") != std::string::npos);
 }
 
+TEST_CASE("of two tags that contradict each other each is told what to do if it is the one") {
+  Corridor corridor;
+  corridor.survey.angle_sigma = radians(0.1);
+  Pose& low = corridor.at("001L");
+  low.translation += low.rotation * Vector3d(0, 0.03, 0);
+  std::vector<SightedTag> picture = corridor.seen();
+  std::erase_if(picture, [](const SightedTag& tag) {
+    return tag.station != std::to_string(0.3) || (tag.tag != "001L" && tag.tag != "001R");
+  });
+  REQUIRE(picture.size() == 2);
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, picture);
+  REQUIRE(result.tags.size() == 2);
+  const std::string left =
+      "001L and 001R do not fit together by 30 mm: one of them hangs wrong, "
+      "and no other tag in view tells which. Measure them: if it is 001L, "
+      "raise it by 30 mm; if it is 001R, lower it by 30 mm";
+  const std::string right =
+      "001R and 001L do not fit together by 30 mm: one of them hangs wrong, "
+      "and no other tag in view tells which. Measure them: if it is 001R, "
+      "lower it by 30 mm; if it is 001L, raise it by 30 mm";
+  for (const HungTag& tag : result.tags) {
+    CHECK(tag.verdict == HangVerdict::doubtful);
+    CHECK(tag.rule == "contradiction");
+    CHECK(tag.message == (tag.tag == "001L" ? left : right));
+  }
+}
+
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
   const Corridor corridor;
   const HungTag tag = corridor.judged("001L");
