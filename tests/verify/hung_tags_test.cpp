@@ -227,6 +227,7 @@ TEST_CASE("what was found is written into the reports, in place of what was said
 
 TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on their head") {
   const Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const PhotoCameras cameras = PhotoCameras::by_names(rig);
   FileReport report;
   report.file = "corridor_01_left.jpg";
@@ -237,19 +238,19 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
   tag.corners = {{{470, 230}, {870, 270}, {870, 490}, {470, 490}}};
   report.tags = {tag};
   std::vector<FileReport> reports{report};
-  find_upside_down_in_photos(rig, cameras, reports);
+  find_upside_down_in_photos(survey, rig, cameras, reports);
   CHECK(reports[0].tags[0].status == TagStatus::ok);
 
   std::swap(reports[0].tags[0].corners[0], reports[0].tags[0].corners[2]);
   std::swap(reports[0].tags[0].corners[1], reports[0].tags[0].corners[3]);
   std::vector<FileReport> by_hand = reports;
-  find_upside_down_in_photos(rig, cameras, reports);
+  find_upside_down_in_photos(survey, rig, cameras, reports);
   CHECK(reports[0].tags[0].rule == "upside-down");
   CHECK(reports[0].findings.size() == 1);
 
   Rig held = rig;
   held.roll_sigma = radians(60);
-  find_upside_down_in_photos(held, cameras, by_hand);
+  find_upside_down_in_photos(survey, held, cameras, by_hand);
   CHECK(by_hand[0].tags[0].status == TagStatus::ok);
 }
 
