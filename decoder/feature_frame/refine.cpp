@@ -376,6 +376,28 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
   return result;
 }
 
+// Fits the frame through a known lens, anew while the corners from which its bows were reckoned
+// move: a side's bow grows with its distance from the lens's centre.
+Result<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& settled,
+                                         const LensBend& lens) {
+  constexpr int kMostRounds = 4;
+  constexpr double kAtRest = 0.02;  // pixels
+  Result<FrameFit> fit = fit_frame(image, settled, lens, {});
+  if (!fit) return tl::unexpected(fit.error());
+  Quad from = settled;
+  for (int round = 1; round < kMostRounds && lens.bends(); ++round) {
+    const Quad& corners = fit->frame.corners;
+    double moved = 0;
+    for (std::size_t i = 0; i < 4; ++i) moved = std::max(moved, distance(corners[i], from[i]));
+    if (moved < kAtRest) break;
+    from = corners;
+    Result<FrameFit> again = fit_frame(image, from, lens, {});
+    if (!again) break;
+    fit = std::move(again);
+  }
+  return fit->frame;
+}
+
 // What the sides of a frame tell of an unknown lens: one for all of them, and of each by how much
 // it bows beyond that, for real lenses are not quite of one model.
 struct ToldLens {
@@ -443,11 +465,7 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
 
 Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
                                   const LensGuess& lens) {
-  if (lens.known) {
-    Result<FrameFit> fit = fit_frame(image, settled, *lens.known, {});
-    if (!fit) return tl::unexpected(fit.error());
-    return fit->frame;
-  }
+  if (lens.known) return fit_with_known_lens(image, settled, *lens.known);
   const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
   return fit_with_lens(image, settled, centre, lens.lambda);
 }
