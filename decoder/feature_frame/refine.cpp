@@ -29,7 +29,7 @@ enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, 
 
 // The parameters as they enter every sample.
 struct StepModel {
-  explicit StepModel(const Parameters& p)
+  StepModel(const Parameters& p, const SideLine& side)
       : place(static_cast<float>(p[kPlace])),
         turn(static_cast<float>(p[kTurn])),
         per_blur(static_cast<float>(std::exp(-p[kLogBlur]))),
@@ -37,9 +37,12 @@ struct StepModel {
         white(static_cast<float>(p[kWhite])),
         white_slope(static_cast<float>(p[kWhiteSlope])),
         black(static_cast<float>(p[kBlack])),
-        black_slope(static_cast<float>(p[kBlackSlope])) {}
+        black_slope(static_cast<float>(p[kBlackSlope])),
+        taper(static_cast<float>(side.taper)) {}
 
-  float place, turn, per_blur, stroke, white, white_slope, black, black_slope;
+  float stroke_at(float along) const { return stroke * (1 + taper * along); }
+
+  float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
 };
 
 // One sample's prediction and what it depends on.
@@ -56,7 +59,7 @@ Predicted predict(const StepModel& model, const EdgeSample& at, const ToneCurve&
                   const NormalTable& normal) {
   Predicted predicted;
   predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
-  predicted.z_outer = predicted.z_inner - model.stroke * model.per_blur;
+  predicted.z_outer = predicted.z_inner - model.stroke_at(at.along) * model.per_blur;
   const NormalValue inner = normal(predicted.z_inner);
   const NormalValue outer = normal(predicted.z_outer);
   predicted.dark = inner.integral - outer.integral;
@@ -105,7 +108,7 @@ struct SideSamples {
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
 NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const SideLine& side,
                            double scale, const ToneCurve& tone) {
-  const StepModel model(p);
+  const StepModel model(p, side);
   const NormalTable& normal_table = NormalTable::get();
   const float per_scale = 1 / static_cast<float>(scale);
   auto& rows = side_samples.rows;
@@ -129,7 +132,7 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
     rows(i, kWhiteSlope) = by_white * sample.along;
     rows(i, kBlack) = by_black;
     rows(i, kBlackSlope) = by_black * sample.along;
-    rows(i, kLogStroke) = by_dark * predicted.d_outer * model.stroke * model.per_blur;
+    rows(i, kLogStroke) = by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur;
     rows(i, kParameters) = root * residual;
     cost += sample.weight * fast_log1p(ratio * ratio);
     total += weight;
@@ -186,9 +189,9 @@ void constrain(Parameters& p, double stroke) {
 
 // Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
 double noise_scale(const std::vector<EdgeSample>& samples, const Parameters& p,
-                   const ToneCurve& tone) {
+                   const SideLine& side, const ToneCurve& tone) {
   constexpr double kLeast = 3;  // grey levels
-  const StepModel model(p);
+  const StepModel model(p, side);
   const NormalTable& normal = NormalTable::get();
   std::vector<float> residuals;
   residuals.reserve(samples.size());
@@ -237,8 +240,8 @@ Solution solve_side(SideSamples& samples, const SideLine& side, double start_blu
   Parameters p = first_guess(samples.samples, side, tone);
   p[kLogBlur] = std::log(start_blur);
   constrain(p, side.stroke);
-  p = minimise(samples, side, p, noise_scale(samples.samples, p, tone), 4).parameters;
-  return minimise(samples, side, p, noise_scale(samples.samples, p, tone), 15);
+  p = minimise(samples, side, p, noise_scale(samples.samples, p, side, tone), 4).parameters;
+  return minimise(samples, side, p, noise_scale(samples.samples, p, side, tone), 15);
 }
 
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
@@ -346,6 +349,7 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
   const SideBows bows = bows_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
     samples.emplace_back(edge_samples(image, lines[i]));
@@ -516,6 +520,7 @@ Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settl
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
