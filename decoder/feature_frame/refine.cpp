@@ -132,7 +132,8 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
     rows(i, kWhiteSlope) = by_white * sample.along;
     rows(i, kBlack) = by_black;
     rows(i, kBlackSlope) = by_black * sample.along;
-    rows(i, kLogStroke) = by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur;
+    rows(i, kLogStroke) =
+        by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur;
     rows(i, kParameters) = root * residual;
     cost += sample.weight * fast_log1p(ratio * ratio);
     total += weight;
@@ -415,10 +416,27 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoin
   return fit_frame(image, settled, lens, told.beyond);
 }
 
+// What a side that bows more than its lens says may be off by: the square of two thirds of that,
+// where it is no noise.
+double bow_doubt(const SeenBow& seen) {
+  constexpr double kClear = 3;  // standard deviations
+  const double square = seen.beyond * seen.beyond;
+  return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
+}
+
+// What a lens that does not show adds to the covariances of sides that were fitted straight.
+void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
+  const std::array<double, 4> unseen = unseen_bows(fit.frame.corners, fit.bows, centre);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double doubt = std::max(4.0 / 9 * unseen[i] * unseen[i], bow_doubt(fit.bows[i]));
+    fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
+  }
+}
+
 // What an unknown lens adds to the sides' covariances: a line fitted to a bow stands off its ends
 // by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
 void add_lens_doubt(FrameFit& fit) {
-  constexpr double kShape = 0.02;  // of the bow, at either end
+  constexpr double kShape = 0.04;  // of the bow, at either end
   const SideBows bows = bows_of(fit.frame.lens, fit.frame.corners);
   for (std::size_t i = 0; i < 4; ++i) {
     const double shape = kShape * bows[i].middle();
@@ -451,6 +469,7 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
     const auto radial = lens_of_sides(fit->frame.corners, fit->bows, centre, now);
     if (!radial) {
       if (now != 0 && !fit_again({})) break;
+      add_unseen_lens_doubt(*fit, centre);
       return fit->frame;
     }
     if (std::abs(radial->lambda - now) < radial->sigma) break;
@@ -497,14 +516,6 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
   mean.black_end = mean.black_begin;
   mean.covariance = sigma * sigma * Eigen::Matrix2d::Identity();
   return mean;
-}
-
-// What a side that bows more than its lens says may be off by: the square of two thirds of that,
-// where it is no noise.
-double bow_doubt(const SeenBow& seen) {
-  constexpr double kClear = 3;  // standard deviations
-  const double square = seen.beyond * seen.beyond;
-  return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
 }
 
 }  // namespace
