@@ -281,8 +281,11 @@ class PictureReader {
   void try_bars(const GrayView& half, const BarRegion& region) {
     constexpr double kSymbolLike = 0.7;     // explained
     constexpr double kSameCompleted = 1.5;  // pixels
+    const auto bars = locate_bars(image_, region, located_);
+    if (!bars) return;
+    located_.push_back(*bars);
     for (const SymbolLayout& layout : options_.layouts) {
-      const auto rough = frame_by_bars(image_, half, region, layout);
+      const auto rough = frame_by_bars(image_, half, *bars, layout);
       if (!rough) continue;
       if (is_read(rough->corners)) return;
       if (was_tried(completed_, rough->corners, kSameCompleted)) continue;
@@ -511,7 +514,8 @@ class PictureReader {
   std::vector<Quad> refined_;
   std::vector<RefinedFrame> covered_;  // frames whose symbols did not convince
   std::vector<BarRegion> odd_bars_;    // what stands in frames where no symbol should
-  std::vector<Quad> completed_;        // frames completed by bars
+  std::vector<LocatedBars> located_;   // bars that frames were completed by
+  std::vector<Quad> completed_;        // these frames
 };
 
 // Frames larger than this are seen in the image at half its size, pixels.

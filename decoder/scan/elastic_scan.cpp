@@ -768,6 +768,15 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
   return placed ? read_elastic(*placed, templates, worst) : std::nullopt;
 }
 
+std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarTemplates& templates,
+                                              double worst) {
+  const Chain chain(line.darkness, templates, nullptr, Chain::Keep::best, worst);
+  if (chain.is_given_up()) return std::nullopt;
+  ElasticAlignment alignment = chain.alignment();
+  to_line(line, alignment);
+  return alignment;
+}
+
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
                                               const BarTemplates& templates, const Digits& digits) {
   const auto placed = placed_line(line, place);
