@@ -71,8 +71,10 @@ struct FirstPlace {
   SymbolPlace place;
 };
 
-// How little like a symbol the first line may be.
+// How little like a symbol of the region's size the first line may be.
 struct FirstLineLimits {
+  double least_module = 0.5;  // of what the region's length says
+  double greatest_module = 1.8;
   double worst_place = kWorstPlace;
   double worst_cost = 4;  // per module; a blurred symbol's
 };
@@ -103,9 +105,9 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   for (const double share : {0.0, -0.25, 0.25}) {
     const double offset = share * region.height;
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
-    for (const SymbolPlace& place :
-         find_symbol_places(lines.back().light, 0.5 * nominal_module, 1.8 * nominal_module,
-                            kMostPlaces, limits.worst_place)) {
+    for (const SymbolPlace& place : find_symbol_places(
+             lines.back().light, limits.least_module * nominal_module,
+             limits.greatest_module * nominal_module, kMostPlaces, limits.worst_place)) {
       places.push_back({lines.size() - 1, place});
     }
   }
@@ -614,8 +616,10 @@ std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& r
   constexpr double kAsHigh = 0.8;  // more of the bars would not be followed
   const LineFrame frame = line_frame_for(image, region);
   constexpr int kLines = 10;
-  // Bars of covered tags that were read: 0.7 and 1.9 at most (`./dev bench troubled`).
-  constexpr FirstLineLimits kLimits{.worst_place = 0.9, .worst_cost = 2.5};
+  // Bars of covered tags that were read: modules of 0.67 to 1.05, costs of 0.7 and 1.9 at most
+  // (`./dev bench troubled`).
+  constexpr FirstLineLimits kLimits{
+      .least_module = 0.6, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
   auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;

@@ -279,8 +279,10 @@ class PictureReader {
   // Reads what stands in frames that are completed by the bars of a region. `half` is the image at
   // half its size.
   void try_bars(const GrayView& half, const BarRegion& region) {
-    constexpr double kSymbolLike = 0.7;     // explained
-    constexpr double kSameCompleted = 1.5;  // pixels
+    constexpr double kSymbolLike = 0.7;      // explained
+    constexpr double kSameCompleted = 1.5;   // pixels
+    constexpr std::size_t kMostLocated = 4;  // in one picture: bounds its time
+    if (located_.size() == kMostLocated) return;
     const auto bars = locate_bars(image_, region, located_);
     if (!bars) return;
     located_.push_back(*bars);
