@@ -619,7 +619,7 @@ std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& r
   // Bars of covered tags that were read: modules of 0.67 to 1.05, costs of 0.7 and 1.9 at most
   // (`./dev bench troubled`).
   constexpr FirstLineLimits kLimits{
-      .least_module = 0.6, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
+      .least_module = 0.596, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
   auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;
