@@ -616,10 +616,10 @@ std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& r
   constexpr double kAsHigh = 0.8;  // more of the bars would not be followed
   const LineFrame frame = line_frame_for(image, region);
   constexpr int kLines = 10;
-  // Bars of covered tags that were read: modules of 0.67 to 1.05, costs of 0.7 and 1.9 at most
-  // (`./dev bench troubled`).
+  // Bars of covered tags that were read: modules of 0.67 to 1.05 of what their length says, costs
+  // of 0.7 and 1.9 at most (`./dev bench troubled`).
   constexpr FirstLineLimits kLimits{
-      .least_module = 0.596, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
+      .least_module = 0.5, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
   auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;

@@ -281,7 +281,7 @@ class PictureReader {
   void try_bars(const GrayView& half, const BarRegion& region) {
     constexpr double kSymbolLike = 0.7;      // explained
     constexpr double kSameCompleted = 1.5;   // pixels
-    constexpr std::size_t kMostLocated = 4;  // in one picture: bounds its time
+    constexpr std::size_t kMostLocated = 6;  // in one picture: bounds its time
     if (located_.size() == kMostLocated) return;
     const auto bars = locate_bars(image_, region, located_);
     if (!bars) return;
