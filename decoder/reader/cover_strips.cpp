@@ -23,7 +23,7 @@ struct Loop {
 constexpr int kPerSide = 192;
 
 // A rectangle around the bars at these distances from the frame's inner edge (negative: outside).
-Loop loop_at(const GrayView& image, const Homography& image_from_unit, double from_side,
+Loop loop_at(const GrayView& image, const FrameMap& image_from_unit, double from_side,
              double from_top, double spread_u, double spread_v) {
   Loop loop;
   const std::array<PixelPoint, 5> corners{{{from_side, from_top},
@@ -122,7 +122,7 @@ bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
 
 // Whether the light along a strip changes evenly from one crossing to the other: along its middle
 // and halfway to its sides.
-bool is_plain(const GrayView& image, const Homography& image_from_unit, const Loop& loop,
+bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
               const Crossing& a, const Crossing& b, double tolerance) {
   constexpr int kPlaces = 64;
   constexpr double kLeastEven = 0.85;
@@ -146,7 +146,7 @@ bool is_plain(const GrayView& image, const Homography& image_from_unit, const Lo
   return true;
 }
 
-void add_strips(const GrayView& image, const Homography& image_from_unit, const Loop& loop,
+void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
                 double contrast, std::vector<CoverStrip>& strips) {
   constexpr double kOdd = 0.3;      // of the contrast
   constexpr double kEven = 0.3;     // of the contrast
@@ -182,7 +182,7 @@ struct WhiteRow {
 constexpr double kOddWhite = 0.3;  // of the contrast
 constexpr int kPlacesPerModule = 2;
 
-WhiteRow white_row(const GrayView& image, const Homography& image_from_unit,
+WhiteRow white_row(const GrayView& image, const FrameMap& image_from_unit,
                    const SymbolLayout& layout, double v) {
   constexpr int kBeyond = 2;  // modules to either side of the bars
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
@@ -244,7 +244,7 @@ bool lies_along_bars(const Crossing& above, const Crossing& below) {
 }
 
 // Whether the light from the middle of one crossing to that of the other changes evenly.
-bool is_plain(const GrayView& image, const Homography& image_from_unit, const WhiteRow& above,
+bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const WhiteRow& above,
               const Crossing& begin, const WhiteRow& below, const Crossing& end) {
   constexpr int kPlaces = 64;
   constexpr double kLeastEven = 0.85;
@@ -266,7 +266,7 @@ bool is_plain(const GrayView& image, const Homography& image_from_unit, const Wh
 
 }  // namespace
 
-std::vector<CoverStrip> strips_along_bars(const GrayView& image, const Homography& image_from_unit,
+std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout) {
   const WhiteRow above = white_row(image, image_from_unit, layout, layout.bars_top / 2);
   if (is_clear(above)) return {};
@@ -286,7 +286,7 @@ std::vector<CoverStrip> strips_along_bars(const GrayView& image, const Homograph
   return strips;
 }
 
-std::vector<CoverStrip> find_cover_strips(const GrayView& image, const Homography& image_from_unit,
+std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke) {
   const double module = 1 / (kModuleCount + 2 * layout.quiet_zone_modules);
   const double quiet = layout.quiet_zone_modules * module;
