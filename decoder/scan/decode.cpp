@@ -60,11 +60,12 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 
 // What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
 // ("Reliability"). A tunnel holds less.
-constexpr double kWrongCheck = 0.02;    // a symbol whose check digit fails
-constexpr double kForeign = 0.1;        // a character that is no digit
-constexpr double kSpoiltToOther = 3;    // a spoilt digit with which the other scheme may hold
-constexpr double kNearStranger = 2e-3;  // a symbol that differs from the book's in one character
-constexpr double kStrangers = 0.5;      // all strangers to the book together
+constexpr double kWrongCheck = 0.02;      // a symbol whose check digit fails
+constexpr double kForeign = 0.1;          // a character that is no digit
+constexpr double kSpoiltToOther = 3;      // a spoilt digit with which the other scheme may hold
+constexpr double kNearStranger = 5e-3;    // a symbol that differs from the book's in one character
+constexpr double kSpoiltStranger = 2e-3;  // a spoilt digit that makes it look like the book's
+constexpr double kStrangers = 0.5;        // all strangers to the book together
 // Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
 // the sums say. With a book they are right, and for spoilt digits too much (docs/decisions/0059).
 constexpr double kUnderstated = 3;
@@ -143,7 +144,7 @@ ScanProfile with_common_noise(ScanProfile profile, const Shortfall& shortfall) {
 // The share of a digit that only looks like one: with a single other digit the code would be
 // another scheme's, a misprint or a stranger.
 double share_of_spoilt(const DecodeOptions& options) {
-  if (!options.code_book.empty()) return kNearStranger;
+  if (!options.code_book.empty()) return kSpoiltStranger;
   return kWrongCheck + (options.check ? 0 : kSpoiltToOther);
 }
 
