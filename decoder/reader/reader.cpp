@@ -27,6 +27,7 @@
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/cover_strips.hpp"
 #include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 #include "decoder/reader/frameless.hpp"
@@ -183,8 +184,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.kept < kLeastKept) return "bars covered";
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
-  const double sure = with_book ? kSureWithBook : options.check ? kSureAlone : kSureEitherCheck;
-  if (decoding.confidence < options.min_confidence.value_or(sure)) return kDoubtfulReason;
+  if (decoding.confidence < options.min_confidence.value_or(kSureInFrame)) return kDoubtfulReason;
   return std::nullopt;
 }
 
@@ -407,7 +407,7 @@ class PictureReader {
   // Reads the symbol inside a frame; where that does not convince, carefully.
   void judge_inside(const RefinedFrame& frame) {
     const auto attempt = best_attempt(image_, frame, options_, profile_symbol);
-    const auto reason = attempt ? objection(*attempt, options_) : std::nullopt;
+    const auto reason = attempt ? objection_to_quick(frame, *attempt) : std::nullopt;
     if (attempt && !reason) {
       if (accept_where_bars_end(frame, *attempt, "frame")) return;
       odd_bars_.push_back(bars_inside(image_, frame.corners));
@@ -434,6 +434,18 @@ class PictureReader {
     return attempt && accept_where_bars_end(frame, *attempt, kPartlyCovered);
   }
 
+  // What speaks against believing a symbol that was read without regard to covers.
+  std::optional<std::string> objection_to_quick(const RefinedFrame& frame,
+                                                const Attempt& attempt) const {
+    const auto reason = objection(attempt, options_);
+    if (reason) return reason;
+    FrameCorners corners{};
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = frame.corners[(attempt.first_corner + i) % 4];
+    const auto strips = strips_along_bars(image_, FrameMap(corners, frame.lens), attempt.layout);
+    if (strips.empty()) return std::nullopt;
+    return "bars covered";
+  }
+
   std::optional<Attempt> best_careful(const RefinedFrame& frame, AddedLight added) const {
     return best_attempt(image_, frame, options_,
                         [added](const GrayView& image, const RefinedFrame& of, std::size_t first,
@@ -457,7 +469,7 @@ class PictureReader {
   std::optional<Attempt> read_believed(const RefinedFrame& frame, bool quickly_too) const {
     if (quickly_too) {
       const auto quick = best_attempt(image_, frame, options_, profile_symbol);
-      if (quick && !objection(*quick, options_)) return quick;
+      if (quick && !objection_to_quick(frame, *quick)) return quick;
     }
     // Symbols that were read with slanted light alone had 0.83 explained with even light
     // (`./dev bench troubled`).
