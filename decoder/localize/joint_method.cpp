@@ -202,9 +202,10 @@ std::vector<std::size_t> supporters(const JointProblem& problem, const JointFit&
   }
   std::ranges::sort(others);
   for (const auto& [chi_square, i] : others) {
+    const auto& other = problem.sightings[i];
     const auto twin = [&](std::size_t j) {
-      return problem.sightings[i].plate == problem.sightings[j].plate &&
-             problem.sightings[i].camera == problem.sightings[j].camera;
+      return problem.sightings[j].plate == other.plate &&
+             problem.sightings[j].camera == other.camera;
     };
     if (std::ranges::none_of(chosen, twin)) chosen.push_back(i);
   }
