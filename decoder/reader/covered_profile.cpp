@@ -512,7 +512,7 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
     corners[i] = frame.corners[(first_corner + i) % 4];
     sides[i] = frame.sides[(first_corner + i) % 4];
   }
-  const Homography image_from_unit = homography_to(corners);
+  const FrameMap image_from_unit(corners, frame.lens);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   SymbolProfile profile;
   profile.module_px = distance(image_from_unit(0.5 - 0.5 / modules, 0.5),
