@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The front door: the list of commands.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -44,6 +46,12 @@ int run(int argc, char** argv) {
       tagsmith::localize_command(app), tagsmith::simulate_command(app),
       tagsmith::demo_command(app),
   };
+  if (const auto problem =
+          tagsmith::unknown_command(commands, {argv + std::min(argc, 1), argv + argc});
+      !problem.empty()) {
+    std::fprintf(stderr, "tagsmith: %s\nRun with --help for the list.\n", problem.c_str());
+    return tagsmith::kExitFailure;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

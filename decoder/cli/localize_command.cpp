@@ -171,7 +171,8 @@ void print_notes(const std::vector<Fix>& fixes) {
 }
 
 void print_summary(const FixSummary& summary, const PublishedErrors& published) {
-  fmt::print("{} measurements, {} located", summary.count, summary.located);
+  fmt::print("{} measurement{}, {} located", summary.count, summary.count == 1 ? "" : "s",
+             summary.located);
   if (summary.mean_error && summary.error95 && summary.max_error) {
     fmt::print(
         "; mean error {:.4f} m in the plane, {:.4f} m in z; 95 % {:.4f} m, {:.4f} m; greatest "

@@ -71,14 +71,12 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
       merge(revision, verified, merged);
     });
     if (!counts) return fail(counts.error().message);
-    if (counts->broken > 0) {
-      fmt::print(stderr, "{}: {} lines are not of `verify --json` and left out\n", file,
-                 counts->broken);
-    }
+    tell_broken_lines(file, *counts);
   }
   if (merged.other_revisions > 0) {
-    fmt::print(stderr, "{} files were verified against another state of the survey\n",
-               merged.other_revisions);
+    fmt::print(stderr, "{} verified against another state of the survey\n",
+               merged.other_revisions == 1 ? "1 file was"
+                                           : fmt::format("{} files were", merged.other_revisions));
   }
   sort_faults(merged);
   if (options.report.shows_pictures()) load_pictures(merged, options.files);

@@ -91,8 +91,9 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     y -= 0.0055;
   }
   std::vector<std::string> lines = completeness_words(covered, kMostStretches);
-  lines.insert(lines.begin(),
-               fmt::format("{} files verified, {} faults found", merged.files, merged.fault_count));
+  lines.insert(lines.begin(), fmt::format("{} file{} verified, {} fault{} found", merged.files,
+                                          merged.files == 1 ? "" : "s", merged.fault_count,
+                                          merged.fault_count == 1 ? "" : "s"));
   if (merged.other_revisions > 0) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));

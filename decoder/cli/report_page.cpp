@@ -385,8 +385,9 @@ std::string completeness_text(const Completeness& covered) {
 
 std::string heading(const Survey& survey, const VerifyMerge& merged) {
   std::string text = "<h1>Verification of " + escaped(survey.name) + "</h1>\n" +
-                     fmt::format("<p class=\"sub\">{} files, {} faults; survey revision {}",
-                                 merged.files, merged.fault_count, survey_revision(survey));
+                     fmt::format("<p class=\"sub\">{} file{}, {} fault{}; survey revision {}",
+                                 merged.files, merged.files == 1 ? "" : "s", merged.fault_count,
+                                 merged.fault_count == 1 ? "" : "s", survey_revision(survey));
   if (merged.other_revisions > 0) {
     text += fmt::format("; {} files were verified against another state of the survey",
                         merged.other_revisions);

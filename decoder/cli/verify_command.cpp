@@ -216,10 +216,7 @@ Result<VerifiedBefore> verified_before(const std::string& file, const std::strin
     if (done.revision == revision && !done.sha256.empty()) hashes.insert(done.sha256);
   });
   if (!counts) return fail(counts.error().message);
-  if (counts->broken > 0) {
-    fmt::print(stderr, "{}: {} lines are not of `verify --json` and left out\n", file,
-               counts->broken);
-  }
+  tell_broken_lines(file, *counts);
   return hashes;
 }
 

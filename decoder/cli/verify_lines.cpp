@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
@@ -137,16 +138,17 @@ TagStatus status_from(const std::string& name) {
   return found == kAll.end() ? TagStatus::unknown : *found;
 }
 
-// A line without its end, cut where it is longer than any of `verify`; nothing at the stream's end.
+constexpr std::size_t kLongestLine = 64U << 20U;  // longer than any of `verify`
+
+// A line without its end, or its first kLongestLine + 1 bytes; nothing at the stream's end.
 std::optional<std::string> next_line(std::istream& stream) {
-  constexpr std::size_t kLongest = 64U << 20U;
   constexpr int kEnd = std::istream::traits_type::eof();
   std::streambuf& buffer = *stream.rdbuf();
   int next = buffer.sbumpc();
   if (next == kEnd) return std::nullopt;
   std::string line;
-  for (; next != kEnd && next != '\n'; next = buffer.sbumpc()) {
-    if (line.size() < kLongest) line += static_cast<char>(next);
+  for (; next != kEnd && next != '\n' && line.size() <= kLongestLine; next = buffer.sbumpc()) {
+    line += static_cast<char>(next);
   }
   return line;
 }
@@ -248,6 +250,10 @@ Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
   VerifyLineCounts counts;
   while (const std::optional<std::string> read = next_line(stream)) {
     const std::string& line = *read;
+    if (line.size() > kLongestLine) {
+      return fail(path.string() +
+                  ": a line of more than 64 MiB, expected the output of `verify --json`");
+    }
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const json object = json::parse(line, nullptr, false);
     if (object.is_object() && object.contains("summary")) continue;
@@ -260,6 +266,12 @@ Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
     take(*file);
   }
   return counts;
+}
+
+void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts) {
+  if (counts.broken == 0) return;
+  fmt::print(stderr, "{}: {} not of `verify --json` and left out\n", file,
+             counts.broken == 1 ? "1 line is" : fmt::format("{} lines are", counts.broken));
 }
 
 Result<void> prepare_to_append(const std::filesystem::path& path) {

@@ -60,9 +60,12 @@ void take_findings(const FileReport& report, VerifiedFile& file);
 void forget_hanging(VerifiedFile& file);
 
 // Calls `take` with every file's line in turn; summaries and empty lines are passed over. One line
-// at a time is in memory. Fails when the file cannot be read.
+// at a time is in memory. Fails when the file cannot be read or has a line of more than 64 MiB.
 Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
                                            const std::function<void(const VerifiedFile&)>& take);
+
+// Says on standard error how many lines of `file` were left out, when there are any.
+void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts);
 
 // What is wrong with writing to standard output while the lines of `path` are resumed; nothing in
 // most cases. When both are one file, standard output must append to it, and a last line that a

@@ -72,6 +72,11 @@ struct RadialLens {
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
                                         PixelPoint centre, double lambda);
 
+// How far the middles of sides that were fitted straight may bow unseen, pixels: by the likeliest
+// lens about `centre`, the image's, and what is not known of it.
+std::array<double, 4> unseen_bows(const Quad& corners, const std::array<SeenBow, 4>& seen,
+                                  PixelPoint centre);
+
 // The lambda that the bows of a settled frame tell, zero when they tell none; `sigma` of a bow's
 // middle, pixels.
 double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,
@@ -85,7 +90,10 @@ class FrameMap {
 
   PixelPoint operator()(double u, double v) const;
 
-  // The same without the lens.
+  // The place in the unit square of a pixel, exactly; without the lens where that has no ray.
+  PixelPoint unit_of(PixelPoint pixel) const;
+
+  // The map without the lens.
   const Homography& flat() const { return flat_; }
 
   bool bends() const { return lens_.bends(); }

@@ -202,9 +202,10 @@ std::vector<std::size_t> supporters(const JointProblem& problem, const JointFit&
   }
   std::ranges::sort(others);
   for (const auto& [chi_square, i] : others) {
+    const auto& other = problem.sightings[i];
     const auto twin = [&](std::size_t j) {
-      return problem.sightings[i].plate == problem.sightings[j].plate &&
-             problem.sightings[i].camera == problem.sightings[j].camera;
+      return problem.sightings[j].plate == other.plate &&
+             problem.sightings[j].camera == other.camera;
     };
     if (std::ranges::none_of(chosen, twin)) chosen.push_back(i);
   }
@@ -358,9 +359,13 @@ Search search_poses(JointProblem& problem) {
 
 // --- the fix ---
 
-std::string position_text(const Grid& grid, const Vector3d& position_in_world) {
-  const Vector3d position = grid_from_world(grid, position_in_world);
-  return fmt::format("({:.3f}, {:.3f}, {:.3f})", position.x(), position.y(), position.z());
+// Grid coordinates in metres and the heading in degrees.
+std::string pose_text(const Grid& grid, const VehiclePose& vehicle) {
+  const Vector3d position = grid_from_world(grid, vehicle.position);
+  const double heading =
+      std::remainder(grid_heading_from_world(grid, vehicle.heading), 2 * std::numbers::pi);
+  return fmt::format("({:.3f}, {:.3f}, {:.3f}) heading {:.0f} degrees", position.x(), position.y(),
+                     position.z(), degrees(heading));
 }
 
 bool same_tags(const JointProblem& problem, const JointFit& a, const JointFit& b) {
@@ -393,7 +398,7 @@ std::size_t count_dissenters(const JointProblem& problem, const Search& search,
 std::string doubt(const JointProblem& problem, const Search& search, const Grid& grid) {
   const Candidate& best = search.candidates.front();
   const auto place = [&](const Candidate& candidate) {
-    return position_text(grid, candidate.fit.state.vehicle.position);
+    return pose_text(grid, candidate.fit.state.vehicle);
   };
   for (std::size_t i = 1; i < search.candidates.size(); ++i) {
     const Candidate& rival = search.candidates[i];

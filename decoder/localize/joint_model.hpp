@@ -17,11 +17,12 @@
 
 namespace tagsmith {
 
+// A range as measured: the least horizontal distance from O to a wall's plates, metres.
 struct WallRange {
   std::string name;
   Side wall = Side::left;
   double distance = 0;
-  double sigma = 0;
+  double sigma = 0;  // of the distance
 };
 
 // Rig and tunnel must outlive the problem.
@@ -63,11 +64,12 @@ struct WhitenedRows {
   Eigen::MatrixXd jacobian;
 };
 
+// A fit and what it rests on.
 struct JointFit {
   JointState state;
   Selection selection;
   WhitenedRows rows;
-  Eigen::MatrixXd covariance;  // of all parameters
+  Eigen::MatrixXd covariance;  // of all parameters, world axes; metres and radians, squared
   double chi_square = 0;
   int degrees_of_freedom = 0;
 
@@ -113,6 +115,7 @@ struct VehicleBudget {
   VehicleCovariance vehicle = VehicleCovariance::Zero();
 };
 
+// Through the gain of the fit's rows, each group of measurements with its own covariance.
 VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit);
 
 // The chi-square value that is exceeded with the probability that a normal value exceeds `z`

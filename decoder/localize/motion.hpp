@@ -23,12 +23,13 @@ struct MotionModel {
   double largest_sigma = 0.1;  // metres, of a predicted position in its worst direction; likewise
 };
 
-// x, y, z, heading in the survey's grid, and their rates.
+// x, y, z, heading in the survey's grid, metres and radians, and their rates a second.
 using MotionState = Eigen::Matrix<double, 8, 1>;
 using MotionCovariance = Eigen::Matrix<double, 8, 8>;
 using Place = Eigen::Vector4d;
 using PlaceCovariance = Eigen::Matrix4d;
 
+// What is known of the motion at one time.
 struct MotionEstimate {
   MotionState mean = MotionState::Zero();
   MotionCovariance covariance = MotionCovariance::Zero();
@@ -47,6 +48,7 @@ std::optional<MeasuredPlace> measured_by(const Fix& fix);
 // Before the first fix: at that place, give or take a hundred metres and all headings.
 MotionEstimate motion_from(const Place& place, const MotionModel& motion);
 
+// The matrix that takes a state `dt` seconds on with its rates kept.
 MotionCovariance transition_over(double dt);
 
 // The estimate `dt` seconds later.
@@ -58,8 +60,9 @@ struct MotionUpdate {
   bool agrees = false;      // as all but one in 10,000 do
 };
 
+// A Kalman filter's step: the prediction with what was measured at its time.
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured);
 
-double wrapped_angle(double angle);  // within half a turn either way
+double wrapped_angle(double angle);  // radians, within half a turn either way
 
 }  // namespace tagsmith

@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/command.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
+#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include "tagsmith/base/text.hpp"
+
 namespace tagsmith {
+
+std::string unknown_command(const std::vector<Command>& commands,
+                            const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return {};
+  std::vector<std::string> names;
+  for (const Command& command : commands) names.push_back(command.app->get_name());
+  const std::string& found = arguments.front();
+  if (std::ranges::find(names, found) != names.end()) return {};
+  const auto near = nearest_word(found, names);
+  return "no command `" + found + "`" + (near ? ", did you mean `" + *near + "`?" : "");
+}
 
 int report_failure(const std::string& command, const Error& error) {
   fmt::print(stderr, "tagsmith {}: {}\n", command, error.message);

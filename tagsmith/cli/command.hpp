@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "tagsmith/base/result.hpp"
 
@@ -23,6 +24,11 @@ struct Command {
   CLI::App* app = nullptr;
   std::function<int()> run;
 };
+
+// Why `arguments`, those of the program, name none of the commands; empty when the first one does
+// or is an option.
+std::string unknown_command(const std::vector<Command>& commands,
+                            const std::vector<std::string>& arguments);
 
 // Prints `tagsmith COMMAND: message` to standard error; returns kExitFailure.
 int report_failure(const std::string& command, const Error& error);

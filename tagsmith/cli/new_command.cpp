@@ -93,7 +93,7 @@ Result<void> write_to_edit(const NewOptions& options) {
 
 Result<TagTemplate> named_template(const std::string& name, const fs::path& folder) {
   const auto path = find_template(name, folder);
-  if (!path) return fail("no template `" + name + "`; own templates: tag-400x300, tag-800x430");
+  if (!path) return fail("no template `" + name + "`; own templates: " + own_templates());
   const Result<TemplateReading> reading = read_template(*path);
   if (!reading) return tl::unexpected(reading.error());
   if (!reading->tag) return fail(to_string(reading->diagnostics, true));

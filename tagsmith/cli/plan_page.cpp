@@ -119,7 +119,8 @@ function drawProfile() {
   const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000];
   const step = steps.find(s => (width - l - r) / (span / s) >= 48) || 50000;
   for (let v = Math.ceil(first / step) * step; v <= first + span + 1e-9; v += step) {
-    el(svg, 'text', {x: x(v), y: height - b + 28, 'text-anchor': 'middle'}, +v.toFixed(2) + ' m');
+    const anchor = x(v) > width - r - 24 ? 'end' : 'middle';
+    el(svg, 'text', {x: x(v), y: height - b + 28, 'text-anchor': anchor}, +v.toFixed(2) + ' m');
   }
   for (let i = 0; i + 1 < c.length; ++i) {
     el(svg, 'rect', {x: x(c[i]), y: height - b + 4, width: Math.max(0.6, x(c[i + 1]) - x(c[i]) + 0.4),
@@ -262,8 +263,13 @@ Json fields(const PlannedDrive& drive) {
 }
 
 Json page_data(const PlannedDrive& drive) {
-  const double from = drive.plan.columns.front().chainage;
-  const double to = drive.plan.columns.back().chainage;
+  // The walls as far as the plan goes and tags hang.
+  double from = drive.plan.columns.front().chainage;
+  double to = drive.plan.columns.back().chainage;
+  for (const PlacedTag& tag : drive.survey.tags) {
+    from = std::min(from, tag.chainage);
+    to = std::max(to, tag.chainage);
+  }
   Json data;
   data["colours"] = colours();
   data["walls"] = Json::array({line_beside(drive.survey, drive.survey.tunnel.left, from, to),

@@ -233,17 +233,20 @@ DrawingView pair_plan(const Survey& survey, const TagPair& pair) {
   const Vector2d into_tunnel =
       strip.view_from_world.linear() * Vector2d(facing.head<2>().normalized());
   draw_pair_angle(view.sketch.layer("theta"), place(pair.left), place(pair.right), into_tunnel);
-  const CenterlinePoint end = survey.tunnel.centerline.at(strip.from);
+  // The width at the left plate, drawn beside the view.
+  const double chainage = pair.left.chainage;
+  const CenterlinePoint here = survey.tunnel.centerline.at(chainage);
+  const Eigen::Vector3d beside = survey.tunnel.centerline.at(strip.from).position;
   const auto wall = [&](Side side) {
     const Eigen::Vector3d at =
-        end.position + wall_of(survey.tunnel, side).at(strip.from) * right_of(end.heading);
+        beside + wall_of(survey.tunnel, side).at(chainage) * right_of(here.heading);
     return Vector2d(strip.view_from_world * Vector2d(at.head<2>()));
   };
   view.sketch.layer("dimensions")
       .add(Dimension{.from = wall(Side::right),
                      .to = wall(Side::left),
                      .offset = 0.008,
-                     .text = "W_T " + metres(width_at(survey.tunnel, strip.from))});
+                     .text = "W_T " + metres(width_at(survey.tunnel, chainage))});
   return view;
 }
 

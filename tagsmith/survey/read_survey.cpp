@@ -37,7 +37,7 @@ std::optional<TagTemplate> read_named_template(const MapReader& tags,
     log.error(node->place, "no-template",
               "no template `" + *name + "`, expected a path, or a file " + *name +
                   ".yaml beside the survey or among the tool's own templates",
-              "own templates: tag-400x300, tag-800x430");
+              "own templates: " + own_templates());
     return std::nullopt;
   }
   const Result<TemplateReading> reading = read_template(*path);

@@ -278,6 +278,18 @@ std::optional<fs::path> find_template(const std::string& name, const fs::path& s
   return file_if_there(data_directory() / "templates" / file);
 }
 
+std::string own_templates() {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(data_directory() / "templates", error)) {
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(names);
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
 fs::path data_directory() {
   if (const char* named = std::getenv("TAGSMITH_DATA"); named != nullptr && *named != '\0') {
     return named;

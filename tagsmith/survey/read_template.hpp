@@ -27,6 +27,9 @@ Result<TemplateReading> read_template(const std::filesystem::path& path);
 std::optional<std::filesystem::path> find_template(const std::string& name,
                                                    const std::filesystem::path& survey_folder);
 
+// The names of the tool's own templates, by the alphabet, separated by commas, for a message.
+std::string own_templates();
+
 // The folder that holds the tool's own `templates` and `surveys`: the environment variable
 // TAGSMITH_DATA, else the nearest folder above the executable (or its share/tagsmith) that has
 // them, else the source tree it was built from.

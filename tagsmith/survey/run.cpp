@@ -252,7 +252,7 @@ std::vector<Measurement> read_rows(std::string_view text, const fs::path& path, 
   }
   if (!columns)
     log.error({1, 0}, "empty-file", "the file is empty, expected a line of column names");
-  if (columns && measurements.empty())
+  if (columns && measurements.empty() && !log.has_errors())
     log.error({}, "empty-file", "no rows after the column names");
   return measurements;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -56,6 +57,28 @@ Camera any_camera(int i, std::mt19937& random) {
   return i % 3 == 1 ? rational_camera(random) : fisheye_camera(random);
 }
 
+// A camera, a place in its image, and a distance along the camera's axis, metres.
+struct Sight {
+  Camera camera;
+  Vector2d pixel;
+  double depth;
+};
+
+// Of all kinds of cameras, 900 in all.
+std::vector<Sight> sights(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> u(0, 1279);
+  std::uniform_real_distribution<double> v(0, 959);
+  std::uniform_real_distribution<double> depth(0.2, 20);
+  std::vector<Sight> all;
+  for (int i = 0; i < 900; ++i) {
+    Sight sight{any_camera(i, random), {}, depth(random)};
+    sight.pixel = {u(random), v(random)};
+    all.push_back(sight);
+  }
+  return all;
+}
+
 }  // namespace
 
 TEST_CASE("the paper's lens and sensor are 1600 pixels of focal length") {
@@ -101,16 +124,10 @@ TEST_CASE("the rational and the fisheye model are OpenCV's") {
 TEST_CASE("projecting the ray through a pixel gives the pixel back, distortion included") {
   constexpr unsigned kSeed = 21;
   CAPTURE(kSeed);
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<double> u(0, 1279);
-  std::uniform_real_distribution<double> v(0, 959);
-  std::uniform_real_distribution<double> depth(0.2, 20);
-  for (int i = 0; i < 900; ++i) {
-    const Camera camera = any_camera(i, random);
-    const Vector2d pixel(u(random), v(random));
+  for (const auto& [camera, pixel, depth] : sights(kSeed)) {
     const auto ray = ray_through(camera, pixel);
     REQUIRE(ray.has_value());
-    const auto again = project(camera, depth(random) * *ray);
+    const auto again = project(camera, depth * *ray);
     REQUIRE(again.has_value());
     CHECK((*again - pixel).norm() < 1e-9);
   }
@@ -119,17 +136,13 @@ TEST_CASE("projecting the ray through a pixel gives the pixel back, distortion i
 TEST_CASE("the derivative of the pixel is that of finite differences") {
   constexpr unsigned kSeed = 22;
   CAPTURE(kSeed);
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<double> u(0, 1279);
-  std::uniform_real_distribution<double> v(0, 959);
-  std::uniform_real_distribution<double> depth(0.2, 20);
-  for (int i = 0; i < 900; ++i) {
+  const std::vector<Sight> all = sights(kSeed);
+  for (std::size_t i = 0; i < all.size(); ++i) {
     CAPTURE(i);
-    const Camera camera = any_camera(i, random);
+    auto [camera, pixel, depth] = all[i];
     // Every tenth point near the axis, where the formulas are replaced by their series.
-    const Vector2d pixel = i % 10 == 0 ? Vector2d(camera.cx + 1e-4 * u(random), camera.cy)
-                                       : Vector2d(u(random), v(random));
-    const Vector3d point = depth(random) * ray_through(camera, pixel).value();
+    if (i % 10 == 0) pixel = {camera.cx + 1e-4 * pixel.x(), camera.cy};
+    const Vector3d point = depth * ray_through(camera, pixel).value();
     const auto projection = project_with_derivative(camera, point);
     REQUIRE(projection.has_value());
     for (const int axis : {0, 1, 2}) {

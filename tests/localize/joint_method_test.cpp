@@ -127,6 +127,17 @@ TEST_CASE("a tag that was measured worse counts for less") {
   CHECK(sigma_of(0.02) > 5 * sigma_of(0.002));
 }
 
+TEST_CASE("tags that place the vehicle alike but turn it are told apart by the headings") {
+  const Site site = site_named("corridor");
+  Observation swapped = observation_at(site, pose_at(site, 1.0, 0.0));
+  REQUIRE(swapped.tags.size() == 2);
+  std::swap(swapped.tags[0].camera, swapped.tags[1].camera);  // cameras 110 degrees off
+  const Fix fix = localize_jointly(swapped, {site.survey}, site.rig);
+  CHECK_FALSE(fix.position_in_grid.has_value());
+  CHECK_MESSAGE(fix.reason.find("heading 106 degrees") != std::string::npos, fix.reason);
+  CHECK_MESSAGE(fix.reason.find("heading -114 degrees") != std::string::npos, fix.reason);
+}
+
 TEST_CASE("two tags that contradict each other make no position, three outvote one") {
   const Site site = site_named("corridor");
   const VehiclePose truth = pose_at(site, 1.0, 0.0);

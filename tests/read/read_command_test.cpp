@@ -186,6 +186,15 @@ TEST_CASE("wrong use gives exit code 2 and writes nothing to standard output") {
   }
 }
 
+TEST_CASE("a mistyped command is named, with the likely one") {
+  const ProgramOutput near = run_tagsmith("reed a.jpg");
+  CHECK(near.exit_code == 2);
+  CHECK(near.err.find("no command `reed`, did you mean `read`?") != std::string::npos);
+  const ProgramOutput far = run_tagsmith("'' a.jpg");
+  CHECK(far.exit_code == 2);
+  CHECK(far.err.find("no command ``\n") != std::string::npos);
+}
+
 TEST_CASE("results that cannot be written are an error") {
   const ProgramOutput output =
       run_shell("\"$TAGSMITH_PROGRAM\" read " + kPhotos + "/corridor_01_left.jpg > /dev/full");

@@ -48,7 +48,8 @@ TEST_CASE("a survey's drawing names every tag with its code, and its angles and 
        {Row{"corridor", "\u03b8 10.23\u00b0", "stagger 0.343", "W_T 1.9", "x to the left of +y"},
         Row{"corridor-table4", "\u03b8 11.89\u00b0", "stagger 0.4", "W_T 1.9",
             "x to the left of +y"},
-        Row{"curved", "\u03b8 9.93\u00b0", "stagger 0.665", "W_T 3.8", "x to the right of +y"}}) {
+        Row{"curved", "\u03b8 9.93\u00b0", "stagger 0.665", "W_T 3.8", "x to the right of +y"},
+        Row{"drift", "\u03b8 9.12\u00b0", "stagger 0.662", "W_T 4.117", "x to the right of +y"}}) {
     CAPTURE(row.file);
     const std::string folder = std::string("surveys/") + row.file;
     const Survey survey = load_survey(folder + "/survey.yaml").value();
@@ -58,6 +59,7 @@ TEST_CASE("a survey's drawing names every tag with its code, and its angles and 
       CHECK(words.count(tag.name) >= 3);  // plan, wall, table
       CHECK(words.count(grouped_digits(survey.code, tag.digits)) == 1);
     }
+    CHECK(words.count(row.width) == 2);  // the section and the pair from above agree
     for (const char* text : {row.theta, row.stagger, row.width, "P", "F", "Q", "P1", "P2", "abc"}) {
       CAPTURE(text);
       CHECK(words.contains(text));

@@ -118,6 +118,12 @@ TEST_CASE("every way to break a run is reported with its place") {
   }
 }
 
+TEST_CASE("rows that cannot be used are not called absent rows") {
+  const auto run = read_text_as_run("id,left,d\n1,a\n");
+  REQUIRE_FALSE(run.has_value());
+  CHECK_MESSAGE(run.error().message.find("no rows") == std::string::npos, run.error().message);
+}
+
 TEST_CASE("all faults of a run are reported together") {
   const auto run = read_text_as_run("id,left,d\n1,a,x\n1,b,-1\n3,c\n");
   REQUIRE_FALSE(run.has_value());

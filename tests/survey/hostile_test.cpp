@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files made to harm: the answer is a finding, soon and in little memory.
 #include <chrono>
+#include <filesystem>
 
 #include <doctest/doctest.h>
 
@@ -65,6 +66,28 @@ TEST_CASE("hostile files are refused by a finding, quickly") {
                   to_string(reading->diagnostics).substr(0, 1000));
     CHECK(reading->diagnostics.size() < 1000);
     CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
+  }
+}
+
+TEST_CASE("control characters of a file are spelt out in messages") {
+  const TemporaryFolder folder;
+  const std::string text = replaced(right_survey(), "survey: trial", R"(survey: "\e[31m\nred")");
+  const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
+  REQUIRE(reading.has_value());
+  const std::string message = to_string(reading->diagnostics);
+  CHECK_MESSAGE(message.find(R"("\x1b[31m\x0ared")") != std::string::npos, message);
+  CHECK(message.find('\x1b') == std::string::npos);
+}
+
+TEST_CASE("a template that is not there is answered with the shipped ones") {
+  const TemporaryFolder folder;
+  const std::string text = replaced(right_survey(), "template: tag-400x300", "template: tag-4");
+  const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
+  REQUIRE(reading.has_value());
+  for (const auto& entry : std::filesystem::directory_iterator("templates")) {
+    const std::string name = entry.path().stem().string();
+    CAPTURE(name);
+    CHECK(to_string(reading->diagnostics).find(name) != std::string::npos);
   }
 }
 

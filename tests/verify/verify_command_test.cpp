@@ -473,8 +473,11 @@ TEST_CASE("two runs are merged into a report, and a third skips what they did") 
   REQUIRE(write_file(folder.path() / "cut.jsonl", "{\"file\": \"a.jp").has_value());
   const ProgramOutput cut = run_tagsmith("report " + kSurvey + " '" + path + "/cut.jsonl'");
   CHECK(cut.exit_code == 1);
-  CHECK(cut.err.find("1 lines are not of") != std::string::npos);
+  CHECK(cut.err.find("1 line is not of") != std::string::npos);
   CHECK(run_tagsmith("report " + kSurvey + " no-such.jsonl").exit_code == 2);
+  const ProgramOutput endless = run_tagsmith("report " + kSurvey + " /dev/zero");
+  CHECK(endless.exit_code == 2);
+  CHECK(endless.err.find("a line of more than 64 MiB") != std::string::npos);
 }
 
 TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
