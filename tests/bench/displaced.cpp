@@ -2,10 +2,11 @@
 // Is a tag found that does not hang where the survey has it? Usage: bench_displaced [ROWS] [SEED]
 //
 // The survey's place of one tag at a time is moved by 30 mm along the wall, up or down, into or out
-// of it, or turned by 5 degrees, or its frame printed smaller, and the same pictures are checked against it: the shipped runs,
-// and rendered ones of ROWS places. All its places are off by the survey's standard deviation, too.
-// Last the survey with no more than that, for false alarms, and with plates hung by eye. With a
-// SEED other than 0 pictures and surveys are others than those that constants were chosen on.
+// of it, or turned by 5 degrees, or its frame printed smaller, and the same pictures are checked
+// against it: the shipped runs, and rendered ones of ROWS places. All its places are off by the
+// survey's standard deviation, too. Last the survey with no more than that, for false alarms, and
+// with plates hung by eye. With a SEED other than 0 pictures and surveys are others than those that
+// constants were chosen on.
 #include <cstdlib>
 #include <random>
 #include <string>
