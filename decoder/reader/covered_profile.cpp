@@ -95,6 +95,76 @@ BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const Cov
   return rows;
 }
 
+// How far the light of every window of a row is from an even slope: the variance that is left. A
+// window reaches from its bin on.
+std::vector<float> unevenness_of(const BarRows& rows, std::size_t row, std::size_t window) {
+  struct Sums {
+    double w = 0, x = 0, xx = 0, l = 0, ll = 0, lx = 0;
+  };
+  std::vector<Sums> sums(rows.bins + 1);
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    const auto w = static_cast<double>(rows.count(row, bin));
+    const auto x = static_cast<double>(bin);
+    const auto l = static_cast<double>(rows.cell(row, bin).light);
+    const Sums& s = sums[bin];
+    sums[bin + 1] = {s.w + w,     s.x + w * x,      s.xx + w * x * x,
+                     s.l + w * l, s.ll + w * l * l, s.lx + w * l * x};
+  }
+  std::vector<float> left(rows.bins, -1.0F);
+  for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
+    const Sums& a = sums[begin];
+    const Sums& b = sums[begin + window];
+    const double w = b.w - a.w;
+    if (w < static_cast<double>(window) / 4) continue;
+    const double x = (b.x - a.x) / w, l = (b.l - a.l) / w;
+    const double xx = (b.xx - a.xx) / w - x * x;
+    const double lx = (b.lx - a.lx) / w - l * x;
+    const double ll = (b.ll - a.ll) / w - l * l;
+    left[begin] = static_cast<float>(std::max(0.0, ll - (xx > 0 ? lx * lx / xx : 0)));
+  }
+  return left;
+}
+
+// Leaves out what is plain where other rows show bars: no element is wider than four modules, so a
+// window of more shows bars and spaces or something in front of them, be it over most of the rows.
+void leave_out_plain(BarRows& rows) {
+  constexpr double kWindow = 5.5;    // modules
+  constexpr double kOutline = 0.25;  // modules to both sides: a cover's blurred edge
+  constexpr double kShowing = 0.93;  // of the rows at a place, the one taken to show bars
+  constexpr double kPlain = 0.08;    // of its variance
+  // Of the usual variance where bars show: less is a margin, more the outline of a highlight.
+  constexpr double kLeastBars = 0.3, kMostBars = 1.5;
+  const auto window = static_cast<std::size_t>(kWindow * rows.grid.per_module);
+  const auto outline = static_cast<std::size_t>(kOutline * rows.grid.per_module);
+  std::vector<std::vector<float>> uneven;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    uneven.push_back(unevenness_of(rows, row, window));
+  }
+  std::vector<double> showing(rows.bins), known;
+  for (std::size_t begin = 0; begin < rows.bins; ++begin) {
+    std::vector<double> here;
+    for (const auto& row : uneven) {
+      if (row[begin] >= 0) here.push_back(static_cast<double>(row[begin]));
+    }
+    if (here.empty()) continue;
+    showing[begin] = quantile(here, kShowing);
+    known.push_back(showing[begin]);
+  }
+  if (known.empty()) return;
+  const double usual = quantile(known, 0.5);
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
+      if (uneven[row][begin] < 0 || showing[begin] < kLeastBars * usual) continue;
+      const double bars = std::min(showing[begin], kMostBars * usual);
+      if (static_cast<double>(uneven[row][begin]) > kPlain * bars) continue;
+      const std::size_t first = begin > outline ? begin - outline : 0;
+      const std::size_t end = std::min(rows.bins, begin + window + outline);
+      std::fill(rows.counts.begin() + static_cast<std::ptrdiff_t>(row * rows.bins + first),
+                rows.counts.begin() + static_cast<std::ptrdiff_t>(row * rows.bins + end), 0.0F);
+    }
+  }
+}
+
 // What the rows have in common: the darkness at the middle of every bin's pixels.
 struct Common {
   std::vector<float> darkness;
@@ -532,6 +602,7 @@ RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double s
   result.rows =
       bar_rows(light_grid(image, image_from_unit, modules, result.bins_per_module, row_count),
                layout, strips, height);
+  leave_out_plain(result.rows);
   return result;
 }
 

@@ -179,6 +179,20 @@ TEST_CASE("the rows of the bars tell how a frame's sides lean") {
   }
 }
 
+TEST_CASE("a seventh of the bars' height above a cover is enough") {
+  const double start = 0.163 * kHeight + 0.0165;
+  for (const int modules : {8, 14, 21}) {
+    for (const double reflectance : {0.05, 0.4, 0.82}) {
+      CAPTURE(modules);
+      CAPTURE(reflectance);
+      const ReadResult result =
+          read_covered({{45 * kModule, start, modules * kModule, 0.32}, reflectance});
+      REQUIRE(result.tags.size() == 1);
+      CHECK(to_string(result.tags[0].digits) == kCode);
+    }
+  }
+}
+
 TEST_CASE("a covered tag beside a clean one is read too") {
   Camera camera;
   camera.width = 960;
