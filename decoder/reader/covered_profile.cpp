@@ -586,7 +586,7 @@ struct RowsOfSymbol {
 
 // `corners` from P on; `stroke_px` is the frame's.
 RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double stroke_px,
-                            const SymbolLayout& layout) {
+                            const SymbolLayout& layout, AddedLight added) {
   constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
   const Homography image_from_unit = homography_to(corners);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
@@ -602,7 +602,8 @@ RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double s
   result.rows =
       bar_rows(light_grid(image, image_from_unit, modules, result.bins_per_module, row_count),
                layout, strips, height);
-  leave_out_plain(result.rows);
+  // What a highlight bleaches is plain too: there its rows' own light decides.
+  if (added == AddedLight::even) leave_out_plain(result.rows);
   return result;
 }
 
@@ -681,7 +682,7 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
     sides[i] = frame.sides[(first_corner + i) % 4];
   }
   const RowsOfSymbol symbol =
-      rows_of_symbol(image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout);
+      rows_of_symbol(image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout, added);
   SymbolProfile profile;
   profile.module_px = symbol.module_px;
   profile.bins = profile_of(symbol.rows, settle(symbol.rows, added).agreed, layout);
@@ -699,7 +700,8 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   Quad aligned = corners;
   for (int round = 0; round < kRounds; ++round) {
-    const auto lean = lean_of(rows_of_symbol(image, aligned, stroke_px, layout).rows);
+    const auto lean =
+        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, AddedLight::even).rows);
     if (!lean) return corners;
     // At the frame's sides, beyond the bars.
     const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
