@@ -269,7 +269,7 @@ Result<void> save_late_pictures(const Options& options, VerifiedOne& one) {
   if (late) {
     const Result<GrayImage> image = decode_gray_image(input->path.string(), input->bytes);
     if (!image) return fail(image.error().message);
-    crop_faults(image->view(), one.report.tags);
+    crop_faults(image->view(), one.report.tags, one.report.orientation.value_or(1));
     if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
   }
   if (options.annotate.empty()) return {};

@@ -100,7 +100,7 @@ HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double t
       sighted_tags(survey, setup.rig, setup.cameras, reports, notes);
   HungTags hung = check_hung_tags(survey, setup.rig, sighted, tolerance);
   report_hung_tags(hung, reports);
-  find_upside_down_in_photos(setup.rig, setup.cameras, reports);
+  find_upside_down_in_photos(survey, setup.rig, setup.cameras, reports);
   hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
   if (hung.nothing_fits) {
     hung.notes.push_back(

@@ -164,6 +164,14 @@ PixelPoint FrameMap::operator()(double u, double v) const {
   return lens_.bent(straight_(u, v)).value_or(flat_(u, v));
 }
 
+PixelPoint FrameMap::unit_of(PixelPoint pixel) const {
+  if (lens_.bends()) {
+    const auto straight = lens_.straightened(pixel);
+    if (straight) return inverse(straight_)(straight->x, straight->y);
+  }
+  return inverse(flat_)(pixel.x, pixel.y);
+}
+
 void FrameMap::correct(float& u, float& v) const {
   float change_u = 0, change_v = 0;
   for (std::size_t j = kAcross; j-- > 0;) {

@@ -85,7 +85,10 @@ class FrameMap {
 
   PixelPoint operator()(double u, double v) const;
 
-  // The same without the lens.
+  // The place in the unit square of a pixel, exactly; without the lens where that has no ray.
+  PixelPoint unit_of(PixelPoint pixel) const;
+
+  // The map without the lens.
   const Homography& flat() const { return flat_; }
 
   bool bends() const { return lens_.bends(); }

@@ -477,6 +477,14 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
   return mean;
 }
 
+// What a side that bows more than its lens says may be off by: the square of two thirds of that,
+// where it is no noise.
+double bow_doubt(const SeenBow& seen) {
+  constexpr double kClear = 3;  // standard deviations
+  const double square = seen.beyond * seen.beyond;
+  return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
+}
+
 }  // namespace
 
 Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
@@ -487,6 +495,7 @@ Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settl
   RefinedFrame frame;
   frame.lens = lens;
   const SideBows bows = bows_of(lens, settled);
+  double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
     lines[i].bow = bows[i];
@@ -500,12 +509,17 @@ Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settl
     lines[i] = fit.line;
     frame.sides[i] = fit.side;
     frame.shown[i] = true;
+    const double doubt = bow_doubt(seen_bow(samples, solution));
+    frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
+    most_doubt = std::max(most_doubt, doubt);
   }
   if (std::ranges::count(frame.shown, true) < kLeastShown) {
     return fail("feature frame: most of it is covered");
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    if (!frame.shown[i]) frame.sides[i] = hidden_side(frame, hidden_sigma);
+    if (frame.shown[i]) continue;
+    frame.sides[i] = hidden_side(frame, hidden_sigma);
+    frame.sides[i].covariance += Eigen::Matrix2d::Constant(most_doubt);
   }
   const std::optional<Quad> corners = corners_of(lines);
   if (!corners) return fail("feature frame: its sides do not close");

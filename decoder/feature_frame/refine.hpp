@@ -45,7 +45,7 @@ Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
 // The same where something hides sides: those not `shown`, and those that cannot be fitted near
 // where they are, stay there with `hidden_sigma` pixels of uncertainty at their ends. Fails when
 // fewer than two sides are fitted or the sides do not close. A lens that is not given bends
-// nothing.
+// nothing; by how much sides then bow adds to what all may be off by.
 Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                         const std::array<bool, 4>& shown, double hidden_sigma,
                                         const LensBend& lens = {});

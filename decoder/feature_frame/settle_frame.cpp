@@ -221,12 +221,14 @@ Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough, cons
   return frame;
 }
 
-std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough) {
+std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
+                                             const SideBows& bows) {
   ShownSides result{rough, {}};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
       sides[i] = side_of(result.quad, i);
+      sides[i].bow = bows[i];
       const double reach = pass == 0 ? sides[i].reach + 1 : std::min(sides[i].reach, 3.0);
       const auto settled = settle_side(image, sides[i], reach, false);
       result.shown[i] = settled.has_value();

@@ -34,8 +34,9 @@ struct ShownSides {
   std::array<bool, 4> shown{};  // side i runs from corner i to corner i + 1
 };
 
-// As settle_frame, but sides that show no edge stay where they are. Nothing when the sides do not
-// close.
-std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough);
+// As settle_frame, but sides that show no edge stay where they are, and none bows other than `bows`
+// say. Nothing when the sides do not close.
+std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
+                                             const SideBows& bows = {});
 
 }  // namespace tagsmith

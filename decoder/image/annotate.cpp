@@ -11,49 +11,23 @@
 #include <opencv2/imgproc.hpp>
 
 #include "decoder/image/image_header.hpp"
+#include "decoder/image/upright.hpp"
 
 namespace tagsmith {
 namespace {
 
 constexpr double kMaxPixels = 200e6;
 
-// How the stored picture becomes upright: EXIF orientation 1 to 8 (CIPA DC-008, Orientation).
-struct Upright {
-  int orientation = 1;
-  int width = 0;  // as stored
-  int height = 0;
-
-  cv::Mat turn(const cv::Mat& stored) const {
-    cv::Mat upright = stored;
-    if (orientation >= 5) cv::transpose(stored, upright);
-    const bool mirrored =
-        orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
-    const bool flipped =
-        orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
-    cv::Mat turned = upright;
-    if (mirrored && flipped) {
-      cv::flip(upright, turned, -1);
-    } else if (mirrored) {
-      cv::flip(upright, turned, 1);
-    } else if (flipped) {
-      cv::flip(upright, turned, 0);
-    }
-    return turned;
-  }
-
-  PixelPoint turn(PixelPoint at) const {
-    const int across = orientation >= 5 ? height : width;
-    const int down = orientation >= 5 ? width : height;
-    if (orientation >= 5) std::swap(at.x, at.y);
-    if (orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7) {
-      at.x = across - 1 - at.x;
-    }
-    if (orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8) {
-      at.y = down - 1 - at.y;
-    }
-    return at;
-  }
-};
+cv::Mat turned(const Upright& upright, const cv::Mat& stored) {
+  cv::Mat shown = stored;
+  if (upright.transposes()) cv::transpose(stored, shown);
+  if (!upright.reverses_rows() && !upright.reverses_columns()) return shown;
+  const int both = -1;
+  const int one = upright.reverses_rows() ? 1 : 0;
+  cv::Mat flipped;
+  cv::flip(shown, flipped, upright.reverses_rows() && upright.reverses_columns() ? both : one);
+  return flipped;
+}
 
 std::string ascii(const std::string& text) {
   std::string plain;
@@ -158,17 +132,17 @@ class Annotator {
 cv::Mat annotated(const cv::Mat& stored, int orientation, const std::vector<PictureMark>& marks,
                   const std::vector<std::string>& caption) {
   const Upright upright{orientation, stored.cols, stored.rows};
-  const cv::Mat canvas = upright.turn(stored);
+  const cv::Mat canvas = turned(upright, stored);
   Annotator annotator(canvas);
-  std::vector<PictureMark> turned = marks;
-  for (PictureMark& mark : turned) {
+  std::vector<PictureMark> shown = marks;
+  for (PictureMark& mark : shown) {
     for (PixelPoint& corner : mark.outline) corner = upright.turn(corner);
   }
   const auto colour_of = [](const PictureMark& mark) {
     return cv::Scalar(mark.colour[2], mark.colour[1], mark.colour[0]);
   };
-  for (const PictureMark& mark : turned) annotator.outline(mark, colour_of(mark));
-  for (const PictureMark& mark : turned) {
+  for (const PictureMark& mark : shown) annotator.outline(mark, colour_of(mark));
+  for (const PictureMark& mark : shown) {
     if (!mark.words.empty()) annotator.label(mark, colour_of(mark));
   }
   if (!caption.empty()) annotator.caption(caption);
@@ -193,7 +167,7 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
   try {
     const cv::Mat stored = cv::imdecode(encoded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
     if (stored.empty()) return fail(name + ": cannot be decoded to be marked");
-    const cv::Mat canvas = annotated(stored, exif_orientation(bytes), marks, caption);
+    const cv::Mat canvas = annotated(stored, exif_orientation(bytes).value_or(1), marks, caption);
     std::vector<std::uint8_t> copy;
     AnnotatedPicture picture{extension_for(bytes), {}};
     cv::imencode(picture.extension, canvas, copy, {cv::IMWRITE_JPEG_QUALITY, 90});

@@ -140,8 +140,8 @@ std::optional<ImageHeader> read_bmp(std::string_view text) {
 }
 
 // TIFF 6.0, section 2: the first directory's Orientation (274), a SHORT.
-int orientation_in_tiff(std::string_view text) {
-  if (text.size() < 8) return 1;
+std::optional<int> orientation_in_tiff(std::string_view text) {
+  if (text.size() < 8) return std::nullopt;
   Bytes bytes(text, text.front() == 'M');
   const std::size_t directory = bytes.number(4, 4);
   const std::uint32_t count = bytes.number(directory, 2);
@@ -149,9 +149,9 @@ int orientation_in_tiff(std::string_view text) {
     const std::size_t entry = directory + 2 + std::size_t{12} * i;
     if (bytes.number(entry, 2) != 274) continue;
     const std::uint32_t value = bytes.number(entry + 8, 2);
-    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
+    return value >= 1 && value <= 8 ? std::optional(static_cast<int>(value)) : std::nullopt;
   }
-  return 1;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -170,21 +170,21 @@ std::optional<ImageHeader> read_image_header(std::string_view bytes) {
   return std::nullopt;
 }
 
-int exif_orientation(std::string_view bytes) {
-  if (!bytes.starts_with("\xFF\xD8\xFF"sv)) return 1;
+std::optional<int> exif_orientation(std::string_view bytes) {
+  if (!bytes.starts_with("\xFF\xD8\xFF"sv)) return std::nullopt;
   // The first APP1 segment with EXIF stands before the frame, behind other APP segments at most.
   for (std::size_t at = 2; at + 4 < bytes.size() && bytes[at] == '\xFF';) {
     const auto marker = static_cast<unsigned char>(bytes[at + 1]);
-    if (marker < 0xE0 || marker > 0xEF) return 1;
+    if (marker < 0xE0 || marker > 0xEF) return std::nullopt;
     const std::size_t length = Bytes(bytes, true).number(at + 2, 2);
-    if (length < 2) return 1;
+    if (length < 2) return std::nullopt;
     const std::string_view segment = bytes.substr(at + 4, length - 2);
     if (marker == 0xE1 && segment.starts_with("Exif\0\0"sv)) {
       return orientation_in_tiff(segment.substr(6));
     }
     at += 2 + length;
   }
-  return 1;
+  return std::nullopt;
 }
 
 }  // namespace tagsmith

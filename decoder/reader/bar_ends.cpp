@@ -256,15 +256,16 @@ namespace {
 
 // The frame's corners when the line of v = `v` in the layout, other than the upper (0) or lower (2)
 // `side`, lies where the bars end, and the other three sides are the frame's.
-Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& ends, double v) {
-  const Homography image_from_unit = homography_to(corners);
+Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& ends, double v,
+                       const LensBend& lens) {
+  const FrameMap image_from_unit(corners, lens);
   const PixelPoint left = image_from_unit(0, ends.at_left);
   const PixelPoint right = image_from_unit(1, ends.at_right);
   Quad shown = corners;
   (side == 0 ? shown[0] : shown[3]) = left;
   (side == 0 ? shown[1] : shown[2]) = right;
   // `shown` spans v to 1 of the plate, or 0 to v.
-  const Homography image_from_shown = homography_to(shown);
+  const FrameMap image_from_shown(shown, lens);
   Quad completed = corners;
   if (side == 0) {
     completed[0] = image_from_shown(0, -v / (1 - v));
@@ -277,15 +278,12 @@ Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& end
 }
 
 // By how much ends seen in one frame miss a height in another, pixels.
-double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, double v) {
-  const Homography seen = homography_to(seen_in);
-  const Homography unit_from_image = inverse(homography_to(frame));
+double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, double v,
+                 const LensBend& lens) {
+  const FrameMap seen(seen_in, lens);
+  const FrameMap expected(frame, lens);
   const PixelPoint left = seen(0, ends.at_left), right = seen(1, ends.at_right);
-  const auto miss = [&](PixelPoint at) {
-    const auto& h = unit_from_image.h;
-    const double w = h[6] * at.x + h[7] * at.y + h[8];
-    return std::abs((h[3] * at.x + h[4] * at.y + h[5]) / w - v);
-  };
+  const auto miss = [&](PixelPoint at) { return std::abs(expected.unit_of(at).y - v); };
   return std::max(miss(left), miss(right)) * height_px(frame);
 }
 
@@ -302,7 +300,7 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
       find_bar_ends(image, field, layout.bars_bottom - kInside, layout.bars_bottom + kOutside);
   const double tolerance = tolerance_of(height_px(corners)) * height_px(corners);
   const auto off = [&](const std::optional<BarEnds>& ends, double v) {
-    return ends && missed_px(corners, *ends, corners, v) > tolerance + 3 * ends->sigma_px;
+    return ends && missed_px(corners, *ends, corners, v, lens) > tolerance + 3 * ends->sigma_px;
   };
   const bool upper_off = off(upper, layout.bars_top);
   const bool lower_off = off(lower, layout.bars_bottom);
@@ -315,10 +313,10 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
     const BarEnds& own = side == 0 ? *upper : *lower;
     const BarEnds& other = side == 0 ? *lower : *upper;
     const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
-    const Quad completed = corners_with_side(corners, side, own, v);
+    const Quad completed = corners_with_side(corners, side, own, v, lens);
     if (!is_convex(completed)) continue;
     const double miss =
-        missed_px(corners, other, completed, layout.bars_top + layout.bars_bottom - v);
+        missed_px(corners, other, completed, layout.bars_top + layout.bars_bottom - v, lens);
     if (miss > tolerance + 3 * other.sigma_px) continue;
     // Where both may be, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};

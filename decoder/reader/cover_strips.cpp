@@ -23,7 +23,7 @@ struct Loop {
 constexpr int kPerSide = 192;
 
 // A rectangle around the bars at these distances from the frame's inner edge (negative: outside).
-Loop loop_at(const GrayView& image, const Homography& image_from_unit, double from_side,
+Loop loop_at(const GrayView& image, const FrameMap& image_from_unit, double from_side,
              double from_top, double spread_u, double spread_v) {
   Loop loop;
   const std::array<PixelPoint, 5> corners{{{from_side, from_top},
@@ -122,7 +122,7 @@ bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
 
 // Whether the light along a strip changes evenly from one crossing to the other: along its middle
 // and halfway to its sides.
-bool is_plain(const GrayView& image, const Homography& image_from_unit, const Loop& loop,
+bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
               const Crossing& a, const Crossing& b, double tolerance) {
   constexpr int kPlaces = 64;
   constexpr double kLeastEven = 0.85;
@@ -146,7 +146,7 @@ bool is_plain(const GrayView& image, const Homography& image_from_unit, const Lo
   return true;
 }
 
-void add_strips(const GrayView& image, const Homography& image_from_unit, const Loop& loop,
+void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
                 double contrast, std::vector<CoverStrip>& strips) {
   constexpr double kOdd = 0.3;      // of the contrast
   constexpr double kEven = 0.3;     // of the contrast
@@ -173,7 +173,7 @@ void add_strips(const GrayView& image, const Homography& image_from_unit, const 
 
 }  // namespace
 
-std::vector<CoverStrip> find_cover_strips(const GrayView& image, const Homography& image_from_unit,
+std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke) {
   const double module = 1 / (kModuleCount + 2 * layout.quiet_zone_modules);
   const double quiet = layout.quiet_zone_modules * module;

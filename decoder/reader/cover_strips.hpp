@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
@@ -17,7 +17,7 @@ using CoverStrip = std::array<PixelPoint, 4>;
 
 // Whatever is straight, crosses the white between bars and frame (or the frame's stroke) twice, and
 // shows no bars on the way. `stroke` is the stroke's thickness as a share of the inner height.
-std::vector<CoverStrip> find_cover_strips(const GrayView& image, const Homography& image_from_unit,
+std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke);
 
 bool covers(const CoverStrip& strip, PixelPoint unit);

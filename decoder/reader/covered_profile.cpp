@@ -586,9 +586,9 @@ struct RowsOfSymbol {
 
 // `corners` from P on; `stroke_px` is the frame's.
 RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double stroke_px,
-                            const SymbolLayout& layout, AddedLight added) {
+                            const SymbolLayout& layout, const LensBend& lens, AddedLight added) {
   constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
-  const Homography image_from_unit = homography_to(corners);
+  const FrameMap image_from_unit(corners, lens);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   RowsOfSymbol result;
   result.module_px = distance(image_from_unit(0.5 - 0.5 / modules, 0.5),
@@ -681,8 +681,8 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
     corners[i] = frame.corners[(first_corner + i) % 4];
     sides[i] = frame.sides[(first_corner + i) % 4];
   }
-  const RowsOfSymbol symbol =
-      rows_of_symbol(image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout, added);
+  const RowsOfSymbol symbol = rows_of_symbol(
+      image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout, frame.lens, added);
   SymbolProfile profile;
   profile.module_px = symbol.module_px;
   profile.bins = profile_of(symbol.rows, settle(symbol.rows, added).agreed, layout);
@@ -693,7 +693,7 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
 }
 
 Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
-                     const SymbolLayout& layout) {
+                     const SymbolLayout& layout, const LensBend& lens) {
   constexpr int kRounds = 4;
   constexpr double kStill = 0.02;  // modules
   constexpr double kMostLean = 2;  // modules: the outer rows are then two thirds of one off
@@ -701,14 +701,14 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   Quad aligned = corners;
   for (int round = 0; round < kRounds; ++round) {
     const auto lean =
-        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, AddedLight::even).rows);
+        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, lens, AddedLight::even).rows);
     if (!lean) return corners;
     // At the frame's sides, beyond the bars.
     const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
     const double left = lean->at_begin - growth * layout.quiet_zone_modules;
     const double right = lean->at_end + growth * layout.quiet_zone_modules;
     if (std::max(std::abs(left), std::abs(right)) > kMostLean) return corners;
-    const Homography map = homography_to(aligned);
+    const FrameMap map(aligned, lens);
     aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
                map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
     if (std::max(std::abs(left), std::abs(right)) < kStill) break;

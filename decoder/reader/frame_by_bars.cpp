@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -75,10 +76,11 @@ std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayou
 // `last` are the field's bars in the layout.
 void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnds& lower,
                        const SymbolLayout& layout, FramedBars& framed) {
-  const Homography map = homography_to(field.corners);
+  const FrameMap map(field.corners, field.lens);
   const auto at = [&](double u, const BarEnds& ends) { return map(u, ends.at(u)); };
-  const Homography image_from_bars = homography_to({at(field.first, upper), at(field.last, upper),
-                                                    at(field.last, lower), at(field.first, lower)});
+  const FrameMap image_from_bars({at(field.first, upper), at(field.last, upper),
+                                  at(field.last, lower), at(field.first, lower)},
+                                 field.lens);
   const double height = layout.bars_bottom - layout.bars_top;
   const double above = -layout.bars_top / height, below = (1 - layout.bars_top) / height;
   framed.sides[0] = line_through(image_from_bars(0, above), image_from_bars(1, above));
@@ -146,11 +148,27 @@ void doubt_strangers(const Quad& quad, const FramedBars& expected, const Toleran
   }
 }
 
+// The frame as one that is not covered is fitted, where all of its sides show: through an unknown
+// lens its sides bow.
+RefinedFrame fitted_as_whole(const GrayView& image, const RefinedFrame& frame,
+                             const LensGuess& lens) {
+  constexpr double kMostMoved = 2;  // pixels
+  if (!std::ranges::all_of(frame.shown, std::identity{})) return frame;
+  auto whole = refine_frame(image, frame.corners, lens);
+  if (!whole) return frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (distance(whole->corners[i], frame.corners[i]) > kMostMoved) return frame;
+  }
+  return *std::move(whole);
+}
+
 // Settles and fits the sides that show.
 std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel& level,
                                       const Quad& rough, const FramedBars& in_full,
-                                      const Tolerances& tolerances) {
-  auto settled = settle_shown_sides(level.image, rough);
+                                      const Tolerances& tolerances, const LensGuess& lens) {
+  const LensBend known = lens.known.value_or(LensBend{});
+  const SideBows bows = scaled(bows_of(known, to_full(level, rough)), 1 / level.scale);
+  auto settled = settle_shown_sides(level.image, rough, bows);
   if (!settled) return std::nullopt;
   const Quad in_image = to_full(level, settled->quad);
   const double coarse = 0.5 * level.scale;
@@ -159,10 +177,10 @@ std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel&
   auto quad = with_expected_sides(in_image, in_full, settled->shown);
   if (!quad) return std::nullopt;
   const auto fit = [&](const std::array<bool, 4>& shown) {
-    auto frame = refine_shown_sides(image, *quad, shown, 0);
+    auto frame = refine_shown_sides(image, *quad, shown, 0, known);
     for (std::size_t i = 0; frame && i < 4; ++i) {
       if (frame->shown[i]) continue;
-      frame->sides[i].covariance =
+      frame->sides[i].covariance +=
           in_full.sigma_px[i] * in_full.sigma_px[i] * Eigen::Matrix2d::Identity();
     }
     return frame;
@@ -171,11 +189,11 @@ std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel&
   if (!frame) return std::nullopt;
   std::array<bool, 4> shown = frame->shown;
   doubt_strangers(frame->corners, in_full, tolerances, shown);
-  if (shown == frame->shown) return *frame;
+  if (shown == frame->shown) return fitted_as_whole(image, *frame, lens);
   quad = with_expected_sides(*quad, in_full, shown);
   if (!quad) return std::nullopt;
   frame = fit(shown);
-  return frame ? std::optional(*frame) : std::nullopt;
+  return frame ? std::optional(fitted_as_whole(image, *frame, lens)) : std::nullopt;
 }
 
 constexpr double kReducedFrom = 1.8;  // pixels a module: noise halves, bars stay apart
@@ -183,7 +201,8 @@ constexpr double kReducedFrom = 1.8;  // pixels a module: noise halves, bars sta
 }  // namespace
 
 std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView& half,
-                                          const BarRegion& region, const SymbolLayout& layout) {
+                                          const BarRegion& region, const SymbolLayout& layout,
+                                          const LensGuess& lens) {
   constexpr double kTolerance = 1.2;  // modules
   const auto bars = locate_bars(image, region);
   if (!bars) return std::nullopt;
@@ -198,19 +217,19 @@ std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView&
                               : frame_between(level.image, in_level.block, *sides[3], *sides[1]);
   if (!rough) return std::nullopt;
   const double tolerance = kTolerance * in_full->module_px;
-  return fit_frame(image, level, *rough, *in_full, {tolerance, 1 + tolerance});
+  return fit_frame(image, level, *rough, *in_full, {tolerance, 1 + tolerance}, lens);
 }
 
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
                                             const Quad& expected, const SymbolLayout& layout,
-                                            double module_px) {
+                                            double module_px, const LensGuess& lens) {
   constexpr double kInside = 0.2, kOutside = 0.25;  // of the frame's height
   FramedBars in_full;
   in_full.sides[3] = line_through(expected[3], expected[0]);
   in_full.sides[1] = line_through(expected[1], expected[2]);
   in_full.sigma_px[1] = in_full.sigma_px[3] = kHiddenSigma * module_px;
   in_full.module_px = module_px;
-  const BarField field = bar_field(expected, layout);
+  const BarField field = bar_field(expected, layout, lens.known.value_or(LensBend{}));
   const auto upper =
       find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
   const auto lower =
@@ -226,7 +245,7 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   const double height =
       (distance(expected[0], expected[3]) + distance(expected[1], expected[2])) / 2;
   return fit_frame(image, level, to_level(level, rough), in_full,
-                   {std::max(0.35, 0.12 * module_px), 1.2 + 0.006 * height});
+                   {std::max(0.35, 0.12 * module_px), 1.2 + 0.006 * height}, lens);
 }
 
 }  // namespace tagsmith

@@ -16,12 +16,13 @@ namespace tagsmith {
 // `half` is the image at half its size. Nothing where the bars are not much like a symbol or the
 // upper or lower side does not show.
 std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView& half,
-                                          const BarRegion& region, const SymbolLayout& layout);
+                                          const BarRegion& region, const SymbolLayout& layout,
+                                          const LensGuess& lens = {});
 
 // The frame fitted anew around a symbol that was read: `expected` is where its bars put the frame's
 // corners, clockwise from P. Left and right sides that are not there are taken for hidden.
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
                                             const Quad& expected, const SymbolLayout& layout,
-                                            double module_px);
+                                            double module_px, const LensGuess& lens = {});
 
 }  // namespace tagsmith

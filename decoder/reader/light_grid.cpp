@@ -19,9 +19,15 @@ std::array<float, 256> light_table() {
   return light;
 }
 
+PixelPoint corrected(const FrameMap& map, PixelPoint flat) {
+  auto u = static_cast<float>(flat.x), v = static_cast<float>(flat.y);
+  map.correct(u, v);
+  return {static_cast<double>(u), static_cast<double>(v)};
+}
+
 }  // namespace
 
-LightGrid light_grid(const GrayView& image, const Homography& image_from_unit, double modules,
+LightGrid light_grid(const GrayView& image, const FrameMap& image_from_unit, double modules,
                      int bins_per_module, std::size_t rows) {
   LightGrid grid{rows,
                  static_cast<std::size_t>(std::ceil(modules * bins_per_module)),
@@ -29,11 +35,14 @@ LightGrid light_grid(const GrayView& image, const Homography& image_from_unit, d
                  {}};
   grid.cells.resize(grid.rows * grid.bins);
   const std::array<float, 256> light = light_table();
-  const Homography unit_from_image = inverse(image_from_unit);
-  const Quad corners{image_from_unit(0, 0), image_from_unit(1, 0), image_from_unit(1, 1),
-                     image_from_unit(0, 1)};
-  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
-  const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
+  const Homography unit_from_image = inverse(image_from_unit.flat());
+  // Bowed sides may reach beyond the corners.
+  const std::array<PixelPoint, 8> outline{image_from_unit(0, 0), image_from_unit(0.5, 0),
+                                          image_from_unit(1, 0), image_from_unit(1, 0.5),
+                                          image_from_unit(1, 1), image_from_unit(0.5, 1),
+                                          image_from_unit(0, 1), image_from_unit(0, 0.5)};
+  const auto [left, right] = std::ranges::minmax(outline, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(outline, {}, &PixelPoint::y);
   const auto pixel = [](double at, int size) {
     return static_cast<int>(std::clamp(at, 0.0, size - 1.0));
   };
@@ -42,7 +51,8 @@ LightGrid light_grid(const GrayView& image, const Homography& image_from_unit, d
   for (int y = pixel(top.y, image.height); y <= y_end; ++y) {
     const std::uint8_t* row = image.row(y);
     for (int x = pixel(left.x, image.width); x <= x_end; ++x) {
-      const PixelPoint unit = unit_from_image(x, y);
+      PixelPoint unit = unit_from_image(x, y);
+      if (image_from_unit.bends()) unit = corrected(image_from_unit, unit);
       if (!(unit.x >= 0 && unit.x < 1 && unit.y >= 0 && unit.y < 1)) continue;
       const double place = unit.x * modules;
       const auto bin = std::min(grid.bins - 1, static_cast<std::size_t>(place * bins_per_module));

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/image/gray.hpp"
 
 namespace tagsmith {
@@ -34,7 +34,7 @@ struct LightGrid {
 
 // Every pixel inside the frame counts in the cell that holds its centre. `modules` is the width of
 // the frame's inside; `image_from_unit` maps the unit square onto it, P's corner first.
-LightGrid light_grid(const GrayView& image, const Homography& image_from_unit, double modules,
+LightGrid light_grid(const GrayView& image, const FrameMap& image_from_unit, double modules,
                      int bins_per_module, std::size_t rows);
 
 }  // namespace tagsmith

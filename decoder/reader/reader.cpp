@@ -282,7 +282,7 @@ class PictureReader {
     constexpr double kSymbolLike = 0.7;     // explained
     constexpr double kSameCompleted = 1.5;  // pixels
     for (const SymbolLayout& layout : options_.layouts) {
-      const auto rough = frame_by_bars(image_, half, region, layout);
+      const auto rough = frame_by_bars(image_, half, region, layout, {lens_});
       if (!rough) continue;
       if (is_read(rough->corners)) return;
       if (was_tried(completed_, rough->corners, kSameCompleted)) continue;
@@ -290,7 +290,7 @@ class PictureReader {
       const auto attempt = best_explained(*rough);
       if (!attempt || attempt->decoding.fit.explained < kSymbolLike) continue;
       const auto frame = frame_by_symbol(image_, half, expected_corners(*rough, *attempt), layout,
-                                         attempt->profile.module_px);
+                                         attempt->profile.module_px, {lens_});
       // Of either pair of sides one must show where the bars put it: else it may be another layout.
       if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
       if (!(frame->shown[1] || frame->shown[3])) continue;
@@ -454,7 +454,7 @@ class PictureReader {
     if (completed.shown[1] && completed.shown[3]) return expected;
     const double stroke_px = (completed.sides[0].stroke_px + completed.sides[2].stroke_px) / 2;
     RefinedFrame aligned = completed;
-    aligned.corners = aligned_to_bars(image_, expected, stroke_px, attempt.layout);
+    aligned.corners = aligned_to_bars(image_, expected, stroke_px, attempt.layout, completed.lens);
     std::ranges::rotate(aligned.sides,
                         aligned.sides.begin() + static_cast<std::ptrdiff_t>(attempt.first_corner));
     const auto again = best_explained(aligned);
@@ -495,8 +495,8 @@ class PictureReader {
     for (std::size_t i = 0; i < 4; ++i) {
       shown[i] = frame.shown[(attempt.first_corner + i) % 4] && i != verdict.side;
     }
-    const auto completed = refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px,
-                                              lens_.value_or(LensBend{}));
+    const auto completed =
+        refine_shown_sides(image_, verdict.corners, shown, verdict.sigma_px, frame.lens);
     if (!completed) return false;
     const auto again = read_believed(*completed, true);
     if (!again || again->decoding.digits != attempt.decoding.digits) return false;

@@ -4,10 +4,11 @@
 #include <algorithm>
 
 #include "decoder/image/half_size.hpp"
+#include "decoder/image/upright.hpp"
 
 namespace tagsmith {
 
-void crop_faults(const GrayView& image, std::vector<TagFinding>& tags) {
+void crop_faults(const GrayView& image, std::vector<TagFinding>& tags, int orientation) {
   constexpr int kMostCrop = 800;
   for (TagFinding& tag : tags) {
     if (tag.status == TagStatus::ok || tag.status == TagStatus::cut_off) continue;
@@ -28,7 +29,7 @@ void crop_faults(const GrayView& image, std::vector<TagFinding>& tags) {
       crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
     }
     while (crop.width > kMostCrop) crop = half_size(crop.view());
-    tag.crop = std::move(crop);
+    tag.crop = orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);
   }
 }
 

@@ -9,7 +9,8 @@
 namespace tagsmith {
 
 // Fills `crop` of every fault: the tag and half a frame's size more on each side, at most 800
-// pixels wide. Tags that have a crop or a file of one keep it.
-void crop_faults(const GrayView& image, std::vector<TagFinding>& tags);
+// pixels wide, turned upright by the picture's EXIF `orientation`. Tags that have a crop or a file
+// of one keep it.
+void crop_faults(const GrayView& image, std::vector<TagFinding>& tags, int orientation = 1);
 
 }  // namespace tagsmith

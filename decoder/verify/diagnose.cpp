@@ -12,6 +12,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/bilinear.hpp"
+#include "decoder/image/upright.hpp"
 #include "decoder/reader/explain.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
@@ -84,23 +85,45 @@ std::optional<bool> bars_cross_length(const GrayView& image, const FrameCorners&
   return std::nullopt;
 }
 
+double shortening(const TagTemplate& tag, double length, double height) {
+  const double ratio = tag.frame_inner_length / tag.frame_inner_height;
+  const double seen = std::max(1e-9, length) / std::max(1e-9, height);
+  return std::min(seen / ratio, ratio / seen);
+}
+
+double length_of(const FrameCorners& c) {
+  return (distance(c[0], c[1]) + distance(c[3], c[2])) / 2;
+}
+
+double height_of(const FrameCorners& c) {
+  return (distance(c[0], c[3]) + distance(c[1], c[2])) / 2;
+}
+
+// The corners from the upper left one of a plate that hangs upright, in a picture that is to be
+// shown so: those of what was not read begin anywhere.
+FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, FrameCorners corners,
+                             int orientation) {
+  const double along = length_of(corners);
+  const double across = height_of(corners);
+  const bool crossed =
+      bars_cross_length(image, corners)
+          .value_or(shortening(tag, along, across) >= shortening(tag, across, along));
+  if (!crossed) std::ranges::rotate(corners, corners.begin() + 1);
+  const Upright upright{orientation, image.width, image.height};
+  const PixelPoint upper = upright.turn(0.5 * (corners[0] + corners[1]));
+  const PixelPoint lower = upright.turn(0.5 * (corners[2] + corners[3]));
+  if (lower.y < upper.y) std::ranges::rotate(corners, corners.begin() + 2);
+  return corners;
+}
+
 struct Shape {
   double module_px = 0;  // as seen along the symbol
   double incidence = 0;  // degrees, from the foreshortening of one axis against the other
 };
 
-Shape shape_of(const GrayView& image, const TagTemplate& tag, const FrameCorners& c) {
-  double along = (distance(c[0], c[1]) + distance(c[3], c[2])) / 2;
-  double across = (distance(c[0], c[3]) + distance(c[1], c[2])) / 2;
-  const double ratio = tag.frame_inner_length / tag.frame_inner_height;
-  const auto shortening = [&](double length, double height) {
-    const double seen = std::max(1e-9, length) / std::max(1e-9, height);
-    return std::min(seen / ratio, ratio / seen);
-  };
-  const bool crossed =
-      bars_cross_length(image, c).value_or(shortening(along, across) >= shortening(across, along));
-  if (!crossed) std::swap(along, across);
-  const double shortened = shortening(along, across);
+Shape shape_of(const TagTemplate& tag, const FrameCorners& corners) {
+  const double along = length_of(corners);
+  const double shortened = shortening(tag, along, height_of(corners));
   return {along * module_width(tag) / tag.frame_inner_length,
           std::acos(std::min(1.0, shortened)) * 180 / std::numbers::pi};
 }
@@ -125,7 +148,7 @@ std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& 
 
 std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& tag,
                                     const FrameCorners& corners) {
-  const Shape shape = shape_of(image, tag, corners);
+  const Shape shape = shape_of(tag, corners);
   if (shape.incidence > kSteepest) {
     return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, limit {:.0f}",
                                            shape.incidence, kSteepest)};
@@ -198,9 +221,10 @@ std::string place_in_words(double right, double down) {
 }
 
 // Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
-// is wider than any element.
+// is wider than any element. `seen_from` is added to the place.
 std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& tag,
-                                     const FrameCorners& corners, double module_px) {
+                                     const FrameCorners& corners, double module_px,
+                                     const char* seen_from) {
   constexpr int kColumns = 19;
   constexpr int kRows = 4;
   constexpr int kAlong = 30;  // samples of a cell
@@ -253,8 +277,8 @@ std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& t
   if (share <= kMostHidden) return std::nullopt;
   return Diagnosis{
       "covered",
-      fmt::format("{:.0f} % of the bars are covered or damaged, {}, limit {:.0f} %", 100 * share,
-                  place_in_words(right / hidden, down / hidden), 100 * kMostHidden)};
+      fmt::format("{:.0f} % of the bars are covered or damaged, {}{}, limit {:.0f} %", 100 * share,
+                  place_in_words(right / hidden, down / hidden), seen_from, 100 * kMostHidden)};
 }
 
 // `blur`: standard deviation, modules.
@@ -285,13 +309,16 @@ std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module
 }  // namespace
 
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
-                   const ReadOptions& options) {
-  if (const auto view = judge_view(image, tag, rejection.corners)) return *view;
-  const double module_px = shape_of(image, tag, rejection.corners).module_px;
-  if (const auto cover = judge_cover(image, tag, rejection.corners, module_px)) return *cover;
+                   const ReadOptions& options, const std::optional<int>& orientation) {
+  const FrameCorners corners =
+      from_upper_left(image, tag, rejection.corners, orientation.value_or(1));
+  if (const auto view = judge_view(image, tag, corners)) return *view;
+  const double module_px = shape_of(tag, corners).module_px;
+  const char* seen_from = orientation ? "" : " as the picture stands";
+  if (const auto cover = judge_cover(image, tag, corners, module_px, seen_from)) return *cover;
   // A frame so blurred says more than a fit to what is left of the bars.
   constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
-  const double edge_blur = edge_width(image, tag, rejection.corners) / kOfQuarters;
+  const double edge_blur = edge_width(image, tag, corners) / kOfQuarters;
   if (const auto blur = judge_blur(edge_blur, module_px)) return *blur;
   ReadResult refused;
   refused.rejected.push_back(rejection);
@@ -308,10 +335,11 @@ std::optional<Diagnosis> diagnose_picture(const GrayView& image) {
 }
 
 void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOptions& options,
-                   std::vector<TagFinding>& findings) {
+                   std::vector<TagFinding>& findings, const std::optional<int>& orientation) {
   for (TagFinding& finding : findings) {
     if (finding.status != TagStatus::unreadable) continue;
-    const Diagnosis diagnosis = diagnose(image, tag, {finding.message, finding.corners}, options);
+    const Diagnosis diagnosis =
+        diagnose(image, tag, {finding.message, finding.corners}, options, orientation);
     finding.rule = diagnosis.rule;
     if (!diagnosis.measured.empty()) finding.message += ": " + diagnosis.measured;
   }

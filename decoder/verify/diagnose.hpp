@@ -20,9 +20,10 @@ struct Diagnosis {
 
 // The first that applies of: end-on, too small, too dark, glare, low contrast, covered, bars grown,
 // blurred, undecodable. Geometry comes before light, and light before the bars, because each makes
-// the later measurements worthless.
+// the later measurements worthless. `orientation` of the picture (EXIF): places on a plate are told
+// as one sees it upright; nothing = not known, the picture's own up is taken and said.
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
-                   const ReadOptions& options);
+                   const ReadOptions& options, const std::optional<int>& orientation = 1);
 
 // What is wrong with the light of a whole picture in which no tag was found; nothing when a tag
 // could have been seen in it.
@@ -30,6 +31,6 @@ std::optional<Diagnosis> diagnose_picture(const GrayView& image);
 
 // Names the rule of every unreadable finding and adds the measurement to its message.
 void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOptions& options,
-                   std::vector<TagFinding>& findings);
+                   std::vector<TagFinding>& findings, const std::optional<int>& orientation = 1);
 
 }  // namespace tagsmith

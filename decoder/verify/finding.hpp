@@ -54,6 +54,7 @@ struct FileReport {
   int pages = 0;  // 0 for a picture
   int width = 0;  // of a photo, pixels; 0 for print files
   int height = 0;
+  std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = its up is not known
   std::vector<TagFinding> tags;
   std::string sha256{};               // of the file; empty when it cannot be read
   std::string revision{};             // of the survey it was verified against

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -188,6 +189,52 @@ void compare(const Survey& survey, TagFinding& a, TagFinding& b) {
   }
 }
 
+// From the upper edge to the lower one as the tag itself stands.
+PixelPoint down_of(const FrameCorners& corners) {
+  return corners[3] - corners[0] + (corners[2] - corners[1]);
+}
+
+// Opposite, and alike, to 45 degrees.
+bool opposes(const PixelPoint& a, const PixelPoint& b) {
+  return a.x * b.x + a.y * b.y < -std::abs(cross(a, b));
+}
+bool agrees(const PixelPoint& a, const PixelPoint& b) { return opposes(a, -1.0 * b); }
+
+struct StandingTag {
+  TagFinding* finding = nullptr;
+  PixelPoint down;  // in the upright picture
+  bool told = false;
+};
+
+// Those that stand on their head, the picture being upright; unless all of several do.
+void tell_heads(std::vector<StandingTag>& tags) {
+  const auto on_head = [](const StandingTag& tag) { return opposes(tag.down, {0, 1}); };
+  if (tags.size() > 1 && std::ranges::all_of(tags, on_head)) return;
+  for (StandingTag& tag : tags) {
+    if (!on_head(tag)) continue;
+    tag.told = true;
+    tag.finding->message = tag.finding->tag +
+                           " stands on its head, by the up that the camera noted in the photo: it "
+                           "hangs upside down, or is a mirrored print";
+  }
+}
+
+// The one against whom all others stand.
+void tell_odd_one(std::vector<StandingTag>& tags) {
+  for (StandingTag& tag : tags) {
+    const auto against = std::ranges::count_if(
+        tags, [&](const StandingTag& other) { return opposes(tag.down, other.down); });
+    const auto with = std::ranges::count_if(
+        tags, [&](const StandingTag& other) { return agrees(tag.down, other.down); });
+    if (tag.told || against < 2 || with > 1) continue;  // with itself
+    tag.told = true;
+    tag.finding->message = fmt::format(
+        "{} stands on its head against the {} other tags in the photo: it hangs upside down, or is "
+        "a mirrored print",
+        tag.finding->tag, against);
+  }
+}
+
 }  // namespace
 
 void find_mirrored(const GrayView& image, const TagTemplate& tag,
@@ -219,6 +266,32 @@ void find_upside_down(std::vector<TagFinding>& findings) {
     finding.status = TagStatus::misprinted;
     finding.rule = "upside-down";
     finding.message = finding.tag + " stands on its head on the page";
+  }
+}
+
+bool hangs_upright(const Survey& survey, const TagFinding& finding) {
+  const PlacedTag* tag = find_tag(survey, std::string_view(finding.tag));
+  return tag != nullptr && tag->world_from_plate.rotation(2, 1) < -std::numbers::sqrt2 / 2;
+}
+
+void find_upside_down_by_camera(const Survey& survey, const std::optional<Upright>& camera_up,
+                                std::vector<TagFinding>& findings) {
+  std::vector<StandingTag> tags;
+  for (TagFinding& finding : findings) {
+    if (finding.status != TagStatus::ok || !hangs_upright(survey, finding)) continue;
+    FrameCorners corners = finding.corners;
+    if (camera_up) {
+      for (PixelPoint& corner : corners) corner = camera_up->turn(corner);
+    }
+    tags.push_back({&finding, down_of(corners)});
+  }
+  // In a mirrored picture plates read as if they stood on their head.
+  if (camera_up && !camera_up->mirrors()) tell_heads(tags);
+  tell_odd_one(tags);
+  for (const StandingTag& tag : tags) {
+    if (!tag.told) continue;
+    tag.finding->status = TagStatus::misprinted;
+    tag.finding->rule = "upside-down";
   }
 }
 

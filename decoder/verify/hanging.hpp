@@ -2,9 +2,11 @@
 // Plates that read well and are still wrong: mirrored, upside down, exchanged, on the other wall.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
+#include "decoder/image/upright.hpp"
 #include "decoder/verify/finding.hpp"
 #include "tagsmith/survey/survey.hpp"
 
@@ -20,6 +22,16 @@ void find_mirrored(const GrayView& image, const TagTemplate& tag,
 
 // For pages, whose up is known: `ok` tags that stand on their head become `misprinted`.
 void find_upside_down(std::vector<TagFinding>& findings);
+
+// True when the survey has the tag hang with its arrow up, to 45 degrees.
+bool hangs_upright(const Survey& survey, const TagFinding& finding);
+
+// For photos, `ok` tags that the survey has upright. Where the camera noted how it was held (EXIF,
+// `camera_up`, of a picture as stored), those that stand on their head become `misprinted`; none of
+// several that all do, which held the camera so. And, noted or not, one against whom two others and
+// more stand, none with it.
+void find_upside_down_by_camera(const Survey& survey, const std::optional<Upright>& camera_up,
+                                std::vector<TagFinding>& findings);
 
 // Compares `ok` tags of one picture in pairs, by the plane of one of the two plates. Both become
 // `misplaced` when they hang in one plane and the survey has them on opposite walls (`wrong-wall`),

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/geometry/angle.hpp"
+#include "decoder/verify/hanging.hpp"
 
 namespace tagsmith {
 namespace {
@@ -125,10 +125,9 @@ void report_hung_tags(const HungTags& hung, std::vector<FileReport>& reports) {
   }
 }
 
-void find_upside_down_in_photos(const Rig& rig, const PhotoCameras& cameras,
+void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const PhotoCameras& cameras,
                                 std::vector<FileReport>& reports) {
-  const double unsteady = radians(15);
-  if (rig.roll_sigma > unsteady || rig.pitch_sigma > unsteady) return;
+  if (!stands_level(rig)) return;
   for (FileReport& report : reports) {
     std::string note;
     const auto origin = is_photo(report) ? usable_origin(rig, cameras, report, note) : std::nullopt;
@@ -137,7 +136,7 @@ void find_upside_down_in_photos(const Rig& rig, const PhotoCameras& cameras,
     // The vehicle's down in the camera's axes.
     const Eigen::Vector3d down = -camera.vehicle_from_camera.rotation.row(2).transpose();
     for (TagFinding& tag : report.tags) {
-      if (!tells(tag)) continue;
+      if (!tells(tag) || !hangs_upright(survey, tag)) continue;
       const PixelPoint& p = tag.corners[0];
       const PixelPoint& q = tag.corners[3];
       const auto upper = ray_through(camera.camera, {p.x, p.y});

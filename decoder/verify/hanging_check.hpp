@@ -26,10 +26,10 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
 // reports' findings.
 void report_hung_tags(const HungTags& hung, std::vector<FileReport>& reports);
 
-// For photos, whose up the rig tells: tags in order that stand on their head by the rig's stance, a
-// quarter turn and more, become `misprinted` (rule `upside-down`). Only by a rig that stands level
-// on its wheels: its roll's and pitch's standard deviations below 15 degrees.
-void find_upside_down_in_photos(const Rig& rig, const PhotoCameras& cameras,
+// For photos, whose up the rig tells: tags in order that the survey has upright and that stand on
+// their head by the rig's stance, a quarter turn and more, become `misprinted` (rule
+// `upside-down`). Only by a rig that stands_level.
+void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const PhotoCameras& cameras,
                                 std::vector<FileReport>& reports);
 
 }  // namespace tagsmith

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <system_error>
 
+#include "tagsmith/geometry/angle.hpp"
+
 namespace tagsmith {
 namespace fs = std::filesystem;
 namespace {
@@ -36,6 +38,11 @@ fs::path absolute_name(const fs::path& path) {
 }
 
 }  // namespace
+
+bool stands_level(const Rig& rig) {
+  const double unsteady = radians(15);
+  return rig.roll_sigma <= unsteady && rig.pitch_sigma <= unsteady;
+}
 
 PhotoCameras PhotoCameras::by_run(const Rig& rig, const Run& run) {
   PhotoCameras result;

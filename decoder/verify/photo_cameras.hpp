@@ -19,6 +19,10 @@ struct PhotoOrigin {
   std::string station;     // the same for photos of one moment
 };
 
+// True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and
+// pitch's standard deviations are below 15 degrees.
+bool stands_level(const Rig& rig);
+
 class PhotoCameras {
  public:
   // By a run: a row's photos were taken together; other photos have no origin.

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "decoder/image/image_header.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/survey_options.hpp"
@@ -110,23 +111,35 @@ const Camera* camera_of(const VerifyRequest& request, const std::filesystem::pat
   return origin ? &request.rig->cameras[origin->camera].camera : nullptr;
 }
 
+// How the photo is to be shown; nothing when the camera did not note it.
+std::optional<Upright> upright_of(const FileReport& photo) {
+  if (!photo.orientation) return std::nullopt;
+  return Upright{*photo.orientation, photo.width, photo.height};
+}
+
 Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile& file) {
   const Result<GrayImage> loaded = decode_gray_image(file.path.string(), file.bytes);
   if (!loaded) return fail(loaded.error().message);
   const Survey& survey = request.survey;
   const GrayView image = loaded->view();
   FileReport report;
+  report.width = image.width;
+  report.height = image.height;
+  report.orientation = exif_orientation(file.bytes);
   const Camera* camera = camera_of(request, file.path);
   report.tags = check_tags(survey, read_for_survey(image, survey, camera),
                            PictureSize{image.width, image.height}, request.also);
-  diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags);
+  diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags,
+                report.orientation);
   find_mirrored(image, survey.tag_template, report.tags);
+  // A rig on its wheels knows better than the camera.
+  if (camera == nullptr || !stands_level(*request.rig)) {
+    find_upside_down_by_camera(survey, upright_of(report), report.tags);
+  }
   find_bent(image, survey.tag_template, camera, report.tags);
   find_misplaced(survey, report.tags);
-  report.width = image.width;
-  report.height = image.height;
   grade_tags(image, survey.tag_template, report.tags);
-  if (request.crops) crop_faults(image, report.tags);
+  if (request.crops) crop_faults(image, report.tags, report.orientation.value_or(1));
   const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
   if (!std::ranges::all_of(report.tags, is_cut_off)) return report;
   if (const std::optional<Diagnosis> light = diagnose_picture(image)) {

@@ -147,16 +147,16 @@ double quantile(std::vector<double> values, double part) {
 
 void print(const std::string& lens, const std::string& sizes, const std::string& camera,
            const Score& score) {
-  fmt::print("| {} | {} | {} | {} of {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} |\n", lens, sizes,
-             camera, score.read, score.asked, score.wrong, quantile(score.errors, 0.5),
+  fmt::print("| {} | {} | {} | {} of {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} |\n",
+             lens, sizes, camera, score.read, score.asked, score.wrong, quantile(score.errors, 0.5),
              quantile(score.errors, 0.95), quantile(score.errors, 1),
-             quantile(score.chi_squares, 0.5));
+             quantile(score.chi_squares, 0.5), quantile(score.chi_squares, 0.95));
 }
 
 void print_pictures(int count) {
   fmt::print(
       "| lens | px a module | camera | read | wrong | corner error, px: median | 95 % | greatest "
-      "| chi-square/8, median |\n|---|---|---|---|---|---|---|---|---|\n");
+      "| chi-square/8: median | 95 % |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Lens& lens : lenses()) {
     Score unknown[2], known[2];
     for (int i = 0; i < count; ++i) {

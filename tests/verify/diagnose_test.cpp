@@ -2,10 +2,12 @@
 // Why tags cannot be read, on rendered pictures.
 #include "decoder/verify/diagnose.hpp"
 
+#include <optional>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/upright.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "decoder/verify/check_tags.hpp"
@@ -29,8 +31,8 @@ const Survey& corridor() {
   return survey;
 }
 
-// What verify finds in a picture of 000L.
-std::vector<TagFinding> found_in(const Shot& shot) {
+// What verify finds in a picture of 000L, stored as a camera stores it that was held so (EXIF).
+std::vector<TagFinding> found_in(const Shot& shot, const std::optional<int>& orientation = 1) {
   const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
   ScenePlate plate{draw_tag(corridor().tag_template, corridor().tags[0].digits), {}, shot.finish};
   plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, {640, 480},
@@ -39,10 +41,13 @@ std::vector<TagFinding> found_in(const Shot& shot) {
   options.sensor = shot.sensor;
   options.sensor.noise_sigma = 1.5;
   const View view = render_view(camera, std::span(&plate, 1), options);
-  const GrayView image = view.image.view();
+  const int back = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation.value_or(3);
+  const GrayImage stored = turn_upright(view.image.view(), back);
+  const GrayView image = stored.view();
   std::vector<TagFinding> tags = check_tags(corridor(), read_for_survey(image, corridor()),
                                             PictureSize{image.width, image.height});
-  diagnose_tags(image, corridor().tag_template, read_options_for(std::span(&corridor(), 1)), tags);
+  diagnose_tags(image, corridor().tag_template, read_options_for(std::span(&corridor(), 1)), tags,
+                orientation);
   return tags;
 }
 
@@ -99,6 +104,23 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
     CHECK(tags[0].rule == c.rule);
     CHECK(tags[0].message.find(c.measured) != std::string::npos);
   }
+}
+
+TEST_CASE("the place on a plate is told as one sees it upright, however the camera was held") {
+  Shot cable;
+  cable.finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
+  for (const int orientation : {1, 3, 6, 8}) {
+    CAPTURE(orientation);
+    const std::vector<TagFinding> tags = found_in(cable, orientation);
+    REQUIRE(tags.size() == 1);
+    CAPTURE(tags[0].message);
+    CHECK(tags[0].message.find("damaged, at the middle left, limit") != std::string::npos);
+  }
+  // On its head, and nothing says so.
+  CHECK(found_in(cable, std::nullopt)
+            .at(0)
+            .message.find("damaged, at the middle right as the picture stands, limit") !=
+        std::string::npos);
 }
 
 TEST_CASE("a picture too dark to show a tag, or washed out, is told") {

@@ -2,6 +2,7 @@
 #include "decoder/verify/hanging.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -99,6 +100,45 @@ TEST_CASE("a mirrored plate without a label is told by its margins, before a dar
       }
     }
   }
+}
+
+TEST_CASE("a tag on its head is told by the up that a camera noted, or by the other tags") {
+  Survey survey = hung();
+  for (PlacedTag& tag : survey.tags) {
+    tag.world_from_plate.rotation.col(1) = -Eigen::Vector3d::UnitZ();
+  }
+  const auto on_head = [](TagFinding tag) {
+    std::swap(tag.corners[0], tag.corners[2]);
+    std::swap(tag.corners[1], tag.corners[3]);
+    return tag;
+  };
+  const TagFinding a = seen("019000000404", 100);
+  const TagFinding b = seen("019000800402", 900);
+  const TagFinding c = seen("000000340401", 1700);
+  // The rules of the tags, one letter each: H = on its head.
+  const auto heads = [&](std::vector<TagFinding> tags, const std::optional<int>& orientation) {
+    for (TagFinding& tag : tags) tag.tag = find_tag(survey, *tag.digits)->name;
+    std::optional<Upright> up;
+    if (orientation) up = Upright{*orientation, 2100, 400};
+    find_upside_down_by_camera(survey, up, tags);
+    std::string told;
+    for (const TagFinding& tag : tags) told += tag.rule == "upside-down" ? "H" : "-";
+    return told;
+  };
+  CHECK(heads({a}, 1) == "-");
+  CHECK(heads({a}, 3) == "H");
+  CHECK(heads({on_head(a)}, 1) == "H");
+  CHECK(heads({on_head(a)}, 3) == "-");
+  CHECK(heads({a}, 6) == "-");  // on its side: neither
+  CHECK(heads({on_head(a)}, 2) == "-");
+  CHECK(heads({on_head(a)}, std::nullopt) == "-");
+  CHECK(heads({on_head(a), b}, 1) == "H-");
+  CHECK(heads({on_head(a), on_head(b)}, 1) == "--");  // so was the camera
+  CHECK(heads({on_head(a), b}, std::nullopt) == "--");
+  CHECK(heads({on_head(a), b, c}, std::nullopt) == "H--");
+  CHECK(heads({a, on_head(b), on_head(c)}, std::nullopt) == "H--");
+  survey.tags[0].world_from_plate.rotation.col(1) *= -1;  // as surveyed
+  CHECK(heads({on_head(a)}, 1) == "-");
 }
 
 TEST_CASE("a tag on its head on a page is upside down") {

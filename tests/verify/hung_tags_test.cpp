@@ -134,6 +134,33 @@ TEST_CASE("a plate on its head, in another's place, or exchanged is told as such
   CHECK(wrong_wall.message.find("in the place of 001R") != std::string::npos);
 }
 
+TEST_CASE("of two tags that contradict each other each is told what to do if it is the one") {
+  Corridor corridor;
+  corridor.survey.angle_sigma = radians(0.1);
+  Pose& low = corridor.at("001L");
+  low.translation += low.rotation * Vector3d(0, 0.03, 0);
+  std::vector<SightedTag> picture = corridor.seen();
+  std::erase_if(picture, [](const SightedTag& tag) {
+    return tag.station != std::to_string(0.3) || (tag.tag != "001L" && tag.tag != "001R");
+  });
+  REQUIRE(picture.size() == 2);
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, picture);
+  REQUIRE(result.tags.size() == 2);
+  const std::string left =
+      "001L and 001R do not fit together by 30 mm: one of them hangs wrong, "
+      "and no other tag in view tells which. Measure them: if it is 001L, "
+      "raise it by 30 mm; if it is 001R, lower it by 30 mm";
+  const std::string right =
+      "001R and 001L do not fit together by 30 mm: one of them hangs wrong, "
+      "and no other tag in view tells which. Measure them: if it is 001R, "
+      "lower it by 30 mm; if it is 001L, raise it by 30 mm";
+  for (const HungTag& tag : result.tags) {
+    CHECK(tag.verdict == HangVerdict::doubtful);
+    CHECK(tag.rule == "contradiction");
+    CHECK(tag.message == (tag.tag == "001L" ? left : right));
+  }
+}
+
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
   const Corridor corridor;
   const HungTag tag = corridor.judged("001L");
@@ -200,6 +227,7 @@ TEST_CASE("what was found is written into the reports, in place of what was said
 
 TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on their head") {
   const Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const PhotoCameras cameras = PhotoCameras::by_names(rig);
   FileReport report;
   report.file = "corridor_01_left.jpg";
@@ -210,19 +238,19 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
   tag.corners = {{{470, 230}, {870, 270}, {870, 490}, {470, 490}}};
   report.tags = {tag};
   std::vector<FileReport> reports{report};
-  find_upside_down_in_photos(rig, cameras, reports);
+  find_upside_down_in_photos(survey, rig, cameras, reports);
   CHECK(reports[0].tags[0].status == TagStatus::ok);
 
   std::swap(reports[0].tags[0].corners[0], reports[0].tags[0].corners[2]);
   std::swap(reports[0].tags[0].corners[1], reports[0].tags[0].corners[3]);
   std::vector<FileReport> by_hand = reports;
-  find_upside_down_in_photos(rig, cameras, reports);
+  find_upside_down_in_photos(survey, rig, cameras, reports);
   CHECK(reports[0].tags[0].rule == "upside-down");
   CHECK(reports[0].findings.size() == 1);
 
   Rig held = rig;
   held.roll_sigma = radians(60);
-  find_upside_down_in_photos(held, cameras, by_hand);
+  find_upside_down_in_photos(survey, held, cameras, by_hand);
   CHECK(by_hand[0].tags[0].status == TagStatus::ok);
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
+#include "tests/support/exif_jpeg.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::test {
@@ -290,12 +291,7 @@ TEST_CASE("copies of photos are annotated, upright, in the format of the source"
   const std::string photo = kPhotos + "/corridor_01_left.jpg";
   const std::string jpeg = *read_file(photo);
   // The same photo that says it was taken with the camera on its side (EXIF orientation 6).
-  const std::string exif(
-      "\xFF\xE1\x00\x22"
-      "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
-      36);
-  REQUIRE(write_file(folder.path() / "side.jpg", jpeg.substr(0, 2) + exif + jpeg.substr(2))
-              .has_value());
+  REQUIRE(write_file(folder.path() / "side.jpg", with_orientation(jpeg, 6)).has_value());
   const ProgramOutput output = run_tagsmith(
       "verify --json " + kSurvey + " " + photo + " '" + (folder.path() / "side.jpg").string() +
       "' --annotate '" + (folder.path() / "copies").string() + "'");

@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/verify_file.hpp"
 
+#include <cstdlib>
+#include <set>
+#include <string>
+
 #include <doctest/doctest.h>
 
+#include "decoder/image/load.hpp"
+#include "decoder/image/upright.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/exif_jpeg.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
 namespace tagsmith {
@@ -33,6 +41,45 @@ TEST_CASE("tags side by side do not hide each other") {
   ReadResult second;
   second.tags = {reading_of("000000340401", 450)};
   CHECK(merge_readings(first, second).tags.size() == 2);
+}
+
+// The photo as a camera stores it that was held so.
+std::string photo_held(const std::string& photo, int orientation, bool noted = true) {
+  const int back = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation;
+  const GrayImage upright = load_gray_image(photo).value();
+  const std::string jpeg =
+      encode_gray_image("a.jpg", turn_upright(upright.view(), back).view()).value();
+  return noted ? test::with_orientation(jpeg, orientation) : jpeg;
+}
+
+TEST_CASE("photos of a phone are verified however it was held, and shown upright") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const VerifyRequest request{survey, {}, true};
+  const auto verified = [&](const std::string& bytes) {
+    return verify_file(request, {"phone.jpg", bytes, ""}).value();
+  };
+  const std::string good = "surveys/corridor/photos/corridor_01_left.jpg";
+  const std::string stranger = "surveys/curved/photos/curved_01_left.jpg";
+  const FileReport reference = verified(photo_held(stranger, 1));
+  REQUIRE(reference.tags.size() == 1);
+  REQUIRE(reference.tags[0].crop);
+  for (const int orientation : {1, 3, 6, 8}) {
+    CAPTURE(orientation);
+    CHECK(verified(photo_held(good, orientation)).findings.empty());
+    const FileReport report = verified(photo_held(stranger, orientation));
+    CHECK(report.orientation == orientation);
+    REQUIRE(report.tags.size() == 1);
+    CHECK(report.tags[0].rule == reference.tags[0].rule);
+    REQUIRE(report.tags[0].crop);
+    const GrayImage& crop = *report.tags[0].crop;
+    CHECK(std::abs(crop.width - reference.tags[0].crop->width) <= 2);
+    CHECK(std::abs(crop.height - reference.tags[0].crop->height) <= 2);
+  }
+  // The camera stood on its head, and notes nothing; then, that it stood upright.
+  CHECK(verified(photo_held(good, 3, false)).findings.empty());
+  const FileReport head = verified(test::with_orientation(photo_held(good, 3, false), 1));
+  CHECK(head.rules == std::set<std::string>{"upside-down"});
+  CHECK(head.findings.at(0).find("by the up that the camera noted") != std::string::npos);
 }
 
 }  // namespace tagsmith
