@@ -9,8 +9,8 @@
 #include <fstream>
 #include <unistd.h>
 
-#include <fmt/format.h>
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
