@@ -89,6 +89,19 @@ std::array<double, 4> bows_by_lambda(const Quad& corners, PixelPoint centre, dou
   return by_lambda;
 }
 
+// The lens that explains the bows best; `by_lambda`: the change of each with lambda, at `lambda`.
+std::optional<RadialLens> likeliest_lens(const std::array<double, 4>& by_lambda,
+                                         const std::array<SeenBow, 4>& seen, double lambda) {
+  double weight = 0, sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!(seen[i].variance > 0)) continue;
+    weight += by_lambda[i] * by_lambda[i] / seen[i].variance;
+    sum += by_lambda[i] * seen[i].beyond / seen[i].variance;
+  }
+  if (!(weight > 0)) return std::nullopt;
+  return RadialLens{lambda + sum / weight, 1 / std::sqrt(weight)};
+}
+
 }  // namespace
 
 SideBows bows_of(const LensBend& lens, const Quad& corners) {
@@ -111,15 +124,10 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
   constexpr double kClear = 4;  // standard deviations: straight lenses are left alone
   constexpr double kMostBarrel = 0.8, kMostCushion = 0.5;  // of 1, at the farthest corner
   const std::array<double, 4> by_lambda = bows_by_lambda(corners, centre, lambda);
-  double weight = 0, sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (!(seen[i].variance > 0)) continue;
-    weight += by_lambda[i] * by_lambda[i] / seen[i].variance;
-    sum += by_lambda[i] * seen[i].beyond / seen[i].variance;
-  }
-  if (!(weight > 0)) return std::nullopt;
-  const double change = sum / weight;
-  RadialLens lens{lambda + change, 1 / std::sqrt(weight)};
+  const std::optional<RadialLens> likeliest = likeliest_lens(by_lambda, seen, lambda);
+  if (!likeliest) return std::nullopt;
+  const RadialLens lens = *likeliest;
+  const double change = lens.lambda - lambda;
   double unexplained = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     if (!(seen[i].variance > 0)) continue;
@@ -133,6 +141,18 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
     if (there < -kMostBarrel || there > kMostCushion) return std::nullopt;
   }
   return lens;
+}
+
+std::array<double, 4> unseen_bows(const Quad& corners, const std::array<SeenBow, 4>& seen,
+                                  PixelPoint centre) {
+  constexpr double kStrongest = 0.4;  // of 1, in the image's corners
+  std::array<double, 4> bows = bows_by_lambda(corners, centre, 0);
+  const std::optional<RadialLens> lens = likeliest_lens(bows, seen, 0);
+  if (!lens) return {};
+  const double lambda =
+      std::min(std::hypot(lens->lambda, lens->sigma), kStrongest / dot(centre, centre));
+  for (double& bow : bows) bow *= lambda;
+  return bows;
 }
 
 double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,

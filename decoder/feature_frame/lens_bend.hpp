@@ -72,6 +72,11 @@ struct RadialLens {
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
                                         PixelPoint centre, double lambda);
 
+// How far the middles of sides that were fitted straight may bow unseen, pixels: by the likeliest
+// lens about `centre`, the image's, and what is not known of it.
+std::array<double, 4> unseen_bows(const Quad& corners, const std::array<SeenBow, 4>& seen,
+                                  PixelPoint centre);
+
 // The lambda that the bows of a settled frame tell, zero when they tell none; `sigma` of a bow's
 // middle, pixels.
 double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,

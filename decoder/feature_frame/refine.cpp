@@ -29,7 +29,7 @@ enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, 
 
 // The parameters as they enter every sample.
 struct StepModel {
-  explicit StepModel(const Parameters& p)
+  StepModel(const Parameters& p, const SideLine& side)
       : place(static_cast<float>(p[kPlace])),
         turn(static_cast<float>(p[kTurn])),
         per_blur(static_cast<float>(std::exp(-p[kLogBlur]))),
@@ -37,9 +37,12 @@ struct StepModel {
         white(static_cast<float>(p[kWhite])),
         white_slope(static_cast<float>(p[kWhiteSlope])),
         black(static_cast<float>(p[kBlack])),
-        black_slope(static_cast<float>(p[kBlackSlope])) {}
+        black_slope(static_cast<float>(p[kBlackSlope])),
+        taper(static_cast<float>(side.taper)) {}
 
-  float place, turn, per_blur, stroke, white, white_slope, black, black_slope;
+  float stroke_at(float along) const { return stroke * (1 + taper * along); }
+
+  float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
 };
 
 // One sample's prediction and what it depends on.
@@ -56,7 +59,7 @@ Predicted predict(const StepModel& model, const EdgeSample& at, const ToneCurve&
                   const NormalTable& normal) {
   Predicted predicted;
   predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
-  predicted.z_outer = predicted.z_inner - model.stroke * model.per_blur;
+  predicted.z_outer = predicted.z_inner - model.stroke_at(at.along) * model.per_blur;
   const NormalValue inner = normal(predicted.z_inner);
   const NormalValue outer = normal(predicted.z_outer);
   predicted.dark = inner.integral - outer.integral;
@@ -105,7 +108,7 @@ struct SideSamples {
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
 NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const SideLine& side,
                            double scale, const ToneCurve& tone) {
-  const StepModel model(p);
+  const StepModel model(p, side);
   const NormalTable& normal_table = NormalTable::get();
   const float per_scale = 1 / static_cast<float>(scale);
   auto& rows = side_samples.rows;
@@ -129,7 +132,8 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
     rows(i, kWhiteSlope) = by_white * sample.along;
     rows(i, kBlack) = by_black;
     rows(i, kBlackSlope) = by_black * sample.along;
-    rows(i, kLogStroke) = by_dark * predicted.d_outer * model.stroke * model.per_blur;
+    rows(i, kLogStroke) =
+        by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur;
     rows(i, kParameters) = root * residual;
     cost += sample.weight * fast_log1p(ratio * ratio);
     total += weight;
@@ -186,9 +190,9 @@ void constrain(Parameters& p, double stroke) {
 
 // Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
 double noise_scale(const std::vector<EdgeSample>& samples, const Parameters& p,
-                   const ToneCurve& tone) {
+                   const SideLine& side, const ToneCurve& tone) {
   constexpr double kLeast = 3;  // grey levels
-  const StepModel model(p);
+  const StepModel model(p, side);
   const NormalTable& normal = NormalTable::get();
   std::vector<float> residuals;
   residuals.reserve(samples.size());
@@ -237,8 +241,8 @@ Solution solve_side(SideSamples& samples, const SideLine& side, double start_blu
   Parameters p = first_guess(samples.samples, side, tone);
   p[kLogBlur] = std::log(start_blur);
   constrain(p, side.stroke);
-  p = minimise(samples, side, p, noise_scale(samples.samples, p, tone), 4).parameters;
-  return minimise(samples, side, p, noise_scale(samples.samples, p, tone), 15);
+  p = minimise(samples, side, p, noise_scale(samples.samples, p, side, tone), 4).parameters;
+  return minimise(samples, side, p, noise_scale(samples.samples, p, side, tone), 15);
 }
 
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
@@ -346,6 +350,7 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
   const SideBows bows = bows_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
     samples.emplace_back(edge_samples(image, lines[i]));
@@ -376,6 +381,28 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
   return result;
 }
 
+// Fits the frame through a known lens, anew while the corners from which its bows were reckoned
+// move: a side's bow grows with its distance from the lens's centre.
+Result<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& settled,
+                                         const LensBend& lens) {
+  constexpr int kMostRounds = 4;
+  constexpr double kAtRest = 0.02;  // pixels
+  Result<FrameFit> fit = fit_frame(image, settled, lens, {});
+  if (!fit) return tl::unexpected(fit.error());
+  Quad from = settled;
+  for (int round = 1; round < kMostRounds && lens.bends(); ++round) {
+    const Quad& corners = fit->frame.corners;
+    double moved = 0;
+    for (std::size_t i = 0; i < 4; ++i) moved = std::max(moved, distance(corners[i], from[i]));
+    if (moved < kAtRest) break;
+    from = corners;
+    Result<FrameFit> again = fit_frame(image, from, lens, {});
+    if (!again) break;
+    fit = std::move(again);
+  }
+  return fit->frame;
+}
+
 // What the sides of a frame tell of an unknown lens: one for all of them, and of each by how much
 // it bows beyond that, for real lenses are not quite of one model.
 struct ToldLens {
@@ -389,10 +416,27 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoin
   return fit_frame(image, settled, lens, told.beyond);
 }
 
+// What a side that bows more than its lens says may be off by: the square of two thirds of that,
+// where it is no noise.
+double bow_doubt(const SeenBow& seen) {
+  constexpr double kClear = 3;  // standard deviations
+  const double square = seen.beyond * seen.beyond;
+  return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
+}
+
+// What a lens that does not show adds to the covariances of sides that were fitted straight.
+void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
+  const std::array<double, 4> unseen = unseen_bows(fit.frame.corners, fit.bows, centre);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double doubt = std::max(4.0 / 9 * unseen[i] * unseen[i], bow_doubt(fit.bows[i]));
+    fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
+  }
+}
+
 // What an unknown lens adds to the sides' covariances: a line fitted to a bow stands off its ends
 // by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
 void add_lens_doubt(FrameFit& fit) {
-  constexpr double kShape = 0.02;  // of the bow, at either end
+  constexpr double kShape = 0.04;  // of the bow, at either end
   const SideBows bows = bows_of(fit.frame.lens, fit.frame.corners);
   for (std::size_t i = 0; i < 4; ++i) {
     const double shape = kShape * bows[i].middle();
@@ -425,6 +469,7 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
     const auto radial = lens_of_sides(fit->frame.corners, fit->bows, centre, now);
     if (!radial) {
       if (now != 0 && !fit_again({})) break;
+      add_unseen_lens_doubt(*fit, centre);
       return fit->frame;
     }
     if (std::abs(radial->lambda - now) < radial->sigma) break;
@@ -443,11 +488,7 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
 
 Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
                                   const LensGuess& lens) {
-  if (lens.known) {
-    Result<FrameFit> fit = fit_frame(image, settled, *lens.known, {});
-    if (!fit) return tl::unexpected(fit.error());
-    return fit->frame;
-  }
+  if (lens.known) return fit_with_known_lens(image, settled, *lens.known);
   const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
   return fit_with_lens(image, settled, centre, lens.lambda);
 }
@@ -477,14 +518,6 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
   return mean;
 }
 
-// What a side that bows more than its lens says may be off by: the square of two thirds of that,
-// where it is no noise.
-double bow_doubt(const SeenBow& seen) {
-  constexpr double kClear = 3;  // standard deviations
-  const double square = seen.beyond * seen.beyond;
-  return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
-}
-
 }  // namespace
 
 Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
@@ -498,6 +531,7 @@ Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settl
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
+    lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;

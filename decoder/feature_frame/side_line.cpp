@@ -32,6 +32,16 @@ SideLine side_of(const Quad& quad, std::size_t i) {
   return side;
 }
 
+double taper_of(const Quad& quad, const SideLine& side, std::size_t i) {
+  constexpr double kStroke = 0.04;  // of the depth; of any size, the taper is nearly the same
+  const Homography map =
+      homography_to({quad[i], quad[(i + 1) % 4], quad[(i + 2) % 4], quad[(i + 3) % 4]});
+  const double begin = dot(map(0, -kStroke) - side.begin, side.outward);
+  const double end = dot(map(1, -kStroke) - side.end, side.outward);
+  constexpr double kMost = 0.5;
+  return std::clamp((end - begin) / std::max(end + begin, 1e-9), -kMost, kMost);
+}
+
 double SideBow::slope(double s) const {
   const double series_slope = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * 4 * c[4]));
   return (1 - s * s) * series_slope - 2 * s * series(s);

@@ -38,11 +38,15 @@ struct SideLine {
   PixelPoint outward;  // unit
   double reach = 0;   // how far to look to both sides without leaving stroke and quiet zone, pixels
   double stroke = 0;  // likely thickness of the stroke, pixels
+  double taper = 0;   // by which share the stroke is thicker at the end than amid the side
   SideBow bow;
 };
 
 // Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight.
 SideLine side_of(const Quad& quad, std::size_t i);
+
+// The taper of a side's stroke when the quadrilateral is a rectangle seen in perspective.
+double taper_of(const Quad& quad, const SideLine& side, std::size_t i);
 
 // A point of the side, -1 at its begin and 1 at its end.
 PixelPoint point_on(const SideLine& side, double along);

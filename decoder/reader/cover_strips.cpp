@@ -171,7 +171,120 @@ void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Lo
   }
 }
 
+// The white beside the ends of the bars, every half module along the symbol.
+struct WhiteRow {
+  double v = 0;               // in the unit square
+  std::vector<double> u;      // likewise
+  std::vector<double> level;  // grey
+  double contrast = 0;        // of the bars
+};
+
+constexpr double kOddWhite = 0.3;  // of the contrast
+constexpr int kPlacesPerModule = 2;
+
+WhiteRow white_row(const GrayView& image, const FrameMap& image_from_unit,
+                   const SymbolLayout& layout, double v) {
+  constexpr int kBeyond = 2;  // modules to either side of the bars
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  WhiteRow row;
+  row.v = v;
+  std::vector<double> bars;
+  for (int k = -kBeyond * kPlacesPerModule; k < (kModuleCount + kBeyond) * kPlacesPerModule; ++k) {
+    const double u = (layout.quiet_zone_modules + (k + 0.5) / kPlacesPerModule) / modules;
+    row.u.push_back(u);
+    row.level.push_back(sample_bilinear(image, image_from_unit(u, v)));
+    bars.push_back(sample_bilinear(image, image_from_unit(u, 0.5)));
+  }
+  row.contrast = quantile(bars, 0.9) - quantile(bars, 0.1);
+  return row;
+}
+
+bool is_clear(const WhiteRow& row) {
+  const double white = quantile(row.level, 0.5);
+  return std::ranges::all_of(row.level, [&](double level) {
+    return std::abs(level - white) <= kOddWhite / 2 * row.contrast;
+  });
+}
+
+// Where the white is not what it is around.
+std::vector<Crossing> crossings_of(const WhiteRow& row) {
+  constexpr int kAround = 20 * kPlacesPerModule;
+  const int size = static_cast<int>(row.level.size());
+  std::vector<Crossing> crossings;
+  for (int i = 0; i < size; ++i) {
+    const auto begin = row.level.begin() + std::max(0, i - kAround);
+    const auto end = row.level.begin() + std::min(size, i + kAround + 1);
+    const double white = quantile({begin, end}, 0.7);
+    if (std::abs(row.level[static_cast<std::size_t>(i)] - white) < kOddWhite * row.contrast) {
+      continue;
+    }
+    const bool goes_on = !crossings.empty() && crossings.back().begin + crossings.back().count == i;
+    if (goes_on) ++crossings.back().count;
+    if (!goes_on) crossings.push_back({i, 1});
+  }
+  return crossings;
+}
+
+// A place of a row, or the one at its end.
+PixelPoint place_in(const WhiteRow& row, int place) {
+  const int last = static_cast<int>(row.u.size()) - 1;
+  return {row.u[static_cast<std::size_t>(std::clamp(place, 0, last))], row.v};
+}
+
+// Whether what crosses the white here above and there below the bars may be one strip, broad enough
+// to hide some module over two thirds of the bars' height, and not so broad that no digit would be
+// left.
+bool lies_along_bars(const Crossing& above, const Crossing& below) {
+  constexpr int kBroadest = 10 * kPlacesPerModule;
+  constexpr int kMostWidth = 2;  // of the broader crossing, against the other
+  const auto [broad, broader] = std::minmax(above.count, below.count);
+  if (broader > kBroadest || broader > kMostWidth * broad + kPlacesPerModule) return false;
+  const int way = std::abs(2 * above.begin + above.count - 2 * below.begin - below.count) / 2;
+  return 2 * way <= 3 * (broad + kPlacesPerModule);
+}
+
+// Whether the light from the middle of one crossing to that of the other changes evenly.
+bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const WhiteRow& above,
+              const Crossing& begin, const WhiteRow& below, const Crossing& end) {
+  constexpr int kPlaces = 64;
+  constexpr double kLeastEven = 0.85;
+  const auto middle = [](const Crossing& crossing) {
+    return static_cast<std::size_t>(crossing.begin + crossing.count / 2);
+  };
+  const std::size_t first = middle(begin), last = middle(end);
+  int even = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    const double t = (k + 0.5) / kPlaces;
+    const PixelPoint at = image_from_unit((1 - t) * above.u[first] + t * below.u[last],
+                                          (1 - t) * above.v + t * below.v);
+    const double expected = (1 - t) * above.level[first] + t * below.level[last];
+    const double off = std::abs(sample_bilinear(image, at) - expected);
+    even += off < kOddWhite * above.contrast ? 1 : 0;
+  }
+  return even >= kLeastEven * kPlaces;
+}
+
 }  // namespace
+
+std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
+                                          const SymbolLayout& layout) {
+  const WhiteRow above = white_row(image, image_from_unit, layout, layout.bars_top / 2);
+  if (is_clear(above)) return {};
+  const WhiteRow below = white_row(image, image_from_unit, layout, (1 + layout.bars_bottom) / 2);
+  if (is_clear(below)) return {};
+  const std::vector<Crossing> begins = crossings_of(above), ends = crossings_of(below);
+  std::vector<CoverStrip> strips;
+  for (const Crossing& begin : begins) {
+    for (const Crossing& end : ends) {
+      if (!lies_along_bars(begin, end)) continue;
+      if (!is_plain(image, image_from_unit, above, begin, below, end)) continue;
+      strips.push_back({place_in(above, begin.begin - 1),
+                        place_in(above, begin.begin + begin.count),
+                        place_in(below, end.begin + end.count), place_in(below, end.begin - 1)});
+    }
+  }
+  return strips;
+}
 
 std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke) {
@@ -185,7 +298,7 @@ std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap&
   expect(white, 0.7);
   expect(black, 0.3);
   const double contrast = quantile(white.expected, 0.5) - quantile(black.expected, 0.5);
-  std::vector<CoverStrip> strips;
+  std::vector<CoverStrip> strips = strips_along_bars(image, image_from_unit, layout);
   if (!(contrast > 0)) return strips;
   add_strips(image, image_from_unit, white, contrast, strips);
   add_strips(image, image_from_unit, black, contrast, strips);

@@ -16,10 +16,17 @@ namespace tagsmith {
 using CoverStrip = std::array<PixelPoint, 4>;
 
 // Whatever is straight, crosses the white between bars and frame (or the frame's stroke) twice, and
-// shows no bars on the way. `stroke` is the stroke's thickness as a share of the inner height.
+// shows no bars on the way; strips_along_bars among them. `stroke` is the stroke's thickness as a
+// share of the inner height.
 std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke);
 
 bool covers(const CoverStrip& strip, PixelPoint unit);
+
+// Whatever straight lies along the bars, from the white above to the white below, so that most of a
+// module's height shows nothing else: what it makes of a digit looks alike in all rows, as a digit
+// does. Quick where the white above or below the bars is clear.
+std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
+                                          const SymbolLayout& layout);
 
 }  // namespace tagsmith

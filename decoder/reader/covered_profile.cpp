@@ -242,24 +242,35 @@ struct Vote {
   float weight = 0;
 };
 
-Vote vote_of(const BarRows& rows, const Stretches& stretches, std::size_t row, std::size_t bin,
-             const Common& common) {
-  const float count = rows.count(row, bin);
-  if (count == 0) return {};
-  const std::size_t reach = stretches.reach / stretches.stride;
-  const std::size_t here = bin / stretches.stride;
-  const std::size_t begin = here > reach ? here - reach + 1 : 0;
-  const std::size_t end = std::min(stretches.per_row, here + reach);
-  const Stretch* best = nullptr;
-  for (std::size_t i = begin; i < end; ++i) {
+// For each stretch of a row the one around its middle that follows best, if any does.
+std::vector<const Stretch*> best_around(const Stretches& stretches, std::size_t row) {
+  std::vector<const Stretch*> following(stretches.per_row, nullptr);
+  for (std::size_t i = 0; i < following.size(); ++i) {
     const std::optional<Stretch>& stretch = stretches.at(row, i);
-    if (!stretch || !follows(*stretch, stretches)) continue;
-    if (!best || stretch->variance * best->contrast * best->contrast <
-                     best->variance * stretch->contrast * stretch->contrast) {
-      best = &*stretch;
+    if (stretch && follows(*stretch, stretches)) following[i] = &*stretch;
+  }
+  const std::size_t reach = stretches.reach / stretches.stride;
+  std::vector<const Stretch*> best(stretches.per_row, nullptr);
+  for (std::size_t here = 0; here < best.size(); ++here) {
+    const std::size_t begin = here > reach ? here - reach + 1 : 0;
+    const std::size_t end = std::min(stretches.per_row, here + reach);
+    const Stretch*& chosen = best[here];
+    for (std::size_t i = begin; i < end; ++i) {
+      const Stretch* stretch = following[i];
+      if (stretch == nullptr) continue;
+      if (chosen == nullptr || stretch->variance * chosen->contrast * chosen->contrast <
+                                   chosen->variance * stretch->contrast * stretch->contrast) {
+        chosen = stretch;
+      }
     }
   }
-  if (best == nullptr) return {};
+  return best;
+}
+
+Vote vote_of(const BarRows& rows, const Stretches& stretches, const Stretch* best, std::size_t row,
+             std::size_t bin, const Common& common) {
+  const float count = rows.count(row, bin);
+  if (count == 0 || best == nullptr) return {};
   const float off = rows.position(row, bin) - rows.middles[bin];
   const float variance = std::max(stretches.variance, best->variance);
   const float white = best->white + best->gradient * (static_cast<float>(bin) - best->middle);
@@ -352,7 +363,7 @@ Levels levels_at(const std::vector<float>& values, const std::vector<float>& kno
   };
   std::nth_element(near.begin(), place(kLeftOut), near.end());
   const float low = *place(kLeftOut);
-  std::nth_element(near.begin(), place(1 - kLeftOut), near.end());
+  std::nth_element(place(kLeftOut), place(1 - kLeftOut), near.end());
   return {low, *place(1 - kLeftOut)};
 }
 
@@ -432,11 +443,15 @@ std::vector<Agreed> agree_on_all(const BarRows& rows, const Stretches& stretches
                                  const Common& common) {
   std::vector<Agreed> agreed;
   agreed.reserve(rows.bins);
+  std::vector<std::vector<const Stretch*>> best;
+  best.reserve(rows.rows);
+  for (std::size_t row = 0; row < rows.rows; ++row) best.push_back(best_around(stretches, row));
   std::vector<Vote> votes;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     votes.clear();
     for (std::size_t row = 0; row < rows.rows; ++row) {
-      const Vote vote = vote_of(rows, stretches, row, bin, common);
+      const Stretch* stretch = best[row][bin / stretches.stride];
+      const Vote vote = vote_of(rows, stretches, stretch, row, bin, common);
       if (vote.weight > 0) votes.push_back(vote);
     }
     agreed.push_back(agree(votes, rows.rows));

@@ -15,7 +15,6 @@
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_ends.hpp"
-#include "decoder/reader/frameless.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -201,14 +200,12 @@ constexpr double kReducedFrom = 1.8;  // pixels a module: noise halves, bars sta
 }  // namespace
 
 std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView& half,
-                                          const BarRegion& region, const SymbolLayout& layout,
+                                          const LocatedBars& bars, const SymbolLayout& layout,
                                           const LensGuess& lens) {
   constexpr double kTolerance = 1.2;  // modules
-  const auto bars = locate_bars(image, region);
-  if (!bars) return std::nullopt;
-  auto in_full = framed_bars(*bars, layout);
+  auto in_full = framed_bars(bars, layout);
   if (!in_full) return std::nullopt;
-  look_for_ends(image, *bars, layout, *in_full);
+  look_for_ends(image, bars, layout, *in_full);
   const bool reduce = in_full->module_px >= kReducedFrom;
   const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
   const FramedBars in_level = reduce ? halved(*in_full) : *in_full;

@@ -6,17 +6,16 @@
 
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/frameless.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
 namespace tagsmith {
 
-// The frame around the bars of a region: the bars say where the left and right sides are (to half a
+// The frame around bars that were located: these say where the left and right sides are (to half a
 // module or so), the picture where the upper and lower ones; each is then fitted if it shows there.
-// `half` is the image at half its size. Nothing where the bars are not much like a symbol or the
-// upper or lower side does not show.
+// `half` is the image at half its size. Nothing where the upper or lower side does not show.
 std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView& half,
-                                          const BarRegion& region, const SymbolLayout& layout,
+                                          const LocatedBars& bars, const SymbolLayout& layout,
                                           const LensGuess& lens = {});
 
 // The frame fitted anew around a symbol that was read: `expected` is where its bars put the frame's

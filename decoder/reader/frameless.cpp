@@ -71,16 +71,32 @@ struct FirstPlace {
   SymbolPlace place;
 };
 
-// How little like a symbol the first line may be.
+// How little like a symbol of the region's size the first line may be.
 struct FirstLineLimits {
+  double least_module = 0.5;  // of what the region's length says
+  double greatest_module = 1.8;
   double worst_place = kWorstPlace;
   double worst_cost = 4;  // per module; a blurred symbol's
 };
 
+// What is wanted of a line: where its symbol lies, or its digits too, which takes twice as long.
+enum class Wanted { alignment, digits };
+
+std::optional<ElasticReading> read_line(const PlacedLine& line, const BarTemplates& templates,
+                                        Wanted wanted, double worst = kAnyCost) {
+  if (wanted == Wanted::digits) return read_elastic(line, templates, worst);
+  const auto alignment = align_elastic(line, templates, worst);
+  if (!alignment) return std::nullopt;
+  ElasticReading reading;
+  reading.alignment = *alignment;
+  return reading;
+}
+
 // The line to start from, of three thick ones, and its reading: the best of the places whose guard
 // patterns suit best, in either direction.
 std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame,
-                                   const BarRegion& region, const FirstLineLimits& limits = {}) {
+                                   const BarRegion& region, Wanted wanted,
+                                   const FirstLineLimits& limits = {}) {
   constexpr std::size_t kMostPlaces = 10;
   constexpr double kGood = 1;  // no need to look further
   const double nominal_module = region.length / kModuleCount / frame.step;
@@ -89,9 +105,9 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   for (const double share : {0.0, -0.25, 0.25}) {
     const double offset = share * region.height;
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
-    for (const SymbolPlace& place :
-         find_symbol_places(lines.back().light, 0.5 * nominal_module, 1.8 * nominal_module,
-                            kMostPlaces, limits.worst_place)) {
+    for (const SymbolPlace& place : find_symbol_places(
+             lines.back().light, limits.least_module * nominal_module,
+             limits.greatest_module * nominal_module, kMostPlaces, limits.worst_place)) {
       places.push_back({lines.size() - 1, place});
     }
   }
@@ -113,14 +129,16 @@ std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame
   }
   if (!found) return std::nullopt;
   ReadLine first = std::move(lines[found->line]);
-  const auto reading = read_elastic(first.light, found->place, shapes().front().templates);
+  const auto placed = placed_line(first.light, found->place);
+  if (!placed) return std::nullopt;
+  const auto reading = read_line(*placed, shapes().front().templates, wanted);
   if (!reading) return std::nullopt;
   first.reading = *reading;
   return first;
 }
 
 // The look of the bars that suits the line best, and its reading so.
-const Shape& best_shape(ReadLine& line) {
+const Shape& best_shape(ReadLine& line, Wanted wanted) {
   const SymbolPlace place = place_of(line.reading.alignment);
   const Shape* best = &shapes().front();
   const auto placed = placed_line(line.light, place);
@@ -132,7 +150,7 @@ const Shape& best_shape(ReadLine& line) {
     least = cost;
     best = &shape;
   }
-  if (const auto reading = read_elastic(*placed, best->templates)) line.reading = *reading;
+  if (const auto reading = read_line(*placed, best->templates, wanted)) line.reading = *reading;
   return *best;
 }
 
@@ -155,7 +173,7 @@ bool is_inside(const GrayView& image, PixelPoint at) {
 
 // Reads the region's lines from the first one outwards, each where its neighbour was.
 RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarRegion& region,
-                       ReadLine first, const Shape& shape, int lines) {
+                       ReadLine first, const Shape& shape, int lines, Wanted wanted) {
   constexpr double kWorst = 4;  // a line worse than this is dirt or lies beyond the bars
   constexpr int kMostMisses = 3;
   RegionScan scan{frame, std::max(1.0, region.height / lines), &shape, {}};
@@ -169,7 +187,9 @@ RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarR
         break;
       }
       ScanLine light = light_along(image, frame, offset, scan.spacing);
-      auto reading = read_elastic(light, place, shape.templates, kWorst);
+      const auto placed = placed_line(light, place);
+      const auto reading =
+          placed ? read_line(*placed, shape.templates, wanted, kWorst) : std::nullopt;
       if (!reading || reading->alignment.cost_per_module > kWorst) {
         ++misses;
         continue;
@@ -465,10 +485,11 @@ std::optional<FramelessTrace> trace_region(const GrayView& image, const BarRegio
   constexpr double kMostBlur = 1.5;  // modules
   const LineFrame frame = line_frame_for(image, region);
   constexpr int kLines = 12;
-  auto first = first_line(image, frame, region);
+  auto first = first_line(image, frame, region, Wanted::digits);
   if (!first) return std::nullopt;
-  const Shape& shape = best_shape(*first);
-  const RegionScan scan = scan_region(image, frame, region, std::move(*first), shape, kLines);
+  const Shape& shape = best_shape(*first, Wanted::digits);
+  const RegionScan scan =
+      scan_region(image, frame, region, std::move(*first), shape, kLines, Wanted::digits);
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
   const Evidence evidence = evidence_of(scan.lines);
@@ -575,20 +596,43 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
   return bars;
 }
 
+// Whether a line begins and ends with the bars, and crosses them where they were followed.
+bool is_line_of(const LocatedBars& bars, PixelPoint begin, PixelPoint end) {
+  constexpr double kTolerance = 1;  // modules
+  double first = bars.module_of(begin), last = bars.module_of(end);
+  if (first > last) std::swap(first, last);
+  const double middle = kModuleCount / 2.0;
+  const PixelPoint across = bars.normal_at(middle);
+  const PixelPoint along = 1 / length(across) * PixelPoint{-across.y, across.x};
+  return std::abs(first) < kTolerance && std::abs(last - kModuleCount) < kTolerance &&
+         std::abs(dot(0.5 * (begin + end) - bars.centre, along)) < bars.height / 2;
+}
+
 }  // namespace
 
-std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region) {
+std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region,
+                                       std::span<const LocatedBars> located) {
   constexpr std::size_t kLeastLines = 3;
+  constexpr double kAsHigh = 0.8;  // more of the bars would not be followed
   const LineFrame frame = line_frame_for(image, region);
   constexpr int kLines = 10;
-  // Bars of covered tags that were read: 0.7 and 1.9 at most (`./dev bench troubled`).
-  constexpr FirstLineLimits kLimits{.worst_place = 0.9, .worst_cost = 2.5};
-  auto first = first_line(image, frame, region, kLimits);
+  // Bars of covered tags that were read: modules of 0.67 to 1.05 of what their length says, costs
+  // of 0.7 and 1.9 at most (`./dev bench troubled`).
+  constexpr FirstLineLimits kLimits{
+      .least_module = 0.5, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
+  auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;
+  const PixelPoint begin = frame.pixel(boundaries.front(), first->offset);
+  const PixelPoint end = frame.pixel(boundaries.back(), first->offset);
+  const auto same = [&](const LocatedBars& bars) {
+    return bars.height > kAsHigh * region.height && is_line_of(bars, begin, end);
+  };
+  if (std::ranges::any_of(located, same)) return std::nullopt;
   const double middle = (boundaries.front() + boundaries.back()) / 2;
-  const Shape& shape = best_shape(*first);
-  const RegionScan scan = scan_region(image, frame, region, std::move(*first), shape, kLines);
+  const Shape& shape = best_shape(*first, Wanted::alignment);
+  const RegionScan scan =
+      scan_region(image, frame, region, std::move(*first), shape, kLines, Wanted::alignment);
   if (scan.lines.size() < kLeastLines) return std::nullopt;
   const double offset = (scan.lines.front().offset + scan.lines.back().offset) / 2;
   LocatedBars bars = fit_bars(scan, scan.frame.pixel(middle, offset));

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,10 +50,15 @@ struct LocatedBars {
   // The line of all pixels of a module: normal . (pixel - centre) + distance = 0.
   PixelPoint normal_at(double module) const { return b - module * c; }
   double distance_at(double module) const { return a - module; }
+  double module_of(PixelPoint pixel) const {
+    return (a + dot(b, pixel - centre)) / (1 + dot(c, pixel - centre));
+  }
 };
 
-// Follows the bars of a region line by line; nothing where they are not much like a symbol.
-std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region);
+// Follows the bars of a region line by line; nothing where they are not much like a symbol, or the
+// same as some that were `located` before.
+std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region,
+                                       std::span<const LocatedBars> located = {});
 
 // The result with what options.frameless asks for; a tag that was read by its frame is not given
 // again.

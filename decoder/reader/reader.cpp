@@ -27,6 +27,7 @@
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/cover_strips.hpp"
 #include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 #include "decoder/reader/frameless.hpp"
@@ -183,8 +184,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.kept < kLeastKept) return "bars covered";
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
-  const double sure = with_book ? kSureWithBook : options.check ? kSureAlone : kSureEitherCheck;
-  if (decoding.confidence < options.min_confidence.value_or(sure)) return kDoubtfulReason;
+  if (decoding.confidence < options.min_confidence.value_or(kSureInFrame)) return kDoubtfulReason;
   return std::nullopt;
 }
 
@@ -279,10 +279,15 @@ class PictureReader {
   // Reads what stands in frames that are completed by the bars of a region. `half` is the image at
   // half its size.
   void try_bars(const GrayView& half, const BarRegion& region) {
-    constexpr double kSymbolLike = 0.7;     // explained
-    constexpr double kSameCompleted = 1.5;  // pixels
+    constexpr double kSymbolLike = 0.7;      // explained
+    constexpr double kSameCompleted = 1.5;   // pixels
+    constexpr std::size_t kMostLocated = 6;  // in one picture: bounds its time
+    if (located_.size() == kMostLocated) return;
+    const auto bars = locate_bars(image_, region, located_);
+    if (!bars) return;
+    located_.push_back(*bars);
     for (const SymbolLayout& layout : options_.layouts) {
-      const auto rough = frame_by_bars(image_, half, region, layout, {lens_});
+      const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
       if (!rough) continue;
       if (is_read(rough->corners)) return;
       if (was_tried(completed_, rough->corners, kSameCompleted)) continue;
@@ -402,7 +407,7 @@ class PictureReader {
   // Reads the symbol inside a frame; where that does not convince, carefully.
   void judge_inside(const RefinedFrame& frame) {
     const auto attempt = best_attempt(image_, frame, options_, profile_symbol);
-    const auto reason = attempt ? objection(*attempt, options_) : std::nullopt;
+    const auto reason = attempt ? objection_to_quick(frame, *attempt) : std::nullopt;
     if (attempt && !reason) {
       if (accept_where_bars_end(frame, *attempt, "frame")) return;
       odd_bars_.push_back(bars_inside(image_, frame.corners));
@@ -429,6 +434,18 @@ class PictureReader {
     return attempt && accept_where_bars_end(frame, *attempt, kPartlyCovered);
   }
 
+  // What speaks against believing a symbol that was read without regard to covers.
+  std::optional<std::string> objection_to_quick(const RefinedFrame& frame,
+                                                const Attempt& attempt) const {
+    const auto reason = objection(attempt, options_);
+    if (reason) return reason;
+    FrameCorners corners{};
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = frame.corners[(attempt.first_corner + i) % 4];
+    const auto strips = strips_along_bars(image_, FrameMap(corners, frame.lens), attempt.layout);
+    if (strips.empty()) return std::nullopt;
+    return "bars covered";
+  }
+
   std::optional<Attempt> best_careful(const RefinedFrame& frame, AddedLight added) const {
     return best_attempt(image_, frame, options_,
                         [added](const GrayView& image, const RefinedFrame& of, std::size_t first,
@@ -452,13 +469,15 @@ class PictureReader {
   std::optional<Attempt> read_believed(const RefinedFrame& frame, bool quickly_too) const {
     if (quickly_too) {
       const auto quick = best_attempt(image_, frame, options_, profile_symbol);
-      if (quick && !objection(*quick, options_)) return quick;
+      if (quick && !objection_to_quick(frame, *quick)) return quick;
     }
+    // Symbols that were read with slanted light alone had 0.83 explained with even light
+    // (`./dev bench troubled`).
+    constexpr double kSymbolLike = 0.7;
     for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
       const auto careful = best_careful(frame, added);
-      if (careful && !objection(*careful, options_) && !too_little_shown(careful->profile)) {
-        return careful;
-      }
+      if (!careful || careful->decoding.fit.explained < kSymbolLike) return std::nullopt;
+      if (!objection(*careful, options_) && !too_little_shown(careful->profile)) return careful;
     }
     return std::nullopt;
   }
@@ -511,7 +530,8 @@ class PictureReader {
   std::vector<Quad> refined_;
   std::vector<RefinedFrame> covered_;  // frames whose symbols did not convince
   std::vector<BarRegion> odd_bars_;    // what stands in frames where no symbol should
-  std::vector<Quad> completed_;        // frames completed by bars
+  std::vector<LocatedBars> located_;   // bars that frames were completed by
+  std::vector<Quad> completed_;        // these frames
 };
 
 // Frames larger than this are seen in the image at half its size, pixels.

@@ -33,12 +33,9 @@ enum class Frameless {
   always,
 };
 
-// Chosen on the hostile frames of docs/accuracy.md, "Reliability": without a code book, the check
-// digit's scheme being named or not, with a code book, and for symbols without a frame. With either
-// scheme a tag of which a cable changes one digit may hold by the other one.
-inline constexpr double kSureAlone = 1.0 - 1e-5;
-inline constexpr double kSureEitherCheck = 1.0 - 2e-7;
-inline constexpr double kSureWithBook = 1.0 - 1e-5;
+// The least sure reading that is believed is wrong once in so many, as docs/accuracy.md,
+// "Reliability", compares it: in a frame, whatever is known of the codes, and without a frame.
+inline constexpr double kSureInFrame = 1.0 - 1e-5;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 struct ReadOptions {
@@ -56,8 +53,8 @@ struct ReadOptions {
   std::vector<Digits> code_book;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused. Nothing = kSureAlone, kSureEitherCheck,
-  // kSureWithBook or kSureWithoutFrame, whichever applies.
+  // Readings below this confidence are refused. Nothing = kSureInFrame or kSureWithoutFrame,
+  // whichever applies.
   std::optional<double> min_confidence;
   // When symbols without a frame are read too, into ReadResult::frameless.
   Frameless frameless = Frameless::never;

@@ -60,13 +60,14 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 
 // What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
 // ("Reliability"). A tunnel holds less.
-constexpr double kWrongCheck = 0.02;    // a symbol whose check digit fails
-constexpr double kForeign = 0.1;        // a character that is no digit
-constexpr double kOtherScheme = 1;      // a code of the other scheme, where both count
-constexpr double kNearStranger = 2e-3;  // a symbol that differs from the book's in one character
-constexpr double kStrangers = 0.5;      // all strangers to the book together
-// Fitted on the same frames: what is wrong without a book, over what the sums say. With a book they
-// are right.
+constexpr double kWrongCheck = 0.02;      // a symbol whose check digit fails
+constexpr double kForeign = 0.1;          // a character that is no digit
+constexpr double kSpoiltToOther = 3;      // a spoilt digit with which the other scheme may hold
+constexpr double kNearStranger = 5e-3;    // a symbol that differs from the book's in one character
+constexpr double kSpoiltStranger = 2e-3;  // a spoilt digit that makes it look like the book's
+constexpr double kStrangers = 0.5;        // all strangers to the book together
+// Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
+// the sums say. With a book they are right, and for spoilt digits too much (docs/decisions/0059).
 constexpr double kUnderstated = 3;
 
 // Other codes, and what is no code at all.
@@ -143,8 +144,8 @@ ScanProfile with_common_noise(ScanProfile profile, const Shortfall& shortfall) {
 // The share of a digit that only looks like one: with a single other digit the code would be
 // another scheme's, a misprint or a stranger.
 double share_of_spoilt(const DecodeOptions& options) {
-  if (!options.code_book.empty()) return kNearStranger;
-  return kUnderstated * (kWrongCheck + (options.check ? 0 : kOtherScheme));
+  if (!options.code_book.empty()) return kSpoiltStranger;
+  return kWrongCheck + (options.check ? 0 : kSpoiltToOther);
 }
 
 // Alternates between the most likely digits and the adjustment of the picture to them.
@@ -198,6 +199,9 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
   return cleaned;
 }
 
+// Nothing is left of the digits.
+constexpr Doubt kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
+
 // What else could be there. When another code is likelier than the one that is read, nothing is
 // left of it.
 Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const Digits& digits) {
@@ -205,9 +209,7 @@ Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const D
   const CharacterCosts costs = system.character_costs(&characters);
   const BestSymbol best = best_of(costs, options);
   if (best.characters == characters) return doubt_about(costs, options, best);
-  Doubt refuted;
-  refuted.other_codes = std::numeric_limits<double>::infinity();
-  return refuted;
+  return kRefuted;
 }
 
 // What is to be doubted about a decoding. What was set aside is left out of the likelihoods, but
@@ -240,6 +242,7 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolI
                                        const DecodeOptions& options) {
   constexpr double kNearlyAll = 0.985;  // explained: nothing to set aside
   constexpr int kMaxCleanings = 3;
+  constexpr double kHopeless = 0.75;  // explained: so little of it that nothing would be believed
   std::optional<Decoding> decoding = settle(profile, start, options);
   Cleaned cleaned{profile, 1};
   for (int i = 0; decoding && i < kMaxCleanings && decoding->fit.explained < kNearlyAll; ++i) {
@@ -253,6 +256,10 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolI
   decoding->guards = explained_by_guards(cleaned.profile, decoding->fit.image, decoding->digits);
   decoding->worst_digit =
       least_explained_digit(cleaned.profile, decoding->fit.image, decoding->digits);
+  if (decoding->fit.explained < kHopeless) {
+    decoding->doubt = kRefuted;
+    return decoding;
+  }
   judge(profile, cleaned.profile, options, *decoding);
   return decoding;
 }

@@ -29,8 +29,10 @@ struct Doubt {
 struct Decoding {
   Digits digits{};
   bool upside_down = false;  // the profile runs from the symbol's end to its begin
-  double confidence = 0;     // posterior probability of these digits, given that a symbol is there
-  Doubt doubt;               // what speaks against them; confidence is 1 / (1 + its odds)
+  // Posterior probability of these digits, given that a symbol is there; 0 without closer look
+  // where they explain little of the profile.
+  double confidence = 0;
+  Doubt doubt;  // what speaks against them; confidence is 1 / (1 + its odds)
   SymbolFit fit;
   double noise = 1;        // what the symbol leaves unexplained, over the profile's variances
   double guards = 0;       // explained_by_guards, without what was set aside

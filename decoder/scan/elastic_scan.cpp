@@ -542,13 +542,15 @@ std::vector<float> running_minimum(std::vector<float> samples, std::size_t windo
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
   const std::size_t size = samples.size();
   std::vector<float> result(size);
+  // What enters less what leaves, so that one addition alone waits for the one before.
+  const auto sample = [&](std::size_t i) { return static_cast<double>(samples[i]); };
   double sum = 0;
-  std::size_t from = 0, to = 0;
+  for (std::size_t i = 0; i < std::min(size, window); ++i) sum += sample(i);
   for (std::size_t i = 0; i < size; ++i) {
+    const std::size_t begin = i > window ? i - window : 0;
     const std::size_t end = std::min(size, i + window + 1);
-    while (to < end) sum += static_cast<double>(samples[to++]);
-    if (i > window) sum -= static_cast<double>(samples[from++]);
-    result[i] = static_cast<float>(sum / static_cast<double>(to - from));
+    sum += (i + window < size ? sample(i + window) : 0.0) - (begin > 0 ? sample(begin - 1) : 0.0);
+    result[i] = static_cast<float>(sum / static_cast<double>(end - begin));
   }
   return result;
 }
@@ -577,11 +579,12 @@ struct PatternFit {
 
   // Their covariance with the pattern, times the count.
   float product(float of_bars, float sum) const { return of_bars - bars / count * sum; }
-  float cost(float product, float variance) const {
+  // What such a product is divided by.
+  float deviations(float variance) const {
     constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
     const float share = bars / count;
-    const float seen = std::max(kLeastDeviation, std::sqrt(variance));
-    return 1 - product / count / (seen * std::sqrt(share * (1 - share)));
+    return count *
+           std::sqrt(std::max(kLeastDeviation * kLeastDeviation, variance) * share * (1 - share));
   }
 };
 
@@ -611,10 +614,10 @@ GuardCosts guard_costs(const std::vector<float>& modules) {
     outer_variance[i] = squares / kOuter - sum * sum / (kOuter * kOuter);
   }
   for (std::size_t i = 0; i < end; ++i) {
-    const float outer = std::max(0.0F, outer_variance[i]);
-    costs.start[i] = kOuterFit.cost(costs.start[i], outer);
-    costs.end[i] = kOuterFit.cost(costs.end[i], outer);
-    costs.centre[i] = kCentreFit.cost(costs.centre[i], std::max(0.0F, centre_variance[i]));
+    const float outer = 1 / kOuterFit.deviations(outer_variance[i]);
+    costs.start[i] = 1 - costs.start[i] * outer;
+    costs.end[i] = 1 - costs.end[i] * outer;
+    costs.centre[i] = 1 - costs.centre[i] / kCentreFit.deviations(centre_variance[i]);
   }
   return costs;
 }
@@ -766,6 +769,15 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
                                            const BarTemplates& templates, double worst) {
   const auto placed = placed_line(line, place);
   return placed ? read_elastic(*placed, templates, worst) : std::nullopt;
+}
+
+std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarTemplates& templates,
+                                              double worst) {
+  const Chain chain(line.darkness, templates, nullptr, Chain::Keep::best, worst);
+  if (chain.is_given_up()) return std::nullopt;
+  ElasticAlignment alignment = chain.alignment();
+  to_line(line, alignment);
+  return alignment;
 }
 
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,

@@ -108,6 +108,10 @@ std::optional<ElasticReading> read_elastic(const ScanLine& line, const SymbolPla
 // than `worst`.
 double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst = kAnyCost);
 
+// Where that reading has its boundaries alone, in half the time.
+std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarTemplates& templates,
+                                              double worst = kAnyCost);
+
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
                                               const BarTemplates& templates, const Digits& digits);

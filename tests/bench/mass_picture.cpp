@@ -210,10 +210,26 @@ struct Scene {
   std::optional<Glare> glare;
 };
 
-// Where a ray meets the plate, modules, and one over the point spread's standard deviations there.
-struct Sight {
+// One over the point spread's standard deviations on the plate, modules.
+struct Sharpness {
   float u = 0, v = 0;
-  float sharp_u = 0, sharp_v = 0;
+  float reach_u = 0, reach_v = 0;  // beyond which an edge is sharp, modules
+
+  float mean() const { return 2 / (1 / u + 1 / v); }
+};
+
+// Standard deviations of the point spread beyond which an edge is sharp: to a hundredth of a grey
+// level.
+constexpr float kReach = 4;
+
+// Where a ray meets the plate, modules.
+struct PlatePlace {
+  float u = 0, v = 0;
+};
+
+// That and how sharp the picture is there.
+struct Sight : PlatePlace {
+  Sharpness sharp;
 };
 
 // The light that a scene sends along a ray. One for each row of a picture, from left to right: the
@@ -226,10 +242,11 @@ class Light {
   }
 
   float along(const Sight& sight) {
-    const float sharp = 2 / (1 / sight.sharp_u + 1 / sight.sharp_v);
     const float plate = inside(sight, kPlateMargin, kPlateMarginAcross);
     float light = float_of(scene_.background);
-    if (plate > 0) light += plate * (on_plate(sight, sharp) - light);
+    if (plate > 0) light += plate * (on_plate(sight) - light);
+    if (scene_.strips.empty()) return light;
+    const float sharp = sight.sharp.mean();
     for (const Strip& strip : scene_.strips) {
       const float off =
           std::abs(float_of(strip.a) * sight.u + float_of(strip.b) * sight.v + float_of(strip.c));
@@ -243,7 +260,11 @@ class Light {
   static float float_of(double value) { return static_cast<float>(value); }
 
   // An edge, `z` standard deviations of the point spread away.
-  float step(float z) const { return normal_(z).integral; }
+  float step(float z) const {
+    if (z <= -kReach) return 0;
+    if (z >= kReach) return 1;
+    return normal_(z).integral;
+  }
 
   float between(float at, float low, float high, float sharp) const {
     return step((at - low) * sharp) - step((at - high) * sharp);
@@ -251,26 +272,29 @@ class Light {
 
   // The share of a rectangle that is so much larger on each side than the frame's inner edge.
   float inside(const Sight& sight, double beyond, double beyond_across) const {
-    const float out = float_of(beyond), out_across = float_of(beyond_across);
-    const float across =
-        between(sight.v, -out_across, float_of(kFrameHeight) + out_across, sight.sharp_v);
-    if (across == 0) return 0;
-    return across * between(sight.u, -out, float_of(kFrameWidth) + out, sight.sharp_u);
+    const float left = -float_of(beyond), right = float_of(kFrameWidth + beyond);
+    const float top = -float_of(beyond_across), bottom = float_of(kFrameHeight + beyond_across);
+    const Sharpness& sharp = sight.sharp;
+    // How far within, modules.
+    const float u = std::min(sight.u - left, right - sight.u);
+    const float v = std::min(sight.v - top, bottom - sight.v);
+    if (u <= -sharp.reach_u || v <= -sharp.reach_v) return 0;
+    if (u >= sharp.reach_u && v >= sharp.reach_v) return 1;
+    return between(sight.u, left, right, sharp.u) * between(sight.v, top, bottom, sharp.v);
   }
 
   float bars_at(const Sight& sight) {
-    constexpr float kReach = 6;
-    const float begin = sight.u - kReach / sight.sharp_u, end = sight.u + kReach / sight.sharp_u;
+    const float begin = sight.u - sight.sharp.reach_u, end = sight.u + sight.sharp.reach_u;
     while (first_ > 0 && edges_[first_ - 1] >= begin) --first_;
     while (first_ < edges_.size() && edges_[first_] < begin) ++first_;
     float share = first_ % 2 == 0 ? 0 : 1;
     for (std::size_t i = first_; i < edges_.size() && edges_[i] < end; ++i) {
-      share += (i % 2 == 0 ? 1.0F : -1.0F) * step((sight.u - edges_[i]) * sight.sharp_u);
+      share += (i % 2 == 0 ? 1.0F : -1.0F) * step((sight.u - edges_[i]) * sight.sharp.u);
     }
     return share;
   }
 
-  float on_plate(const Sight& sight, float sharp) {
+  float on_plate(const Sight& sight) {
     const double g = static_cast<double>(growth_);
     const float outer = inside(sight, kStroke + g, kStroke + g);
     float ink = 0;
@@ -282,15 +306,24 @@ class Light {
     const float lamp = 1 + float_of(scene_.shade_u) * (sight.u / float_of(kFrameWidth) - 0.5F) +
                        float_of(scene_.shade_v) * (sight.v / float_of(kFrameHeight) - 0.5F);
     float light = (float_of(scene_.white) + ink * float_of(scene_.ink - scene_.white)) * lamp;
-    for (const Blotch& blotch : scene_.dirt) {
-      const float du = sight.u - float_of(blotch.u), dv = sight.v - float_of(blotch.v);
-      const float off = float_of(blotch.radius) - std::sqrt(du * du + dv * dv);
-      light += step(off / (1 / sharp + 0.2F)) * (float_of(blotch.light) * lamp - light);
-    }
+    if (!scene_.dirt.empty()) light = behind_dirt(sight, lamp, light);
     if (scene_.glare) {
       const float du = (sight.u - float_of(scene_.glare->u)) / float_of(scene_.glare->radius);
       const float dv = (sight.v - float_of(scene_.glare->v)) / float_of(scene_.glare->radius);
       light += float_of(scene_.glare->strength) * std::exp(-0.5F * (du * du + dv * dv));
+    }
+    return light;
+  }
+
+  float behind_dirt(const Sight& sight, float lamp, float light) const {
+    const float spread = 1 / sight.sharp.mean() + 0.2F;
+    for (const Blotch& blotch : scene_.dirt) {
+      const float du = sight.u - float_of(blotch.u), dv = sight.v - float_of(blotch.v);
+      const float reach = float_of(blotch.radius) + kReach * spread;
+      const float square = du * du + dv * dv;
+      if (square > reach * reach) continue;
+      const float off = float_of(blotch.radius) - std::sqrt(square);
+      light += step(off / spread) * (float_of(blotch.light) * lamp - light);
     }
     return light;
   }
@@ -416,17 +449,39 @@ Placing place(double module_px, double tilt, Random& random) {
   return placing;
 }
 
-// Normal deviates, drawn once.
-const std::vector<float>& normal_deviates() {
-  static const std::vector<float> kDeviates = [] {
-    std::vector<float> deviates(1U << 16U);
-    Random random(5489);
-    std::normal_distribution<float> normal;
-    for (float& deviate : deviates) deviate = normal(random);
-    return deviates;
-  }();
-  return kDeviates;
-}
+// Normal deviates, drawn once and then picked at random.
+class Noise {
+ public:
+  explicit Noise(Random& random) : random_(random) {}
+
+  float next() {
+    if (left_ == 0) {
+      lot_ = random_();
+      left_ = 4;
+    }
+    const float deviate = deviates_[lot_ & 0xffffU];
+    lot_ >>= 16U;
+    --left_;
+    return deviate;
+  }
+
+ private:
+  static const std::vector<float>& deviates() {
+    static const std::vector<float> kDeviates = [] {
+      std::vector<float> deviates(1U << 16U);
+      Random random(5489);
+      std::normal_distribution<float> normal;
+      for (float& deviate : deviates) deviate = normal(random);
+      return deviates;
+    }();
+    return kDeviates;
+  }
+
+  Random& random_;
+  const std::vector<float>& deviates_ = deviates();
+  std::uint64_t lot_ = 0;
+  int left_ = 0;
+};
 
 struct Sensor {
   double exposure = 1;
@@ -446,13 +501,17 @@ class Rays {
     }
   }
 
-  Sight through(float x, float y) const {
+  PlatePlace through(float x, float y) const {
     const float c = 1 / (h_[6] * x + h_[7] * y + h_[8]);
-    const float u = (h_[0] * x + h_[1] * y + h_[2]) * c;
-    const float v = (h_[3] * x + h_[4] * y + h_[5]) * c;
-    const float c_sharp = sharp_ / std::abs(c);
-    return {u, v, c_sharp / length(h_[0] - u * h_[6], h_[1] - u * h_[7]),
-            c_sharp / length(h_[3] - v * h_[6], h_[4] - v * h_[7])};
+    return {(h_[0] * x + h_[1] * y + h_[2]) * c, (h_[3] * x + h_[4] * y + h_[5]) * c};
+  }
+
+  Sharpness sharpness(float x, float y) const {
+    const PlatePlace at = through(x, y);
+    const float c = sharp_ * std::abs(h_[6] * x + h_[7] * y + h_[8]);
+    const float u = c / length(h_[0] - at.u * h_[6], h_[1] - at.u * h_[7]);
+    const float v = c / length(h_[3] - at.v * h_[6], h_[4] - at.v * h_[7]);
+    return {u, v, kReach / u, kReach / v};
   }
 
  private:
@@ -464,28 +523,36 @@ class Rays {
 
 GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
                  Random& random) {
+  constexpr int kAsSharp = 8;  // pixels of a row for which the point spread is computed once
   const Rays rays(placing, std::sqrt(blur_px * blur_px + 1.0 / 12));
   const ToneCurve& tone = ToneCurve::srgb();
-  const std::vector<float>& deviates = normal_deviates();
+  Noise noise(random);
   const int steps = std::max(1, static_cast<int>(std::ceil(length(sensor.motion) / 1.2)));
   const auto motion_x = static_cast<float>(sensor.motion.x) / static_cast<float>(steps);
   const auto motion_y = static_cast<float>(sensor.motion.y) / static_cast<float>(steps);
+  const auto exposure = static_cast<float>(sensor.exposure / steps);
+  const auto sigma = static_cast<float>(sensor.noise);
   Light light(scene);
   GrayImage image{placing.width, placing.height, {}};
-  image.samples.reserve(static_cast<std::size_t>(image.width) *
-                        static_cast<std::size_t>(image.height));
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
+  image.samples.resize(static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+  std::uint8_t* sample = image.samples.data();
+  for (int row = 0; row < image.height; ++row) {
+    const auto y = static_cast<float>(row);
+    Sight sight;
+    for (int column = 0; column < image.width; ++column) {
+      const auto x = static_cast<float>(column);
+      if (column % kAsSharp == 0) sight.sharp = rays.sharpness(x + kAsSharp / 2.0F, y);
       float sum = 0;
       for (int k = 0; k < steps; ++k) {
         const float t = static_cast<float>(k) + 0.5F - 0.5F * static_cast<float>(steps);
-        sum += light.along(rays.through(static_cast<float>(x) + t * motion_x,
-                                        static_cast<float>(y) + t * motion_y));
+        static_cast<PlatePlace&>(sight) = rays.through(x + t * motion_x, y + t * motion_y);
+        sum += light.along(sight);
       }
-      const double share = sensor.exposure * static_cast<double>(sum) / steps;
-      double value = sensor.linear ? 255 * share : tone.sample_of(share);
-      value += sensor.noise * static_cast<double>(deviates[random() & 0xffffU]);
-      image.samples.push_back(static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0) + 0.5));
+      const float share = exposure * sum;
+      const float value =
+          (sensor.linear ? 255 * share : tone.point_of(share).sample) + sigma * noise.next();
+      *sample++ = static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
     }
   }
   return image;

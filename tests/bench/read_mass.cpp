@@ -320,7 +320,7 @@ void print_kinds(const Tables& tables) {
 }
 
 void print_doubts(const Tables& tables) {
-  fmt::print("\n| stated doubt |");
+  fmt::print("| stated doubt |");
   for (const char* mode : kModeNames)
     fmt::print(" {}: readings | wrong | stated | observed |", mode);
   fmt::print("\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
@@ -338,8 +338,33 @@ void print_doubts(const Tables& tables) {
   }
 }
 
+// How many readings were believed, how many of them were wrong, and what share of wrong ones that
+// leaves possible (Clopper and Pearson's upper bound at 95 %, by its approximation for few).
+void print_bound(const Tables& tables) {
+  long read = 0, wrong = 0, shown = 0;
+  for (const auto& modes : tables.kinds) {
+    for (const KindTally& tally : modes) {
+      shown += tally.shown;
+      read += tally.read;
+      wrong += tally.wrong;
+    }
+  }
+  const long believed = read + wrong;
+  // Half the 95 % quantile of chi-square with 2 (wrong + 1) degrees of freedom (Wilson, Hilferty).
+  const auto half = static_cast<double>(wrong + 1);
+  const double root = 1 - 1 / (9 * half) + 1.645 / std::sqrt(9 * half);
+  const double most = wrong == 0 ? 3.0 : half * root * root * root;
+  fmt::print(
+      "\n{} frames: {} readings were believed, {} of them wrong. At 95 % no more than {:.2g} of "
+      "the "
+      "readings and {:.2g} of the frames are.\n\n",
+      shown, believed, wrong, most / static_cast<double>(std::max(1L, believed)),
+      most / static_cast<double>(std::max(1L, shown)));
+}
+
 void print(const Tables& tables) {
   print_kinds(tables);
+  print_bound(tables);
   print_doubts(tables);
   for (const std::string& story : tables.wrong) fmt::print("WRONG {}\n", story);
   for (const std::string& story : tables.nearly) fmt::print("refused {}\n", story);

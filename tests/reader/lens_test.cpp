@@ -134,6 +134,23 @@ TEST_CASE("places in a bent frame are found from its pixels") {
   CHECK(farthest_flat > 5e-3);
 }
 
+TEST_CASE("a stroke is thicker at the side's nearer end") {
+  const Quad level{PixelPoint{100, 100}, PixelPoint{300, 100}, PixelPoint{300, 200},
+                   PixelPoint{100, 200}};
+  CHECK(std::abs(taper_of(level, side_of(level, 0), 0)) < 1e-12);
+  // Height halves from left to right, so the plate's right end is twice as far away.
+  const Quad oblique{PixelPoint{100, 100}, PixelPoint{200, 125}, PixelPoint{200, 175},
+                     PixelPoint{100, 200}};
+  const Homography map = homography_to(oblique);
+  const SideLine upper = side_of(oblique, 0);
+  const double begin = dot(map(0, -0.05) - upper.begin, upper.outward);
+  const double end = dot(map(1, -0.05) - upper.end, upper.outward);
+  CHECK(begin > 1.5 * end);
+  const double taper = taper_of(oblique, upper, 0);
+  CHECK(std::abs((1 + taper) / (1 - taper) - end / begin) < 0.01);
+  CHECK(std::abs(taper_of(oblique, side_of(oblique, 2), 2) + taper) < 1e-9);
+}
+
 TEST_CASE("corners without a ray bend nothing") {
   const Quad corners{PixelPoint{20, 20}, PixelPoint{300, 30}, PixelPoint{310, 220},
                      PixelPoint{30, 200}};
