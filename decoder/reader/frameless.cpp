@@ -640,18 +640,46 @@ std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& r
   return bars;
 }
 
+namespace {
+
+// Whether the middle of a symbol's bars lies in a frame.
+template <class Symbol, class Framed>
+bool stands_in(const Symbol& symbol, const Framed& framed) {
+  return contains(framed.corners, 0.5 * (symbol.bars[0] + symbol.bars[2]));
+}
+
+template <class Symbol>
+bool stands_in_any(const Symbol& symbol, const std::vector<Reading>& tags) {
+  return std::ranges::any_of(tags, [&](const Reading& tag) { return stands_in(symbol, tag); });
+}
+
+// The framed symbol at the place of a frameless one that was refused for what covers it or makes it
+// doubtful, if there is one.
+const Rejection* doubted_at(const FramelessReading& reading,
+                            const std::vector<Rejection>& rejected) {
+  const auto at = std::ranges::find_if(rejected, [&](const Rejection& framed) {
+    return (framed.reason == kDoubtfulReason || framed.reason == kCoveredReason) &&
+           stands_in(reading, framed);
+  });
+  return at == rejected.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
 ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result) {
   const bool wanted = options.frameless == Frameless::always ||
                       (options.frameless == Frameless::fallback && result.tags.empty());
   if (!wanted) return result;
-  result.frameless = read_frameless(image, options);
-  const auto framed = [&](const auto& symbol) {
-    const PixelPoint centre = 0.5 * (symbol.bars[0] + symbol.bars[2]);
-    return std::ranges::any_of(result.tags,
-                               [&](const Reading& tag) { return contains(tag.corners, centre); });
-  };
-  std::erase_if(result.frameless.read, framed);
-  std::erase_if(result.frameless.rejected, framed);
+  FramelessResult& frameless = result.frameless;
+  frameless = read_frameless(image, options);
+  const auto is_read = [&](const auto& symbol) { return stands_in_any(symbol, result.tags); };
+  std::erase_if(frameless.read, is_read);
+  std::erase_if(frameless.rejected, is_read);
+  std::erase_if(frameless.read, [&](const FramelessReading& reading) {
+    const Rejection* doubted = doubted_at(reading, result.rejected);
+    if (doubted != nullptr) frameless.rejected.push_back({doubted->reason, reading.bars});
+    return doubted != nullptr;
+  });
   return result;
 }
 

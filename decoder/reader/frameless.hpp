@@ -60,8 +60,9 @@ struct LocatedBars {
 std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region,
                                        std::span<const LocatedBars> located = {});
 
-// The result with what options.frameless asks for; a tag that was read by its frame is not given
-// again.
+// The result with what options.frameless asks for. A tag that was read by its frame is not given
+// again; one that its frame shows to be covered or doubtful is not believed by less: it joins those
+// that were rejected.
 ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result);
 
 }  // namespace tagsmith

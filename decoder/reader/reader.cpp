@@ -181,7 +181,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
     return "element widths";
   }
-  if (decoding.fit.kept < kLeastKept) return "bars covered";
+  if (decoding.fit.kept < kLeastKept) return kCoveredReason;
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
   if (decoding.confidence < options.min_confidence.value_or(kSureInFrame)) return kDoubtfulReason;
@@ -443,7 +443,7 @@ class PictureReader {
     for (std::size_t i = 0; i < 4; ++i) corners[i] = frame.corners[(attempt.first_corner + i) % 4];
     const auto strips = strips_along_bars(image_, FrameMap(corners, frame.lens), attempt.layout);
     if (strips.empty()) return std::nullopt;
-    return "bars covered";
+    return kCoveredReason;
   }
 
   std::optional<Attempt> best_careful(const RefinedFrame& frame, AddedLight added) const {

@@ -65,6 +65,9 @@ inline constexpr const char* kNotFramedReason = "no white, black, white across i
 // Why a symbol is refused that passed every test but that of its confidence.
 inline constexpr const char* kDoubtfulReason = "not certain enough";
 
+// Why a symbol is refused of which too little is in sight.
+inline constexpr const char* kCoveredReason = "bars covered";
+
 struct ReadResult {
   std::vector<Reading> tags;
   std::vector<Rejection> rejected;

@@ -15,6 +15,7 @@ std::string unknown_command(const std::vector<Command>& commands,
                             const std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments.front().starts_with('-')) return {};
   std::vector<std::string> names;
+  names.reserve(commands.size());
   for (const Command& command : commands) names.push_back(command.app->get_name());
   const std::string& found = arguments.front();
   if (std::ranges::find(names, found) != names.end()) return {};

@@ -71,23 +71,28 @@ class TablePage {
     for (std::size_t i = 0; i < kColumns.size(); ++i) {
       text(x + kPadding, top + kRowHeight - 0.002, texts[i], kTextHeight,
            kColumns[i].width - 2 * kPadding);
+      upright(x, top);
       x += kColumns[i].width;
     }
+    upright(x, top);
     line({kLeft, top + kRowHeight}, {kRight, top + kRowHeight}, kExtraNarrow);
   }
 
-  void column_lines(double bottom) {
-    double x = kLeft;
-    line({x, kHeadTop}, {x, bottom}, kExtraNarrow);
-    for (const Column& column : kColumns) {
-      x += column.width;
-      line({x, kHeadTop}, {x, bottom}, kExtraNarrow);
-    }
+  // Words across the whole row below `top`.
+  void note(double top, const std::string& words) {
+    text(kLeft + kPadding, top + kRowHeight - 0.002, words, kTextHeight,
+         kRight - kLeft - 2 * kPadding);
+    upright(kLeft, top);
+    upright(kRight, top);
+    line({kLeft, top + kRowHeight}, {kRight, top + kRowHeight}, kExtraNarrow);
   }
 
   Sheet finished() { return std::move(sheet_); }
 
  private:
+  // Beside one row.
+  void upright(double x, double top) { line({x, top}, {x, top + kRowHeight}, kExtraNarrow); }
+
   template <class Item>
   void add(Item item) {
     sheet_.layers.front().items.push_back(std::move(item));
@@ -114,6 +119,21 @@ std::array<std::string, kColumns.size()> texts_of(const Survey& survey, const Se
           format_number(place.tolerance * 1000, 1),
           grouped_digits(survey.code, tag.digits),
           ""};
+}
+
+// A row of the table: a place, or how its plate turns out of its wall.
+struct TableRow {
+  const SettingOut* place = nullptr;
+  bool is_note = false;
+};
+
+std::vector<TableRow> rows_of(std::span<const SettingOut> list) {
+  std::vector<TableRow> rows;
+  for (const SettingOut& place : list) {
+    rows.push_back({&place, false});
+    if (place.tag->attitude) rows.push_back({&place, true});
+  }
+  return rows;
 }
 
 void add_heading(TablePage& page, const Survey& survey, const std::string& revision,
@@ -150,19 +170,25 @@ void add_head(TablePage& page) {
 
 std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
                                      const std::string& revision) {
-  const std::size_t count = std::max<std::size_t>(1, (list.size() + kRowsAPage - 1) / kRowsAPage);
+  const std::vector<TableRow> rows = rows_of(list);
+  const std::size_t count = std::max<std::size_t>(1, (rows.size() + kRowsAPage - 1) / kRowsAPage);
   std::vector<Sheet> sheets;
   for (std::size_t number = 0; number < count; ++number) {
     TablePage page(survey.name + " setting-out");
     add_heading(page, survey, revision, number + 1, count);
     add_head(page);
     double top = kHeadTop + kRowHeight;
-    const std::size_t last = std::min(list.size(), (number + 1) * kRowsAPage);
+    const std::size_t last = std::min(rows.size(), (number + 1) * kRowsAPage);
     for (std::size_t i = number * kRowsAPage; i < last; ++i) {
-      page.row(top, texts_of(survey, list[i]));
+      const PlacedTag& tag = *rows[i].place->tag;
+      if (rows[i].is_note) {
+        page.note(top, "the plate of " + tag.name + " " + attitude_text(*tag.attitude) +
+                           (tag.attitude->facing ? ", from +y towards +x of the grid" : ""));
+      } else {
+        page.row(top, texts_of(survey, *rows[i].place));
+      }
       top += kRowHeight;
     }
-    page.column_lines(top);
     sheets.push_back(page.finished());
   }
   return sheets;

@@ -13,7 +13,8 @@
 namespace tagsmith {
 
 // A4 sheets with a row a tag: name, side, chainage, offset, height, x, y, z, tolerance, digits, and
-// a box to tick. The head says what each column means.
+// a box to tick; below it a row for a plate that hangs otherwise than its wall says. The head says
+// what each column means.
 std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
                                      const std::string& revision);
 

@@ -169,6 +169,17 @@ TEST_CASE("the installer's list declares its columns in the order asked for") {
   CHECK(text.out.find("Right wall, seen facing it") != std::string::npos);
 }
 
+TEST_CASE("the installer is told how a plate turns out of its wall") {
+  const TemporaryFolder folder;
+  REQUIRE(print("surveys/drift/survey.yaml", folder.path(), "--tags 001L,002L,900R --format pdf")
+              .exit_code == 0);
+  const ProgramOutput text =
+      run_shell("pdftotext -layout -l 1 '" + (folder.path() / "setting-out.pdf").string() + "' -");
+  CHECK(text.out.find("the plate of 002L leans 3 degrees forward") != std::string::npos);
+  CHECK(text.out.find("the plate of 900R faces 240 degrees, from +y") != std::string::npos);
+  CHECK(text.out.find("the plate of 001L") == std::string::npos);
+}
+
 TEST_CASE("diff tells what to do, and print --only prints what it asks for") {
   const TemporaryFolder folder;
   std::string text = read_file(kCorridor).value();
