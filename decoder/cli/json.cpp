@@ -19,6 +19,13 @@ double with_decimals(double value, int decimals) {
   return std::round(value * scale) / scale;
 }
 
+// Rounded to that many digits.
+double with_digits(double value, int digits) {
+  if (value == 0 || !std::isfinite(value)) return 0;
+  return with_decimals(value,
+                       digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+}
+
 std::string check_digit_name(bool sum10_holds, bool gs1_holds) {
   if (sum10_holds && gs1_holds) return "both";
   if (sum10_holds) return "sum10";
@@ -158,6 +165,17 @@ Json to_json(const HungTags& hung) {
   return list;
 }
 
+// The lower half, row by row. The digits leave what a fit needs of it.
+Json to_json(const CornerCovariance& covariance) {
+  Json list = Json::array();
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      list.push_back(with_digits(covariance(row, column), 6));
+    }
+  }
+  return list;
+}
+
 Json to_json(const TagFinding& tag) {
   Json object{{"tag", tag.tag.empty() ? Json() : Json(tag.tag)},
               {"status", to_string(tag.status)},
@@ -167,6 +185,9 @@ Json to_json(const TagFinding& tag) {
     object["module_px"] = with_decimals(tag.module_px, 3);
     object["confidence"] = tag.confidence;
   }
+  if (tag.digits && tag.page == 0 && !tag.corner_covariance.isZero(0)) {
+    object["corner_covariance"] = to_json(tag.corner_covariance);
+  }
   add_grade(tag, object);
   if (tag.page > 0) object["page"] = tag.page;
   if (!tag.message.empty()) object["message"] = tag.message;
@@ -175,6 +196,12 @@ Json to_json(const TagFinding& tag) {
   if (!tag.crop_file.empty()) object["crop"] = tag.crop_file;
   if (tag.hung) object["hanging"] = to_json(*tag.hung);
   return object;
+}
+
+void add_hanging(const std::optional<HungTags>& hung, Json& summary) {
+  if (!hung) return;
+  summary["hanging"] = to_json(*hung);
+  summary["hanging_notes"] = hung->notes;
 }
 
 Json to_json(const VerifySummary& summary) {
@@ -288,6 +315,11 @@ std::string to_json_line(const FileReport& report) {
   if (!report.revision.empty()) object["revision"] = report.revision;
   if (!report.rules.empty()) object["rules"] = report.rules;
   if (report.pages > 0) object["pages"] = report.pages;
+  if (report.width > 0) {
+    object["width"] = report.width;
+    object["height"] = report.height;
+  }
+  if (report.orientation) object["orientation"] = *report.orientation;
   if (report.stale) object["stale"] = true;
   return line_of(object);
 }
@@ -300,20 +332,19 @@ std::string to_json_line(const VerifySummary& summary, const Survey& survey,
                          const VerifyMerge& merged, const std::optional<HungTags>& hung) {
   Json object = to_json(summary);
   object["completeness"] = completeness_json(survey, merged);
-  if (hung) {
-    object["hanging"] = to_json(*hung);
-    object["hanging_notes"] = hung->notes;
-  }
+  add_hanging(hung, object);
   return line_of({{"summary", object}});
 }
 
-std::string report_json_line(const Survey& survey, const VerifyMerge& merged) {
-  return line_of({{"summary",
-                   {{"files", merged.files},
-                    {"faults", merged.fault_count},
-                    {"repeated", merged.repeated},
-                    {"other_revisions", merged.other_revisions},
-                    {"completeness", completeness_json(survey, merged)}}}});
+std::string report_json_line(const Survey& survey, const VerifyMerge& merged,
+                             const std::optional<HungTags>& hung) {
+  Json object{{"files", merged.files},
+              {"faults", merged.fault_count},
+              {"repeated", merged.repeated},
+              {"other_revisions", merged.other_revisions},
+              {"completeness", completeness_json(survey, merged)}};
+  add_hanging(hung, object);
+  return line_of({{"summary", object}});
 }
 
 }  // namespace tagsmith

@@ -43,6 +43,7 @@ std::string to_json_line(const VerifySummary& summary, const Survey& survey,
                          const VerifyMerge& merged, const std::optional<HungTags>& hung);
 
 // The summary of `report`.
-std::string report_json_line(const Survey& survey, const VerifyMerge& merged);
+std::string report_json_line(const Survey& survey, const VerifyMerge& merged,
+                             const std::optional<HungTags>& hung);
 
 }  // namespace tagsmith

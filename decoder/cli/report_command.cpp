@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "decoder/cli/json.hpp"
 #include "decoder/cli/report_files.hpp"
+#include "decoder/cli/verify_hanging.hpp"
 #include "decoder/cli/verify_lines.hpp"
 #include "decoder/cli/verify_merge.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -23,13 +25,15 @@ constexpr const char* kExample = R"(Example:
   tagsmith verify --json --crops crops mine/survey.yaml photos > photos.jsonl
   tagsmith report mine/survey.yaml photos.jsonl --html report.html --pdf report.pdf
 
-Lines of several runs are merged; a file that is in two of them counts once.
+Lines of several runs are merged; a file that is in two of them counts once. With --rig tags that
+are seen together are checked for where they hang, by all photos of all runs at once.
 Exit: 0 every tag was seen and nothing is wrong, 1 otherwise, 2 a file could not be read.)";
 
 struct Options {
   std::string survey;
   std::vector<std::string> files;
   ReportFiles report;
+  HangingOptions hanging;
   bool json = false;
 };
 
@@ -43,12 +47,29 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-Result<VerifyMerge> merge_all(const Options& options, const Survey& survey) {
+// Where tags hang; nothing without --rig.
+Result<std::optional<HungTags>> hung_tags(const Options& options, const Survey& survey,
+                                          const std::optional<HangingSetup>& setup) {
+  if (!setup) return std::nullopt;
+  std::vector<FileReport> none;
+  Result<HungTags> hung =
+      check_hanging_lines(survey, *setup, 1e-3 * options.hanging.tolerance_mm, options.files, none);
+  if (!hung) return fail(hung.error().message);
+  for (const std::string& note : hung->notes) fmt::print(stderr, "report: {}\n", note);
+  return std::optional(std::move(*hung));
+}
+
+Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
+                              const std::optional<HangingSetup>& setup,
+                              const std::optional<HungTags>& hung) {
   const std::string revision = survey_revision(survey);
   VerifyMerge merged;
   for (const std::string& file : options.files) {
-    const Result<VerifyLineCounts> counts = read_verify_lines(
-        file, [&](const VerifiedFile& verified) { merge(revision, verified, merged); });
+    const Result<VerifyLineCounts> counts = read_verify_lines(file, [&](const VerifiedFile& line) {
+      VerifiedFile verified = line;
+      if (setup && hung) judge_line(survey, *setup, *hung, verified);
+      merge(revision, verified, merged);
+    });
     if (!counts) return fail(counts.error().message);
     tell_broken_lines(file, *counts);
   }
@@ -65,18 +86,25 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey) {
 int run(const Options& options) {
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return report_failure("report", survey.error());
-  const Result<VerifyMerge> merged = merge_all(options, *survey);
+  const Result<std::optional<HangingSetup>> setup = load_hanging(options.hanging);
+  if (!setup) return report_failure("report", setup.error());
+  const Result<std::optional<HungTags>> hung = hung_tags(options, *survey, *setup);
+  if (!hung) return report_failure("report", hung.error());
+  const Result<VerifyMerge> merged = merge_all(options, *survey, *setup, *hung);
   if (!merged) return report_failure("report", merged.error());
   if (const Result<void> written = write_report(options.report, *survey, *merged); !written) {
     return report_failure("report", written.error());
   }
   const Completeness covered = completeness_of(*survey, *merged);
   if (options.json) {
-    fmt::print("{}\n", report_json_line(*survey, *merged));
+    fmt::print("{}\n", report_json_line(*survey, *merged, *hung));
   } else {
+    if (*hung) print_hanging(**hung);
     print_in_words(covered, *merged);
   }
-  return covered.seen == covered.tags && merged->fault_count == 0 ? kExitOk : kExitFindings;
+  const bool contradicts = *hung && (*hung)->nothing_fits;
+  return covered.seen == covered.tags && merged->fault_count == 0 && !contradicts ? kExitOk
+                                                                                  : kExitFindings;
 }
 
 }  // namespace
@@ -89,6 +117,7 @@ Command report_command(CLI::App& parent) {
       ->required()
       ->type_name("FILE.jsonl");
   add_report_options(*app, options->report);
+  add_hanging_options(*app, options->hanging);
   app->add_flag("--json", options->json, "Print the summary as one JSON object");
   app->footer(kExample);
   return {app, [options] { return run(*options); }};

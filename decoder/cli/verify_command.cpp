@@ -42,7 +42,8 @@ and last the summary: counts by status, and the survey's tags that no file shows
 Status: ok, unknown (not in the survey), misprinted (wrong check digit, size or file), unreadable,
 duplicate, cut_off (at a photo's edge, which is no fault), misplaced, or doubtful (it or another
 hangs wrong). With --rig tags that are seen together are checked for where they hang, all photos at
-once, and the output comes when all are read. Exit: 0 nothing is wrong, 1 something
+once, and the output comes when all are read (with --json --resume the lines come at once, and the
+summary says where tags hang). Exit: 0 nothing is wrong, 1 something
 is, 2 a file could not be read. Missing tags count as wrong only with --complete.)";
 
 struct Options {
@@ -228,14 +229,18 @@ void print(const Options& options, const FileReport& report) {
   }
 }
 
-// Prints the report and counts it.
-void conclude(const Options& options, const VerifiedOne& one, Outcome& outcome) {
-  print(options, one.report);
+// A run that can be resumed prints a photo's line when it is read, before it is known where its
+// tags hang: the summary says that.
+bool prints_at_once(const Options& options) {
+  return options.hanging.rig.empty() || (options.json && !options.resume.empty());
+}
+
+void count(const VerifiedOne& one, Outcome& outcome) {
   outcome.tally.add(one.report);
   merge(one.report.revision, verified_file(one.report), outcome.merged, one.jpegs);
 }
 
-// Where tags hang takes all reports together: with --rig they wait.
+// Where tags hang takes all reports together: with --rig they wait to be counted.
 void deliver(const Options& options, const std::string& revision, VerifiedOne& one,
              Outcome& outcome) {
   if (one.problem) {
@@ -248,8 +253,9 @@ void deliver(const Options& options, const std::string& revision, VerifiedOne& o
     return;
   }
   one.report.revision = revision;
+  if (prints_at_once(options)) print(options, one.report);
   if (options.hanging.rig.empty()) {
-    conclude(options, one, outcome);
+    count(one, outcome);
   } else {
     outcome.waiting.push_back(std::move(one));
   }
@@ -274,11 +280,19 @@ Result<void> save_late_pictures(const Options& options, VerifiedOne& one) {
 }
 
 // Where tags hang is known when every photo has been read.
-void finish_hanging(const Options& options, const VerifyRequest& request, const HangingSetup& setup,
-                    Outcome& outcome) {
+Result<void> finish_hanging(const Options& options, const VerifyRequest& request,
+                            const HangingSetup& setup, Outcome& outcome) {
   std::vector<FileReport> reports;
   for (VerifiedOne& one : outcome.waiting) reports.push_back(std::move(one.report));
-  outcome.hung = check_hanging(request.survey, setup, 1e-3 * options.hanging.tolerance_mm, reports);
+  const double tolerance = 1e-3 * options.hanging.tolerance_mm;
+  if (outcome.skipped.empty()) {
+    outcome.hung = check_hanging(request.survey, setup, tolerance, reports);
+  } else {
+    Result<HungTags> hung =
+        check_hanging_lines(request.survey, setup, tolerance, {options.resume}, reports);
+    if (!hung) return fail(hung.error().message);
+    outcome.hung = std::move(*hung);
+  }
   for (std::size_t i = 0; i < reports.size(); ++i) {
     VerifiedOne& one = outcome.waiting[i];
     one.report = std::move(reports[i]);
@@ -286,19 +300,25 @@ void finish_hanging(const Options& options, const VerifyRequest& request, const 
       report_failure("verify", saved.error());
       outcome.failed = true;
     }
-    conclude(options, one, outcome);
+    if (!prints_at_once(options)) print(options, one.report);
+    count(one, outcome);
   }
   outcome.waiting.clear();
   for (const std::string& note : outcome.hung->notes) fmt::print(stderr, "verify: {}\n", note);
+  return {};
 }
 
-// Of the files that were skipped, what the earlier run said.
-Result<void> add_skipped(const Options& options, const std::string& revision, Outcome& outcome) {
+// Of the files that were skipped, what the earlier run said; with a rig, but for where tags hang.
+Result<void> add_skipped(const Options& options, const Survey& survey, const HangingSetup* setup,
+                         Outcome& outcome) {
   if (outcome.skipped.empty()) return {};
+  const std::string revision = survey_revision(survey);
   const Result<VerifyLineCounts> counts =
-      read_verify_lines(options.resume, [&](const VerifiedFile& done) {
-        if (done.revision != revision || outcome.skipped.erase(done.sha256) == 0) return;
-        outcome.tally.add(counted_report(done));
+      read_verify_lines(options.resume, [&](const VerifiedFile& line) {
+        if (line.revision != revision || outcome.skipped.erase(line.sha256) == 0) return;
+        VerifiedFile done = line;
+        if (setup != nullptr) judge_line(survey, *setup, *outcome.hung, done);
+        outcome.tally.add(report_of(done));
         merge(revision, done, outcome.merged);
       });
   if (!counts) return fail(counts.error().message);
@@ -317,8 +337,11 @@ Result<Outcome> verify_all(const Options& options, const VerifyRequest& request,
     auto one = std::make_shared<VerifiedOne>(verify_one(options, request, *before, files[i]));
     return [&, one] { bar.advance([&] { deliver(options, revision, *one, outcome); }); };
   });
-  if (setup != nullptr) finish_hanging(options, request, *setup, outcome);
-  if (const Result<void> added = add_skipped(options, revision, outcome); !added) {
+  if (setup != nullptr) {
+    const Result<void> finished = finish_hanging(options, request, *setup, outcome);
+    if (!finished) return fail(finished.error().message);
+  }
+  if (const auto added = add_skipped(options, request.survey, setup, outcome); !added) {
     return fail(added.error().message);
   }
   sort_faults(outcome.merged);
@@ -405,10 +428,9 @@ Command verify_command(CLI::App& parent) {
                   "Another survey, whose tags are named when they turn up here")
       ->type_name("SURVEY")
       ->allow_extra_args(false);
-  CLI::Option* resume =
-      app->add_option("--resume", options->resume,
-                      "Skip files whose content an earlier --json run verified against this survey")
-          ->type_name("FILE.jsonl");
+  app->add_option("--resume", options->resume,
+                  "Skip files whose content an earlier --json run verified against this survey")
+      ->type_name("FILE.jsonl");
   app->add_option("--crops", options->crops, "Folder for a picture of every faulty tag")
       ->type_name("DIR");
   app->add_option("--annotate", options->annotate,
@@ -422,7 +444,6 @@ Command verify_command(CLI::App& parent) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   add_hanging_options(*app, options->hanging);
-  resume->excludes("--rig");  // which needs every photo
   app->footer(kExample);
   return {app, [options] { return run(*options); }};
 }

@@ -3,12 +3,16 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
+#include <unordered_set>
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "decoder/verify/hanging_check.hpp"
+#include "decoder/verify/sighting_pick.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/revision.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith {
@@ -38,6 +42,55 @@ void print_in_words(const HungTag& tag) {
       mm(offset.value[2]), mm(offset.sigma[2]), degrees(turn.value[0]), degrees(turn.sigma[0]),
       degrees(turn.value[1]), degrees(turn.sigma[1]), degrees(turn.value[2]),
       degrees(turn.sigma[2]), tag.stations, verdict_in_words(tag));
+}
+
+// Photos that could not be used are told up to this number.
+constexpr std::size_t kMostNotes = 20;
+
+HungTags checked(const Survey& survey, const HangingSetup& setup, double tolerance,
+                 const std::vector<SightedTag>& sighted, const std::vector<std::string>& notes) {
+  HungTags hung = check_hung_tags(survey, setup.rig, sighted, tolerance);
+  hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
+  if (hung.nothing_fits) {
+    hung.notes.push_back(
+        "more than half of the tags seen contradict the survey: are these its photos, and is the "
+        "rig's calibration right? No tag was accused");
+  }
+  return hung;
+}
+
+void write_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
+                   std::vector<FileReport>& reports) {
+  report_hung_tags(hung, reports);
+  find_upside_down_in_photos(survey, setup.rig, setup.cameras, reports);
+}
+
+std::size_t identity(const std::string& file, const std::string& sha256) {
+  return std::hash<std::string>{}(file + '\n' + sha256);
+}
+
+// The tags of every photo's line, once each and none of `known`, with notes on those that could not
+// be used.
+Result<void> read_sighted(
+    const Survey& survey, const HangingSetup& setup, const std::vector<std::string>& lines,
+    std::unordered_set<std::size_t> known,
+    const std::function<void(const std::vector<SightedTag>&, std::vector<std::string>&)>& take) {
+  const std::string revision = survey_revision(survey);
+  for (const std::string& path : lines) {
+    const Result<VerifyLineCounts> read = read_verify_lines(path, [&](const VerifiedFile& line) {
+      if (line.width == 0 || line.revision != revision) return;
+      if (!known.insert(identity(line.file, line.sha256)).second) return;
+      VerifiedFile file = line;
+      forget_hanging(file);
+      // A line without corners is of an older version.
+      std::erase_if(file.tags, [](const VerifiedTag& tag) { return !tag.corners; });
+      std::vector<std::string> notes;
+      const std::vector<FileReport> reports{report_of(file)};
+      take(sighted_tags(survey, setup.rig, setup.cameras, reports, notes), notes);
+    });
+    if (!read) return fail(read.error().message);
+  }
+  return {};
 }
 
 }  // namespace
@@ -98,16 +151,55 @@ HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double t
   std::vector<std::string> notes;
   const std::vector<SightedTag> sighted =
       sighted_tags(survey, setup.rig, setup.cameras, reports, notes);
-  HungTags hung = check_hung_tags(survey, setup.rig, sighted, tolerance);
-  report_hung_tags(hung, reports);
-  find_upside_down_in_photos(survey, setup.rig, setup.cameras, reports);
-  hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
-  if (hung.nothing_fits) {
-    hung.notes.push_back(
-        "more than half of the tags seen contradict the survey: are these its photos, and is the "
-        "rig's calibration right? No tag was accused");
-  }
+  HungTags hung = checked(survey, setup, tolerance, sighted, notes);
+  write_hanging(survey, setup, hung, reports);
   return hung;
+}
+
+Result<HungTags> check_hanging_lines(const Survey& survey, const HangingSetup& setup,
+                                     double tolerance, const std::vector<std::string>& lines,
+                                     std::vector<FileReport>& reports) {
+  SightingPick pick;
+  std::vector<std::string> notes;
+  const std::vector<SightedTag> of_reports =
+      sighted_tags(survey, setup.rig, setup.cameras, reports, notes);
+  std::size_t left_out = notes.size();
+  if (notes.size() > kMostNotes) notes.resize(kMostNotes);
+  pick.count(of_reports);
+  // Output that is appended to the lines that are resumed has its reports there, too.
+  std::unordered_set<std::size_t> known;
+  for (const FileReport& report : reports) {
+    known.insert(identity(report.file.string(), report.sha256));
+  }
+  const auto counted =
+      read_sighted(survey, setup, lines, known, [&](const auto& sighted, auto& news) {
+        pick.count(sighted);
+        left_out += news.size();
+        for (std::string& note : news) {
+          if (notes.size() < kMostNotes) notes.push_back(std::move(note));
+        }
+      });
+  if (!counted) return fail(counted.error().message);
+  if (left_out > notes.size()) {
+    notes.push_back(fmt::format("{} more photos likewise", left_out - notes.size()));
+  }
+  pick.choose();
+  pick.take(of_reports);
+  const auto taken = read_sighted(survey, setup, lines, known,
+                                  [&](const auto& sighted, auto&) { pick.take(sighted); });
+  if (!taken) return fail(taken.error().message);
+  HungTags hung = checked(survey, setup, tolerance, pick.taken(), notes);
+  write_hanging(survey, setup, hung, reports);
+  return hung;
+}
+
+void judge_line(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
+                VerifiedFile& file) {
+  if (file.width == 0 || file.revision != survey_revision(survey)) return;
+  forget_hanging(file);
+  std::vector<FileReport> reports{report_of(file)};
+  write_hanging(survey, setup, hung, reports);
+  take_findings(reports.front(), file);
 }
 
 void print_hanging(const HungTags& hung) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/cli/verify_lines.hpp"
 #include "decoder/verify/finding.hpp"
 #include "decoder/verify/hung_tags.hpp"
 #include "decoder/verify/photo_cameras.hpp"
@@ -41,6 +42,17 @@ Result<std::optional<HangingSetup>> load_hanging(const HangingOptions& options);
 // Checks all reports together and writes what is found into them.
 HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double tolerance,
                        std::vector<FileReport>& reports);
+
+// The same for lines of `verify --json`, of any number of photos: reads every file twice, with the
+// reports at hand besides, whose tags it judges. Lines of other states of the survey have no part
+// in it. What lines are told is left to judge_line.
+Result<HungTags> check_hanging_lines(const Survey& survey, const HangingSetup& setup,
+                                     double tolerance, const std::vector<std::string>& lines,
+                                     std::vector<FileReport>& reports);
+
+// Writes into the line where its tags hang by all photos, in place of what it said of that.
+void judge_line(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
+                VerifiedFile& file);
 
 // One line a checked tag, for people.
 void print_hanging(const HungTags& hung);

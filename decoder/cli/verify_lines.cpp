@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <fcntl.h>
 #include <fstream>
 #include <unistd.h>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
@@ -35,6 +38,64 @@ std::vector<std::string> texts_of(const json& object, const char* key) {
   return texts;
 }
 
+// A whole number of a picture's: at most this many pixels wide, or nothing.
+int size_of(const json& object, const char* key) {
+  constexpr int kMost = 1'000'000;
+  const auto value = object.find(key);
+  if (value == object.end() || !value->is_number_unsigned()) return 0;
+  const auto size = value->get<std::uint64_t>();
+  return size <= kMost ? static_cast<int>(size) : 0;
+}
+
+// As many numbers as asked for, finite and of a size that pixels have; nothing else.
+std::optional<std::vector<double>> numbers_of(const json& list, std::size_t count) {
+  constexpr double kMost = 1e7;
+  if (!list.is_array() || list.size() != count) return std::nullopt;
+  std::vector<double> numbers;
+  for (const json& item : list) {
+    if (!item.is_number() || !(std::abs(item.get<double>()) < kMost)) return std::nullopt;
+    numbers.push_back(item.get<double>());
+  }
+  return numbers;
+}
+
+std::optional<FrameCorners> corners_of(const json& tag) {
+  const auto list = tag.find("corners");
+  if (list == tag.end() || !list->is_array() || list->size() != 4) return std::nullopt;
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = numbers_of((*list)[i], 2);
+    if (!pixel) return std::nullopt;
+    corners[i] = {(*pixel)[0], (*pixel)[1]};
+  }
+  return corners;
+}
+
+// Zero where there is none, or what is there is no covariance.
+CornerCovariance covariance_of(const json& tag) {
+  constexpr std::size_t kHalf = 36;
+  const auto list = tag.find("corner_covariance");
+  const auto numbers = list == tag.end() ? std::nullopt : numbers_of(*list, kHalf);
+  if (!numbers) return CornerCovariance::Zero();
+  CornerCovariance covariance;
+  std::size_t at = 0;
+  for (Eigen::Index row = 0; row < 8; ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      covariance(row, column) = covariance(column, row) = (*numbers)[at++];
+    }
+  }
+  const Eigen::LLT<CornerCovariance> root(covariance);
+  return root.info() == Eigen::Success ? covariance : CornerCovariance::Zero();
+}
+
+// True when the tag's status is what was found of where it hangs.
+bool is_judged_hanging(const json& tag) {
+  const auto hanging = tag.find("hanging");
+  if (hanging == tag.end() || !hanging->is_object()) return false;
+  const std::string verdict = text_of(*hanging, "verdict");
+  return verdict == "off" || verdict == "doubtful";
+}
+
 std::optional<VerifiedFile> parse_line(const json& object) {
   if (!object.is_object() || text_of(object, "file").empty()) return std::nullopt;
   const auto tags = object.find("tags");
@@ -44,6 +105,12 @@ std::optional<VerifiedFile> parse_line(const json& object) {
                     texts_of(object, "findings"), texts_of(object, "rules")};
   const auto stale = object.find("stale");
   file.stale = stale != object.end() && stale->is_boolean() && stale->get<bool>();
+  file.width = size_of(object, "width");
+  file.height = size_of(object, "height");
+  if (const int orientation = size_of(object, "orientation");
+      orientation >= 1 && orientation <= 8) {
+    file.orientation = orientation;
+  }
   for (const json& tag : *tags) {
     if (!tag.is_object()) return std::nullopt;
     VerifiedTag found{text_of(tag, "tag"),    text_of(tag, "status"),
@@ -52,6 +119,11 @@ std::optional<VerifiedFile> parse_line(const json& object) {
                       std::nullopt,           text_of(tag, "grade_blame")};
     const auto grade = tag.find("grade");
     if (grade != tag.end() && grade->is_number()) found.grade = grade->get<double>();
+    found.of_hanging = is_judged_hanging(tag);
+    if (file.width > 0 && !text_of(tag, "digits").empty()) {
+      found.corners = corners_of(tag);
+      found.covariance = covariance_of(tag);
+    }
     file.tags.push_back(std::move(found));
   }
   return file;
@@ -98,30 +170,75 @@ VerifiedFile verified_file(const FileReport& report) {
   VerifiedFile file{report.file.string(), report.sha256,
                     report.revision,      {},
                     report.findings,      {report.rules.begin(), report.rules.end()},
-                    report.stale};
+                    report.stale,         report.width,
+                    report.height,        report.orientation};
   for (const TagFinding& tag : report.tags) {
     VerifiedTag found{tag.tag, to_string(tag.status), tag.rule,     tag.message,
                       "",      tag.crop_file,         std::nullopt, ""};
     if (const VerifyRule* rule = find_verify_rule(tag.rule)) found.remedy = rule->remedy;
     if (tag.grade) found.grade = tag.grade->grade;
     if (tag.grade && tag.grade->grade < 4) found.blame = to_string(tag.grade->worst);
+    if (report.width > 0 && tag.digits) {
+      found.corners = tag.corners;
+      found.covariance = tag.corner_covariance;
+    }
     file.tags.push_back(std::move(found));
   }
   return file;
 }
 
-FileReport counted_report(const VerifiedFile& file) {
+FileReport report_of(const VerifiedFile& file) {
   FileReport report;
   report.file = file.file;
+  report.sha256 = file.sha256;
+  report.revision = file.revision;
   report.findings = file.findings;
+  report.rules = {file.rules.begin(), file.rules.end()};
   report.stale = file.stale;
+  report.width = file.width;
+  report.height = file.height;
+  report.orientation = file.orientation;
   for (const VerifiedTag& tag : file.tags) {
     TagFinding finding;
     finding.status = status_from(tag.status);
     finding.tag = tag.tag;
+    finding.rule = tag.rule;
+    finding.message = tag.message;
+    finding.crop_file = tag.crop;
+    finding.corners = tag.corners.value_or(FrameCorners{});
+    finding.corner_covariance = tag.covariance;
     report.tags.push_back(std::move(finding));
   }
   return report;
+}
+
+void take_findings(const FileReport& report, VerifiedFile& file) {
+  file.findings = report.findings;
+  file.rules = {report.rules.begin(), report.rules.end()};
+  for (std::size_t i = 0; i < file.tags.size(); ++i) {
+    VerifiedTag& tag = file.tags[i];
+    tag.status = to_string(report.tags[i].status);
+    tag.rule = report.tags[i].rule;
+    tag.message = report.tags[i].message;
+    const VerifyRule* rule = find_verify_rule(tag.rule);
+    tag.remedy = rule == nullptr ? "" : rule->remedy;
+  }
+}
+
+void forget_hanging(VerifiedFile& file) {
+  for (VerifiedTag& tag : file.tags) {
+    if (!tag.of_hanging) continue;
+    tag.of_hanging = false;
+    std::erase(file.findings, tag.status + ": " + tag.message);
+    const std::string rule = tag.rule;
+    tag.status = to_string(TagStatus::ok);
+    tag.rule.clear();
+    tag.message.clear();
+    tag.remedy.clear();
+    if (std::ranges::find(file.tags, rule, &VerifiedTag::rule) == file.tags.end()) {
+      std::erase(file.rules, rule);
+    }
+  }
 }
 
 Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,

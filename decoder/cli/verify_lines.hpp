@@ -22,6 +22,10 @@ struct VerifiedTag {
   std::string crop;
   std::optional<double> grade;
   std::string blame;
+  bool of_hanging = false;  // status and message are of where it hangs
+  // In photos, of tags that were read; pixels as stored.
+  std::optional<FrameCorners> corners{};
+  CornerCovariance covariance = CornerCovariance::Zero();  // zero = not estimated
 };
 
 // One line: what `verify` said about one file.
@@ -33,6 +37,9 @@ struct VerifiedFile {
   std::vector<std::string> findings;
   std::vector<std::string> rules;
   bool stale = false;
+  int width = 0;  // of a photo, pixels; 0 for print files
+  int height = 0;
+  std::optional<int> orientation{};  // of a photo (EXIF)
 };
 
 struct VerifyLineCounts {
@@ -43,8 +50,14 @@ struct VerifyLineCounts {
 // What the report's line would say.
 VerifiedFile verified_file(const FileReport& report);
 
-// The parts of a line that the tally of a run counts.
-FileReport counted_report(const VerifiedFile& file);
+// What the line says, without grades: for the tally of a run, and to check where tags hang.
+FileReport report_of(const VerifiedFile& file);
+
+// Puts what a later check found, in a report_of the line, into the line.
+void take_findings(const FileReport& report, VerifiedFile& file);
+
+// Takes out what an earlier check said of where tags hang: they are in order again.
+void forget_hanging(VerifiedFile& file);
 
 // Calls `take` with every file's line in turn; summaries and empty lines are passed over. One line
 // at a time is in memory. Fails when the file cannot be read or has a line of more than 64 MiB.

@@ -9,6 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+
 #include "decoder/reader/cover_strips.hpp"
 #include "decoder/reader/light_grid.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -58,9 +62,13 @@ float middle_of(const BarRows& rows, std::size_t bin) {
   return count > 0 ? sum / count : -1.0F;
 }
 
-BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const CoverStrip> strips) {
-  constexpr double kClear = 0.06;  // of the bars' height at each end
-  const double clear = kClear * (layout.bars_bottom - layout.bars_top);
+// `height` is the frame's, in pixels. A row that reaches over the bars' ends shows them with less
+// contrast, which its stretches allow for; often only the ends show what a cover hides.
+BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const CoverStrip> strips,
+                 double height) {
+  constexpr double kClear = 0.06;  // of the bars' height at each end, at most
+  constexpr double kClearPx = 2;   // pixels: their blur
+  const double clear = std::min(kClear * (layout.bars_bottom - layout.bars_top), kClearPx / height);
   const auto row_at = [&](double v) {
     return static_cast<std::size_t>(std::lround(v * static_cast<double>(grid.rows)));
   };
@@ -85,6 +93,76 @@ BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const Cov
   }
   for (std::size_t bin = 0; bin < rows.bins; ++bin) rows.middles.push_back(middle_of(rows, bin));
   return rows;
+}
+
+// How far the light of every window of a row is from an even slope: the variance that is left. A
+// window reaches from its bin on.
+std::vector<float> unevenness_of(const BarRows& rows, std::size_t row, std::size_t window) {
+  struct Sums {
+    double w = 0, x = 0, xx = 0, l = 0, ll = 0, lx = 0;
+  };
+  std::vector<Sums> sums(rows.bins + 1);
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    const auto w = static_cast<double>(rows.count(row, bin));
+    const auto x = static_cast<double>(bin);
+    const auto l = static_cast<double>(rows.cell(row, bin).light);
+    const Sums& s = sums[bin];
+    sums[bin + 1] = {s.w + w,     s.x + w * x,      s.xx + w * x * x,
+                     s.l + w * l, s.ll + w * l * l, s.lx + w * l * x};
+  }
+  std::vector<float> left(rows.bins, -1.0F);
+  for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
+    const Sums& a = sums[begin];
+    const Sums& b = sums[begin + window];
+    const double w = b.w - a.w;
+    if (w < static_cast<double>(window) / 4) continue;
+    const double x = (b.x - a.x) / w, l = (b.l - a.l) / w;
+    const double xx = (b.xx - a.xx) / w - x * x;
+    const double lx = (b.lx - a.lx) / w - l * x;
+    const double ll = (b.ll - a.ll) / w - l * l;
+    left[begin] = static_cast<float>(std::max(0.0, ll - (xx > 0 ? lx * lx / xx : 0)));
+  }
+  return left;
+}
+
+// Leaves out what is plain where other rows show bars: no element is wider than four modules, so a
+// window of more shows bars and spaces or something in front of them, be it over most of the rows.
+void leave_out_plain(BarRows& rows) {
+  constexpr double kWindow = 5.5;    // modules
+  constexpr double kOutline = 0.25;  // modules to both sides: a cover's blurred edge
+  constexpr double kShowing = 0.93;  // of the rows at a place, the one taken to show bars
+  constexpr double kPlain = 0.08;    // of its variance
+  // Of the usual variance where bars show: less is a margin, more the outline of a highlight.
+  constexpr double kLeastBars = 0.3, kMostBars = 1.5;
+  const auto window = static_cast<std::size_t>(kWindow * rows.grid.per_module);
+  const auto outline = static_cast<std::size_t>(kOutline * rows.grid.per_module);
+  std::vector<std::vector<float>> uneven;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    uneven.push_back(unevenness_of(rows, row, window));
+  }
+  std::vector<double> showing(rows.bins), known;
+  for (std::size_t begin = 0; begin < rows.bins; ++begin) {
+    std::vector<double> here;
+    for (const auto& row : uneven) {
+      if (row[begin] >= 0) here.push_back(static_cast<double>(row[begin]));
+    }
+    if (here.empty()) continue;
+    showing[begin] = quantile(here, kShowing);
+    known.push_back(showing[begin]);
+  }
+  if (known.empty()) return;
+  const double usual = quantile(known, 0.5);
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
+      if (uneven[row][begin] < 0 || showing[begin] < kLeastBars * usual) continue;
+      const double bars = std::min(showing[begin], kMostBars * usual);
+      if (static_cast<double>(uneven[row][begin]) > kPlain * bars) continue;
+      const std::size_t first = begin > outline ? begin - outline : 0;
+      const std::size_t end = std::min(rows.bins, begin + window + outline);
+      std::fill(rows.counts.begin() + static_cast<std::ptrdiff_t>(row * rows.bins + first),
+                rows.counts.begin() + static_cast<std::ptrdiff_t>(row * rows.bins + end), 0.0F);
+    }
+  }
 }
 
 // What the rows have in common: the darkness at the middle of every bin's pixels.
@@ -514,47 +592,143 @@ ScanProfile profile_of(const BarRows& rows, const std::vector<Agreed>& agreed,
   return profile;
 }
 
+// A symbol's rows, cut out of the picture.
+struct RowsOfSymbol {
+  BarRows rows;
+  double module_px = 0;
+  int bins_per_module = 0;
+};
+
+// `corners` from P on; `stroke_px` is the frame's.
+RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double stroke_px,
+                            const SymbolLayout& layout, const LensBend& lens, AddedLight added) {
+  constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
+  const FrameMap image_from_unit(corners, lens);
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  RowsOfSymbol result;
+  result.module_px = distance(image_from_unit(0.5 - 0.5 / modules, 0.5),
+                              image_from_unit(0.5 + 0.5 / modules, 0.5));
+  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  const auto row_count =
+      static_cast<std::size_t>(std::clamp(std::lround(height / kRowHeight), 24L, 96L));
+  result.bins_per_module = std::clamp(static_cast<int>(std::lround(2.5 * result.module_px)), 3, 6);
+  const double stroke = std::clamp(stroke_px / height, 0.02, 0.2);
+  const std::vector<CoverStrip> strips = find_cover_strips(image, image_from_unit, layout, stroke);
+  result.rows =
+      bar_rows(light_grid(image, image_from_unit, modules, result.bins_per_module, row_count),
+               layout, strips, height);
+  // What a highlight bleaches is plain too: there its rows' own light decides.
+  if (added == AddedLight::even) leave_out_plain(result.rows);
+  return result;
+}
+
+// What a symbol's rows have in common, at last.
+struct SettledRows {
+  std::vector<Agreed> agreed;
+  Common common;
+};
+
+SettledRows settle(const BarRows& rows, AddedLight added) {
+  constexpr int kRounds = 4;
+  SettledRows settled{{}, first_guess(rows)};
+  for (int round = 0; round < kRounds; ++round) {
+    const Stretches stretches = fit_stretches(rows, settled.common, added);
+    settled.agreed = agree_on_all(rows, stretches, settled.common);
+    anchor(settled.agreed, rows.grid.per_module);
+    settled.common = common_of(rows, settled.agreed, settled.common);
+  }
+  return settled;
+}
+
+// By how many modules the symbol's begin and end move from the frame's upper side to its lower one,
+// against the frame.
+struct Lean {
+  double at_begin = 0;
+  double at_end = 0;
+};
+
+// A row that is moved by m modules against the others differs from them by m times their slope:
+// least squares over all cells of stretches that follow, each bin's rows against their own mean.
+std::optional<Lean> lean_of(const BarRows& rows) {
+  constexpr float kMostOff = 0.35F;  // of the contrast: what is more is something else
+  constexpr double kLeastInformation = 1e-6;
+  const Common common = settle(rows, AddedLight::even).common;
+  const Stretches stretches = fit_stretches(rows, common, AddedLight::even);
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    if (common.slope[bin] == 0) continue;
+    double w = 0, v = 0, r = 0, vv = 0, vr = 0;
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+      const Vote vote = vote_of(rows, stretches, row, bin, common);
+      const float off = vote.darkness - common.darkness[bin];
+      if (vote.weight == 0 || std::abs(off) > kMostOff) continue;
+      const double weight = static_cast<double>(vote.weight);
+      const double height = rows.grid.height_of(rows.first_row + row);
+      w += weight;
+      v += weight * height;
+      r += weight * static_cast<double>(off);
+      vv += weight * height * height;
+      vr += weight * height * static_cast<double>(off);
+    }
+    if (w == 0) continue;
+    // Darkness falls where the row is moved towards darker places.
+    const double slope = -static_cast<double>(common.slope[bin]) * rows.grid.per_module;
+    const double t = (static_cast<double>(bin) + 0.5) / static_cast<double>(rows.bins);
+    const double share = (t * (kModuleCount + 2 * kBeyond) - kBeyond) / kModuleCount;
+    const Eigen::Vector2d row{slope * (1 - share), slope * share};
+    normal += (vv - v * v / w) * row * row.transpose();
+    right += (vr - v * r / w) * row;
+  }
+  if (!(normal.determinant() > kLeastInformation * normal.squaredNorm())) return std::nullopt;
+  const Eigen::Vector2d lean = normal.ldlt().solve(right);
+  return Lean{lean[0], lean[1]};
+}
+
 }  // namespace
 
 SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
                                      std::size_t first_corner, const SymbolLayout& layout,
                                      AddedLight added) {
-  constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
-  constexpr int kRounds = 4;
   Quad corners{};
   std::array<FrameSide, 4> sides{};
   for (std::size_t i = 0; i < 4; ++i) {
     corners[i] = frame.corners[(first_corner + i) % 4];
     sides[i] = frame.sides[(first_corner + i) % 4];
   }
-  const FrameMap image_from_unit(corners, frame.lens);
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  const RowsOfSymbol symbol = rows_of_symbol(
+      image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout, frame.lens, added);
   SymbolProfile profile;
-  profile.module_px = distance(image_from_unit(0.5 - 0.5 / modules, 0.5),
-                               image_from_unit(0.5 + 0.5 / modules, 0.5));
-  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
-  const auto row_count =
-      static_cast<std::size_t>(std::clamp(std::lround(height / kRowHeight), 24L, 96L));
-  const int bins_per_module =
-      std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 6);
-  const double stroke =
-      std::clamp((sides[0].stroke_px + sides[2].stroke_px) / 2 / height, 0.02, 0.2);
-  const std::vector<CoverStrip> strips = find_cover_strips(image, image_from_unit, layout, stroke);
-  const BarRows rows = bar_rows(
-      light_grid(image, image_from_unit, modules, bins_per_module, row_count), layout, strips);
-  Common common = first_guess(rows);
-  std::vector<Agreed> agreed;
-  for (int round = 0; round < kRounds; ++round) {
-    const Stretches stretches = fit_stretches(rows, common, added);
-    agreed = agree_on_all(rows, stretches, common);
-    anchor(agreed, rows.grid.per_module);
-    common = common_of(rows, agreed, common);
-  }
-  profile.bins = profile_of(rows, agreed, layout);
-  const double smear = 1.0 / (bins_per_module * bins_per_module * 12.0);
+  profile.module_px = symbol.module_px;
+  profile.bins = profile_of(symbol.rows, settle(symbol.rows, added).agreed, layout);
+  const double smear = 1.0 / (symbol.bins_per_module * symbol.bins_per_module * 12.0);
   const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
   profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);
   return profile;
+}
+
+Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
+                     const SymbolLayout& layout, const LensBend& lens) {
+  constexpr int kRounds = 4;
+  constexpr double kStill = 0.02;  // modules
+  constexpr double kMostLean = 2;  // modules: the outer rows are then two thirds of one off
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  Quad aligned = corners;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto lean =
+        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, lens, AddedLight::even).rows);
+    if (!lean) return corners;
+    // At the frame's sides, beyond the bars.
+    const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
+    const double left = lean->at_begin - growth * layout.quiet_zone_modules;
+    const double right = lean->at_end + growth * layout.quiet_zone_modules;
+    if (std::max(std::abs(left), std::abs(right)) > kMostLean) return corners;
+    const FrameMap map(aligned, lens);
+    aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
+               map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
+    if (std::max(std::abs(left), std::abs(right)) < kStill) break;
+  }
+  return aligned;
 }
 
 }  // namespace tagsmith

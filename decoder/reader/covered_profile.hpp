@@ -24,4 +24,11 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
                                      std::size_t first_corner, const SymbolLayout& layout,
                                      AddedLight added = AddedLight::even);
 
+// A frame's corners (from P on) with its sides turned so that every bar stands at the same place in
+// all rows: what follows of one symbol from its upper and its lower rows, whatever lies between.
+// `stroke_px` is the thickness of the frame's stroke, `lens` what it is seen through. The corners
+// as they were where the rows do not tell.
+Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
+                     const SymbolLayout& layout, const LensBend& lens = {});
+
 }  // namespace tagsmith

@@ -294,7 +294,7 @@ class PictureReader {
       completed_.push_back(rough->corners);
       const auto attempt = best_explained(*rough);
       if (!attempt || attempt->decoding.fit.explained < kSymbolLike) continue;
-      const auto frame = frame_by_symbol(image_, half, corners_by_bars(*rough, *attempt), layout,
+      const auto frame = frame_by_symbol(image_, half, expected_corners(*rough, *attempt), layout,
                                          attempt->profile.module_px, {lens_});
       // Of either pair of sides one must show where the bars put it: else it may be another layout.
       if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
@@ -462,6 +462,20 @@ class PictureReader {
       return quick;
     }
     return careful;
+  }
+
+  // Where the bars put the corners of a completed frame, from P on. Where its left or right side is
+  // hidden the rows say how it leans, and the symbol, read so, where it stands.
+  Quad expected_corners(const RefinedFrame& completed, const Attempt& attempt) const {
+    const Quad expected = corners_by_bars(completed, attempt);
+    if (completed.shown[1] && completed.shown[3]) return expected;
+    const double stroke_px = (completed.sides[0].stroke_px + completed.sides[2].stroke_px) / 2;
+    RefinedFrame aligned = completed;
+    aligned.corners = aligned_to_bars(image_, expected, stroke_px, attempt.layout, completed.lens);
+    std::ranges::rotate(aligned.sides,
+                        aligned.sides.begin() + static_cast<std::ptrdiff_t>(attempt.first_corner));
+    const auto again = best_explained(aligned);
+    return again ? corners_by_bars(aligned, *again) : Quad(aligned.corners);
   }
 
   // What a frame holds, where that is believed: read quickly where its sides were found or

@@ -292,17 +292,25 @@ std::optional<Diagnosis> judge_blur(double blur, double module_px) {
   return Diagnosis{"blurred", fmt::format("blur of {:.2f} modules, limit {:.1f}", blur, kMostBlur)};
 }
 
+// Of a symbol that one growth explains. Rendered symbols grown by 0.65 to 0.9 modules either way
+// are explained to 0.995 and more, covered ones that a fit calls grown to 0.95 and less.
+std::optional<Diagnosis> judge_growth(const SymbolFit& fit) {
+  constexpr double kLeastExplained = 0.97;
+  constexpr double kLeastKeptGrown = 0.95;
+  if (fit.explained < kLeastExplained || fit.kept < kLeastKeptGrown) return std::nullopt;
+  if (std::abs(fit.image.growth) <= kMostGrowth) return std::nullopt;
+  return Diagnosis{"bars-grown", fmt::format("bars {} by {:.2f} modules, limit {:.1f}",
+                                             fit.image.growth > 0 ? "wider" : "narrower",
+                                             std::abs(fit.image.growth), kMostGrowth)};
+}
+
 std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module_px) {
   const SymbolFit& fit = symbol.decoding.fit;
   if (fit.kept < kLeastKept) {
     return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
                                             100 * fit.kept, 100 * kLeastKept)};
   }
-  if (std::abs(fit.image.growth) > kMostGrowth) {
-    return Diagnosis{"bars-grown", fmt::format("bars {} by {:.2f} modules, limit {:.1f}",
-                                               fit.image.growth > 0 ? "wider" : "narrower",
-                                               std::abs(fit.image.growth), kMostGrowth)};
-  }
+  if (const auto growth = judge_growth(fit)) return growth;
   return judge_blur(fit.image.blur, module_px);
 }
 
@@ -315,14 +323,20 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
   if (const auto view = judge_view(image, tag, corners)) return *view;
   const double module_px = shape_of(tag, corners).module_px;
   const char* seen_from = orientation ? "" : " as the picture stands";
+  ReadResult refused;
+  refused.rejected.push_back(rejection);
+  const std::vector<ExplainedSymbol> symbols = explain(image, options, refused).symbols;
+  // Bars that grew until they touch, or shrank to hairs, have cells without contrast, too. Then one
+  // growth explains the whole symbol.
+  for (const ExplainedSymbol& symbol : symbols) {
+    if (const auto growth = judge_growth(symbol.decoding.fit)) return *growth;
+  }
   if (const auto cover = judge_cover(image, tag, corners, module_px, seen_from)) return *cover;
   // A frame so blurred says more than a fit to what is left of the bars.
   constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
   const double edge_blur = edge_width(image, tag, corners) / kOfQuarters;
   if (const auto blur = judge_blur(edge_blur, module_px)) return *blur;
-  ReadResult refused;
-  refused.rejected.push_back(rejection);
-  for (const ExplainedSymbol& symbol : explain(image, options, refused).symbols) {
+  for (const ExplainedSymbol& symbol : symbols) {
     if (const auto bars = judge_bars(symbol, module_px)) return *bars;
   }
   return {"undecodable", ""};

@@ -2,6 +2,7 @@
 // Why tags cannot be read, on rendered pictures.
 #include "decoder/verify/diagnose.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -81,20 +82,32 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
       {"far out of focus", {2}, "blurred", "modules, limit 0.9"},
       {"moved", {1.5}, "blurred", "modules, limit 0.9"},
       {"ink spread", {2.5}, "bars-grown", "modules, limit 0.7"},
+      {"bars that nearly touch", {2.5, 35}, "bars-grown", "bars wider by 0.76 modules, limit 0.7"},
+      {"bars like hairs", {2.5, 35}, "bars-grown", "bars narrower by 0.79 modules, limit 0.7"},
       {"a cable", {}, "covered", "at the middle left, limit 5 %"},
+      {"a pipe, blurred", {2, 20}, "covered", "of the bars are covered or damaged"},
       {"a pipe", {}, "covered", "32 % of the bars are covered or damaged, in the middle"},
       {"dirt", {}, "covered", "of the bars are covered or damaged"},
       {"a highlight", {}, "glare", "the darkest bars are"}};
-  cases[0].shot.sensor.blur_sigma_px = 1.3;
-  cases[1].shot.sensor.blur_sigma_px = 1.3;
-  cases[4].shot.sensor.blur_sigma_px = 6;
-  cases[5].shot.sensor.blur_sigma_px = 8;
-  cases[6].shot.sensor.motion_px = {15, 0};
-  cases[7].shot.finish.bar_growth = 0.72;
-  cases[8].shot.finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
-  cases[9].shot.finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
-  cases[10].shot.finish.dirt = Dirt{0.4, 0.03, 0.25, 5};
-  cases[11].shot.finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
+  const auto shot_of = [&](const std::string& name) -> Shot& {
+    return std::ranges::find(cases, name, &Case::name)->shot;
+  };
+  shot_of("far away").sensor.blur_sigma_px = 1.3;
+  shot_of("farther").sensor.blur_sigma_px = 1.3;
+  shot_of("out of focus").sensor.blur_sigma_px = 6;
+  shot_of("far out of focus").sensor.blur_sigma_px = 8;
+  shot_of("moved").sensor.motion_px = {15, 0};
+  shot_of("ink spread").finish.bar_growth = 0.72;
+  shot_of("bars that nearly touch").finish.bar_growth = 0.75;
+  shot_of("bars that nearly touch").sensor.blur_sigma_px = 1;
+  shot_of("bars like hairs").finish.bar_growth = -0.8;
+  shot_of("bars like hairs").sensor.blur_sigma_px = 1;
+  shot_of("a cable").finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
+  shot_of("a pipe").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
+  shot_of("a pipe, blurred").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
+  shot_of("a pipe, blurred").sensor.blur_sigma_px = 1;
+  shot_of("dirt").finish.dirt = Dirt{0.4, 0.03, 0.25, 5};
+  shot_of("a highlight").finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
   for (const Case& c : cases) {
     CAPTURE(c.name);
     const std::vector<TagFinding> tags = found_in(c.shot);

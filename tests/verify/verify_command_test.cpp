@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -350,6 +351,59 @@ TEST_CASE("with a rig, tags that hang elsewhere than surveyed are found and told
   CHECK(fs::file_size(tag["crop"].get<std::string>()) > 1000);
   CHECK(lines[2]["findings"].size() == 1);
   CHECK(run_tagsmith("verify '" + moved + "'" + rig + " --tolerance 40").exit_code == 0);
+}
+
+// What a summary says of the tags that do not fit, by name; and of how many it says something.
+std::map<std::string, std::string> judged(const json& summary) {
+  std::map<std::string, std::string> words{{"all", std::to_string(summary["hanging"].size())}};
+  for (const json& tag : summary["hanging"]) {
+    if (tag["verdict"] != "fits") words[tag["tag"]] = tag["message"];
+  }
+  return words;
+}
+
+TEST_CASE("jobs that know no rig are merged into where tags hang, by all their photos") {
+  const TemporaryFolder folder;
+  const std::string path = "'" + folder.path().string() + "/";
+  std::string survey = *read_file(kSurvey);
+  survey.insert(survey.find("\ncode:"),
+                "\nplaced:\n  - { tag: 003L, side: left, p: [1.9, 2.4, 0.43], "
+                "digits: \"01900240040\" }\n");
+  REQUIRE(write_file(folder.path() / "survey.yaml", survey).has_value());
+  const std::string moved = path + "survey.yaml' ";
+  const std::string rig = " --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  // Left photos in one job, right ones in the other: alone neither sees two tags.
+  const std::string files = "$(ls " + kPhotos + "/*_";
+  const std::string program = "\"$TAGSMITH_PROGRAM\" ";
+  const auto job = [&](const std::string& side, const std::string& options) {
+    return run_shell(program + "verify --json " + options + moved + files + side + ".jpg) >> " +
+                     path + side + ".jsonl'");
+  };
+  CHECK(job("left", "").exit_code == 0);
+  CHECK(job("right", "").exit_code == 0);
+  const std::string both = path + "left.jsonl' " + path + "right.jsonl'";
+  const ProgramOutput report = run_tagsmith("report --json " + moved + both + rig);
+  CHECK_MESSAGE(report.err == "", report.err);
+  const json summary = json_lines(report.out).at(0)["summary"];
+
+  // The same as one run that sees all photos.
+  const ProgramOutput whole = run_tagsmith("verify --json " + moved + rig);
+  const json expected = json_lines(whole.out).at(20)["summary"];
+  CHECK(judged(summary) == judged(expected));
+  CHECK(judged(summary).contains("003L"));
+  CHECK(summary["faults"] == expected["misplaced"].get<int>() + expected["doubtful"].get<int>());
+  CHECK(run_tagsmith("report " + moved + both).out.find("16 tags seen, 0 faults") !=
+        std::string::npos);
+
+  // A run that was killed goes on where it was, and sees all as well.
+  const ProgramOutput again =
+      run_tagsmith("verify --json --resume " + path + "left.jsonl' " + moved + rig);
+  const std::vector<json> lines = json_lines(again.out);
+  REQUIRE(lines.size() == 11);
+  CHECK(!lines[0]["tags"][0].contains("hanging"));
+  CHECK(judged(lines[10]["summary"]) == judged(summary));
+  CHECK(lines[10]["summary"]["misplaced"] == expected["misplaced"]);
+  CHECK(lines[10]["summary"]["doubtful"] == expected["doubtful"]);
 }
 
 TEST_CASE("what --rig cannot use is told") {
