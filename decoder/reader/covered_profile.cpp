@@ -345,6 +345,15 @@ std::vector<const Stretch*> best_around(const Stretches& stretches, std::size_t 
   return best;
 }
 
+// The same for all rows.
+std::vector<std::vector<const Stretch*>> best_in_rows(const BarRows& rows,
+                                                      const Stretches& stretches) {
+  std::vector<std::vector<const Stretch*>> best;
+  best.reserve(rows.rows);
+  for (std::size_t row = 0; row < rows.rows; ++row) best.push_back(best_around(stretches, row));
+  return best;
+}
+
 Vote vote_of(const BarRows& rows, const Stretches& stretches, const Stretch* best, std::size_t row,
              std::size_t bin, const Common& common) {
   const float count = rows.count(row, bin);
@@ -521,9 +530,7 @@ std::vector<Agreed> agree_on_all(const BarRows& rows, const Stretches& stretches
                                  const Common& common) {
   std::vector<Agreed> agreed;
   agreed.reserve(rows.bins);
-  std::vector<std::vector<const Stretch*>> best;
-  best.reserve(rows.rows);
-  for (std::size_t row = 0; row < rows.rows; ++row) best.push_back(best_around(stretches, row));
+  const auto best = best_in_rows(rows, stretches);
   std::vector<Vote> votes;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     votes.clear();
@@ -654,13 +661,15 @@ std::optional<Lean> lean_of(const BarRows& rows) {
   constexpr double kLeastInformation = 1e-6;
   const Common common = settle(rows, AddedLight::even).common;
   const Stretches stretches = fit_stretches(rows, common, AddedLight::even);
+  const auto best = best_in_rows(rows, stretches);
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     if (common.slope[bin] == 0) continue;
     double w = 0, v = 0, r = 0, vv = 0, vr = 0;
     for (std::size_t row = 0; row < rows.rows; ++row) {
-      const Vote vote = vote_of(rows, stretches, row, bin, common);
+      const Stretch* stretch = best[row][bin / stretches.stride];
+      const Vote vote = vote_of(rows, stretches, stretch, row, bin, common);
       const float off = vote.darkness - common.darkness[bin];
       if (vote.weight == 0 || std::abs(off) > kMostOff) continue;
       const double weight = static_cast<double>(vote.weight);

@@ -103,7 +103,7 @@ TagFinding finding_of(const Rejection& rejection, const std::optional<PictureSiz
   } else {
     finding.status = TagStatus::unreadable;
     finding.rule = "undecodable";
-    finding.message = "a tag was found and could not be read: " + rejection.reason;
+    finding.message = std::string(kUnread) + rejection.reason;
   }
   return finding;
 }

@@ -128,20 +128,30 @@ Shape shape_of(const TagTemplate& tag, const FrameCorners& corners) {
           std::acos(std::min(1.0, shortened)) * 180 / std::numbers::pi};
 }
 
-std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& corners) {
+// What the light is measured of, in words.
+struct Lit {
+  const char* bright;
+  const char* dark;
+  const char* both;
+};
+constexpr Lit kPlate{"its white is", "its darkest bars are", "its bars and ground differ"};
+constexpr Lit kPicture{"the brightest parts of the picture are", "its darkest parts are",
+                       "its bright and dark parts differ"};
+
+std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& corners,
+                                     const Lit& lit) {
   const Levels levels = levels_in(image, corners);
   if (levels.bright < kDarkestWhite) {
-    return Diagnosis{"too-dark", fmt::format("white is {:.0f} of 255, {:.0f} is needed",
+    return Diagnosis{"too-dark", fmt::format("{} {:.0f} of 255, {:.0f} is needed", lit.bright,
                                              levels.bright, kDarkestWhite)};
   }
   if (levels.dark > kBrightestBars) {
-    return Diagnosis{"glare", fmt::format("the darkest bars are {:.0f} of 255, limit {:.0f}",
-                                          levels.dark, kBrightestBars)};
+    return Diagnosis{"glare", fmt::format("{} {:.0f} of 255, limit {:.0f}", lit.dark, levels.dark,
+                                          kBrightestBars)};
   }
   if (levels.bright - levels.dark < kLeastContrast) {
-    return Diagnosis{"low-contrast",
-                     fmt::format("bars and ground differ by {:.0f} of 255, {:.0f} is needed",
-                                 levels.bright - levels.dark, kLeastContrast)};
+    return Diagnosis{"low-contrast", fmt::format("{} by {:.0f} of 255, {:.0f} is needed", lit.both,
+                                                 levels.bright - levels.dark, kLeastContrast)};
   }
   return std::nullopt;
 }
@@ -159,7 +169,7 @@ std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& ta
     return Diagnosis{"too-small", fmt::format("{:.2f} pixels a module, {:.2f} are needed",
                                               shape.module_px, least)};
   }
-  return judge_light(image, corners);
+  return judge_light(image, corners, kPlate);
 }
 
 // Of the white inside the frame against the middle of its upper and lower strokes.
@@ -213,15 +223,16 @@ double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorn
 }
 
 // The place of what is hidden, as one sees who faces the plate; shares of the bars' area.
-std::string place_in_words(double right, double down) {
+// `seen_from` says what up is, where that matters.
+std::string place_in_words(double right, double down, const char* seen_from) {
   const char* row = down < 1.0 / 3 ? "upper" : down > 2.0 / 3 ? "lower" : "middle";
   const char* column = right < 1.0 / 3 ? "left" : right > 2.0 / 3 ? "right" : "middle";
   if (std::string(row) == column) return "in the middle";
-  return fmt::format("at the {} {}", row, column);
+  return fmt::format("at the {} {}{}", row, column, seen_from);
 }
 
 // Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
-// is wider than any element. `seen_from` is added to the place.
+// is wider than any element. `seen_from` as there.
 std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& tag,
                                      const FrameCorners& corners, double module_px,
                                      const char* seen_from) {
@@ -277,8 +288,8 @@ std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& t
   if (share <= kMostHidden) return std::nullopt;
   return Diagnosis{
       "covered",
-      fmt::format("{:.0f} % of the bars are covered or damaged, {}{}, limit {:.0f} %", 100 * share,
-                  place_in_words(right / hidden, down / hidden), seen_from, 100 * kMostHidden)};
+      fmt::format("{:.0f} % of the bars are covered or damaged, {}, limit {:.0f} %", 100 * share,
+                  place_in_words(right / hidden, down / hidden, seen_from), 100 * kMostHidden)};
 }
 
 // `blur`: standard deviation, modules.
@@ -345,17 +356,21 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
 std::optional<Diagnosis> diagnose_picture(const GrayView& image) {
   const double right = image.width - 1;
   const double bottom = image.height - 1;
-  return judge_light(image, {{{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}});
+  return judge_light(image, {{{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}}, kPicture);
 }
 
 void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOptions& options,
                    std::vector<TagFinding>& findings, const std::optional<int>& orientation) {
   for (TagFinding& finding : findings) {
     if (finding.status != TagStatus::unreadable) continue;
+    const std::string reason =
+        finding.message.substr(std::min(kUnread.size(), finding.message.size()));
     const Diagnosis diagnosis =
-        diagnose(image, tag, {finding.message, finding.corners}, options, orientation);
+        diagnose(image, tag, {reason, finding.corners}, options, orientation);
     finding.rule = diagnosis.rule;
-    if (!diagnosis.measured.empty()) finding.message += ": " + diagnosis.measured;
+    if (diagnosis.measured.empty()) continue;
+    finding.message =
+        fmt::format("{}{} (the reader says: {})", kUnread, diagnosis.measured, reason);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "decoder/grade/symbol_grade.hpp"
@@ -28,6 +29,9 @@ enum class TagStatus {
 };
 
 std::string to_string(TagStatus status);
+
+// What the message of an unreadable tag begins with; the reason follows.
+inline constexpr std::string_view kUnread = "a tag was found and could not be read: ";
 
 // One tag in one picture.
 struct TagFinding {

@@ -265,7 +265,8 @@ void find_upside_down(std::vector<TagFinding>& findings) {
     if (along.x > -std::abs(along.y)) continue;
     finding.status = TagStatus::misprinted;
     finding.rule = "upside-down";
-    finding.message = finding.tag + " stands on its head on the page";
+    finding.message =
+        finding.tag + " stands on its head on the page: it is turned, or a mirrored print";
   }
 }
 

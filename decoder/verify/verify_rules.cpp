@@ -75,8 +75,10 @@ constexpr std::array kRules{
     VerifyRule{"undecodable", "unreadable for none of the other causes",
                "Look at the crop, and at `tagsmith read --explain`. Clean the plate; replace it if "
                "a sharp photo from one metre says the same. It may be no tag of this template."},
-    VerifyRule{"upside-down", "a tag upside down on its page or wall",
-               "Turn the page or print it again; hang the plate with the arrow upwards."},
+    VerifyRule{
+        "upside-down", "a tag upside down on its page or wall",
+        "Turn the page; hang the plate with the arrow upwards. If it is up, the print is mirrored: "
+        "print it again with mirroring switched off."},
     VerifyRule{"wrong-scale", "a frame that is not of the template's size",
                "Print at 100 %, without `fit to page`, and measure the frame before hanging."},
     VerifyRule{"wrong-wall", "a tag on the wrong wall, or tags of opposite walls side by side",

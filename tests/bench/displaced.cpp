@@ -2,10 +2,11 @@
 // Is a tag found that does not hang where the survey has it? Usage: bench_displaced [ROWS] [SEED]
 //
 // The survey's place of one tag at a time is moved by 30 mm along the wall, up or down, into or out
-// of it, or turned by 5 degrees, and the same pictures are checked against it: the shipped runs,
-// and rendered ones of ROWS places. All its places are off by the survey's standard deviation, too.
-// Last the survey with no more than that, for false alarms, and with plates hung by eye. With a
-// SEED other than 0 pictures and surveys are others than those that constants were chosen on.
+// of it, or turned by 5 degrees, or its frame printed smaller, and the same pictures are checked
+// against it: the shipped runs, and rendered ones of ROWS places. All its places are off by the
+// survey's standard deviation, too. Last the survey with no more than that, for false alarms, and
+// with plates hung by eye. With a SEED other than 0 pictures and surveys are others than those that
+// constants were chosen on.
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -14,6 +15,7 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "decoder/verify/hung_tags.hpp"
@@ -121,6 +123,7 @@ struct Tally {
   int named = 0;
   int in_doubt = 0;
   int missed = 0;
+  int wrong_scale = 0;  // named so
   int checked_others = 0;
   int accused_others = 0;
 };
@@ -139,6 +142,7 @@ void count(Tally& tally, const std::string& moved, const HungTags& result) {
     }
     ++tally.trials;
     if (tag.verdict == HangVerdict::off) ++tally.named;
+    if (tag.rule == "wrong-scale") ++tally.wrong_scale;
     if (tag.verdict == HangVerdict::doubtful) ++tally.in_doubt;
     if (tag.verdict == HangVerdict::fits) ++tally.missed;
   }
@@ -149,6 +153,7 @@ struct Displacement {
   Vector3d shift;  // plate axes
   double turn = 0;
   double angle_sigma = kLeastAngleSigma;  // of all plates
+  double print_scale = 1;
 };
 
 Survey displaced(Survey survey, std::size_t tag, const Displacement& by) {
@@ -163,6 +168,27 @@ void print(const std::string& set, const std::string& what, const Tally& tally) 
   fmt::print("| {} | {} | {} | {:.1f} % | {:.1f} % | {:.1f} % | {} of {} |\n", set, what,
              tally.trials, 100 * tally.named / n, 100 * tally.in_doubt / n, 100 * tally.missed / n,
              tally.accused_others, tally.checked_others);
+}
+
+// The tags as they are seen when one of them was printed at another scale: its frame about its
+// middle, in the plane that its corners span.
+std::vector<SightedTag> printed_at(std::vector<SightedTag> group, const std::string& name,
+                                   double scale) {
+  if (scale == 1) return group;
+  for (SightedTag& tag : group) {
+    if (tag.tag != name) continue;
+    const Homography image_from_unit = homography_to(tag.seen.corners);
+    const double low = 0.5 - scale / 2;
+    const double high = 0.5 + scale / 2;
+    tag.seen.corners = {image_from_unit(low, low), image_from_unit(high, low),
+                        image_from_unit(high, high), image_from_unit(low, high)};
+  }
+  return group;
+}
+
+void print_share(const std::string& set, const std::string& what, const Tally& tally) {
+  fmt::print("| {} | {} | {} | {:.1f} % | | | |\n", set, what, tally.trials,
+             100.0 * tally.wrong_scale / std::max(1, tally.trials));
 }
 
 // The survey as a surveyor brings it: every place off by normal errors.
@@ -201,7 +227,9 @@ void measure(const PictureSet& set, const Groups& groups, std::uint64_t seed) {
       {"30 mm out of the wall", {0, 0, -0.03}},
       {"30 mm into the wall", {0, 0, 0.03}},
       {"turned 5 degrees", {0, 0, 0}, radians(5)},
-      {"30 mm up, all plates tilted by 0.5 degrees", {0, -0.03, 0}, 0, radians(0.5)}};
+      {"30 mm up, all plates tilted by 0.5 degrees", {0, -0.03, 0}, 0, radians(0.5)},
+      {"printed at 97 %", {0, 0, 0}, 0, kLeastAngleSigma, 0.97},
+      {"printed at 90 %", {0, 0, 0}, 0, kLeastAngleSigma, 0.9}};
   std::mt19937_64 random(seed + 5);
   for (const Displacement& by : displacements) {
     Tally tally;
@@ -210,10 +238,14 @@ void measure(const PictureSet& set, const Groups& groups, std::uint64_t seed) {
       for (const auto& group : groups) {
         if (std::ranges::find(group, survey.tags[i].name, &SightedTag::tag) == group.end())
           continue;
-        count(tally, survey.tags[i].name, check_hung_tags(survey, set.rig, group));
+        const auto seen = printed_at(group, survey.tags[i].name, by.print_scale);
+        count(tally, survey.tags[i].name, check_hung_tags(survey, set.rig, seen));
       }
     }
     print(set.name, by.name, tally);
+    if (by.print_scale != 1) {
+      print_share(set.name, std::string(by.name) + ", told as wrong scale", tally);
+    }
   }
   measure_false_alarms(set, groups, "nothing", kLeastAngleSigma, 0, seed + 3);
   measure_false_alarms(set, groups, "nothing; plates tilted by 0.5 degrees, and it is stated",

@@ -86,9 +86,13 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
       {"bars like hairs", {2.5, 35}, "bars-grown", "bars narrower by 0.79 modules, limit 0.7"},
       {"a cable", {}, "covered", "at the middle left, limit 5 %"},
       {"a pipe, blurred", {2, 20}, "covered", "of the bars are covered or damaged"},
-      {"a pipe", {}, "covered", "32 % of the bars are covered or damaged, in the middle"},
+      {"a pipe",
+       {},
+       "covered",
+       "could not be read: 32 % of the bars are covered or damaged, in the middle, limit 5 % (the "
+       "reader says: "},
       {"dirt", {}, "covered", "of the bars are covered or damaged"},
-      {"a highlight", {}, "glare", "the darkest bars are"}};
+      {"a highlight", {}, "glare", "its darkest bars are"}};
   const auto shot_of = [&](const std::string& name) -> Shot& {
     return std::ranges::find(cases, name, &Case::name)->shot;
   };
