@@ -307,7 +307,7 @@ std::string answers(const PlannedDrive& drive) {
 std::string key(const std::vector<std::pair<std::string, std::string>>& entries) {
   std::string text = "<p class=\"key\">";
   for (const auto& [colour, words] : entries) {
-    text += "<span><i style=\"background:" + colour + "\"></i>" + words + "</span>";
+    text += fmt::format("<span><i style=\"background:{}\"></i>{}</span>", colour, words);
   }
   return text + "</p>\n";
 }

@@ -583,6 +583,7 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   const Centerline level = with_ends(plan->fit, plan->input.sources, tag.plate_length);
 
   std::vector<double> chainages;
+  chainages.reserve(points.size());
   for (const SurveyedPoint& point : points) {
     chainages.push_back(level.locate(world_from_grid(grid, point.in_grid).head<2>()).chainage);
   }

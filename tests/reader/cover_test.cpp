@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/reader/covered_profile.hpp"
+#include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -256,18 +257,30 @@ TEST_CASE("a digit that no row shows is not filled in from the check digit") {
     const double first = 9 + 3 + 7 * digit + (digit >= 6 ? 5 : 0);
     for (const double reflectance : {0.05, 0.82}) {
       CAPTURE(reflectance);
-      PlateFinish finish;
-      finish.cover = Cover{{(first - 0.5) * module, -0.08, 8 * module, 0.32}, reflectance};
-      const CoveredPicture picture = read_behind(finish);
-      CHECK_FALSE(reads_wrongly(picture.result));
-      CHECK(picture.result.tags.empty());
-      // Nor by the bars alone, with a survey that holds nothing like it.
-      ReadOptions options;
-      options.frameless = Frameless::fallback;
-      options.code_book = {*parse_digits(kCode), *parse_digits("000001140408")};
-      const ReadResult by_bars = read_tags(picture.view.image.view(), options);
-      CHECK(by_bars.tags.empty());
-      CHECK(by_bars.frameless.read.empty());
+      const ReadResult result =
+          read_covered({{(first - 0.5) * module, -0.08, 8 * module, 0.32}, reflectance});
+      CHECK_FALSE(reads_wrongly(result));
+      CHECK(result.tags.empty());
     }
+  }
+}
+
+TEST_CASE("what its frame shows to be covered is not believed by its bars alone") {
+  const CoveredPicture picture = read_behind({});
+  REQUIRE(picture.result.tags.size() == 1);
+  ReadOptions options;
+  options.frameless = Frameless::fallback;
+  ReadResult nothing_found;
+  CHECK(with_frameless(picture.view.image.view(), options, nothing_found).frameless.read.size() ==
+        1);
+  for (const char* reason : {kCoveredReason, kDoubtfulReason}) {
+    ReadResult refused;
+    refused.rejected.push_back({reason, picture.result.tags[0].corners});
+    const FramelessResult by_bars =
+        with_frameless(picture.view.image.view(), options, refused).frameless;
+    CHECK(by_bars.read.empty());
+    CHECK(std::ranges::any_of(by_bars.rejected, [&](const FramelessRejection& rejection) {
+      return rejection.reason == reason;
+    }));
   }
 }
