@@ -15,6 +15,7 @@
 
 #include "decoder/reader/cover_strips.hpp"
 #include "decoder/reader/light_grid.hpp"
+#include "decoder/reader/point_spread.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -710,6 +711,7 @@ SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& 
   SymbolProfile profile;
   profile.module_px = symbol.module_px;
   profile.bins = profile_of(symbol.rows, settle(symbol.rows, added).agreed, layout);
+  set_spreads(FrameMap(corners, frame.lens), layout, profile.bins);
   const double smear = 1.0 / (symbol.bins_per_module * symbol.bins_per_module * 12.0);
   const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
   profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);

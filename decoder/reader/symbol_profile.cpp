@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/reader/point_spread.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -540,6 +541,7 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
       collect(image, image_from_unit, white, black, layout, bins_per_module, skip, bands);
   const double variance = pixel_variance(grid);
   profile.bins = combine_all(grid, variance);
+  set_spreads(image_from_unit, layout, profile.bins);
   const double smear = grid.bin_width * grid.bin_width / 12;
   const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
   profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);

@@ -77,6 +77,11 @@ std::array<float, kModuleCount + 1> displaced_edges(const SymbolImage& image) {
   return edges;
 }
 
+// How far from an edge, in modules, a point spread of this standard deviation lets it matter.
+float reach_of(const SymbolImage& image, float blur) {
+  return std::min(14.0F, 4 * blur + static_cast<float>(std::abs(image.growth)) / 2);
+}
+
 }  // namespace
 
 double CharacterCosts::of(const Characters& characters) const {
@@ -96,10 +101,12 @@ float ModuleSystem::gram(std::size_t a, std::size_t b) const {
 // Adds one place: its light is the sum over the edges within reach of a step, and of the modules
 // between them. The mean of the steps of a bar's begin and of its end at the same nominal place
 // belongs to the module, half their difference to the growth of the edge.
-void ModuleSystem::add(const ScanBin& bin, const SymbolImage& image, float reach, const Pull* slack,
+void ModuleSystem::add(const ScanBin& bin, const SymbolImage& image, const Pull* slack,
                        const std::array<float, kModuleCount + 1>& edges, std::size_t& first) {
   const NormalTable& normal = NormalTable::get();
   const float place = static_cast<float>(bin.at);
+  const float blur = static_cast<float>(image.blur * bin.spread);
+  const float reach = reach_of(image, blur);
   while (first < edges.size() && edges[first] < place - reach) ++first;
   const float contrast = static_cast<float>(image.black - image.white);
   const float t = (place - kHalfLength) / kHalfLength;
@@ -109,7 +116,7 @@ void ModuleSystem::add(const ScanBin& bin, const SymbolImage& image, float reach
   const float weight = contrast * contrast / static_cast<float>(bin.variance);
   constant_ += weight * value * value;
   const float half_growth = static_cast<float>(image.growth) / 2;
-  const float per_blur = 1 / static_cast<float>(image.blur);
+  const float per_blur = 1 / blur;
   std::array<float, kBand> light{};
   const std::size_t begin = first == 0 ? 0 : 2 * first - 1;  // module before the first edge
   std::size_t count = 0;
@@ -157,14 +164,15 @@ void ModuleSystem::take_out(const std::array<std::uint8_t, kFeatures>& present) 
 ModuleSystem::ModuleSystem(const ScanProfile& profile, const SymbolImage& image,
                            const FitSlack& slack)
     : adapts_(!slack.empty()) {
-  const float reach = std::min(
-      14.0F, 4 * static_cast<float>(image.blur) + static_cast<float>(std::abs(image.growth)) / 2);
+  double widest = 1;
+  for (const ScanBin& bin : profile) widest = std::max(widest, bin.spread);
+  const float reach = reach_of(image, static_cast<float>(image.blur * widest));
   // Edges within reach of one place lie within twice the reach of each other.
   band_ = std::min(kBand, 2 * static_cast<std::size_t>(std::ceil(2.1F * reach)) + 3);
   const auto edges = displaced_edges(image);
   std::size_t first = 0;
   for (std::size_t i = 0; i < profile.size(); ++i) {
-    add(profile[i], image, reach, adapts_ ? &slack[i] : nullptr, edges, first);
+    add(profile[i], image, adapts_ ? &slack[i] : nullptr, edges, first);
   }
   std::array<std::uint8_t, kFeatures> present{};
   for (const std::size_t module : kGuardBars) {

@@ -70,7 +70,7 @@ class ModuleSystem {
   static constexpr std::size_t kSlack = std::tuple_size_v<FitSlack::value_type>;
   using Pull = std::array<float, kSlack>;
 
-  void add(const ScanBin& bin, const SymbolImage& image, float reach, const Pull* slack,
+  void add(const ScanBin& bin, const SymbolImage& image, const Pull* slack,
            const std::array<float, kModuleCount + 1>& edges, std::size_t& first);
   void add_pair_costs(std::size_t position,
                       std::array<CharacterCosts::Row, kCharacterCount>& pair) const;

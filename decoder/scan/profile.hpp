@@ -13,6 +13,9 @@ struct ScanBin {
   double variance = 1;  // of `darkness`
   double agreement =
       1;  // share of the bars' height that shows this darkness; the rest was left out
+  // Standard deviation of the point spread here, over that in the symbol's middle: of one blur in
+  // pixels, more modules are touched where perspective makes them narrow.
+  double spread = 1;
 };
 
 // In order of `at`; places that no pixel covers are absent.

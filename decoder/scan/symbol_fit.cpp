@@ -70,8 +70,7 @@ struct BarShare {
 class SymbolEdges {
  public:
   SymbolEdges(const SymbolImage& image, const Digits& digits)
-      : per_blur_(1 / static_cast<float>(image.blur)),
-        reach_(kReach * static_cast<float>(image.blur)) {
+      : blur_(static_cast<float>(image.blur)) {
     const std::array<float, kEdgeCount> nominal = edges_of(digits);
     for (std::size_t i = 0; i < nominal.size(); ++i) {
       const float from_middle = nominal[i] - kHalfLength;
@@ -86,27 +85,29 @@ class SymbolEdges {
   }
 
   // `first` is the least edge that can still matter; it only grows while places grow.
-  float share_at(float place, std::size_t& first) const {
-    while (first < actual_.size() && actual_[first] < place - reach_) ++first;
+  float share_at(const ScanBin& bin, std::size_t& first) const {
+    const auto [place, per_blur, reach] = spread_at(bin);
+    while (first < actual_.size() && actual_[first] < place - reach) ++first;
     float share = first % 2 == 0 ? 0 : 1;
-    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach_; ++i) {
-      const float integral = normal_((place - actual_[i]) * per_blur_).integral;
+    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach; ++i) {
+      const float integral = normal_((place - actual_[i]) * per_blur).integral;
       share += i % 2 == 0 ? integral : -integral;
     }
     return share;
   }
 
   // With derivatives.
-  BarShare at(float place, std::size_t& first) const {
-    while (first < actual_.size() && actual_[first] < place - reach_) ++first;
+  BarShare at(const ScanBin& bin, std::size_t& first) const {
+    const auto [place, per_blur, reach] = spread_at(bin);
+    while (first < actual_.size() && actual_[first] < place - reach) ++first;
     BarShare bars;
     bars.share = first % 2 == 0 ? 0 : 1;
-    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach_; ++i) {
-      const float z = (place - actual_[i]) * per_blur_;
+    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach; ++i) {
+      const float z = (place - actual_[i]) * per_blur;
       const NormalValue value = normal_(z);
       const float sign = i % 2 == 0 ? 1.0F : -1.0F;
       const float density = sign * value.density;
-      const float by_edge = -density * per_blur_;
+      const float by_edge = -density * per_blur;
       bars.share += sign * value.integral;
       bars.by_log_blur -= density * z;
       bars.by_shift += by_edge;
@@ -118,14 +119,23 @@ class SymbolEdges {
   }
 
  private:
-  static constexpr float kReach = 4.5F;  // blurs; beyond, the step is flat to 1e-5
+  struct Spread {
+    float place;
+    float per_blur;  // one over the standard deviation of the point spread, 1/modules
+    float reach;     // of an edge, modules
+  };
+
+  Spread spread_at(const ScanBin& bin) const {
+    constexpr float kReach = 4.5F;  // blurs; beyond, the step is flat to 1e-5
+    const float blur = blur_ * static_cast<float>(bin.spread);
+    return {static_cast<float>(bin.at), 1 / blur, kReach * blur};
+  }
 
   const NormalTable& normal_ = NormalTable::get();
   std::array<float, kEdgeCount> from_middle_{};
   std::array<float, kEdgeCount> bend_{};
   std::array<float, kEdgeCount> actual_{};
-  float per_blur_;
-  float reach_;
+  float blur_;
 };
 
 struct NormalEquations {
@@ -179,7 +189,7 @@ class FitProblem {
     std::size_t first = 0;
     for (std::size_t i = 0; i < profile_.size(); ++i) {
       const float place = static_cast<float>(profile_[i].at);
-      const BarShare bars = edges.at(place, first);
+      const BarShare bars = edges.at(profile_[i], first);
       const float t = (place - kHalfLength) / kHalfLength;
       const float weight = root_weights_[i];
       const float scale = contrast * weight;
@@ -205,11 +215,11 @@ class FitProblem {
 };
 
 // As SymbolEdges::share_at, with levels and shading.
-double darkness_at(const SymbolImage& image, const SymbolEdges& edges, double place,
+double darkness_at(const SymbolImage& image, const SymbolEdges& edges, const ScanBin& bin,
                    std::size_t& first) {
-  const auto share = static_cast<double>(edges.share_at(static_cast<float>(place), first));
+  const auto share = static_cast<double>(edges.share_at(bin, first));
   return image.white + (image.black - image.white) * share +
-         image.shading * (2 * place / kModuleCount - 1);
+         image.shading * (2 * bin.at / kModuleCount - 1);
 }
 
 double total_variation(const ScanProfile& profile) {
@@ -235,7 +245,7 @@ std::vector<double> expected_darkness(const SymbolImage& image, const Digits& di
   expected.reserve(profile.size());
   std::size_t first = 0;
   for (const ScanBin& bin : profile) {
-    expected.push_back(darkness_at(image, edges, bin.at, first));
+    expected.push_back(darkness_at(image, edges, bin, first));
   }
   return expected;
 }
@@ -319,7 +329,7 @@ double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
   for (const ScanBin& bin : profile) {
     const auto holds = [&](const auto& range) { return bin.at >= range[0] && bin.at <= range[1]; };
     if (!std::any_of(kKnown.begin(), kKnown.end(), holds)) continue;
-    share.add(bin, darkness_at(image, edges, bin.at, first), middle);
+    share.add(bin, darkness_at(image, edges, bin, first), middle);
   }
   return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
 }

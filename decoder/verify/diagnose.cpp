@@ -19,8 +19,9 @@
 namespace tagsmith {
 namespace {
 
+// What is too narrow to be read is told as seen from the side beyond this, degrees of incidence.
+constexpr double kSteep = 70;
 // Beyond these nothing in docs/accuracy.md is read, or the reader itself refuses (kept, growth).
-constexpr double kSteepest = 72;      // degrees of incidence
 constexpr double kDarkestWhite = 40;  // samples, 0 to 255
 constexpr double kBrightestBars = 170;
 constexpr double kLeastContrast = 20;
@@ -159,12 +160,15 @@ std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& 
 std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& tag,
                                     const FrameCorners& corners) {
   const Shape shape = shape_of(tag, corners);
-  if (shape.incidence > kSteepest) {
-    return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, limit {:.0f}",
-                                           shape.incidence, kSteepest)};
-  }
   const double least =
       least_module_px(true, shape.incidence * std::numbers::pi / 180, 0, ReadShare::half);
+  if (shape.module_px < least && shape.incidence > kSteep) {
+    const std::string needed = std::isfinite(least) ? fmt::format("{:.2f} are needed", least)
+                                                    : std::string("nothing is read so obliquely");
+    return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, {:.2f} pixels a "
+                                           "module are left, {}",
+                                           shape.incidence, shape.module_px, needed)};
+  }
   if (shape.module_px < least) {
     return Diagnosis{"too-small", fmt::format("{:.2f} pixels a module, {:.2f} are needed",
                                               shape.module_px, least)};
