@@ -184,7 +184,8 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.kept < kLeastKept) return kCoveredReason;
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
-  if (decoding.confidence < options.min_confidence.value_or(kSureInFrame)) return kDoubtfulReason;
+  const double sure = with_book || options.check ? kSureInFrame : kSureEitherCheck;
+  if (decoding.confidence < options.min_confidence.value_or(sure)) return kDoubtfulReason;
   return std::nullopt;
 }
 

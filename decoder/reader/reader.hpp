@@ -34,8 +34,10 @@ enum class Frameless {
 };
 
 // The least sure reading that is believed is wrong once in so many, as docs/accuracy.md,
-// "Reliability", compares it: in a frame, whatever is known of the codes, and without a frame.
+// "Reliability", compares it: in a frame; in one where neither the scheme of the check digit nor the
+// codes are known, so that a spoilt digit may leave a code of the other scheme; without a frame.
 inline constexpr double kSureInFrame = 1.0 - 1e-5;
+inline constexpr double kSureEitherCheck = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 struct ReadOptions {
@@ -53,8 +55,8 @@ struct ReadOptions {
   std::vector<Digits> code_book;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused. Nothing = kSureInFrame or kSureWithoutFrame,
-  // whichever applies.
+  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureEitherCheck or
+  // kSureWithoutFrame, whichever applies.
   std::optional<double> min_confidence;
   // When symbols without a frame are read too, into ReadResult::frameless.
   Frameless frameless = Frameless::never;
