@@ -34,8 +34,9 @@ enum class Frameless {
 };
 
 // The least sure reading that is believed is wrong once in so many, as docs/accuracy.md,
-// "Reliability", compares it: in a frame; in one where neither the scheme of the check digit nor the
-// codes are known, so that a spoilt digit may leave a code of the other scheme; without a frame.
+// "Reliability", compares it: in a frame; in one where neither the scheme of the check digit nor
+// the codes are known, so that a spoilt digit may leave a code of the other scheme; without a
+// frame.
 inline constexpr double kSureInFrame = 1.0 - 1e-5;
 inline constexpr double kSureEitherCheck = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
