@@ -51,6 +51,17 @@ std::optional<PixelPoint> LensBend::bent(PixelPoint point) const {
 
 namespace {
 
+// The corners' points of the lens's plane; nothing where it has none for one of them.
+std::optional<Quad> straightened(const LensBend& lens, const Quad& corners) {
+  Quad straight{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto point = lens.straightened(corners[i]);
+    if (!point) return std::nullopt;
+    straight[i] = *point;
+  }
+  return straight;
+}
+
 // The curve through a bent side's ends and its pixels at five places.
 SideBow bow_between(const LensBend& lens, const SideLine& side, PixelPoint from, PixelPoint to) {
   constexpr std::array<double, 5> kPlaces{0.04, 0.22, 0.5, 0.78, 0.96};
@@ -107,14 +118,10 @@ std::optional<RadialLens> likeliest_lens(const std::array<double, 4>& by_lambda,
 SideBows bows_of(const LensBend& lens, const Quad& corners) {
   SideBows bows{};
   if (!lens.bends()) return bows;
-  Quad straight{};
+  const std::optional<Quad> straight = straightened(lens, corners);
+  if (!straight) return bows;
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto point = lens.straightened(corners[i]);
-    if (!point) return bows;
-    straight[i] = *point;
-  }
-  for (std::size_t i = 0; i < 4; ++i) {
-    bows[i] = bow_between(lens, side_of(corners, i), straight[i], straight[(i + 1) % 4]);
+    bows[i] = bow_between(lens, side_of(corners, i), (*straight)[i], (*straight)[(i + 1) % 4]);
   }
   return bows;
 }
@@ -168,14 +175,10 @@ double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma
 
 FrameMap::FrameMap(const Quad& corners, const LensBend& lens) : flat_(homography_to(corners)) {
   if (!lens.bends()) return;
-  Quad straight{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto point = lens.straightened(corners[i]);
-    if (!point) return;
-    straight[i] = *point;
-  }
+  const std::optional<Quad> straight = straightened(lens, corners);
+  if (!straight) return;
   lens_ = lens;
-  straight_ = homography_to(straight);
+  straight_ = homography_to(*straight);
   fit_correction();
 }
 

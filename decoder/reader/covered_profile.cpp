@@ -609,9 +609,9 @@ struct RowsOfSymbol {
 
 // `corners` from P on; `stroke_px` is the frame's.
 RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double stroke_px,
-                            const SymbolLayout& layout, const LensBend& lens, AddedLight added) {
+                            const SymbolLayout& layout, const FrameMap& image_from_unit,
+                            AddedLight added) {
   constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
-  const FrameMap image_from_unit(corners, lens);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   RowsOfSymbol result;
   result.module_px = distance(image_from_unit(0.5 - 0.5 / modules, 0.5),
@@ -700,21 +700,16 @@ std::optional<Lean> lean_of(const BarRows& rows) {
 SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
                                      std::size_t first_corner, const SymbolLayout& layout,
                                      AddedLight added) {
-  Quad corners{};
-  std::array<FrameSide, 4> sides{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    corners[i] = frame.corners[(first_corner + i) % 4];
-    sides[i] = frame.sides[(first_corner + i) % 4];
-  }
-  const RowsOfSymbol symbol = rows_of_symbol(
-      image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout, frame.lens, added);
+  const auto [corners, sides] = turned_to(frame, first_corner);
+  const FrameMap image_from_unit(corners, frame.lens);
+  const RowsOfSymbol symbol =
+      rows_of_symbol(image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout,
+                     image_from_unit, added);
   SymbolProfile profile;
   profile.module_px = symbol.module_px;
   profile.bins = profile_of(symbol.rows, settle(symbol.rows, added).agreed, layout);
-  set_spreads(FrameMap(corners, frame.lens), layout, profile.bins);
-  const double smear = 1.0 / (symbol.bins_per_module * symbol.bins_per_module * 12.0);
-  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
-  profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);
+  set_spreads(image_from_unit, layout, profile.bins);
+  profile.blur = blur_across(sides, profile.module_px, 1.0 / symbol.bins_per_module);
   return profile;
 }
 
@@ -726,15 +721,15 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   Quad aligned = corners;
   for (int round = 0; round < kRounds; ++round) {
+    const FrameMap map(aligned, lens);
     const auto lean =
-        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, lens, AddedLight::even).rows);
+        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, map, AddedLight::even).rows);
     if (!lean) return corners;
     // At the frame's sides, beyond the bars.
     const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
     const double left = lean->at_begin - growth * layout.quiet_zone_modules;
     const double right = lean->at_end + growth * layout.quiet_zone_modules;
     if (std::max(std::abs(left), std::abs(right)) > kMostLean) return corners;
-    const FrameMap map(aligned, lens);
     aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
                map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
     if (std::max(std::abs(left), std::abs(right)) < kStill) break;

@@ -125,10 +125,7 @@ std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& f
 // Where the bars put the frame's corners, from P on: along the symbol by its modules, across by the
 // frame's own sides.
 FrameCorners corners_by_bars(const RefinedFrame& frame, const Attempt& attempt) {
-  FrameCorners corners{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    corners[i] = frame.corners[(attempt.first_corner + i) % 4];
-  }
+  const FrameCorners corners = turned_to(frame, attempt.first_corner).corners;
   const SymbolImage& image = attempt.decoding.fit.image;
   const double quiet = attempt.layout.quiet_zone_modules;
   const auto u_of = [&](double module) {
@@ -440,8 +437,7 @@ class PictureReader {
                                                 const Attempt& attempt) const {
     const auto reason = objection(attempt, options_);
     if (reason) return reason;
-    FrameCorners corners{};
-    for (std::size_t i = 0; i < 4; ++i) corners[i] = frame.corners[(attempt.first_corner + i) % 4];
+    const Quad corners = turned_to(frame, attempt.first_corner).corners;
     const auto strips = strips_along_bars(image_, FrameMap(corners, frame.lens), attempt.layout);
     if (strips.empty()) return std::nullopt;
     return kCoveredReason;

@@ -513,14 +513,23 @@ double module_at_middle(const FrameMap& image_from_unit, const SymbolLayout& lay
 
 }  // namespace
 
+TurnedFrame turned_to(const RefinedFrame& frame, std::size_t first_corner) {
+  TurnedFrame turned;
+  for (std::size_t i = 0; i < 4; ++i) {
+    turned.corners[i] = frame.corners[(first_corner + i) % 4];
+    turned.sides[i] = frame.sides[(first_corner + i) % 4];
+  }
+  return turned;
+}
+
+double blur_across(const std::array<FrameSide, 4>& sides, double module_px, double bin_width) {
+  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
+  return std::sqrt(std::pow(blur_px / std::max(module_px, 1e-3), 2) + bin_width * bin_width / 12);
+}
+
 SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
                              std::size_t first_corner, const SymbolLayout& layout) {
-  Quad corners{};
-  std::array<FrameSide, 4> sides{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    corners[i] = frame.corners[(first_corner + i) % 4];
-    sides[i] = frame.sides[(first_corner + i) % 4];
-  }
+  const auto [corners, sides] = turned_to(frame, first_corner);
   const FrameMap image_from_unit(corners, frame.lens);
   SymbolProfile profile;
   profile.module_px = module_at_middle(image_from_unit, layout);
@@ -542,9 +551,7 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
   const double variance = pixel_variance(grid);
   profile.bins = combine_all(grid, variance);
   set_spreads(image_from_unit, layout, profile.bins);
-  const double smear = grid.bin_width * grid.bin_width / 12;
-  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
-  profile.blur = std::sqrt(std::pow(blur_px / std::max(profile.module_px, 1e-3), 2) + smear);
+  profile.blur = blur_across(sides, profile.module_px, grid.bin_width);
   return profile;
 }
 

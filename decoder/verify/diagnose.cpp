@@ -162,18 +162,16 @@ std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& ta
   const Shape shape = shape_of(tag, corners);
   const double least =
       least_module_px(true, shape.incidence * std::numbers::pi / 180, 0, ReadShare::half);
-  if (shape.module_px < least && shape.incidence > kSteep) {
-    const std::string needed = std::isfinite(least) ? fmt::format("{:.2f} are needed", least)
-                                                    : std::string("nothing is read so obliquely");
-    return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, {:.2f} pixels a "
-                                           "module are left, {}",
-                                           shape.incidence, shape.module_px, needed)};
-  }
-  if (shape.module_px < least) {
+  if (!(shape.module_px < least)) return judge_light(image, corners, kPlate);
+  if (shape.incidence <= kSteep) {
     return Diagnosis{"too-small", fmt::format("{:.2f} pixels a module, {:.2f} are needed",
                                               shape.module_px, least)};
   }
-  return judge_light(image, corners, kPlate);
+  const std::string needed = std::isfinite(least) ? fmt::format("{:.2f} are needed", least)
+                                                  : std::string("nothing is read so obliquely");
+  return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, {:.2f} pixels a "
+                                         "module are left, {}",
+                                         shape.incidence, shape.module_px, needed)};
 }
 
 // Of the white inside the frame against the middle of its upper and lower strokes.

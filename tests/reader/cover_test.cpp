@@ -36,16 +36,21 @@ struct Hanging {
   Eigen::Vector2d off{0, 0};
 };
 
-// The tag at 3 px a module, seen a little obliquely, with something in front.
-CoveredPicture read_behind(const PlateFinish& finish, const std::string& code = kCode,
-                           const Hanging& pose = {},
-                           std::optional<CheckDigit> check = CheckDigit::gs1) {
+Camera camera_of_width(int width) {
   Camera camera;
-  camera.width = 480;
+  camera.width = width;
   camera.height = 340;
   camera.fx = camera.fy = 1600;
   camera.cx = (camera.width - 1) / 2.0;
   camera.cy = (camera.height - 1) / 2.0;
+  return camera;
+}
+
+// The tag at 3 px a module, seen a little obliquely, with something in front.
+CoveredPicture read_behind(const PlateFinish& finish, const std::string& code = kCode,
+                           const Hanging& pose = {},
+                           std::optional<CheckDigit> check = CheckDigit::gs1) {
+  const Camera camera = camera_of_width(480);
   ScenePlate plate;
   plate.drawing = draw_tag(test::corridor_template(), *parse_digits(code));
   plate.finish = finish;
@@ -197,12 +202,7 @@ TEST_CASE("a seventh of the bars' height above a cover is enough") {
 }
 
 TEST_CASE("a covered tag beside a clean one is read too") {
-  Camera camera;
-  camera.width = 960;
-  camera.height = 340;
-  camera.fx = camera.fy = 1600;
-  camera.cx = (camera.width - 1) / 2.0;
-  camera.cy = (camera.height - 1) / 2.0;
+  const Camera camera = camera_of_width(960);
   const double module = 0.343 / 113;
   std::array<ScenePlate, 2> plates;
   plates[0].drawing = draw_tag(test::corridor_template(), *parse_digits(kCode));
