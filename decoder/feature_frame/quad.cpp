@@ -126,6 +126,26 @@ Quad widened(const Quad& quad, double pixels) {
   return moved;
 }
 
+bool contains(const Quad& quad, PixelPoint point) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (cross(quad[(i + 1) % 4] - quad[i], point - quad[i]) < 0) return false;
+  }
+  return true;
+}
+
+PixelPoint centre_of(const Quad& quad) { return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]); }
+
+bool nearly_equal(const Quad& a, const Quad& b, double pixels) {
+  for (std::size_t turn = 0; turn < 4; ++turn) {
+    double farthest = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      farthest = std::max(farthest, distance(a[i], b[(i + turn) % 4]));
+    }
+    if (farthest < pixels) return true;
+  }
+  return false;
+}
+
 PixelPoint Homography::operator()(double u, double v) const {
   const double w = h[6] * u + h[7] * v + h[8];
   return {(h[0] * u + h[1] * v + h[2]) / w, (h[3] * u + h[4] * v + h[5]) / w};

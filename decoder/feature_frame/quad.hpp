@@ -30,6 +30,15 @@ std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull);
 // Every side moved outwards by this many pixels; the corners are where the moved sides meet.
 Quad widened(const Quad& quad, double pixels);
 
+// Whether a point is inside a convex quadrilateral or on its sides.
+bool contains(const Quad& quad, PixelPoint point);
+
+// Mean of the four corners.
+PixelPoint centre_of(const Quad& quad);
+
+// Whether the corners of two quadrilaterals are all less than this many pixels apart, in some turn.
+bool nearly_equal(const Quad& a, const Quad& b, double pixels);
+
 // Plane projective map from the unit square, (0,0) (1,0) (1,1) (0,1) -> the quad's corners in
 // order.
 struct Homography {

@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/bar_regions.hpp"
 #include "decoder/scan/decode.hpp"
@@ -457,14 +458,6 @@ std::array<PixelPoint, 4> outline_of(const RegionScan& scan) {
     std::swap(bars[1], bars[2]);
   }
   return bars;
-}
-
-bool contains(const std::array<PixelPoint, 4>& outline, PixelPoint point) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    const PixelPoint side = outline[(i + 1) % 4] - outline[i];
-    if (cross(side, point - outline[i]) < 0) return false;
-  }
-  return true;
 }
 
 std::vector<std::array<PixelPoint, 2>> line_ends(const RegionScan& scan) {
