@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -11,6 +13,15 @@
 
 namespace tagsmith {
 namespace {
+
+// The tiles of bars, and the directions of their gradients.
+struct BarredTiles {
+  int columns = 0;
+  int rows = 0;
+  std::vector<Gradient> gradients;
+  std::vector<std::uint8_t> open;  // tiles of bars that belong to no cluster yet
+  std::vector<std::size_t> queue;  // those whose neighbours are to be looked at
+};
 
 bool same_direction(const Gradient& a, const Gradient& b) {
   constexpr float kCosine = 0.7F;  // of twice the angle: 23 degrees
@@ -23,21 +34,25 @@ bool same_direction(const Gradient& a, const Gradient& b) {
   return product > 0 && product * product > kCosine * kCosine * square(a) * square(b);
 }
 
-// Tiles of bars that belong to no cluster yet, by their index in the grid.
-std::vector<bool> barred_tiles(const TextureGrid& grid, std::span<const Quad> known) {
+BarredTiles barred_tiles(const TextureGrid& grid, std::span<const Quad> known) {
   constexpr int kLeastStrength = 120;  // 4 grey levels from pixel to pixel
-  std::vector<bool> open(grid.tiles.size());
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    open[i] = is_directed(gradient_of(grid.tiles[i]), kLeastStrength);
+  BarredTiles barred{grid.columns,
+                     grid.rows,
+                     std::vector<Gradient>(grid.tiles.size()),
+                     std::vector<std::uint8_t>(grid.tiles.size()),
+                     {}};
+  for (std::size_t i = 0; i < grid.tiles.size(); ++i) {
+    barred.gradients[i] = gradient_of(grid.tiles[i]);
+    barred.open[i] = is_directed(barred.gradients[i], kLeastStrength) ? 1 : 0;
   }
   for (int row = 0; row < grid.rows; ++row) {
-    const auto first = static_cast<std::ptrdiff_t>(row) * grid.columns;
+    const auto first = barred.open.begin() + static_cast<std::ptrdiff_t>(row) * grid.columns;
     for (const Quad& quad : known) {
       const auto [begin, end] = tiles_in_row(quad, row, grid.columns);
-      std::fill(open.begin() + first + begin, open.begin() + first + end, false);
+      std::fill(first + begin, first + end, std::uint8_t{0});
     }
   }
-  return open;
+  return barred;
 }
 
 struct Cluster {
@@ -46,39 +61,49 @@ struct Cluster {
 };
 
 // Collects the tiles that hang together with this one, diagonal neighbours included.
-Cluster grow(const TextureGrid& grid, std::vector<bool>& open, std::size_t start) {
-  const auto columns = static_cast<std::size_t>(grid.columns);
+Cluster grow(BarredTiles& tiles, std::size_t start) {
+  const auto columns = static_cast<std::size_t>(tiles.columns);
   Cluster cluster;
-  std::vector<std::size_t> queue{start};
-  open[start] = false;
-  while (!queue.empty()) {
-    const std::size_t at = queue.back();
-    queue.pop_back();
+  tiles.queue.push_back(start);
+  tiles.open[start] = 0;
+  while (!tiles.queue.empty()) {
+    const std::size_t at = tiles.queue.back();
+    tiles.queue.pop_back();
     const int column = static_cast<int>(at % columns);
     const int row = static_cast<int>(at / columns);
-    const Gradient gradient = gradient_of(grid.tiles[at]);
+    const Gradient& gradient = tiles.gradients[at];
     cluster.centres.push_back({kTile * (column + 0.5) - 0.5, kTile * (row + 0.5) - 0.5});
     cluster.direction = cluster.direction + PixelPoint{static_cast<double>(gradient.cos2),
                                                        static_cast<double>(gradient.sin2)};
-    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid.rows - 1); ++r) {
-      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid.columns - 1); ++c) {
+    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, tiles.rows - 1); ++r) {
+      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, tiles.columns - 1); ++c) {
         const std::size_t next =
             static_cast<std::size_t>(r) * columns + static_cast<std::size_t>(c);
-        if (!open[next] || !same_direction(gradient, gradient_of(grid.tiles[next]))) continue;
-        open[next] = false;
-        queue.push_back(next);
+        if (tiles.open[next] == 0 || !same_direction(gradient, tiles.gradients[next])) continue;
+        tiles.open[next] = 0;
+        tiles.queue.push_back(next);
       }
     }
   }
   return cluster;
 }
 
-// The value that this share of the values does not exceed.
-double quantile(std::vector<double>& values, double share) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
+// The extent of the values without this share of the least and of the greatest.
+struct Extent {
+  double low = 0;
+  double high = 0;
+};
+
+Extent extent_of(std::vector<double>& values, double share) {
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto from_low = static_cast<std::ptrdiff_t>(share * last);
+  const auto from_high =
+      static_cast<std::ptrdiff_t>(last) - static_cast<std::ptrdiff_t>((1 - share) * last);
+  // So few are left out that to place these is quicker than to halve and halve again.
+  std::ranges::partial_sort(values, values.begin() + from_low + 1);
+  const double low = values[static_cast<std::size_t>(from_low)];
+  std::ranges::partial_sort(values, values.begin() + from_high + 1, std::ranges::greater{});
+  return {low, values[static_cast<std::size_t>(from_high)]};
 }
 
 // The rectangle around a cluster without its stragglers; nothing when it is too small or too thin
@@ -92,14 +117,14 @@ std::optional<BarBlock> block_of(const Cluster& cluster) {
   BarBlock block;
   block.across = {std::cos(angle), std::sin(angle)};
   block.along = {-block.across.y, block.across.x};
-  std::vector<double> across;
-  std::vector<double> along;
-  for (const PixelPoint& centre : cluster.centres) {
-    across.push_back(dot(centre, block.across));
-    along.push_back(dot(centre, block.along));
+  std::vector<double> across(cluster.centres.size());
+  std::vector<double> along(cluster.centres.size());
+  for (std::size_t i = 0; i < cluster.centres.size(); ++i) {
+    across[i] = dot(cluster.centres[i], block.across);
+    along[i] = dot(cluster.centres[i], block.along);
   }
-  const double left = quantile(across, kStragglers), right = quantile(across, 1 - kStragglers);
-  const double top = quantile(along, kStragglers), bottom = quantile(along, 1 - kStragglers);
+  const auto [left, right] = extent_of(across, kStragglers);
+  const auto [top, bottom] = extent_of(along, kStragglers);
   block.centre = (left + right) / 2 * block.across + (top + bottom) / 2 * block.along;
   block.half_width = (right - left + kTile) / 2;
   block.half_height = (bottom - top + kTile) / 2;
@@ -154,11 +179,11 @@ bool is_symbol_like(const GrayView& image, const BarBlock& block) {
 std::vector<BarBlock> find_bar_blocks(const TextureGrid& texture, std::span<const Quad> known) {
   constexpr std::size_t kMaxClusters = 12;
   constexpr std::size_t kLeastTiles = 4;
-  std::vector<bool> open = barred_tiles(texture, known);
+  BarredTiles tiles = barred_tiles(texture, known);
   std::vector<Cluster> clusters;
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    if (!open[i]) continue;
-    Cluster cluster = grow(texture, open, i);
+  for (std::size_t i = 0; i < tiles.open.size(); ++i) {
+    if (tiles.open[i] == 0) continue;
+    Cluster cluster = grow(tiles, i);
     if (cluster.centres.size() >= kLeastTiles) clusters.push_back(std::move(cluster));
   }
   std::ranges::sort(clusters, [](const Cluster& a, const Cluster& b) {

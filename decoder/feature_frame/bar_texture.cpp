@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 
 #include "decoder/feature_frame/tile_threshold.hpp"
+#include "decoder/image/also_avx2.hpp"
 
 namespace tagsmith {
 namespace {
@@ -70,27 +72,41 @@ void two_tile_textures(const std::uint8_t* samples, std::ptrdiff_t stride, Textu
 #endif
 
 // The directions of gradients are told apart to an eighth of a half turn.
-constexpr int kDirections = 8;
+constexpr std::size_t kDirections = 8;
 
-// Steps from tile to tile in these directions: (0, 0) to the third.
+// Steps to the next tiles in these directions.
 constexpr int kReach = 3;
-using Steps = std::array<std::array<int, 2>, kReach + 1>;
-constexpr std::array<Steps, kDirections> kSteps{{{{{0, 0}, {1, 0}, {2, 0}, {3, 0}}},
-                                                 {{{0, 0}, {1, 0}, {2, 1}, {3, 1}}},
-                                                 {{{0, 0}, {1, 1}, {2, 2}, {3, 3}}},
-                                                 {{{0, 0}, {0, 1}, {1, 2}, {1, 3}}},
-                                                 {{{0, 0}, {0, 1}, {0, 2}, {0, 3}}},
-                                                 {{{0, 0}, {0, 1}, {-1, 2}, {-1, 3}}},
-                                                 {{{0, 0}, {-1, 1}, {-2, 2}, {-3, 3}}},
-                                                 {{{0, 0}, {-1, 0}, {-2, 1}, {-3, 1}}}}};
+using Steps = std::array<std::array<int, 2>, kReach>;
+constexpr std::array<Steps, kDirections> kSteps{{{{{1, 0}, {2, 0}, {3, 0}}},
+                                                 {{{1, 0}, {2, 1}, {3, 1}}},
+                                                 {{{1, 1}, {2, 2}, {3, 3}}},
+                                                 {{{0, 1}, {1, 2}, {1, 3}}},
+                                                 {{{0, 1}, {0, 2}, {0, 3}}},
+                                                 {{{0, 1}, {-1, 2}, {-1, 3}}},
+                                                 {{{-1, 1}, {-2, 2}, {-3, 3}}},
+                                                 {{{-1, 0}, {-2, 1}, {-3, 1}}}}};
 
-// The eighth of a turn around whose middle the vector points.
-int octant_of(int x, int y) {
-  constexpr int kSteep = 618;  // 256 tan(67.5 degrees)
-  const int across = std::abs(x), down = std::abs(y);
-  if (256 * down > kSteep * across) return y > 0 ? 2 : 6;
-  if (256 * across > kSteep * down) return x > 0 ? 0 : 4;
-  return x > 0 ? (y > 0 ? 1 : 7) : (y > 0 ? 3 : 5);
+// What a tile's place in the grid of directions holds: 0 = no direction, otherwise one more than
+// the octant around whose middle its gradient points.
+using Direction = std::uint8_t;
+
+// The directions of a row of tiles; without branches, so that the compiler works on several tiles
+// at a time.
+TAGSMITH_ALSO_AVX2
+void find_directions(const Texture* __restrict tiles, int count, Direction* __restrict directions) {
+  constexpr int kLeastStrength = 200;  // 6 grey levels from pixel to pixel
+  constexpr int kSteep = 618;          // 256 tan(67.5 degrees)
+  for (int i = 0; i < count; ++i) {
+    const Gradient gradient = gradient_of(tiles[i]);
+    const int x = gradient.cos2, y = gradient.sin2;
+    const int across = std::abs(x), down = std::abs(y);
+    const int right = x > 0 ? 1 : 0, below = y > 0 ? 1 : 0;
+    const int diagonal = right != 0 ? 8 - 6 * below : 6 - 2 * below;
+    const int flat = 256 * across > kSteep * down ? 5 - 4 * right : diagonal;
+    const int octant = 256 * down > kSteep * across ? 7 - 4 * below : flat;
+    const int directed = is_directed(gradient, kLeastStrength) ? octant : 0;
+    directions[i] = static_cast<Direction>(directed);
+  }
 }
 
 // The directions of tiles, with a margin all around that has none.
@@ -99,83 +115,113 @@ class DirectionGrid {
   explicit DirectionGrid(const TextureGrid& texture, std::span<const Quad> known)
       : columns_(texture.columns),
         rows_(texture.rows),
-        stride_(texture.columns + 2 * kReach),
-        alike_(static_cast<std::size_t>(stride_ * (rows_ + 2 * kReach))),
-        octants_(alike_.size()) {
-    constexpr int kLeastStrength = 200;  // 6 grey levels from pixel to pixel
-    const Texture* tile = texture.tiles.data();
+        stride_(texture.columns + 2 * kReach + kAtOnce),
+        directions_(static_cast<std::size_t>(stride_) *
+                    static_cast<std::size_t>(rows_ + 2 * kReach)) {
     for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column, ++tile) {
-        const Gradient gradient = gradient_of(*tile);
-        if (is_directed(gradient, kLeastStrength))
-          set(index(column, row), octant_of(gradient.cos2, gradient.sin2));
-      }
+      find_directions(texture.tiles.data() + static_cast<std::ptrdiff_t>(row) * columns_, columns_,
+                      of_row(row));
       for (const Quad& quad : known) clear(quad, row);
+    }
+    for (std::size_t octant = 0; octant < kDirections; ++octant) {
+      for (std::size_t i = 0; i < kSteps[octant].size(); ++i) {
+        const auto [x, y] = kSteps[octant][i];
+        steps_[octant][i] = static_cast<std::ptrdiff_t>(y) * stride_ + x;
+      }
     }
   }
 
-  // Whether the tile lies in a field: most tiles in its gradient's direction have that direction
-  // too. The least readable symbols are four tiles long, joints of brickwork two tiles wide.
-  bool is_in_field(int column, int row) const {
-    constexpr int kLeast = 4;
-    const std::size_t at = index(column, row);
-    if (alike_[at] == 0) return false;
-    const unsigned octant = octants_[at];
-    int count = 1;
-    for (std::size_t i = 1; i <= kReach; ++i) {
-      const auto [x, y] = kSteps[octant][i];
-      const auto step = static_cast<std::size_t>(y * stride_ + x);
-      count +=
-          static_cast<int>((alike_[at + step] >> octant & 1U) + (alike_[at - step] >> octant & 1U));
+  // Marks the tiles of a row that lie in a field.
+  void mark_fields(int row, std::uint8_t* marks) const {
+    const Direction* tiles = directions_.data() + index(0, row);
+    for (int column = 0; column < columns_; column += kAtOnce) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, tiles + column, kAtOnce);
+      // The upper bits of the bytes that are not zero; none is more than kDirections.
+      eight = (eight + 0x7F7F7F7F7F7F7F7FU) & 0x8080808080808080U;
+      for (; eight != 0; eight &= eight - 1) {
+        const int at = column + std::countr_zero(eight) / 8;
+        marks[at] = is_in_field(tiles + at) ? 1 : 0;
+      }
+    }
+  }
+
+ private:
+  static constexpr int kAtOnce = 8;  // tiles; so much is free beside a row
+
+  // Whether a tile with a direction lies in a field: most tiles in its gradient's direction have
+  // that direction too. The least readable symbols are four tiles long, joints of brickwork two
+  // tiles wide.
+  bool is_in_field(const Direction* tile) const {
+    constexpr unsigned kLeast = 4;
+    // A bit for each octant that is the direction's or next to it.
+    constexpr std::array<std::uint8_t, kDirections + 1> kAlike{0,          0b10000011, 0b00000111,
+                                                               0b00001110, 0b00011100, 0b00111000,
+                                                               0b01110000, 0b11100000, 0b11000001};
+    const unsigned octant = *tile - 1U;
+    unsigned count = 1;
+    for (const std::ptrdiff_t step : steps_[octant]) {
+      count += (kAlike[tile[step]] >> octant & 1U) + (kAlike[tile[-step]] >> octant & 1U);
     }
     return count >= kLeast;
   }
 
- private:
   std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>((row + kReach) * stride_ + column + kReach);
+    return static_cast<std::size_t>(row + kReach) * static_cast<std::size_t>(stride_) +
+           static_cast<std::size_t>(column + kReach);
   }
 
-  void set(std::size_t at, int octant) {
-    octants_[at] = static_cast<std::uint8_t>(octant);
-    const unsigned near = 0b10000011U << static_cast<unsigned>(octant);
-    alike_[at] = static_cast<std::uint8_t>(near | near >> 8U);
-  }
+  Direction* of_row(int row) { return directions_.data() + index(0, row); }
 
   void clear(const Quad& quad, int row) {
     const auto [begin, end] = tiles_in_row(quad, row, columns_);
-    for (int column = begin; column < end; ++column) alike_[index(column, row)] = 0;
+    std::fill(of_row(row) + begin, of_row(row) + end, Direction{0});
   }
 
   int columns_;
   int rows_;
   int stride_;
-  std::vector<std::uint8_t> alike_;    // a bit for each octant that is the tile's or next to it
-  std::vector<std::uint8_t> octants_;  // where the tile has a direction
+  std::vector<Direction> directions_;
+  std::array<std::array<std::ptrdiff_t, kReach>, kDirections> steps_{};  // of kSteps, in the grid
 };
 
+// to[x] |= from[x]
+TAGSMITH_ALSO_AVX2
+void add_to(std::uint8_t* __restrict to, const std::uint8_t* __restrict from, std::size_t count) {
+  for (std::size_t x = 0; x < count; ++x) to[x] |= from[x];
+}
+
 // Adds the tiles up to `reach` tiles from those of the mask, across and down.
-void widen(TileMask& mask, int reach) {
+void widen(TileMask& mask, std::size_t reach) {
   const auto columns = static_cast<std::size_t>(mask.columns);
-  const auto margin = static_cast<std::size_t>(reach);
-  std::vector<std::uint8_t> wide(mask.tiles.size());
-  std::vector<std::uint8_t> padded(columns + 2 * margin);
-  for (std::size_t row = 0; row < static_cast<std::size_t>(mask.rows); ++row) {
-    std::copy_n(mask.tiles.data() + row * columns, columns, padded.data() + margin);
-    std::uint8_t* __restrict to = wide.data() + row * columns;
-    for (std::size_t shift = 0; shift <= 2 * margin; ++shift) {
-      const std::uint8_t* from = padded.data() + shift;
-      for (std::size_t x = 0; x < columns; ++x) to[x] |= from[x];
-    }
+  const auto rows = static_cast<std::size_t>(mask.rows);
+  // Windows of 1, 2, 4, ... tiles from each on, the last one as long as the reach asks for.
+  const std::size_t window = 2 * reach + 1;
+  const auto grow = [&](auto&& add) {
+    std::size_t size = 1;
+    for (; 2 * size <= window; size *= 2) add(size);
+    if (size < window) add(window - size);
+  };
+  std::vector<std::uint8_t> wide((rows + 2 * reach) * columns);
+  std::vector<std::uint8_t> from(columns + 2 * reach), to(from.size());
+  for (std::size_t row = 0; row < rows; ++row) {
+    std::ranges::fill(from, std::uint8_t{0});
+    std::copy_n(mask.tiles.data() + row * columns, columns, from.data() + reach);
+    grow([&](std::size_t shift) {
+      to = from;
+      add_to(to.data(), from.data() + shift, from.size() - shift);
+      std::swap(from, to);
+    });
+    std::copy_n(from.data(), columns, wide.data() + (row + reach) * columns);
   }
-  for (int row = 0; row < mask.rows; ++row) {
-    std::uint8_t* __restrict to = mask.tiles.data() + static_cast<std::size_t>(row) * columns;
-    for (int near = std::max(0, row - reach); near <= std::min(mask.rows - 1, row + reach);
-         ++near) {
-      const std::uint8_t* from = wide.data() + static_cast<std::size_t>(near) * columns;
-      for (std::size_t x = 0; x < columns; ++x) to[x] |= from[x];
+  // Downwards in place: what a row takes in lies below it and is not changed yet.
+  grow([&](std::size_t shift) {
+    const std::size_t step = shift * columns;
+    for (std::size_t at = 0; at + step < wide.size(); at += columns) {
+      add_to(wide.data() + at, wide.data() + at + step, columns);
     }
-  }
+  });
+  std::copy_n(wide.data(), rows * columns, mask.tiles.data());
 }
 
 }  // namespace
@@ -201,32 +247,13 @@ TextureGrid texture_of(const GrayView& image) {
   return grid;
 }
 
-// Where a gradient has the angle a, right - down is its length by |cos a| - |sin a|, and falling -
-// rising the same by sin 2a / max(|cos a|, |sin a|): 1.41 times as much at 45 degrees, hence the
-// factor.
-Gradient gradient_of(const Texture& t) {
-  constexpr int kDiagonal = 181;  // 256 / sqrt(2)
-  return {t.right - t.down, (t.falling - t.rising) * kDiagonal / 256,
-          (t.right + t.down + (t.falling + t.rising) * kDiagonal / 256) / 2};
-}
-
-// Bars give 0.6 to 0.8 of the strength, isotropic noise next to nothing.
-bool is_directed(const Gradient& gradient, int least_strength) {
-  constexpr int kShare = 4;  // 1 / the least share of the strength
-  return gradient.strength >= least_strength &&
-         kShare * kShare * (gradient.cos2 * gradient.cos2 + gradient.sin2 * gradient.sin2) >
-             gradient.strength * gradient.strength;
-}
-
 TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known) {
-  constexpr int kAround = 5;  // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
+  constexpr std::size_t kAround = 5;  // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
   TileMask mask{texture.columns, texture.rows, std::vector<std::uint8_t>(texture.tiles.size())};
   const DirectionGrid directions(texture, known);
-  auto tile = mask.tiles.begin();
   for (int row = 0; row < mask.rows; ++row) {
-    for (int column = 0; column < mask.columns; ++column, ++tile) {
-      *tile = directions.is_in_field(column, row) ? 1 : 0;
-    }
+    directions.mark_fields(row,
+                           mask.tiles.data() + static_cast<std::ptrdiff_t>(row) * mask.columns);
   }
   widen(mask, kAround);
   return mask;

@@ -38,10 +38,24 @@ struct Gradient {
   int strength = 0;
 };
 
-Gradient gradient_of(const Texture& texture);
+// Where a gradient has the angle a, right - down is its length by |cos a| - |sin a|, and falling -
+// rising the same by sin 2a / max(|cos a|, |sin a|): 1.41 times as much at 45 degrees, hence the
+// factor.
+inline Gradient gradient_of(const Texture& t) {
+  constexpr int kDiagonal = 181;  // 256 / sqrt(2)
+  return {t.right - t.down, (t.falling - t.rising) * kDiagonal / 256,
+          (t.right + t.down + (t.falling + t.rising) * kDiagonal / 256) / 2};
+}
 
-// Whether a tile's gradients are of at least this strength and of one direction, as bars are.
-bool is_directed(const Gradient& gradient, int least_strength);
+// Whether a tile's gradients are of at least this strength and of one direction, as bars are: these
+// give 0.6 to 0.8 of the strength, isotropic noise next to nothing.
+inline bool is_directed(const Gradient& gradient, int least_strength) {
+  constexpr int kShare = 4;  // 1 / the least share of the strength
+  const int directed = gradient.cos2 * gradient.cos2 + gradient.sin2 * gradient.sin2;
+  const bool is_strong = gradient.strength >= least_strength;
+  const bool is_one = kShare * kShare * directed > gradient.strength * gradient.strength;
+  return is_strong & is_one;  // without a branch: for all tiles of an image
+}
 
 // The tiles in and around fields of parallel bars of up to two or three pixels a module: as far as
 // a feature frame around such bars reaches. Left out are bars in the parts that are `known`, edges

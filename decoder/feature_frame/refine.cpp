@@ -2,9 +2,11 @@
 #include "decoder/feature_frame/refine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -86,6 +88,7 @@ float fast_log1p(float x) {
 }
 
 struct NormalEquations {
+  // Its lower triangle.
   Eigen::Matrix<double, kParameters, kParameters> matrix =
       Eigen::Matrix<double, kParameters, kParameters>::Zero();
   Parameters right = Parameters::Zero();
@@ -95,15 +98,57 @@ struct NormalEquations {
   double count = 0;
 };
 
+// What a sample adds to the normal equations, by the root of its weight: the prediction's change
+// with each parameter, and the residual.
+struct Row {
+  std::array<float, kParameters> terms{};
+  float residual = 0;
+};
+
 // The samples of one side and the memory to fit them in.
 struct SideSamples {
   std::vector<EdgeSample> samples;
-  Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows;
+  std::vector<Row> rows;
 
   explicit SideSamples(std::vector<EdgeSample> of_side)
-      : samples(std::move(of_side)),
-        rows(static_cast<Eigen::Index>(samples.size()), kParameters + 1) {}
+      : samples(std::move(of_side)), rows(samples.size()) {}
 };
+
+// Four numbers at a time (GCC manual, "Vector Extensions").
+using Four = float __attribute__((vector_size(16)));
+
+Eigen::Vector4d to_doubles(Four values) {
+  return Eigen::Vector4f(values[0], values[1], values[2], values[3]).cast<double>();
+}
+
+// Adds the products of all rows, in their order.
+void add_products(const std::vector<Row>& rows, NormalEquations& normal) {
+  // Of the lower triangle the upper left, lower left and lower right quarter, by columns.
+  std::array<Four, 4> upper_left{}, lower_left{}, lower_right{};
+  Four right_upper{}, right_lower{};
+  float squares = 0;
+  for (const Row& row : rows) {
+    Four upper, lower;
+    std::memcpy(&upper, row.terms.data(), sizeof upper);
+    std::memcpy(&lower, row.terms.data() + 4, sizeof lower);
+    for (std::size_t i = 0; i < 4; ++i) {
+      upper_left[i] += row.terms[i] * upper;
+      lower_left[i] += row.terms[i] * lower;
+      lower_right[i] += row.terms[4 + i] * lower;
+    }
+    right_upper += row.residual * upper;
+    right_lower += row.residual * lower;
+    squares += row.residual * row.residual;
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    normal.matrix.col(column).head<4>() = to_doubles(upper_left[i]);
+    normal.matrix.col(column).tail<4>() = to_doubles(lower_left[i]);
+    normal.matrix.col(4 + column).tail<4>() = to_doubles(lower_right[i]);
+  }
+  normal.right << to_doubles(right_upper), to_doubles(right_lower);
+  normal.squares = static_cast<double>(squares);
+}
 
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
 NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const SideLine& side,
@@ -111,9 +156,8 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
   const StepModel model(p, side);
   const NormalTable& normal_table = NormalTable::get();
   const float per_scale = 1 / static_cast<float>(scale);
-  auto& rows = side_samples.rows;
   float cost = 0, total = 0;
-  Eigen::Index i = 0;
+  Row* row = side_samples.rows.data();
   for (const EdgeSample& sample : side_samples.samples) {
     const Predicted predicted = predict(model, sample, tone, normal_table);
     const float residual = sample.value - predicted.sample;
@@ -124,25 +168,22 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
     const float by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
     const float by_white = root * predicted.slope * (1 - predicted.dark);
     const float by_black = root * predicted.slope * predicted.dark;
-    rows(i, kPlace) = by_place;
-    rows(i, kTurn) = by_place * sample.along;
-    rows(i, kLogBlur) =
-        by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner);
-    rows(i, kWhite) = by_white;
-    rows(i, kWhiteSlope) = by_white * sample.along;
-    rows(i, kBlack) = by_black;
-    rows(i, kBlackSlope) = by_black * sample.along;
-    rows(i, kLogStroke) =
-        by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur;
-    rows(i, kParameters) = root * residual;
+    row->terms = {
+        by_place,
+        by_place * sample.along,
+        by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner),
+        by_white,
+        by_white * sample.along,
+        by_black,
+        by_black * sample.along,
+        by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur};
+    row->residual = root * residual;
+    ++row;
     cost += sample.weight * fast_log1p(ratio * ratio);
     total += weight;
-    ++i;
   }
-  const Eigen::Matrix<float, kParameters + 1, kParameters + 1> product = rows.transpose() * rows;
   NormalEquations normal;
-  normal.matrix = product.topLeftCorner<kParameters, kParameters>().cast<double>();
-  normal.right = product.topRightCorner<kParameters, 1>().cast<double>();
+  add_products(side_samples.rows, normal);
   normal.weight = static_cast<double>(total);
   // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
   // is.
@@ -153,8 +194,7 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
   normal.right[kLogStroke] += stroke_weight * stroke_residual;
   normal.cost =
       scale * scale * static_cast<double>(cost) + stroke_weight * stroke_residual * stroke_residual;
-  normal.squares = static_cast<double>(product(kParameters, kParameters));
-  normal.count = static_cast<double>(i);
+  normal.count = static_cast<double>(side_samples.samples.size());
   return normal;
 }
 
@@ -269,15 +309,20 @@ SeenBow seen_bow(const SideSamples& samples, const Solution& solution) {
   const NormalEquations& normal = solution.normal;
   const auto count = static_cast<Eigen::Index>(samples.samples.size());
   Eigen::VectorXf by_bow(count);
+  Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows(count, kParameters + 1);
   for (Eigen::Index i = 0; i < count; ++i) {
+    const Row& row = samples.rows[static_cast<std::size_t>(i)];
     const float s = samples.samples[static_cast<std::size_t>(i)].along;
-    by_bow[i] = samples.rows(i, kPlace) * (1 - s * s);
+    by_bow[i] = row.terms[kPlace] * (1 - s * s);
+    for (Eigen::Index k = 0; k < kParameters; ++k) {
+      rows(i, k) = row.terms[static_cast<std::size_t>(k)];
+    }
+    rows(i, kParameters) = row.residual;
   }
   const Eigen::Matrix<double, kParameters + 1, 1> products =
-      (samples.rows.transpose() * by_bow).cast<double>();
+      (rows.transpose() * by_bow).cast<double>();
   const Parameters right =
-      (samples.rows.leftCols<kParameters>().transpose() * samples.rows.col(kParameters))
-          .cast<double>();
+      (rows.leftCols<kParameters>().transpose() * rows.col(kParameters)).cast<double>();
   const Parameters shared = products.head<kParameters>();
   const Eigen::Matrix<double, kParameters, kParameters> matrix =
       normal.matrix.selfadjointView<Eigen::Lower>();

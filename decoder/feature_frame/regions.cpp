@@ -121,6 +121,19 @@ void label_row(RunMap& map, std::size_t y) {
   }
 }
 
+// Adds a white row below one that is white too: nothing but the region's extent changes. False
+// where the row above is another one.
+bool repeat_white_row(RunMap& map, int y) {
+  const std::size_t count = map.begins.size();
+  if (y == 0 || count - map.first_of_row[static_cast<std::size_t>(y) - 1] != 2) return false;
+  const std::uint32_t label = map.labels[count - 2];
+  if (label == kNone) return false;
+  map.extents[root_of(map.parents, label)].bottom = y;
+  map.begins.insert(map.begins.end(), {0, map.begins.back()});
+  map.labels.insert(map.labels.end(), {label, kNone});
+  return true;
+}
+
 RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   TileThresholds thresholds =
       tile_thresholds(tile_extremes(image, options.searched), options.min_contrast);
@@ -138,6 +151,7 @@ RunMap find_runs(const GrayView& image, const RegionOptions& options) {
   for (int y = 0; y < image.height; ++y) {
     map.first_of_row.push_back(map.begins.size());
     const auto [begin, end] = dark.used[static_cast<std::size_t>(y / kTile)];
+    if (begin == end && repeat_white_row(map, y)) continue;
     append_runs({dark.row(y) + begin, end - begin}, static_cast<int>(begin) * 64, image.width, row,
                 map.begins);
     label_row(map, static_cast<std::size_t>(y));

@@ -16,6 +16,17 @@
 namespace tagsmith {
 namespace {
 
+// Grey levels at places `step` pixels apart, `half` of them to either side of the middle.
+void sample_line(const GrayView& image, PixelPoint middle, PixelPoint direction, double step,
+                 int half, double* samples) {
+  const auto place = [&](int k) { return middle + (step * k) * direction; };
+  if (!(is_inside(image, place(-half)) && is_inside(image, place(half)))) {
+    for (int k = -half; k <= half; ++k) *samples++ = sample_bilinear(image, place(k));
+    return;
+  }
+  for (int k = -half; k <= half; ++k) *samples++ = interpolate(image, place(k));
+}
+
 // Where the profile across the side falls steepest from inside to outside, as a distance from the
 // side; nothing when it does not fall by `min_fall` grey levels.
 std::optional<double> steepest_fall(const GrayView& image, const SideLine& side, PixelPoint at,
@@ -23,12 +34,9 @@ std::optional<double> steepest_fall(const GrayView& image, const SideLine& side,
   constexpr double kStep = 0.5;
   constexpr int kMaxSamples = 64;
   const int half = std::min(static_cast<int>(std::ceil(reach / kStep)), kMaxSamples / 2 - 2);
-  std::array<double, kMaxSamples> samples{};
+  std::array<double, kMaxSamples> samples;
   const int count = 2 * half + 1;
-  for (int k = 0; k < count; ++k) {
-    const PixelPoint point = at + (kStep * (k - half)) * side.outward;
-    samples[static_cast<std::size_t>(k)] = sample_bilinear(image, point);
-  }
+  sample_line(image, at, side.outward, kStep, half, samples.data());
   const auto fall_at = [&](int k) {
     return samples[static_cast<std::size_t>(k - 1)] - samples[static_cast<std::size_t>(k + 1)];
   };

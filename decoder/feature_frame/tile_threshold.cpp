@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 namespace tagsmith {
 namespace {
@@ -151,15 +152,24 @@ std::uint64_t ones_of_bytes(std::uint64_t bits) {
   return (bits + (bits >> 4U)) & 0x0F0F0F0F0F0F0F0FU;
 }
 
+// Whether one of the tiles of a word of a row, or of its last word, is not flat.
+bool is_used(const std::uint8_t* thresholds, std::size_t columns, std::size_t word) {
+  std::uint64_t any = 0;
+  const std::size_t first = word * kTile;
+  if (first + kTile <= columns) {
+    std::memcpy(&any, thresholds + first, kTile);
+  } else {
+    std::memcpy(&any, thresholds + first, columns - first);
+  }
+  return any != 0;
+}
+
 // The first and the last word of a row of tiles with a threshold that is not flat: begin and end.
 std::array<std::size_t, 2> used_words(const std::uint8_t* thresholds, std::size_t columns) {
-  const auto is_used = [](std::uint8_t threshold) { return threshold != 0; };
-  const std::uint8_t* end = thresholds + columns;
-  const std::uint8_t* first = std::find_if(thresholds, end, is_used);
-  if (first == end) return {0, 0};
-  while (!is_used(end[-1])) --end;
-  return {static_cast<std::size_t>(first - thresholds) / kTile,
-          static_cast<std::size_t>(end - 1 - thresholds) / kTile + 1};
+  std::size_t begin = 0, end = (columns + kTile - 1) / kTile;
+  while (begin < end && !is_used(thresholds, columns, begin)) ++begin;
+  while (begin < end && !is_used(thresholds, columns, end - 1)) --end;
+  return begin < end ? std::array{begin, end} : std::array<std::size_t, 2>{};
 }
 
 // Marks a row of tiles and counts the changes of colour in each of them.
@@ -203,11 +213,9 @@ Samples mark_tiles(const GrayView& image, const TileThresholds& thresholds, Dark
     TileRowMarker marker(image, static_cast<int>(row), dark);
     dark.used[row] = used_words(levels, columns);
     for (std::size_t word = dark.used[row][0]; word < dark.used[row][1]; ++word) {
+      if (!is_used(levels, columns, word)) continue;
       const std::size_t first = word * kTile;
       const std::size_t tiles = std::min<std::size_t>(kTile, columns - first);
-      std::uint64_t any = 0;
-      std::memcpy(&any, levels + first, tiles);
-      if (any == 0) continue;
       marker.mark(word, levels + first, changes.data() + row * columns + first,
                   static_cast<int>(tiles));
     }
@@ -255,7 +263,11 @@ TileExtremes tile_extremes(const GrayView& image, const TileMask* searched) {
     std::size_t x = 0;
     for (; x + kLanes <= width; x += kLanes) {
       const std::size_t tile = x / kTile;
-      if (wanted != nullptr && wanted[tile] == 0 && wanted[tile + 1] == 0) continue;
+      if (wanted != nullptr) {
+        std::uint16_t two = 0;
+        std::memcpy(&two, wanted + tile, sizeof two);
+        if (two == 0) continue;
+      }
       two_tile_extremes(rows, x, low + tile, high + tile);
     }
     for (; x < width; x += kTile) {
@@ -283,8 +295,11 @@ TileThresholds tile_thresholds(const TileExtremes& extremes, int min_contrast) {
 }
 
 void keep_tiles(const TileMask& searched, TileThresholds& thresholds) {
-  for (std::size_t i = 0; i < thresholds.levels.size(); ++i) {
-    if (searched.tiles[i] == 0) thresholds.levels[i] = 0;
+  std::uint8_t* __restrict levels = thresholds.levels.data();
+  const std::uint8_t* tiles = searched.tiles.data();
+  const std::size_t count = thresholds.levels.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    levels[i] = static_cast<std::uint8_t>(levels[i] & -tiles[i]);
   }
 }
 
@@ -326,8 +341,8 @@ DarkPixels mark_dark(const GrayView& image, TileThresholds thresholds, std::size
   dark.bits.resize(dark.words * static_cast<std::size_t>(image.height));
   dark.used.resize(static_cast<std::size_t>((image.height + kTile - 1) / kTile));
   const Samples changes = mark_tiles(image, thresholds, dark);
+  if (std::accumulate(changes.begin(), changes.end(), std::size_t{0}) <= max_changes) return dark;
   const int contrast = contrast_for(changes_by_contrast(changes, thresholds), max_changes);
-  if (contrast == 0) return dark;
   for (std::size_t i = 0; i < thresholds.levels.size(); ++i) {
     if (thresholds.contrast[i] < contrast) thresholds.levels[i] = 0;
   }

@@ -9,19 +9,28 @@
 
 namespace tagsmith {
 
-// The grey level between pixels; beyond the image that of its border.
-inline double sample_bilinear(const GrayView& image, PixelPoint at) {
-  const double x = std::clamp(at.x, 0.0, image.width - 1.001);
-  const double y = std::clamp(at.y, 0.0, image.height - 1.001);
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const double fx = x - x0;
-  const double fy = y - y0;
+// Whether a place has pixels on all sides.
+inline bool is_inside(const GrayView& image, PixelPoint at) {
+  return at.x >= 0 && at.y >= 0 && at.x <= image.width - 1.001 && at.y <= image.height - 1.001;
+}
+
+// The grey level between pixels at a place inside the image.
+inline double interpolate(const GrayView& image, PixelPoint at) {
+  const int x0 = static_cast<int>(at.x);
+  const int y0 = static_cast<int>(at.y);
+  const double fx = at.x - x0;
+  const double fy = at.y - y0;
   const std::uint8_t* upper = image.row(y0) + x0;
-  const std::uint8_t* lower = image.row(y0 + 1) + x0;
+  const std::uint8_t* lower = upper + image.stride;
   const double above = upper[0] + fx * (upper[1] - upper[0]);
   const double below = lower[0] + fx * (lower[1] - lower[0]);
   return above + fy * (below - above);
+}
+
+// The grey level between pixels; beyond the image that of its border.
+inline double sample_bilinear(const GrayView& image, PixelPoint at) {
+  return interpolate(image, {std::clamp(at.x, 0.0, image.width - 1.001),
+                             std::clamp(at.y, 0.0, image.height - 1.001)});
 }
 
 // The same for a place that is inside the image and not on its last row or column, faster.
