@@ -10,6 +10,7 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/symbol_profile.hpp"
+#include "decoder/scan/explained.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {

@@ -5,204 +5,118 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <optional>
+#include <cstring>
 #include <vector>
 
-#include "decoder/image/tone_curve.hpp"
+#include "decoder/reader/cell_grid.hpp"
 #include "decoder/reader/point_spread.hpp"
+#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
 namespace {
 
 constexpr std::size_t kMaxBands = 16;
-constexpr double kBeyond = 4;  // modules of quiet zone taken on both sides
 
-// The part of the bars' height that is used, as shares of the frame's: clear of the bars' ends.
-std::array<double, 2> scanned_height(const SymbolLayout& layout) {
-  constexpr double kClear = 0.07;  // of the bars' height at each end
-  const double clear = kClear * (layout.bars_bottom - layout.bars_top);
-  return {layout.bars_top + clear, layout.bars_bottom - clear};
+// Bins side by side, in the compiler's own vectors.
+constexpr std::size_t kLanes = 8;
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+
+inline __attribute__((always_inline)) void load(const float* from, Floats& lanes) {
+  std::memcpy(&lanes, from, sizeof lanes);
 }
 
-// A quantity over the frame, bilinear between its corners.
-struct Field {
-  float base, by_u, by_v, by_uv;
-
-  // From the values at (0,0) (1,0) (1,1) (0,1).
-  Field(double p, double f, double r, double q)
-      : base(static_cast<float>(p)),
-        by_u(static_cast<float>(f - p)),
-        by_v(static_cast<float>(q - p)),
-        by_uv(static_cast<float>(r - f - q + p)) {}
-
-  float at(float u, float v) const { return base + u * by_u + v * (by_v + u * by_uv); }
-};
-
-struct Cell {
-  float sum = 0;
-  float sum_of_squares = 0;
-  float place = 0;
-  float count = 0;
-};
-
-// Cells by band (across the bars' height) and bin (along the symbol).
-struct CellGrid {
-  std::size_t bands = 0;
-  std::size_t bins = 0;
-  double bin_width = 0;  // modules
-  double bins_per_module = 0;
-  std::vector<Cell> cells;
-
-  Cell& at(std::size_t band, std::size_t bin) { return cells[band * bins + bin]; }
-  const Cell& at(std::size_t band, std::size_t bin) const { return cells[band * bins + bin]; }
-};
-
-// The x at which a row of pixels crosses a convex quadrilateral, widened to whole pixels; empty
-// (begin > end) when it does not.
-struct RowSpan {
-  int begin = 0;
-  int end = -1;
-};
-
-RowSpan span_of_row(const Quad& quad, int y, int width) {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const PixelPoint a = quad[i];
-    const PixelPoint b = quad[(i + 1) % 4];
-    if ((a.y < y - 1 && b.y < y - 1) || (a.y > y + 1 && b.y > y + 1)) continue;
-    const double slope = (b.x - a.x) / (std::abs(b.y - a.y) < 1e-9 ? 1e-9 : b.y - a.y);
-    for (const double row : {y - 1.0, y + 1.0}) {
-      const double inside = std::clamp(row, std::min(a.y, b.y), std::max(a.y, b.y));
-      const double x = a.x + (inside - a.y) * slope;
-      low = std::min(low, x);
-      high = std::max(high, x);
+// The bins that pixels fell into.
+std::vector<std::size_t> seen_bins(const CellGrid& grid) {
+  using Sums = float __attribute__((vector_size(sizeof(Cell))));
+  std::vector<std::size_t> seen;
+  seen.reserve(grid.bins);
+  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
+    Sums sums{};
+    for (std::size_t band = 0; band < grid.bands; ++band) {
+      Sums cell;
+      std::memcpy(&cell, &grid.at(band, bin), sizeof cell);
+      sums += cell;
     }
+    if (sums[3] > 0) seen.push_back(bin);
   }
-  if (!(low <= high)) return {};
-  return {std::max(0, static_cast<int>(std::floor(std::max(low, -1.0)))),
-          std::min(width - 1, static_cast<int>(std::ceil(std::min(high, 1.0 * width))))};
+  return seen;
 }
 
-// The symbol with a little of its quiet zones, in the image.
-Quad scanned_region(const FrameMap& image_from_unit, const SymbolLayout& layout) {
-  const auto [top, bottom] = scanned_height(layout);
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  const double left = (layout.quiet_zone_modules - kBeyond) / modules;
-  const Quad region{image_from_unit(left, top), image_from_unit(1 - left, top),
-                    image_from_unit(1 - left, bottom), image_from_unit(left, bottom)};
-  if (!image_from_unit.bends()) return region;
-  // Between the corners, bowed sides reach further out.
-  double farthest = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const bool level = i % 2 == 0;
-    const PixelPoint chord = 0.5 * (region[i] + region[(i + 1) % 4]);
-    const PixelPoint middle = level ? image_from_unit(0.5, i == 0 ? top : bottom)
-                                    : image_from_unit(i == 1 ? 1 - left : left, 0.5);
-    farthest = std::max(farthest, distance(chord, middle));
-  }
-  return widened(region, farthest);
-}
-
-CellGrid collect(const GrayView& image, const FrameMap& image_from_unit, const Field& white,
-                 const Field& black, const SymbolLayout& layout, int bins_per_module, int skip,
-                 std::size_t bands) {
-  const auto [scan_top, scan_bottom] = scanned_height(layout);
-  const Quad region = scanned_region(image_from_unit, layout);
-  const auto modules = static_cast<float>(kModuleCount + 2 * layout.quiet_zone_modules);
-  CellGrid grid;
-  grid.bands = bands;
-  grid.bins = static_cast<std::size_t>(bins_per_module * (kModuleCount + 2 * kBeyond));
-  grid.bin_width = 1.0 / bins_per_module;
-  grid.bins_per_module = bins_per_module;
-  grid.cells.resize(bands * grid.bins);
-  std::array<float, 256> light{};
-  for (std::size_t i = 0; i < light.size(); ++i) {
-    light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
-  }
-  std::array<float, 9> h{};
-  const Homography unit_from_image = inverse(image_from_unit.flat());
-  for (std::size_t i = 0; i < h.size(); ++i) h[i] = static_cast<float>(unit_from_image.h[i]);
-  const auto top = static_cast<float>(scan_top);
-  const float bands_per_height =
-      static_cast<float>(bands) / static_cast<float>(scan_bottom - scan_top);
-  const auto first_place = static_cast<float>(layout.quiet_zone_modules - kBeyond);
-  const auto per_bin = static_cast<float>(bins_per_module);
-  const int last_bin = static_cast<int>(grid.bins) - 1;
-  const auto [lowest, highest] =
-      std::ranges::minmax(region, {}, [](const PixelPoint& corner) { return corner.y; });
-  const int y_begin = std::max(0, static_cast<int>(std::floor(std::max(lowest.y, 0.0))));
-  const int y_end = static_cast<int>(std::min(image.height - 1.0, std::ceil(highest.y)));
-  // Pixels are skipped along the bars, never across them.
-  const PixelPoint along = region[1] - region[0];
-  const int x_step = std::abs(along.x) < std::abs(along.y) ? skip : 1;
-  const int y_step = std::abs(along.x) < std::abs(along.y) ? 1 : skip;
-  const auto width = static_cast<std::size_t>(image.width);
-  std::vector<float> samples(width), heights(width), places(width);
-  for (int y = y_begin; y <= y_end; y += y_step) {
-    const std::uint8_t* row = image.row(y);
-    const RowSpan span = span_of_row(region, y, image.width);
-    const int begin = (span.begin + x_step - 1) / x_step * x_step;
-    const auto fy = static_cast<float>(y);
-    const float u0 = h[1] * fy + h[2];
-    const float v0 = h[4] * fy + h[5];
-    const float w0 = h[7] * fy + h[8];
-    // First what the compiler can work out for several pixels at a time.
-    std::size_t count = 0;
-    for (int x = begin; x <= span.end; x += x_step) samples[count++] = light[row[x]];
-    const auto place_all = [&](const auto& correct) {
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto fx = static_cast<float>(begin + static_cast<int>(i) * x_step);
-        const float scale = 1 / (h[6] * fx + w0);
-        float u = (h[0] * fx + u0) * scale;
-        float v = (h[3] * fx + v0) * scale;
-        correct(u, v);
-        heights[i] = (v - top) * bands_per_height;
-        places[i] = u * modules - first_place;
-        const float paper = white.at(u, v);
-        const float contrast = paper - black.at(u, v);
-        samples[i] = (paper - samples[i]) / (contrast < 1e-3F ? 1e-3F : contrast);
+// The cells of the bins that pixels fell into, quantity by quantity and band by band: row k holds
+// band k of all these bins. Padded with empty cells to whole vectors.
+class SeenCells {
+ public:
+  explicit SeenCells(const CellGrid& grid)
+      : bands_(grid.bands),
+        bins_per_module_(grid.bins_per_module),
+        bins_(seen_bins(grid)),
+        stride_((bins_.size() + kLanes - 1) / kLanes * kLanes),
+        values_(4 * bands_ * stride_) {
+    for (std::size_t band = 0; band < bands_; ++band) {
+      const Cell* cells = &grid.at(band, 0);
+      float* to = &values_[4 * band * stride_];
+      for (const std::size_t bin : bins_) {
+        to[0] = cells[bin].darkness;
+        to[stride_] = cells[bin].squares;
+        to[2 * stride_] = cells[bin].place;
+        to[3 * stride_] = cells[bin].count;
+        ++to;
       }
-    };
-    if (image_from_unit.bends()) {
-      place_all([&](float& u, float& v) { image_from_unit.correct(u, v); });
-    } else {
-      place_all([](float&, float&) {});
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      const float position = places[i] * per_bin;
-      if (!(heights[i] >= 0 && position >= 0)) continue;
-      const int band = static_cast<int>(heights[i]);
-      const int bin = static_cast<int>(position);
-      if (band >= static_cast<int>(bands) || bin > last_bin) continue;
-      Cell& cell = grid.at(static_cast<std::size_t>(band), static_cast<std::size_t>(bin));
-      cell.sum += samples[i];
-      cell.sum_of_squares += samples[i] * samples[i];
-      cell.place += places[i];
-      cell.count += 1;
     }
   }
-  return grid;
-}
+
+  std::size_t bands() const { return bands_; }
+  std::size_t size() const { return bins_.size(); }  // bins
+  std::size_t padded_size() const { return stride_; }
+  int bins_per_module() const { return bins_per_module_; }
+  double bin_width() const { return 1.0 / bins_per_module_; }  // modules
+  std::size_t bin(std::size_t i) const { return bins_[i]; }    // of the grid
+
+  const float* darkness(std::size_t band) const { return &values_[4 * band * stride_]; }
+  const float* squares(std::size_t band) const { return darkness(band) + stride_; }
+  const float* places(std::size_t band) const { return darkness(band) + 2 * stride_; }
+  const float* counts(std::size_t band) const { return darkness(band) + 3 * stride_; }
+
+  Cell at(std::size_t band, std::size_t i) const {
+    return {darkness(band)[i], squares(band)[i], places(band)[i], counts(band)[i]};
+  }
+
+ private:
+  std::size_t bands_;
+  int bins_per_module_;
+  std::vector<std::size_t> bins_;
+  std::size_t stride_;
+  std::vector<float> values_;
+};
 
 // Variance of one pixel's darkness, pooled over the cells.
-double pixel_variance(const CellGrid& grid) {
-  double squares = 0;
-  double freedom = 0;
-  for (const Cell& cell : grid.cells) {
-    if (cell.count < 2) continue;
-    squares += static_cast<double>(cell.sum_of_squares - cell.sum * cell.sum / cell.count);
-    freedom += static_cast<double>(cell.count - 1);
+TAGSMITH_WIDE double pixel_variance(const SeenCells& cells) {
+  using Doubles = double __attribute__((vector_size(8 * kLanes)));
+  Doubles squares{}, freedom{};
+  for (std::size_t band = 0; band < cells.bands(); ++band) {
+    for (std::size_t i = 0; i < cells.padded_size(); i += kLanes) {
+      Floats sums, of_squares, counts;
+      load(cells.darkness(band) + i, sums);
+      load(cells.squares(band) + i, of_squares);
+      load(cells.counts(band) + i, counts);
+      const Floats spread = of_squares - sums * sums / (counts < 1 ? 1 : counts);
+      squares += __builtin_convertvector(counts < 2 ? Floats{} : spread, Doubles);
+      freedom += __builtin_convertvector(counts < 2 ? Floats{} : counts - 1, Doubles);
+    }
   }
   constexpr double kLeast = 1e-4;  // 1 % of the contrast: quantisation alone
-  return freedom > 0 ? std::max(kLeast, squares / freedom) : 4e-4;
+  double all_squares = 0, all_freedom = 0;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    all_squares += squares[k];
+    all_freedom += freedom[k];
+  }
+  return all_freedom > 0 ? std::max(kLeast, all_squares / all_freedom) : 4e-4;
 }
 
 // Variance of one pixel's darkness in a cell that nothing hides in part: the middle one of the
 // cells' own.
-double clear_variance(const CellGrid& grid) {
+double clear_variance(const CellGrid& grid, double otherwise) {
   constexpr double kLeast = 1e-4;
   constexpr std::size_t kStep = 5;  // thousands of cells: every fifth tells the middle as well
   std::vector<float> variances;
@@ -210,32 +124,27 @@ double clear_variance(const CellGrid& grid) {
   for (std::size_t i = 0; i < grid.cells.size(); i += kStep) {
     const Cell& cell = grid.cells[i];
     if (cell.count < 3) continue;
-    const float mean = cell.sum / cell.count;
-    variances.push_back((cell.sum_of_squares - mean * cell.sum) / (cell.count - 1));
+    const float mean = cell.darkness / cell.count;
+    variances.push_back((cell.squares - mean * cell.darkness) / (cell.count - 1));
   }
-  if (variances.empty()) return pixel_variance(grid);
+  if (variances.empty()) return otherwise;
   const auto middle = variances.begin() + static_cast<std::ptrdiff_t>(variances.size() / 2);
   std::nth_element(variances.begin(), middle, variances.end());
   return std::max(kLeast, static_cast<double>(*middle));
 }
 
-// The middle one of a bin's bands; nothing when no band has a pixel there.
-std::optional<double> median_of_bands(const CellGrid& grid, std::size_t bin) {
-  std::array<double, kMaxBands> means{};
+// The middle one of a bin's bands that have pixels there.
+float median_of_bands(const SeenCells& cells, std::size_t i) {
+  std::array<float, kMaxBands> means{};
   std::size_t count = 0;
-  for (std::size_t band = 0; band < grid.bands; ++band) {
-    const Cell& cell = grid.at(band, bin);
-    if (cell.count > 0) means[count++] = static_cast<double>(cell.sum / cell.count);
+  for (std::size_t band = 0; band < cells.bands(); ++band) {
+    const Cell cell = cells.at(band, i);
+    if (cell.count > 0) means[count++] = cell.darkness / cell.count;
   }
-  if (count == 0) return std::nullopt;
   const auto middle = means.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(means.begin(), middle, means.begin() + static_cast<std::ptrdiff_t>(count));
   return *middle;
 }
-
-// Four bins side by side, in the compiler's own vectors.
-constexpr std::size_t kLanes = 4;
-using Floats = float __attribute__((vector_size(4 * kLanes)));
 
 // The pairs that sort a list of `Count` values when each is put in order in turn (Batcher 1968,
 // "Sorting networks and their applications"): no branch depends on the values.
@@ -259,15 +168,18 @@ constexpr auto sorting_network() {
   return network;
 }
 
-// The middle ones of `Count` bands of the bins from `first` on, all of whose cells have pixels.
+using Lanes = std::array<float, kLanes>;
+
+// The means of `Count` bands of the bins from `first` on, all of whose cells have pixels, sorted.
 template <std::size_t Count>
-Floats middle_of_bands(const CellGrid& grid, std::size_t first) {
+inline __attribute__((always_inline)) Lanes middle_of_bands(const SeenCells& cells,
+                                                            std::size_t first) {
   static constexpr auto kNetwork = sorting_network<Count>();
-  std::array<Floats, Count> means{};
+  std::array<Floats, Count> means;
   for (std::size_t band = 0; band < Count; ++band) {
-    const Cell* cell = &grid.at(band, first);
-    const Floats sums{cell[0].sum, cell[1].sum, cell[2].sum, cell[3].sum};
-    const Floats counts{cell[0].count, cell[1].count, cell[2].count, cell[3].count};
+    Floats sums, counts;
+    load(cells.darkness(band) + first, sums);
+    load(cells.counts(band) + first, counts);
     means[band] = sums / counts;
   }
   for (std::size_t i = 0; i < kNetwork.size; ++i) {
@@ -276,72 +188,139 @@ Floats middle_of_bands(const CellGrid& grid, std::size_t first) {
     means[upper] = a < b ? a : b;
     means[lower] = a < b ? b : a;
   }
-  return means[Count / 2];
+  Lanes middle;
+  std::memcpy(&middle, &means[Count / 2], sizeof middle);
+  return middle;
 }
 
-bool have_pixels(const CellGrid& grid, std::size_t first) {
+TAGSMITH_WIDE Lanes middle_of_all_bands(const SeenCells& cells, std::size_t first) {
+  return cells.bands() == kMaxBands ? middle_of_bands<kMaxBands>(cells, first)
+                                    : middle_of_bands<kMaxBands / 2>(cells, first);
+}
+
+bool have_pixels(const SeenCells& cells, std::size_t first) {
   bool all = true;
-  for (std::size_t band = 0; band < grid.bands; ++band) {
-    for (std::size_t bin = first; bin < first + kLanes; ++bin) {
-      all = all && grid.at(band, bin).count > 0;
-    }
+  for (std::size_t band = 0; band < cells.bands(); ++band) {
+    const float* counts = cells.counts(band) + first;
+    for (std::size_t k = 0; k < kLanes; ++k) all &= counts[k] > 0;
   }
   return all;
 }
 
 // The medians of all bins' bands.
-std::vector<std::optional<double>> medians_of_bands(const CellGrid& grid) {
-  std::vector<std::optional<double>> medians(grid.bins);
-  std::size_t bin = 0;
-  while (bin < grid.bins) {
-    if (bin + kLanes > grid.bins || !have_pixels(grid, bin)) {
-      medians[bin] = median_of_bands(grid, bin);
-      ++bin;
+std::vector<float> medians_of_bands(const SeenCells& cells) {
+  std::vector<float> medians(cells.padded_size());
+  for (std::size_t first = 0; first < cells.size(); first += kLanes) {
+    if (have_pixels(cells, first)) {
+      std::ranges::copy(middle_of_all_bands(cells, first), &medians[first]);
       continue;
     }
-    const Floats middle = grid.bands == kMaxBands ? middle_of_bands<kMaxBands>(grid, bin)
-                                                  : middle_of_bands<kMaxBands / 2>(grid, bin);
-    for (std::size_t i = 0; i < kLanes; ++i) medians[bin + i] = static_cast<double>(middle[i]);
-    bin += kLanes;
+    const std::size_t end = std::min(cells.size(), first + kLanes);
+    for (std::size_t i = first; i < end; ++i) medians[i] = median_of_bands(cells, i);
   }
   return medians;
 }
 
-// What a bin's bands agree on, before covers are known.
+// What the bins' bands agree on, before covers are known.
 struct Consensus {
-  std::size_t bin = 0;
   double median = 0;
   double steepest = 0;  // change of darkness to either neighbouring bin
   double slope = 0;     // mean change of darkness from bin to bin there
 };
 
-std::vector<Consensus> consensus_of(const CellGrid& grid) {
-  std::vector<Consensus> all;
-  all.reserve(grid.bins);
-  const std::vector<std::optional<double>> medians = medians_of_bands(grid);
-  for (std::size_t bin = 0; bin < grid.bins; ++bin) {
-    if (medians[bin]) all.push_back({bin, *medians[bin], 0, 0});
-  }
+std::vector<Consensus> consensus_of(const SeenCells& cells) {
+  std::vector<Consensus> all(cells.size());
+  const std::vector<float> medians = medians_of_bands(cells);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double before = all[i == 0 ? 0 : i - 1].median;
-    const double after = all[std::min(i + 1, all.size() - 1)].median;
-    all[i].steepest = std::max(std::abs(all[i].median - before), std::abs(after - all[i].median));
-    all[i].slope = (after - before) / 2;
+    const auto median = static_cast<double>(medians[i]);
+    const auto before = static_cast<double>(medians[i == 0 ? 0 : i - 1]);
+    const auto after = static_cast<double>(medians[std::min(i + 1, all.size() - 1)]);
+    all[i] = {median, std::max(std::abs(median - before), std::abs(after - median)),
+              (after - before) / 2};
   }
   return all;
 }
 
+constexpr double kShading = 0.1;   // of the contrast: differences along a clean bar
+constexpr double kSlanted = 0.35;  // of the steepest change: what a slope does not tell of a bend
+
 // Whether a cell shows what the other bands agree on at its pixels' mean place.
-bool agrees(const CellGrid& grid, const Cell& cell, const Consensus& with, double variance) {
-  constexpr double kShading = 0.1;   // of the contrast: differences along a clean bar
-  constexpr double kSlanted = 0.35;  // of the steepest change: what a slope does not tell of a bend
+bool agrees(const SeenCells& cells, std::size_t band, std::size_t i, const Consensus& with,
+            double variance) {
+  const Cell cell = cells.at(band, i);
   const double per_pixel = 1 / static_cast<double>(cell.count);
-  const double offset = static_cast<double>(cell.place) * per_pixel * grid.bins_per_module -
-                        static_cast<double>(with.bin) - 0.5;
+  const double offset = static_cast<double>(cell.place) * per_pixel * cells.bins_per_module() -
+                        static_cast<double>(cells.bin(i)) - 0.5;
   const double expected = with.median + with.slope * offset;
-  const double off = std::abs(static_cast<double>(cell.sum) * per_pixel - expected);
+  const double off = std::abs(static_cast<double>(cell.darkness) * per_pixel - expected);
   const double systematic = kShading + kSlanted * with.steepest;
   return off <= systematic || (off - systematic) * (off - systematic) <= 16 * variance * per_pixel;
+}
+
+// Whether cells are so near what the bands agree on that agrees() holds for certain.
+class NearConsensus {
+ public:
+  NearConsensus(const SeenCells& cells, const std::vector<Consensus>& consensus)
+      : cells_(cells), flags_(cells.padded_size() / kLanes) {
+    for (std::vector<float>* of : {&bins_, &medians_, &slopes_, &tolerances_}) {
+      of->resize(cells.padded_size());
+    }
+    for (std::size_t i = 0; i < consensus.size(); ++i) {
+      // Below what single precision can be off by.
+      constexpr double kPrecision = 1e-5, kPlacePrecision = 1e-3;
+      const Consensus& at = consensus[i];
+      bins_[i] = static_cast<float>(cells.bin(i)) + 0.5F;
+      medians_[i] = static_cast<float>(at.median);
+      slopes_[i] = static_cast<float>(at.slope);
+      tolerances_[i] = static_cast<float>(kShading + kSlanted * at.steepest - kPrecision -
+                                          3 * kPrecision * std::abs(at.median) -
+                                          kPlacePrecision * std::abs(at.slope));
+    }
+  }
+
+  // One flag for each kLanes bins of a band: zero where it is certain of all. Empty cells are near.
+  TAGSMITH_WIDE const std::vector<std::uint8_t>& doubtful(std::size_t band) {
+    const Floats per_module = Floats{} + static_cast<float>(cells_.bins_per_module());
+    for (std::size_t i = 0; i < cells_.padded_size(); i += kLanes) {
+      Floats sums, places, counts, bins, medians, slopes, tolerances;
+      load(cells_.darkness(band) + i, sums);
+      load(cells_.places(band) + i, places);
+      load(cells_.counts(band) + i, counts);
+      load(&bins_[i], bins);
+      load(&medians_[i], medians);
+      load(&slopes_[i], slopes);
+      load(&tolerances_[i], tolerances);
+      const Floats per_pixel = 1 / (counts < 1 ? 1 : counts);
+      const Floats off =
+          sums * per_pixel - (medians + slopes * (places * per_pixel * per_module - bins));
+      const auto doubted = (counts > 0) & ~((off <= tolerances) & (-off <= tolerances));
+      std::array<std::uint64_t, sizeof doubted / 8> words;
+      std::memcpy(&words, &doubted, sizeof doubted);
+      flags_[i / kLanes] = (words[0] | words[1] | words[2] | words[3]) != 0;
+    }
+    return flags_;
+  }
+
+ private:
+  const SeenCells& cells_;
+  std::vector<float> bins_, medians_, slopes_, tolerances_;
+  std::vector<std::uint8_t> flags_;
+};
+
+// The bins of a band whose cells disagree with the other bands.
+std::vector<std::size_t> odd_bins(const SeenCells& cells, std::size_t band,
+                                  const std::vector<Consensus>& consensus, double variance,
+                                  NearConsensus& near) {
+  std::vector<std::size_t> odd;
+  const std::vector<std::uint8_t>& doubtful = near.doubtful(band);
+  for (std::size_t first = 0; first < consensus.size(); first += kLanes) {
+    if (doubtful[first / kLanes] == 0) continue;
+    for (std::size_t i = first; i < std::min(first + kLanes, consensus.size()); ++i) {
+      if (cells.counts(band)[i] == 0 || agrees(cells, band, i, consensus[i], variance)) continue;
+      odd.push_back(i);
+    }
+  }
+  return odd;
 }
 
 struct CellState {
@@ -349,46 +328,70 @@ struct CellState {
   bool covered = false;  // lies on a stretch of its band that shows something in front of the bars
 };
 
+// The states of all cells, band by band.
+class CellStates {
+ public:
+  explicit CellStates(const SeenCells& cells)
+      : size_(cells.size()), states_(cells.bands() * cells.size()), striking_(cells.size()) {}
+
+  void set_odd(std::size_t band, std::size_t i) {
+    states_[band * size_ + i].odd = true;
+    striking_[i] = true;
+  }
+  void set_covered(std::size_t band, std::size_t i) {
+    states_[band * size_ + i].covered = true;
+    striking_[i] = true;
+    any_covered_ = true;
+  }
+
+  CellState at(std::size_t band, std::size_t i) const { return states_[band * size_ + i]; }
+  // Whether a bin has an odd or covered cell.
+  bool is_striking(std::size_t i) const { return striking_[i]; }
+  bool any_covered() const { return any_covered_; }
+
+ private:
+  std::size_t size_;
+  bool any_covered_ = false;
+  std::vector<CellState> states_;
+  std::vector<bool> striking_;
+};
+
+// Marks what lies between the odd cells of a band, given in order, where they stand close.
+void mark_covers(const SeenCells& cells, std::size_t band, const std::vector<std::size_t>& odd,
+                 CellStates& states) {
+  constexpr double kBridge = 4.5;     // modules: more than the widest element
+  constexpr double kLeastRun = 2;     // modules
+  constexpr double kLeastOdd = 0.12;  // of a stretch's cells
+  const auto bridge = static_cast<std::size_t>(kBridge / cells.bin_width());
+  std::size_t begin = 0;  // of a stretch, among the odd ones
+  for (std::size_t k = 1; k <= odd.size(); ++k) {
+    if (k < odd.size() && cells.bin(odd[k]) - cells.bin(odd[k - 1]) <= bridge) continue;
+    const std::size_t first = cells.bin(odd[begin]), last = cells.bin(odd[k - 1]);
+    const auto run = static_cast<double>(last + 1 - first);
+    const bool is_cover =
+        run * cells.bin_width() >= kLeastRun && static_cast<double>(k - begin) >= kLeastOdd * run;
+    // A pixel's width of the cover's outline belongs to it too.
+    const std::size_t before =
+        odd[begin] - (odd[begin] > 0 && cells.bin(odd[begin] - 1) + 1 == first);
+    for (std::size_t i = before; is_cover && i < cells.size() && cells.bin(i) <= last + 1; ++i) {
+      states.set_covered(band, i);
+    }
+    begin = k;
+  }
+}
+
 // Where something in front of the bars hides them. It disagrees with the other bands in spaces, if
 // it is dark, and on bars, if it is light, so its stretch of a band is what lies between odd cells.
 // Where it hides most of the height, the bands that are still clear look odd instead; they lie
 // between its own odd cells, so all bands are taken for covered there.
-std::vector<CellState> states_of(const CellGrid& grid, const std::vector<Consensus>& consensus,
-                                 double variance) {
-  constexpr double kBridge = 4.5;     // modules: more than the widest element
-  constexpr double kLeastRun = 2;     // modules
-  constexpr double kLeastOdd = 0.12;  // of a stretch's cells
-  std::vector<CellState> states(grid.cells.size());
-  const auto bridge = static_cast<std::size_t>(kBridge / grid.bin_width);
-  for (std::size_t band = 0; band < grid.bands; ++band) {
-    std::size_t begin = 0, last = 0, odd = 0;
-    const auto close = [&] {
-      const std::size_t run = last + 1 - begin;
-      const bool long_enough = static_cast<double>(run) * grid.bin_width >= kLeastRun;
-      if (odd == 0 || !long_enough ||
-          static_cast<double>(odd) < kLeastOdd * static_cast<double>(run)) {
-        return;
-      }
-      // A pixel's width of the cover's outline belongs to it too.
-      const std::size_t from = begin == 0 ? 0 : begin - 1;
-      const std::size_t to = std::min(grid.bins - 1, last + 1);
-      for (std::size_t bin = from; bin <= to; ++bin) {
-        states[band * grid.bins + bin].covered = true;
-      }
-    };
-    for (const Consensus& with : consensus) {
-      const Cell& cell = grid.at(band, with.bin);
-      if (cell.count == 0 || agrees(grid, cell, with, variance)) continue;
-      states[band * grid.bins + with.bin].odd = true;
-      if (odd > 0 && with.bin - last > bridge) {
-        close();
-        odd = 0;
-      }
-      if (odd == 0) begin = with.bin;
-      last = with.bin;
-      ++odd;
-    }
-    close();
+CellStates states_of(const SeenCells& cells, const std::vector<Consensus>& consensus,
+                     double variance) {
+  CellStates states(cells);
+  NearConsensus near(cells, consensus);
+  for (std::size_t band = 0; band < cells.bands(); ++band) {
+    const std::vector<std::size_t> odd = odd_bins(cells, band, consensus, variance, near);
+    for (const std::size_t i : odd) states.set_odd(band, i);
+    mark_covers(cells, band, odd, states);
   }
   return states;
 }
@@ -399,7 +402,7 @@ struct Sums {
   double count = 0;
 
   void add(const Cell& cell) {
-    darkness += static_cast<double>(cell.sum);
+    darkness += static_cast<double>(cell.darkness);
     place += static_cast<double>(cell.place);
     count += static_cast<double>(cell.count);
   }
@@ -415,21 +418,51 @@ struct BinSums {
   double seen = 0;
 };
 
-std::vector<BinSums> sums_of(const CellGrid& grid, const std::vector<Consensus>& consensus,
-                             const std::vector<CellState>& states) {
-  std::vector<BinSums> all(consensus.size());
-  for (std::size_t i = 0; i < consensus.size(); ++i) {
-    BinSums& sums = all[i];
-    for (std::size_t band = 0; band < grid.bands; ++band) {
-      const Cell& cell = grid.at(band, consensus[i].bin);
-      const CellState state = states[band * grid.bins + consensus[i].bin];
-      const auto count = static_cast<double>(cell.count);
-      sums.seen += count;
-      if (state.covered) sums.covered.add(cell);
-      if (!state.odd) sums.even.add(cell);
-      if (!state.odd && !state.covered) sums.clear.add(cell);
-      if (state.odd) sums.odd += count;
-      if (state.odd && !state.covered) sums.odd_outside += count;
+BinSums sums_by_state(const SeenCells& cells, const CellStates& states, std::size_t i) {
+  BinSums sums;
+  for (std::size_t band = 0; band < cells.bands(); ++band) {
+    const Cell cell = cells.at(band, i);
+    const CellState state = states.at(band, i);
+    const auto count = static_cast<double>(cell.count);
+    sums.seen += count;
+    if (state.covered) sums.covered.add(cell);
+    if (!state.odd) sums.even.add(cell);
+    if (!state.odd && !state.covered) sums.clear.add(cell);
+    if (state.odd) sums.odd += count;
+    if (state.odd && !state.covered) sums.odd_outside += count;
+  }
+  return sums;
+}
+
+using LaneSums = std::array<std::array<double, kLanes>, 3>;  // darkness, place, count
+
+// Sums over all bands of the bins from `first` on.
+TAGSMITH_WIDE LaneSums sums_of_bands(const SeenCells& cells, std::size_t first) {
+  LaneSums sums{};
+  for (std::size_t band = 0; band < cells.bands(); ++band) {
+    const float* darkness = cells.darkness(band) + first;
+    const float* places = cells.places(band) + first;
+    const float* counts = cells.counts(band) + first;
+    for (std::size_t k = 0; k < kLanes; ++k) sums[0][k] += static_cast<double>(darkness[k]);
+    for (std::size_t k = 0; k < kLanes; ++k) sums[1][k] += static_cast<double>(places[k]);
+    for (std::size_t k = 0; k < kLanes; ++k) sums[2][k] += static_cast<double>(counts[k]);
+  }
+  return sums;
+}
+
+std::vector<BinSums> sums_of(const SeenCells& cells, const CellStates& states) {
+  std::vector<BinSums> all(cells.size());
+  for (std::size_t first = 0; first < cells.size(); first += kLanes) {
+    const LaneSums lanes = sums_of_bands(cells, first);
+    for (std::size_t k = 0; k < kLanes && first + k < cells.size(); ++k) {
+      const std::size_t i = first + k;
+      if (states.is_striking(i)) {
+        all[i] = sums_by_state(cells, states, i);
+        continue;
+      }
+      const Sums sums{lanes[0][k], lanes[1][k], lanes[2][k]};
+      all[i].clear = all[i].even = sums;
+      all[i].seen = sums.count;
     }
   }
   return all;
@@ -475,14 +508,18 @@ std::vector<bool> certain_covers(const std::vector<BinSums>& sums, double bin_wi
 }
 
 // The bins from the bands that agree.
-ScanProfile combine_all(const CellGrid& grid, double variance) {
+ScanProfile combine_all(const CellGrid& grid) {
   constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
   constexpr double kHidden = 4;         // variance that says nothing
   constexpr double kLeastUsed = 0.2;    // of the bars' height
-  const std::vector<Consensus> consensus = consensus_of(grid);
-  const std::vector<CellState> states = states_of(grid, consensus, clear_variance(grid));
-  const std::vector<BinSums> sums = sums_of(grid, consensus, states);
-  const std::vector<bool> certain = certain_covers(sums, grid.bin_width);
+  const SeenCells cells(grid);
+  const double variance = pixel_variance(cells);
+  const std::vector<Consensus> consensus = consensus_of(cells);
+  const CellStates states = states_of(cells, consensus, clear_variance(grid, variance));
+  const std::vector<BinSums> sums = sums_of(cells, states);
+  // Without covers a bin's clear cells are its even ones.
+  const std::vector<bool> certain = states.any_covered() ? certain_covers(sums, cells.bin_width())
+                                                         : std::vector<bool>(sums.size());
   ScanProfile profile;
   profile.reserve(consensus.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -490,15 +527,15 @@ ScanProfile combine_all(const CellGrid& grid, double variance) {
     const Sums& used = certain[i] ? bin.clear : bin.even;
     const double odd = certain[i] ? bin.odd_outside : bin.odd;
     if (used.count < kLeastUsed * bin.seen) {
-      const double middle = (static_cast<double>(consensus[i].bin) + 0.5) * grid.bin_width;
-      profile.push_back({middle - kBeyond, consensus[i].median, kHidden, 0});
+      const double middle = (static_cast<double>(cells.bin(i)) + 0.5) * cells.bin_width();
+      profile.push_back({middle - kCellsBeyond, consensus[i].median, kHidden, 0});
       continue;
     }
     // Where the height disagrees with itself the median may have taken the wrong side: the doubt
     // grows from nothing at full agreement to the whole contrast where half disagrees.
     const double doubt = std::min(1.0, 2 * odd / (odd + used.count));
     profile.push_back(
-        {used.place / used.count - kBeyond, used.darkness / used.count,
+        {used.place / used.count - kCellsBeyond, used.darkness / used.count,
          variance / used.count + kModelError * kModelError + doubt * doubt * doubt * doubt,
          used.count / bin.seen});
   }
@@ -540,18 +577,16 @@ SymbolProfile profile_symbol(const GrayView& image, const RefinedFrame& frame,
       std::clamp(static_cast<int>(std::lround(2.5 * profile.module_px)), 3, 6);
   const auto [scan_top, scan_bottom] = scanned_height(layout);
   const int skip = std::max(1, static_cast<int>(frame_height * (scan_bottom - scan_top) / 40));
-  const Field white(sides[0].white_begin, sides[0].white_end, sides[2].white_begin,
-                    sides[2].white_end);
-  const Field black(sides[0].black_begin, sides[0].black_end, sides[2].black_begin,
-                    sides[2].black_end);
+  const PlateLevels levels{
+      {sides[0].white_begin, sides[0].white_end, sides[2].white_begin, sides[2].white_end},
+      {sides[0].black_begin, sides[0].black_end, sides[2].black_begin, sides[2].black_end}};
   const double rows = frame_height * (scan_bottom - scan_top) / skip;
   const std::size_t bands = rows < 40 ? kMaxBands / 2 : kMaxBands;
   const CellGrid grid =
-      collect(image, image_from_unit, white, black, layout, bins_per_module, skip, bands);
-  const double variance = pixel_variance(grid);
-  profile.bins = combine_all(grid, variance);
+      collect_cells(image, image_from_unit, levels, layout, {bins_per_module, bands, skip});
+  profile.bins = combine_all(grid);
   set_spreads(image_from_unit, layout, profile.bins);
-  profile.blur = blur_across(sides, profile.module_px, grid.bin_width);
+  profile.blur = blur_across(sides, profile.module_px, 1.0 / bins_per_module);
   return profile;
 }
 

@@ -10,6 +10,9 @@
 #include <vector>
 
 #include "decoder/scan/character_costs.hpp"
+#include "decoder/scan/explained.hpp"
+#include "decoder/scan/module_light.hpp"
+#include "decoder/scan/module_system.hpp"
 #include "decoder/scan/symbol_search.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -102,13 +105,13 @@ struct Shortfall {
   double common = 0;
 };
 
-Shortfall shortfall_of(const ScanProfile& profile, const SymbolImage& image, const Digits& digits) {
+// From the misfits of the profile to the symbol.
+Shortfall shortfall_of(const std::array<float, kModuleCount>& misfits) {
   constexpr double kLeast = 0.15;
   constexpr std::size_t kClear = kModuleCount * 8 / 10;  // of the modules, those that fit best
   constexpr double kClearMean = 0.44;  // of a chi-square variable of one degree below its 80 %
   constexpr int kReach = 4;            // modules to either side
   constexpr double kPrior = 5;         // modules' worth of the common value
-  const auto misfits = ModuleSystem(profile, image).misfits(characters_of(digits));
   std::array<float, kModuleCount> sorted = misfits;
   std::ranges::sort(sorted);
   double sum = 0;
@@ -148,26 +151,52 @@ double share_of_spoilt(const DecodeOptions& options) {
   return kWrongCheck + (options.check ? 0 : kSpoiltToOther);
 }
 
-// Alternates between the most likely digits and the adjustment of the picture to them.
-std::optional<Decoding> settle(const ScanProfile& profile, const SymbolImage& start,
-                               const DecodeOptions& options) {
+// How a profile is read at first: by the picture of the symbol that it starts from.
+struct Start {
+  explicit Start(const ScanProfile& profile, const SymbolImage& picture)
+      : image(picture),
+        light(profile, picture),
+        costs(ModuleSystem(profile, light).character_costs()) {}
+
+  SymbolImage image;
+  ModuleLight light;
+  CharacterCosts costs;
+};
+
+// Digits and a picture that fit each other, and what that was found by.
+struct Settled {
+  Decoding decoding;
+  ModuleLight light;    // by the picture of the decoding
+  ModuleSystem system;  // of the profile, by that light
+};
+
+// Alternates between the most likely digits and the adjustment of the picture to them. `costs` are
+// those of the profile by the start's picture.
+std::optional<Settled> settle(const ScanProfile& profile, const SymbolImage& start,
+                              const CharacterCosts& costs, const DecodeOptions& options) {
   constexpr int kMaxRounds = 4;
   Decoding decoding;
-  SymbolImage image = start;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const Characters reference = characters_of(decoding.digits);
-    const CharacterCosts costs =
-        ModuleSystem(profile, image).character_costs(round > 0 ? &reference : nullptr);
-    const Digits digits = digits_of(best_of(costs, options).characters);
-    if (round > 0 && digits == decoding.digits) break;
-    decoding.digits = digits;
+  decoding.digits = digits_of(best_of(costs, options).characters);
+  double blur = start.blur;
+  for (int round = 1;; ++round) {
     SymbolImage from = start;
-    from.blur = image.blur;
+    from.blur = blur;
     decoding.fit = fit_symbol(profile, decoding.digits, from);
-    image = decoding.fit.image;
+    const SymbolImage& image = decoding.fit.image;
     if (!(image.black - image.white > 0.05)) return std::nullopt;
+    blur = image.blur;
+    ModuleLight light(profile, image);
+    ModuleSystem system(profile, light);
+    const Characters reference = characters_of(decoding.digits);
+    const auto is_settled = [&] {
+      const Digits digits =
+          digits_of(best_of(system.character_costs(&reference), options).characters);
+      return std::exchange(decoding.digits, digits) == digits;
+    };
+    if (round == kMaxRounds || is_settled()) {
+      return Settled{std::move(decoding), std::move(light), std::move(system)};
+    }
   }
-  return decoding;
 }
 
 // The profile with the places that the symbol cannot explain given almost no weight, and the share
@@ -205,8 +234,12 @@ constexpr Doubt kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
 // What else could be there. When another code is likelier than the one that is read, nothing is
 // left of it.
 Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const Digits& digits) {
+  // Twenty characters at twelve places are exp(36) symbols. When each costs so much more, all of
+  // them together are less likely than exp(-44).
+  constexpr double kBeyondDoubt = 160;
   const Characters characters = characters_of(digits);
   const CharacterCosts costs = system.character_costs(&characters);
+  if (least_other_cost(costs, characters) > costs.of(characters) + kBeyondDoubt) return {};
   const BestSymbol best = best_of(costs, options);
   if (best.characters == characters) return doubt_about(costs, options, best);
   return kRefuted;
@@ -217,50 +250,59 @@ Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const D
 // leaves unexplained is noise there or belongs to another character is not known, so the worse
 // counts.
 void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeOptions& options,
-           Decoding& decoding) {
+           const Settled& settled, Decoding& decoding) {
   const SymbolImage& image = decoding.fit.image;
-  const Digits& digits = decoding.digits;
-  const Shortfall shortfall = shortfall_of(profile, image, digits);
+  const Characters characters = characters_of(decoding.digits);
+  const bool is_whole = decoding.fit.kept == 1;
+  const Shortfall shortfall =
+      shortfall_of(is_whole ? settled.system.misfits(characters)
+                            : ModuleSystem(profile, settled.light).misfits(characters));
   decoding.noise = shortfall.common;
+  const std::vector<BarShare> bars = bar_shares(profile, image, decoding.digits);
   const auto system_of = [&](const ScanProfile& weighed) {
-    return ModuleSystem(weighed, image, slack_of_fit(weighed, image, digits));
+    return ModuleSystem(weighed, settled.light, slack_of_fit(weighed, image, bars));
   };
   const ModuleSystem common = system_of(with_common_noise(cleaned, shortfall));
-  decoding.doubt = doubt_by(system_of(with_local_noise(cleaned, shortfall)), options, digits);
-  const Doubt other = doubt_by(common, options, digits);
+  decoding.doubt =
+      doubt_by(system_of(with_local_noise(cleaned, shortfall)), options, decoding.digits);
+  const Doubt other = doubt_by(common, options, decoding.digits);
   if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
-  const double spoilt = decoding.fit.kept < 1 ? system_of(with_common_noise(profile, shortfall))
-                                                    .odds_of_spoilt_digits(characters_of(digits))
-                                              : common.odds_of_spoilt_digits(characters_of(digits));
+  const double spoilt =
+      is_whole ? common.odds_of_spoilt_digits(characters)
+               : system_of(with_common_noise(profile, shortfall)).odds_of_spoilt_digits(characters);
   decoding.doubt.spoilt_digits = share_of_spoilt(options) * spoilt;
   const double odds = decoding.doubt.odds();
   decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
 }
 
 // Decodes a profile seen the right way round.
-std::optional<Decoding> decode_upright(const ScanProfile& profile, const SymbolImage& start,
+std::optional<Decoding> decode_upright(const ScanProfile& profile, const Start& start,
                                        const DecodeOptions& options) {
   constexpr double kNearlyAll = 0.985;  // explained: nothing to set aside
   constexpr int kMaxCleanings = 3;
   constexpr double kHopeless = 0.75;  // explained: so little of it that nothing would be believed
-  std::optional<Decoding> decoding = settle(profile, start, options);
+  std::optional<Settled> settled = settle(profile, start.image, start.costs, options);
   Cleaned cleaned{profile, 1};
-  for (int i = 0; decoding && i < kMaxCleanings && decoding->fit.explained < kNearlyAll; ++i) {
-    Cleaned next = set_aside_outliers(profile, *decoding);
+  for (int i = 0; settled && i < kMaxCleanings && settled->decoding.fit.explained < kNearlyAll;
+       ++i) {
+    Cleaned next = set_aside_outliers(profile, settled->decoding);
     if (next.kept == cleaned.kept) break;
     cleaned = std::move(next);
-    decoding = settle(cleaned.profile, start, options);
+    settled = settle(cleaned.profile, start.image,
+                     ModuleSystem(cleaned.profile, start.light).character_costs(), options);
   }
-  if (!decoding) return std::nullopt;
-  decoding->fit.kept = cleaned.kept;
-  decoding->guards = explained_by_guards(cleaned.profile, decoding->fit.image, decoding->digits);
-  decoding->worst_digit =
-      least_explained_digit(cleaned.profile, decoding->fit.image, decoding->digits);
-  if (decoding->fit.explained < kHopeless) {
-    decoding->doubt = kRefuted;
+  if (!settled) return std::nullopt;
+  Decoding decoding = settled->decoding;
+  decoding.fit.kept = cleaned.kept;
+  const std::vector<double> expected =
+      expected_darkness(decoding.fit.image, decoding.digits, profile);
+  decoding.guards = explained_by_guards(cleaned.profile, decoding.fit.image, expected);
+  decoding.worst_digit = least_explained_digit(cleaned.profile, decoding.fit.image, expected);
+  if (decoding.fit.explained < kHopeless) {
+    decoding.doubt = kRefuted;
     return decoding;
   }
-  judge(profile, cleaned.profile, options, *decoding);
+  judge(profile, cleaned.profile, options, *settled, decoding);
   return decoding;
 }
 
@@ -273,16 +315,18 @@ std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolI
   constexpr double kDecided = 20;        // logarithm of the likelihood ratio of the two ways up
   constexpr double kFlattening = 4;      // of likelihoods before the noise is known
   if (profile.size() < kLeastPlaces) return std::nullopt;
-  if (explained_by_guards(profile, start) < kLeastGuards) return std::nullopt;
-  const CharacterCosts costs = ModuleSystem(profile, start).character_costs();
-  const double up = best_symbol(costs, SymbolClass::upright).cost;
-  const double down = best_symbol(costs, SymbolClass::upside_down).cost;
+  const std::vector<double> expected = expected_darkness(start, {}, profile);
+  if (explained_by_guards(profile, start, expected) < kLeastGuards) return std::nullopt;
+  const Start from(profile, start);
+  const double up = best_symbol(from.costs, SymbolClass::upright).cost;
+  const double down = best_symbol(from.costs, SymbolClass::upside_down).cost;
   const double per_place = std::min(up, down) / static_cast<double>(profile.size());
   const double decided = 2 * kDecided * kFlattening * std::max(1.0, per_place);
   std::optional<Decoding> best;
-  if (up < down + decided) best = decode_upright(profile, start, options);
+  if (up < down + decided) best = decode_upright(profile, from, options);
   if (down < up + decided) {
-    std::optional<Decoding> other = decode_upright(turned(profile), start, options);
+    const ScanProfile reversed = turned(profile);
+    std::optional<Decoding> other = decode_upright(reversed, Start(reversed, start), options);
     if (other && (!best || other->fit.explained > best->fit.explained)) {
       best = std::move(other);
       best->upside_down = true;

@@ -4,35 +4,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "tagsmith/base/normal.hpp"
-#include "tagsmith/symbology/upca.hpp"
+#include "decoder/scan/symbol_edges.hpp"
+#include "tagsmith/base/wide.hpp"
 
 namespace tagsmith {
 namespace {
 
-constexpr float kHalfLength = kModuleCount / 2.0F;
-constexpr int kEdgeCount = kElementCount + 1;
-
-// Nominal places of the 60 edges; even ones begin a bar, odd ones end it.
-std::array<float, kEdgeCount> edges_of(const Digits& digits) {
-  std::array<float, kEdgeCount> edges{};
-  int at = 0;
-  std::size_t i = 0;
-  for (const std::uint8_t width : elements_of(digits)) {
-    edges[i++] = static_cast<float>(at);
-    at += width;
-  }
-  edges[i] = static_cast<float>(at);
-  return edges;
-}
-
 constexpr int kParameters = 8;
 enum : int { kLogBlur, kShift, kStretch, kBend, kGrowth, kWhite, kBlack, kShading };
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
+using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
+static_assert(std::tuple_size_v<FitSlack::value_type> == kParameters);
 
 // Weak priors: standard deviations of the parameters about their nominal values. They hold what a
 // short or empty profile leaves open, and forbid what would turn one digit into another.
@@ -56,171 +43,166 @@ SymbolImage unpack(const Parameters& p) {
           p[kShading]};
 }
 
-// The bars' share of the light at a place (0 in a wide space, 1 in a wide bar) and its derivatives
-// by the edges' common movements.
-struct BarShare {
-  float share = 0;
-  float by_log_blur = 0;
-  float by_shift = 0;
-  float by_stretch = 0;
-  float by_bend = 0;
-  float by_growth = 0;
+using Row = std::array<float, kParameters>;
+
+// A place's darkness: how it changes with the parameters and what is left of it, both in standard
+// deviations.
+struct WeighedPlace {
+  Row by_parameter{};
+  float residual = 0;
 };
 
-class SymbolEdges {
- public:
-  SymbolEdges(const SymbolImage& image, const Digits& digits)
-      : blur_(static_cast<float>(image.blur)) {
-    const std::array<float, kEdgeCount> nominal = edges_of(digits);
-    for (std::size_t i = 0; i < nominal.size(); ++i) {
-      const float from_middle = nominal[i] - kHalfLength;
-      const float t = from_middle / kHalfLength;
-      const float widening = (i % 2 == 0 ? -0.5F : 0.5F) * static_cast<float>(image.growth);
-      from_middle_[i] = from_middle;
-      bend_[i] = t * t;
-      actual_[i] = nominal[i] + static_cast<float>(image.shift) +
-                   static_cast<float>(image.stretch) * from_middle +
-                   static_cast<float>(image.bend) * bend_[i] + widening;
-    }
-  }
+float root_weight(const ScanBin& bin) { return 1 / std::sqrt(static_cast<float>(bin.variance)); }
 
-  // `first` is the least edge that can still matter; it only grows while places grow.
-  float share_at(const ScanBin& bin, std::size_t& first) const {
-    const auto [place, per_blur, reach] = spread_at(bin);
-    while (first < actual_.size() && actual_[first] < place - reach) ++first;
-    float share = first % 2 == 0 ? 0 : 1;
-    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach; ++i) {
-      const float integral = normal_((place - actual_[i]) * per_blur).integral;
-      share += i % 2 == 0 ? integral : -integral;
-    }
-    return share;
-  }
+std::vector<float> root_weights(const ScanProfile& profile) {
+  std::vector<float> weights;
+  weights.reserve(profile.size());
+  for (const ScanBin& bin : profile) weights.push_back(root_weight(bin));
+  return weights;
+}
 
-  // With derivatives.
-  BarShare at(const ScanBin& bin, std::size_t& first) const {
-    const auto [place, per_blur, reach] = spread_at(bin);
-    while (first < actual_.size() && actual_[first] < place - reach) ++first;
-    BarShare bars;
-    bars.share = first % 2 == 0 ? 0 : 1;
-    for (std::size_t i = first; i < actual_.size() && actual_[i] < place + reach; ++i) {
-      const float z = (place - actual_[i]) * per_blur;
-      const NormalValue value = normal_(z);
-      const float sign = i % 2 == 0 ? 1.0F : -1.0F;
-      const float density = sign * value.density;
-      const float by_edge = -density * per_blur;
-      bars.share += sign * value.integral;
-      bars.by_log_blur -= density * z;
-      bars.by_shift += by_edge;
-      bars.by_stretch += by_edge * from_middle_[i];
-      bars.by_bend += by_edge * bend_[i];
-      bars.by_growth -= 0.5F * sign * by_edge;
-    }
-    return bars;
-  }
+// How the darkness at a place changes with the parameters, in standard deviations.
+Row weighed(const BarShare& bars, float from_middle, float weight, float contrast) {
+  const float scale = contrast * weight;
+  return {scale * bars.by_log_blur, scale * bars.by_shift,  scale * bars.by_stretch,
+          scale * bars.by_bend,     scale * bars.by_growth, weight * (1 - bars.share),
+          weight * bars.share,      weight * from_middle};
+}
 
- private:
-  struct Spread {
-    float place;
-    float per_blur;  // one over the standard deviation of the point spread, 1/modules
-    float reach;     // of an edge, modules
-  };
-
-  Spread spread_at(const ScanBin& bin) const {
-    constexpr float kReach = 4.5F;  // blurs; beyond, the step is flat to 1e-5
-    const float blur = blur_ * static_cast<float>(bin.spread);
-    return {static_cast<float>(bin.at), 1 / blur, kReach * blur};
-  }
-
-  const NormalTable& normal_ = NormalTable::get();
-  std::array<float, kEdgeCount> from_middle_{};
-  std::array<float, kEdgeCount> bend_{};
-  std::array<float, kEdgeCount> actual_{};
-  float blur_;
+// Sums over places of products of the rows' elements with each other and with the residuals.
+struct Products {
+  std::array<Row, kParameters> squares{};
+  Row right{};
 };
 
+// Adds one place after the other, in single precision.
+TAGSMITH_WIDE Products products_of(const std::vector<WeighedPlace>& places) {
+  using Lanes = float __attribute__((vector_size(sizeof(Row))));
+  Lanes s0{}, s1{}, s2{}, s3{}, s4{}, s5{}, s6{}, s7{}, right{};
+  for (const WeighedPlace& place : places) {
+    Lanes row;
+    std::memcpy(&row, &place.by_parameter, sizeof row);
+    s0 += row[0] * row;
+    s1 += row[1] * row;
+    s2 += row[2] * row;
+    s3 += row[3] * row;
+    s4 += row[4] * row;
+    s5 += row[5] * row;
+    s6 += row[6] * row;
+    s7 += row[7] * row;
+    right += place.residual * row;
+  }
+  Products sums;
+  const Lanes squares[kParameters] = {s0, s1, s2, s3, s4, s5, s6, s7};
+  std::memcpy(&sums.squares, squares, sizeof squares);
+  std::memcpy(&sums.right, &right, sizeof right);
+  return sums;
+}
+
+// Standard deviations of a profile's darkness from what an image has there, squared and summed up.
+TAGSMITH_WIDE float cost_of(const SymbolImage& image, const ScanPlaces& places,
+                            const std::vector<float>& darkness, const std::vector<float>& weights,
+                            std::vector<float>& shares) {
+  const auto white = static_cast<float>(image.white);
+  const auto contrast = static_cast<float>(image.black - image.white);
+  const auto shading = static_cast<float>(image.shading);
+  const std::size_t size = places.size();
+  const float *dark = darkness.data(), *weight = weights.data(), *t = places.from_middle.data();
+  float* residuals = shares.data();
+  for (std::size_t i = 0; i < size; ++i) {
+    const float expected = white + contrast * residuals[i] + shading * t[i];
+    residuals[i] = weight[i] * (dark[i] - expected);
+  }
+  float cost = 0;
+  for (std::size_t i = 0; i < size; ++i) cost += residuals[i] * residuals[i];
+  return cost;
+}
+
+// A quadratic function about some parameters.
 struct NormalEquations {
-  Eigen::Matrix<double, kParameters, kParameters> matrix =
-      Eigen::Matrix<double, kParameters, kParameters>::Zero();
+  ParameterMatrix matrix = ParameterMatrix::Zero();
   Parameters right = Parameters::Zero();
-  double cost = 0;        // of the profile alone
-  double prior_cost = 0;  // of the parameters
 };
 
-// The normal equations of a profile for given digits; keeps its memory from step to step.
+void add_priors(ParameterMatrix& matrix) {
+  for (int i = 0; i < kParameters; ++i) {
+    const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+    matrix(i, i) += 1 / (sigma * sigma);
+  }
+}
+
+NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
+  const Products products = products_of(places);
+  NormalEquations normal;
+  for (int i = 0; i < kParameters; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    for (int j = 0; j < kParameters; ++j) {
+      normal.matrix(i, j) = static_cast<double>(products.squares[row][static_cast<std::size_t>(j)]);
+    }
+    normal.right[i] = static_cast<double>(products.right[row]);
+  }
+  add_priors(normal.matrix);
+  return normal;
+}
+
+// A profile to be explained by given digits.
 class FitProblem {
  public:
   FitProblem(const ScanProfile& profile, const Digits& digits, const Parameters& nominal)
-      : profile_(profile), digits_(digits), nominal_(nominal) {
-    rows_.resize(static_cast<Eigen::Index>(profile.size()), kParameters + 1);
-    root_weights_.reserve(profile.size());
-    for (const ScanBin& bin : profile) {
-      root_weights_.push_back(1 / std::sqrt(static_cast<float>(bin.variance)));
-    }
+      : places_(profile), digits_(digits), nominal_(nominal), weights_(root_weights(profile)) {
+    darkness_.reserve(profile.size());
+    for (const ScanBin& bin : profile) darkness_.push_back(static_cast<float>(bin.darkness));
   }
 
-  // Derivatives of the darkness by the parameters, over the places' standard deviations.
-  auto derivatives() const { return rows_.leftCols<kParameters>(); }
+  struct Cost {
+    double profile = 0;
+    double prior = 0;
+    double all() const { return profile + prior; }
+  };
 
-  NormalEquations at(const Parameters& p) {
-    fill_rows(unpack(p));
-    const Eigen::Matrix<float, kParameters + 1, kParameters + 1> product =
-        rows_.transpose() * rows_;
-    NormalEquations normal;
-    normal.matrix = product.topLeftCorner<kParameters, kParameters>().cast<double>();
-    normal.right = product.topRightCorner<kParameters, 1>().cast<double>();
-    normal.cost = static_cast<double>(product(kParameters, kParameters));
+  Cost cost_at(const Parameters& p) const {
+    const SymbolImage image = unpack(p);
+    std::vector<float> shares = SymbolEdges(image, digits_).shares_at(places_);
+    Cost cost{static_cast<double>(cost_of(image, places_, darkness_, weights_, shares)), 0};
     for (int i = 0; i < kParameters; ++i) {
       const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
       const double off = nominal_[i] - p[i];
-      normal.matrix(i, i) += 1 / (sigma * sigma);
-      normal.right[i] += off / (sigma * sigma);
-      normal.prior_cost += off * off / (sigma * sigma);
+      cost.prior += off * off / (sigma * sigma);
+    }
+    return cost;
+  }
+
+  NormalEquations equations_at(const Parameters& p) const {
+    NormalEquations normal = normal_equations(weighed_places(unpack(p)));
+    for (int i = 0; i < kParameters; ++i) {
+      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+      normal.right[i] += (nominal_[i] - p[i]) / (sigma * sigma);
     }
     return normal;
   }
 
  private:
-  // One row a place: the gradient and the residual, in standard deviations.
-  void fill_rows(const SymbolImage& image) {
-    const SymbolEdges edges(image, digits_);
-    const float white = static_cast<float>(image.white);
-    const float contrast = static_cast<float>(image.black - image.white);
-    const float shading = static_cast<float>(image.shading);
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < profile_.size(); ++i) {
-      const float place = static_cast<float>(profile_[i].at);
-      const BarShare bars = edges.at(profile_[i], first);
-      const float t = (place - kHalfLength) / kHalfLength;
-      const float weight = root_weights_[i];
-      const float scale = contrast * weight;
-      const auto row = static_cast<Eigen::Index>(i);
-      rows_(row, kLogBlur) = scale * bars.by_log_blur;
-      rows_(row, kShift) = scale * bars.by_shift;
-      rows_(row, kStretch) = scale * bars.by_stretch;
-      rows_(row, kBend) = scale * bars.by_bend;
-      rows_(row, kGrowth) = scale * bars.by_growth;
-      rows_(row, kWhite) = weight * (1 - bars.share);
-      rows_(row, kBlack) = weight * bars.share;
-      rows_(row, kShading) = weight * t;
-      const float expected = white + contrast * bars.share + shading * t;
-      rows_(row, kParameters) = weight * (static_cast<float>(profile_[i].darkness) - expected);
+  std::vector<WeighedPlace> weighed_places(const SymbolImage& image) const {
+    const std::vector<BarShare> bars = SymbolEdges(image, digits_).with_derivatives_at(places_);
+    const auto white = static_cast<float>(image.white);
+    const auto contrast = static_cast<float>(image.black - image.white);
+    const auto shading = static_cast<float>(image.shading);
+    std::vector<WeighedPlace> all(bars.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const float t = places_.from_middle[i];
+      const float expected = white + contrast * bars[i].share + shading * t;
+      all[i] = {weighed(bars[i], t, weights_[i], contrast),
+                weights_[i] * (darkness_[i] - expected)};
     }
+    return all;
   }
 
-  const ScanProfile& profile_;
-  const Digits& digits_;
+  ScanPlaces places_;
+  Digits digits_;
   Parameters nominal_;
-  std::vector<float> root_weights_;
-  Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows_;
+  std::vector<float> weights_;
+  std::vector<float> darkness_;
 };
-
-// As SymbolEdges::share_at, with levels and shading.
-double darkness_at(const SymbolImage& image, const SymbolEdges& edges, const ScanBin& bin,
-                   std::size_t& first) {
-  const auto share = static_cast<double>(edges.share_at(bin, first));
-  return image.white + (image.black - image.white) * share +
-         image.shading * (2 * bin.at / kModuleCount - 1);
-}
 
 double total_variation(const ScanProfile& profile) {
   double weight = 0, sum = 0;
@@ -238,121 +220,65 @@ double total_variation(const ScanProfile& profile) {
 
 }  // namespace
 
-std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
-                                      const ScanProfile& profile) {
-  const SymbolEdges edges(image, digits);
-  std::vector<double> expected;
-  expected.reserve(profile.size());
-  std::size_t first = 0;
-  for (const ScanBin& bin : profile) {
-    expected.push_back(darkness_at(image, edges, bin, first));
-  }
-  return expected;
-}
-
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start) {
   constexpr int kMaxSteps = 12;
   SymbolImage nominal_image;
   nominal_image.blur = start.blur;
-  const Parameters nominal = pack(nominal_image);
+  const FitProblem problem(profile, digits, pack(nominal_image));
   Parameters p = pack(start);
-  FitProblem problem(profile, digits, nominal);
-  NormalEquations normal = problem.at(p);
+  FitProblem::Cost cost = problem.cost_at(p);
+  NormalEquations normal = problem.equations_at(p);
   double damping = 1e-4;
   for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::Matrix<double, kParameters, kParameters> matrix = normal.matrix;
+    ParameterMatrix matrix = normal.matrix;
     matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
     next[kLogBlur] = std::clamp(next[kLogBlur], std::log(0.05), std::log(4.0));
-    const NormalEquations tried = problem.at(next);
-    const double before = normal.cost + normal.prior_cost;
-    const double after = tried.cost + tried.prior_cost;
-    if (!(after < before)) {
+    const FitProblem::Cost tried = problem.cost_at(next);
+    if (!(tried.all() < cost.all())) {
       damping *= 30;
       if (damping > 1e2) break;
       continue;
     }
+    const double gain = cost.all() - tried.all();
     p = next;
-    normal = tried;
+    cost = tried;
     damping = std::max(1e-6, damping * 0.1);
-    if (before - after < 1e-3 * after) break;
+    if (gain < 1e-3 * tried.all()) break;
+    normal = problem.equations_at(p);
   }
-  return {unpack(p), normal.cost, 1 - normal.cost / std::max(total_variation(profile), 1e-12), 1};
+  return {unpack(p), cost.profile, 1 - cost.profile / std::max(total_variation(profile), 1e-12), 1};
 }
 
-FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image, const Digits& digits) {
-  const Parameters p = pack(image);
-  FitProblem problem(profile, digits, p);
-  const NormalEquations normal = problem.at(p);
+std::vector<BarShare> bar_shares(const ScanProfile& profile, const SymbolImage& image,
+                                 const Digits& digits) {
+  return SymbolEdges(image, digits).with_derivatives_at(ScanPlaces(profile));
+}
+
+FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
+                      const std::vector<BarShare>& bars) {
+  const auto contrast = static_cast<float>(image.black - image.white);
+  const ScanPlaces at(profile);
+  std::vector<WeighedPlace> places(profile.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    places[i] = {weighed(bars[i], at.from_middle[i], root_weight(profile[i]), contrast), 0};
+  }
   // With matrix = L L^T, the parameters' covariance is L^-T L^-1.
-  const Eigen::LLT<Eigen::Matrix<double, kParameters, kParameters>> root(normal.matrix);
-  const Eigen::Matrix<double, kParameters, Eigen::Dynamic> deviations =
-      root.matrixL().solve(problem.derivatives().transpose().cast<double>());
+  const Eigen::LLT<ParameterMatrix> root(normal_equations(places).matrix);
+  const ParameterMatrix lower = root.matrixL();
   FitSlack slack(profile.size());
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const double sigma = std::sqrt(profile[i].variance);
+    std::array<double, kParameters> deviations{};
     for (int k = 0; k < kParameters; ++k) {
+      double value = static_cast<double>(places[i].by_parameter[static_cast<std::size_t>(k)]);
+      for (int j = 0; j < k; ++j) value -= lower(k, j) * deviations[static_cast<std::size_t>(j)];
+      deviations[static_cast<std::size_t>(k)] = value / lower(k, k);
       slack[i][static_cast<std::size_t>(k)] =
-          static_cast<float>(sigma * deviations(k, static_cast<Eigen::Index>(i)));
+          static_cast<float>(sigma * deviations[static_cast<std::size_t>(k)]);
     }
   }
   return slack;
-}
-
-namespace {
-
-// Sums over one stretch of a profile.
-struct Share {
-  double variation = 0;  // about mid grey
-  double unexplained = 0;
-  double noise = 0;  // what the variances allow of the latter
-
-  void add(const ScanBin& bin, double expected, double middle) {
-    const double residual = bin.darkness - expected;
-    const double deviation = bin.darkness - middle;
-    unexplained += residual * residual / bin.variance;
-    variation += deviation * deviation / bin.variance;
-    noise += 1;
-  }
-};
-
-}  // namespace
-
-double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
-                           const Digits& digits) {
-  // Each left digit starts with a space and ends with a bar, each right digit the reverse.
-  constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
-  const SymbolEdges edges(image, digits);
-  const double middle = (image.white + image.black) / 2;
-  Share share;
-  std::size_t first = 0;
-  for (const ScanBin& bin : profile) {
-    const auto holds = [&](const auto& range) { return bin.at >= range[0] && bin.at <= range[1]; };
-    if (!std::any_of(kKnown.begin(), kKnown.end(), holds)) continue;
-    share.add(bin, darkness_at(image, edges, bin, first), middle);
-  }
-  return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
-}
-
-double least_explained_digit(const ScanProfile& profile, const SymbolImage& image,
-                             const Digits& digits) {
-  const std::vector<double> expected = expected_darkness(image, digits, profile);
-  const double middle = (image.white + image.black) / 2;
-  std::array<Share, kDigitCount> shares{};
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    for (int digit = 0; digit < kDigitCount; ++digit) {
-      const double first = first_module_of_digit(digit);
-      if (profile[i].at < first || profile[i].at >= first + kModulesPerDigit) continue;
-      shares[static_cast<std::size_t>(digit)].add(profile[i], expected[i], middle);
-    }
-  }
-  double least = 1;
-  for (const Share& share : shares) {
-    if (share.variation <= 0) continue;
-    const double unexplained = std::max(0.0, share.unexplained - share.noise);
-    least = std::min(least, 1 - unexplained / share.variation);
-  }
-  return least;
 }
 
 }  // namespace tagsmith

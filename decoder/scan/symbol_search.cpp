@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tagsmith/base/wide.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -13,36 +15,45 @@ constexpr std::size_t kPositions = kDigitCount;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNegligible = 45;  // exp(-45) = 3e-20: less than any doubt that is stated
 
-struct Range {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-};
-
-Range range_of(SymbolClass symbols) {
-  if (symbols == SymbolClass::upright) return {0, 10};
-  if (symbols == SymbolClass::upside_down) return {10, kCharacterCount};
-  return {0, kCharacterCount};
-}
-
 // Least costs of the strings that end in each character, position by position.
 using LeastCosts = std::array<CharacterCosts::Row, kPositions>;
 
-LeastCosts least_costs(const CharacterCosts& costs, Range range) {
-  LeastCosts least{};
+// Of strings of the characters from kBegin up to kEnd.
+template <std::size_t kBegin, std::size_t kEnd>
+inline __attribute__((always_inline)) LeastCosts least_costs_between(const CharacterCosts& costs) {
+  LeastCosts least;
   for (CharacterCosts::Row& row : least) row.fill(kInfinity);
-  for (std::size_t c = range.begin; c < range.end; ++c) {
-    least[0][c] = costs.constant + costs.alone[0][c];
-  }
+  for (std::size_t c = kBegin; c < kEnd; ++c) least[0][c] = costs.constant + costs.alone[0][c];
   for (std::size_t i = 1; i < kPositions; ++i) {
-    for (std::size_t a = range.begin; a < range.end; ++a) {
+    CharacterCosts::Row row;
+    row.fill(kInfinity);
+    for (std::size_t a = kBegin; a < kEnd; ++a) {
       const CharacterCosts::Row& pair = costs.pair[i - 1][a];
-      for (std::size_t c = range.begin; c < range.end; ++c) {
-        least[i][c] = std::min(least[i][c], least[i - 1][a] + pair[c]);
+      const double before = least[i - 1][a];
+      for (std::size_t c = kBegin; c < kEnd; ++c) {
+        const double cost = before + pair[c];
+        row[c] = cost < row[c] ? cost : row[c];
       }
     }
-    for (std::size_t c = range.begin; c < range.end; ++c) least[i][c] += costs.alone[i][c];
+    for (std::size_t c = kBegin; c < kEnd; ++c) least[i][c] = row[c] + costs.alone[i][c];
   }
   return least;
+}
+
+TAGSMITH_WIDE LeastCosts least_costs_upright(const CharacterCosts& costs) {
+  return least_costs_between<0, 10>(costs);
+}
+TAGSMITH_WIDE LeastCosts least_costs_upside_down(const CharacterCosts& costs) {
+  return least_costs_between<10, kCharacterCount>(costs);
+}
+TAGSMITH_WIDE LeastCosts least_costs_of_any(const CharacterCosts& costs) {
+  return least_costs_between<0, kCharacterCount>(costs);
+}
+
+LeastCosts least_costs(const CharacterCosts& costs, SymbolClass symbols) {
+  if (symbols == SymbolClass::upright) return least_costs_upright(costs);
+  if (symbols == SymbolClass::upside_down) return least_costs_upside_down(costs);
+  return least_costs_of_any(costs);
 }
 
 // How much a digit adds to the check sum at a position, so that valid symbols sum to 0 modulo 10.
@@ -89,7 +100,7 @@ Characters characters_of(const Digits& digits) {
 }  // namespace
 
 BestSymbol best_symbol(const CharacterCosts& costs, SymbolClass symbols) {
-  const LeastCosts least = least_costs(costs, range_of(symbols));
+  const LeastCosts least = least_costs(costs, symbols);
   BestSymbol best;
   const auto end = std::ranges::min_element(least[kPositions - 1]);
   best.cost = *end;
@@ -145,9 +156,35 @@ BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book) 
   return best;
 }
 
+TAGSMITH_WIDE double least_other_cost(const CharacterCosts& costs, const Characters& symbol) {
+  // Least costs of the beginnings that differ from the symbol's, by their last character; and of
+  // the one that does not.
+  CharacterCosts::Row other;
+  for (std::size_t c = 0; c < kCharacterCount; ++c) other[c] = costs.constant + costs.alone[0][c];
+  double same = other[symbol[0]];
+  other[symbol[0]] = kInfinity;
+  for (std::size_t i = 1; i < kPositions; ++i) {
+    const CharacterCosts::Row& from_same = costs.pair[i - 1][symbol[i - 1]];
+    CharacterCosts::Row row;
+    for (std::size_t c = 0; c < kCharacterCount; ++c) row[c] = same + from_same[c];
+    same = row[symbol[i]] + costs.alone[i][symbol[i]];
+    row[symbol[i]] = kInfinity;
+    for (std::size_t a = 0; a < kCharacterCount; ++a) {
+      const CharacterCosts::Row& pair = costs.pair[i - 1][a];
+      const double before = other[a];
+      for (std::size_t c = 0; c < kCharacterCount; ++c) {
+        const double cost = before + pair[c];
+        row[c] = cost < row[c] ? cost : row[c];
+      }
+    }
+    for (std::size_t c = 0; c < kCharacterCount; ++c) other[c] = row[c] + costs.alone[i][c];
+  }
+  return *std::ranges::min_element(other);
+}
+
 double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference,
                       const CharacterWeights& weights) {
-  const LeastCosts least = least_costs(costs, range_of(SymbolClass::any));
+  const LeastCosts least = least_costs(costs, SymbolClass::any);
   const auto weight = [&](std::size_t position, std::size_t c) {
     if (c == reference.characters[position]) return 1.0;
     return c < 10 ? weights.digit : weights.foreign;

@@ -32,6 +32,9 @@ BestSymbol best_code(const CharacterCosts& costs, CheckDigit scheme);
 // The best code of a book, which must not be empty.
 BestSymbol best_code(const CharacterCosts& costs, std::span<const Digits> book);
 
+// The least cost of all symbols, of any characters, other than this one.
+double least_other_cost(const CharacterCosts& costs, const Characters& symbol);
+
 // How often a character other than the reference's is met, as far as is known beforehand.
 struct CharacterWeights {
   double digit = 1;

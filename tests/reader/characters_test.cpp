@@ -9,8 +9,9 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/scan/character_costs.hpp"
 #include "decoder/scan/decode.hpp"
+#include "decoder/scan/explained.hpp"
+#include "decoder/scan/module_system.hpp"
 #include "decoder/scan/symbol_search.hpp"
 
 using namespace tagsmith;
@@ -45,6 +46,11 @@ ScanProfile profile_of(const SymbolImage& image, const Digits& digits, double pe
   return profile;
 }
 
+ModuleSystem system_of(const ScanProfile& profile, const SymbolImage& image,
+                       const FitSlack& slack = {}) {
+  return ModuleSystem(profile, ModuleLight(profile, image), slack);
+}
+
 // The darkness of a symbol whose digit at `position` has its widths reversed, unblurred beyond the
 // profile's own sampling: exact area of bars in each place.
 ScanProfile foreign_profile(const Digits& digits, int position, double per_module) {
@@ -76,7 +82,7 @@ TEST_CASE("costs of characters add up to the sum of squared residuals") {
       const SymbolImage image{blur, 0.1, 0.002, -0.1, growth, 0.05, 0.95, 0.03};
       const Digits shown = random_code(random);
       const ScanProfile profile = profile_of(image, shown, 3, random);
-      const CharacterCosts costs = ModuleSystem(profile, image).character_costs();
+      const CharacterCosts costs = system_of(profile, image).character_costs();
       for (int i = 0; i < 5; ++i) {
         const Digits digits = i == 0 ? shown : random_code(random);
         const std::vector<double> expected = expected_darkness(image, digits, profile);
@@ -100,7 +106,7 @@ TEST_CASE("the best symbol is found among all, and its code among the valid ones
     SymbolImage image;
     image.blur = 0.5;
     const CharacterCosts costs =
-        ModuleSystem(profile_of(image, digits, 3, random), image).character_costs();
+        system_of(profile_of(image, digits, 3, random), image).character_costs();
     const Characters characters = characters_of(digits);
     CHECK(best_symbol(costs, SymbolClass::upright).characters == characters);
     CHECK(best_symbol(costs, SymbolClass::any).characters == characters);
@@ -138,6 +144,33 @@ TEST_CASE("sums over symbols are those of independent characters where pairs cos
   }
 }
 
+TEST_CASE("the least cost of all other symbols is that without one of the symbol's characters") {
+  std::mt19937 random(25);
+  std::uniform_real_distribution<double> any(0, 12);
+  for (int trial = 0; trial < 20; ++trial) {
+    CAPTURE(trial);
+    CharacterCosts costs;
+    for (auto& row : costs.alone) {
+      for (double& cost : row) cost = any(random);
+    }
+    for (auto& rows : costs.pair) {
+      for (auto& row : rows) {
+        for (double& cost : row) cost = any(random);
+      }
+    }
+    const BestSymbol best = best_symbol(costs, SymbolClass::any);
+    double least = 1e300;
+    for (std::size_t i = 0; i < kDigitCount; ++i) {
+      CharacterCosts without = costs;
+      without.alone[i][best.characters[i]] = 1e6;
+      least = std::min(least, best_symbol(without, SymbolClass::any).cost);
+    }
+    CHECK(least_other_cost(costs, best.characters) == doctest::Approx(least));
+    const Characters zeros{};
+    CHECK(least_other_cost(costs, zeros) == doctest::Approx(best.cost));
+  }
+}
+
 TEST_CASE("a character that is no digit is doubted at every place, with and without a book") {
   std::mt19937 random(24);
   for (int position = 0; position < kDigitCount; ++position) {
@@ -162,7 +195,7 @@ TEST_CASE("costs about a reference hold where blur reaches beyond the next chara
   const Digits shown = random_code(random);
   const ScanProfile profile = profile_of(image, shown, 3, random);
   const Characters reference = characters_of(shown);
-  const CharacterCosts costs = ModuleSystem(profile, image).character_costs(&reference);
+  const CharacterCosts costs = system_of(profile, image).character_costs(&reference);
   for (std::size_t i = 0; i < kDigitCount; ++i) {
     Digits digits = shown;
     digits[i] = static_cast<std::uint8_t>((digits[i] + 3) % 10);
@@ -184,10 +217,10 @@ TEST_CASE("with slack, the picture adapts to every symbol as a fit does") {
   ScanProfile profile = profile_of(image, shown, 3, random);
   for (ScanBin& bin : profile) bin.variance *= 10;  // a fit moves little: it is nearly linear
   const SymbolFit fit = fit_symbol(profile, shown, image);
-  const FitSlack slack = slack_of_fit(profile, fit.image, shown);
+  const FitSlack slack = slack_of_fit(profile, fit.image, bar_shares(profile, fit.image, shown));
   const Characters reference = characters_of(shown);
-  const auto adapted = ModuleSystem(profile, fit.image, slack).character_costs(&reference);
-  const auto rigid = ModuleSystem(profile, fit.image).character_costs(&reference);
+  const auto adapted = system_of(profile, fit.image, slack).character_costs(&reference);
+  const auto rigid = system_of(profile, fit.image).character_costs(&reference);
   for (std::size_t i = 0; i < kDigitCount; ++i) {
     Digits digits = shown;
     digits[i] = static_cast<std::uint8_t>((digits[i] + 1) % 10);
@@ -207,7 +240,7 @@ TEST_CASE("a digit between two digits may be either") {
   const Digits digits = random_code(random);
   const Characters characters = characters_of(digits);
   const ScanProfile profile = profile_of(image, digits, 4, random);
-  CHECK(ModuleSystem(profile, image).odds_of_spoilt_digits(characters) < 1e-7);
+  CHECK(system_of(profile, image).odds_of_spoilt_digits(characters) < 1e-7);
   Digits other = digits;
   other[4] = static_cast<std::uint8_t>((other[4] + 5) % 10);
   const std::vector<double> there = expected_darkness(image, other, profile);
@@ -215,7 +248,7 @@ TEST_CASE("a digit between two digits may be either") {
   for (std::size_t i = 0; i < profile.size(); ++i) {
     between[i].darkness = 0.55 * profile[i].darkness + 0.45 * there[i];
   }
-  CHECK(ModuleSystem(between, image).odds_of_spoilt_digits(characters) > 0.01);
+  CHECK(system_of(between, image).odds_of_spoilt_digits(characters) > 0.01);
 }
 
 TEST_CASE("the noise that the symbol leaves decides how sure it is") {

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/scan/explained.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 using namespace tagsmith;

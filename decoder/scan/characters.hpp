@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The characters that may stand at a digit's place, and the features that they are made of.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "tagsmith/symbology/digits.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+
+// Seven modules that start and end like a digit's hold two bars and two spaces; there are twenty
+// ways, and UPC-A uses ten. Characters 0-9 are the digits; 10-19 are the same widths backwards: the
+// digits of a symbol that stands on its head, EAN-13's other left digits, and whatever a misprint
+// makes of a digit by moving one edge by a module.
+inline constexpr std::size_t kCharacterCount = 20;
+
+using Characters = std::array<std::uint8_t, kDigitCount>;
+
+// Seven modules of a character; in the left half it starts with a space, in the right with a bar.
+std::array<std::uint8_t, kModulesPerDigit> modules_of_character(bool right_half, std::size_t c);
+
+// Features, in order along the symbol: 2k = the growth of the edge at the begin of module k,
+// 2k + 1 = module k.
+inline constexpr std::size_t kFeatures = 2 * kModuleCount + 1;
+inline constexpr std::size_t kOwnFeatures = 13;  // of one character, its outer edges left out
+
+// The first feature of the character at a position.
+constexpr std::size_t first_feature(std::size_t position) {
+  return 2 * static_cast<std::size_t>(first_module_of_digit(static_cast<int>(position))) + 1;
+}
+
+// Single precision values by character, padded to whole vectors of eight.
+inline constexpr std::size_t kCharacterLanes = (kCharacterCount + 7) / 8 * 8;
+using CharacterLanes = std::array<float, kCharacterLanes>;
+
+// Which features, relative to a character's first one, a half's characters switch on.
+struct Alphabet {
+  struct Active {
+    std::array<std::uint8_t, 8> feature{};  // ascending
+    std::size_t count = 0;
+  };
+  std::array<Active, kCharacterCount> active{};         // by character
+  std::array<CharacterLanes, kOwnFeatures> switched{};  // by feature: 1 where it is on, else 0
+};
+
+// Of the characters at a position.
+const Alphabet& alphabet_at(std::size_t position);
+
+}  // namespace tagsmith

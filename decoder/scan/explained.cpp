@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/scan/explained.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "decoder/scan/symbol_edges.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+// Sums over one stretch of a profile.
+struct Share {
+  double variation = 0;  // about mid grey
+  double unexplained = 0;
+  double noise = 0;  // what the variances allow of the latter
+
+  void add(const ScanBin& bin, double expected, double middle) {
+    const double residual = bin.darkness - expected;
+    const double deviation = bin.darkness - middle;
+    unexplained += residual * residual / bin.variance;
+    variation += deviation * deviation / bin.variance;
+    noise += 1;
+  }
+};
+
+// The digit at a place, modules from the symbol's begin.
+std::optional<std::size_t> digit_at(double place) {
+  constexpr int kRight = first_module_of_digit(6);
+  const int half = place < kRight ? 0 : 1;
+  const int first = half == 0 ? first_module_of_digit(0) : kRight;
+  const double digit = std::floor((place - first) / kModulesPerDigit);
+  if (!(digit >= 0 && digit < 6)) return std::nullopt;
+  return static_cast<std::size_t>(6 * half + static_cast<int>(digit));
+}
+
+}  // namespace
+
+std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
+                                      const ScanProfile& profile) {
+  const std::vector<float> shares = SymbolEdges(image, digits).shares_at(ScanPlaces(profile));
+  std::vector<double> expected;
+  expected.reserve(profile.size());
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    expected.push_back(image.white + (image.black - image.white) * static_cast<double>(shares[i]) +
+                       image.shading * (2 * profile[i].at / kModuleCount - 1));
+  }
+  return expected;
+}
+
+double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
+                           const std::vector<double>& expected) {
+  // Each left digit starts with a space and ends with a bar, each right digit the reverse.
+  constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
+  const double middle = (image.white + image.black) / 2;
+  Share share;
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const double at = profile[i].at;
+    const auto holds = [&](const auto& range) { return at >= range[0] && at <= range[1]; };
+    if (std::ranges::any_of(kKnown, holds)) share.add(profile[i], expected[i], middle);
+  }
+  return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
+}
+
+double least_explained_digit(const ScanProfile& profile, const SymbolImage& image,
+                             const std::vector<double>& expected) {
+  const double middle = (image.white + image.black) / 2;
+  std::array<Share, kDigitCount> shares{};
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const auto digit = digit_at(profile[i].at);
+    if (digit) shares[*digit].add(profile[i], expected[i], middle);
+  }
+  double least = 1;
+  for (const Share& share : shares) {
+    if (share.variation <= 0) continue;
+    const double unexplained = std::max(0.0, share.unexplained - share.noise);
+    least = std::min(least, 1 - unexplained / share.variation);
+  }
+  return least;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/scan/module_system.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "decoder/scan/spoilt_digits.hpp"
+#include "tagsmith/base/wide.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr std::size_t kPositions = kDigitCount;
+constexpr std::array<std::size_t, 6> kGuardBars{0, 2, 46, 48, 92, 94};
+constexpr std::size_t kLanes = ModuleLight::kLanes;
+
+// Eight floats in the compiler's own vectors.
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+
+inline __attribute__((always_inline)) void load(const float* from, Floats& lanes) {
+  std::memcpy(&lanes, from, sizeof lanes);
+}
+
+inline __attribute__((always_inline)) void add_to(float* sums, const Floats& lanes) {
+  Floats sum;
+  load(sums, sum);
+  sum += lanes;
+  std::memcpy(sums, &sum, sizeof sum);
+}
+
+// Where the sums over places go.
+struct SystemSums {
+  float* gram;
+  std::size_t stride;
+  float* right;
+  float* pull;  // null when the picture does not adapt
+};
+
+// Adds one place of the weight: products of its features' light with each other, with its darkness,
+// and with the slack of the picture there.
+inline __attribute__((always_inline)) void add_place(const ModuleLight::Place& place,
+                                                     const float* light, float weight,
+                                                     float contrast, const float* slack,
+                                                     const SystemSums& sums) {
+  for (std::size_t first = 0; first < place.count; first += kLanes) {
+    Floats weighted;
+    load(light + first, weighted);
+    weighted = weight * weighted;
+    add_to(sums.right + place.begin + first, weighted * place.value);
+    const std::size_t end = std::min(kLanes, place.count - first);
+    for (std::size_t i = 0; i < end; ++i) {
+      float* row = sums.gram + (place.begin + first + i) * sums.stride;
+      for (std::size_t j = first + i; j < place.count; j += kLanes) {
+        Floats other;
+        load(light + j, other);
+        add_to(row + (j - first - i), weighted[i] * other);
+      }
+    }
+    if (slack == nullptr) continue;
+    Floats open;
+    load(slack, open);
+    const Floats pulling = weighted / contrast;
+    for (std::size_t i = 0; i < end; ++i) {
+      add_to(sums.pull + (place.begin + first + i) * kLanes, pulling[i] * open);
+    }
+  }
+}
+
+TAGSMITH_WIDE void add_all_places(const ModuleLight& light, const float* weights,
+                                  const FitSlack& slack, const SystemSums& sums) {
+  const std::span<const ModuleLight::Place> places = light.places();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    add_place(places[i], light.light(places[i]), weights[i], light.contrast(),
+              slack.empty() ? nullptr : slack[i].data(), sums);
+  }
+}
+
+}  // namespace
+
+ModuleSystem::ModuleSystem(const ScanProfile& profile, const ModuleLight& light,
+                           const FitSlack& slack)
+    : band_(light.band()), adapts_(!slack.empty()) {
+  static_assert(kSlack == kLanes);
+  std::size_t most = band_;
+  for (const ModuleLight::Place& place : light.places()) most = std::max(most, place.count);
+  stride_ = (most + kLanes - 1) / kLanes * kLanes;
+  gram_.resize(kFeatures * stride_);
+  add_places(profile, light, slack);
+  std::array<std::uint8_t, kFeatures> present{};
+  for (const std::size_t module : kGuardBars) {
+    present[2 * module] = present[2 * module + 1] = present[2 * module + 2] = 1;
+  }
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    present[first_feature(position) - 1] = 1;
+    present[first_feature(position) + kOwnFeatures] = 1;
+  }
+  take_out(present);
+}
+
+void ModuleSystem::add_places(const ScanProfile& profile, const ModuleLight& light,
+                              const FitSlack& slack) {
+  const float contrast = light.contrast();
+  std::vector<float> weights;
+  weights.reserve(profile.size());
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const float value = light.places()[i].value;
+    weights.push_back(contrast * contrast / static_cast<float>(profile[i].variance));
+    constant_ += weights[i] * value * value;
+  }
+  add_all_places(light, weights.data(), slack,
+                 {gram_.data(), stride_, right_.data(), pull_[0].data()});
+}
+
+float ModuleSystem::gram(std::size_t a, std::size_t b) const {
+  const std::size_t low = std::min(a, b);
+  const std::size_t high = std::max(a, b);
+  return high - low < band_ ? gram_row(low)[high - low] : 0;
+}
+
+// Moves features that are known to be there from the unknowns into the residual.
+void ModuleSystem::take_out(const std::array<std::uint8_t, kFeatures>& present) {
+  for (std::size_t a = 0; a < kFeatures; ++a) {
+    if (present[a] == 0) continue;
+    constant_ += gram(a, a) - 2 * right_[a];
+    const std::size_t begin = a + 1 < band_ ? 0 : a + 1 - band_;
+    const std::size_t end = std::min(kFeatures, a + band_);
+    for (std::size_t b = begin; b < a; ++b) right_[b] -= gram_row(b)[a - b];
+    for (std::size_t b = a + 1; b < end; ++b) right_[b] -= gram_row(a)[b - a];
+  }
+}
+
+namespace {
+
+// The costs of characters from the products of their features: coefficients of each feature and of
+// each pair of features, feature by feature.
+TAGSMITH_WIDE CharacterLanes costs_of_features(const Alphabet& alphabet, const float* gram,
+                                               std::size_t stride, std::size_t band,
+                                               const float* right) {
+  CharacterLanes costs{};
+  for (std::size_t i = 0; i < kOwnFeatures; ++i) {
+    const float* row = gram + i * stride;
+    const float own = row[0] - 2 * right[i];
+    const CharacterLanes& first = alphabet.switched[i];
+    for (std::size_t c = 0; c < kCharacterLanes; ++c) costs[c] += own * first[c];
+    for (std::size_t j = i + 1; j < std::min(kOwnFeatures, i + band); ++j) {
+      const float both = 2 * row[j - i];
+      const CharacterLanes& second = alphabet.switched[j];
+      for (std::size_t c = 0; c < kCharacterLanes; ++c) costs[c] += both * (first[c] * second[c]);
+    }
+  }
+  return costs;
+}
+
+// What a feature shares with the characters that begin `gap` features after it.
+TAGSMITH_WIDE CharacterLanes shared_with(const Alphabet& alphabet, const float* gram,
+                                         std::size_t gap, std::size_t band) {
+  CharacterLanes shared{};
+  for (std::size_t f = 0; f < kOwnFeatures && gap + f < band; ++f) {
+    const float both = gram[gap + f];
+    for (std::size_t c = 0; c < kCharacterLanes; ++c) shared[c] += both * alphabet.switched[f][c];
+  }
+  return shared;
+}
+
+// Sums of the products of a character's pull with those of all characters, parameter by parameter.
+template <std::size_t Count>
+using LanePulls = std::array<CharacterLanes, Count>;
+
+template <std::size_t Count>
+inline __attribute__((always_inline)) void subtract_shared(
+    const LanePulls<Count>& before, const LanePulls<Count>& pulls,
+    std::array<CharacterCosts::Row, kCharacterCount>& pair) {
+  for (std::size_t b = 0; b < kCharacterCount; ++b) {
+    CharacterLanes shared{};
+    for (std::size_t k = 0; k < Count; ++k) {
+      const float pull = before[k][b];
+      for (std::size_t c = 0; c < kCharacterLanes; ++c) shared[c] += pull * pulls[k][c];
+    }
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      pair[b][c] -= 2 * static_cast<double>(shared[c]);
+    }
+  }
+}
+
+TAGSMITH_WIDE void subtract_shared_pulls(const LanePulls<8>& before, const LanePulls<8>& pulls,
+                                         std::array<CharacterCosts::Row, kCharacterCount>& pair) {
+  subtract_shared<8>(before, pulls, pair);
+}
+
+}  // namespace
+
+CharacterLanes ModuleSystem::costs_alone(std::size_t position) const {
+  const std::size_t base = first_feature(position);
+  return costs_of_features(alphabet_at(position), gram_row(base), stride_, band_,
+                           right_.data() + base);
+}
+
+// What neighbouring characters exchange: first each feature of the left one with every character at
+// `position`, then summed over the features of every left character.
+void ModuleSystem::add_pair_costs(std::size_t position,
+                                  std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
+  const std::size_t base = first_feature(position - 1);
+  const std::size_t gap = first_feature(position) - base;
+  if (gap >= band_ + kOwnFeatures) return;
+  const std::size_t first = gap < band_ ? 0 : gap - band_ + 1;  // features before share nothing
+  const Alphabet& left = alphabet_at(position - 1);
+  std::array<CharacterCosts::Row, kOwnFeatures> pull;
+  for (std::size_t j = first; j < kOwnFeatures; ++j) {
+    const CharacterLanes shared =
+        shared_with(alphabet_at(position), gram_row(base + j), gap - j, band_);
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      pull[j][c] = 2 * static_cast<double>(shared[c]);
+    }
+  }
+  for (std::size_t c = 0; c < kCharacterCount; ++c) {
+    const Alphabet::Active& active = left.active[c];
+    for (std::size_t i = 0; i < active.count; ++i) {
+      if (active.feature[i] < first) continue;
+      const CharacterCosts::Row& from = pull[active.feature[i]];
+      for (std::size_t d = 0; d < kCharacterCount; ++d) pair[c][d] += from[d];
+    }
+  }
+}
+
+// What characters that are no neighbours share, with one of the two from the reference.
+void ModuleSystem::add_far_costs(const Characters& reference, CharacterCosts& costs) const {
+  const auto shared = [&](std::size_t i, std::size_t c, std::size_t j, std::size_t d) {
+    const Alphabet::Active& left = alphabet_at(i).active[c];
+    const Alphabet::Active& right = alphabet_at(j).active[d];
+    float sum = 0;
+    for (std::size_t a = left.count; a-- > 0;) {
+      const std::size_t from = first_feature(i) + left.feature[a];
+      if (first_feature(j) - from >= band_) break;
+      for (std::size_t b = 0; b < right.count; ++b) {
+        const std::size_t distance = first_feature(j) + right.feature[b] - from;
+        if (distance >= band_) break;
+        sum += gram_row(from)[distance];
+      }
+    }
+    return 2 * static_cast<double>(sum);
+  };
+  for (std::size_t i = 0; i + 2 < kPositions; ++i) {
+    for (std::size_t j = i + 2; j < kPositions; ++j) {
+      if (first_feature(j) - first_feature(i) >= band_ + kOwnFeatures) break;
+      for (std::size_t c = 0; c < kCharacterCount; ++c) {
+        costs.alone[i][c] += shared(i, c, j, reference[j]);
+        costs.alone[j][c] += shared(i, reference[i], j, c);
+      }
+      costs.constant -= shared(i, reference[i], j, reference[j]);
+    }
+  }
+}
+
+// What a fit of the picture to each symbol takes from its cost: the square of the pull of what
+// differs from the reference, to which the picture is fitted already.
+void ModuleSystem::adapt_picture(const Characters& reference, CharacterCosts& costs) const {
+  LanePulls<kSlack> before{};
+  for (std::size_t i = 0; i < kPositions; ++i) {
+    const Alphabet& here = alphabet_at(i);
+    const auto add_pull = [&](Pull& pull, std::size_t c, float sign) {
+      const Alphabet::Active& active = here.active[c];
+      for (std::size_t a = 0; a < active.count; ++a) {
+        const Pull& own = pull_[first_feature(i) + active.feature[a]];
+        for (std::size_t k = 0; k < kSlack; ++k) pull[k] += sign * own[k];
+      }
+    };
+    Pull from{};
+    add_pull(from, reference[i], -1);
+    LanePulls<kSlack> pulls{};
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      Pull pull = from;
+      add_pull(pull, c, 1);
+      for (std::size_t k = 0; k < kSlack; ++k) {
+        costs.alone[i][c] -= static_cast<double>(pull[k] * pull[k]);
+        pulls[k][c] = pull[k];
+      }
+    }
+    if (i > 0) subtract_shared_pulls(before, pulls, costs.pair[i - 1]);
+    before = pulls;
+  }
+}
+
+CharacterCosts ModuleSystem::character_costs(const Characters* reference) const {
+  CharacterCosts costs;
+  costs.constant = static_cast<double>(constant_);
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    const CharacterLanes alone = costs_alone(position);
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      costs.alone[position][c] = static_cast<double>(alone[c]);
+    }
+    if (position > 0) add_pair_costs(position, costs.pair[position - 1]);
+  }
+  if (reference != nullptr) add_far_costs(*reference, costs);
+  if (reference != nullptr && adapts_) adapt_picture(*reference, costs);
+  return costs;
+}
+
+// What a symbol of these characters leaves of each feature's light.
+std::array<float, kFeatures> ModuleSystem::residuals_of(const Characters& characters) const {
+  std::array<float, kFeatures> residuals;
+  std::copy_n(right_.begin(), kFeatures, residuals.begin());
+  const auto subtract = [&](std::size_t on) {
+    const std::size_t begin = on + 1 < band_ ? 0 : on + 1 - band_;
+    const std::size_t end = std::min(kFeatures, on + band_);
+    for (std::size_t a = begin; a < on; ++a) residuals[a] -= gram_row(a)[on - a];
+    for (std::size_t a = on; a < end; ++a) residuals[a] -= gram_row(on)[a - on];
+  };
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    const Alphabet::Active& active = alphabet_at(position).active[characters[position]];
+    for (std::size_t i = 0; i < active.count; ++i) {
+      subtract(first_feature(position) + active.feature[i]);
+    }
+  }
+  // take_out leaves what is taken out its own light.
+  for (const std::size_t module : kGuardBars) {
+    residuals[2 * module + 1] -= gram_row(2 * module + 1)[0];
+  }
+  return residuals;
+}
+
+std::array<float, kModuleCount> ModuleSystem::misfits(const Characters& characters) const {
+  const std::array<float, kFeatures> residuals = residuals_of(characters);
+  std::array<float, kModuleCount> misfits{};
+  for (std::size_t k = 0; k < misfits.size(); ++k) {
+    const std::size_t a = 2 * k + 1;
+    const float own = gram_row(a)[0];
+    if (own > 0) misfits[k] = residuals[a] * residuals[a] / own;
+  }
+  return misfits;
+}
+
+double ModuleSystem::odds_of_spoilt_digits(const Characters& characters) const {
+  const std::array<float, kFeatures> residuals = residuals_of(characters);
+  std::array<DigitModules, kPositions> digits{};
+  for (std::size_t position = 0; position < kPositions; ++position) {
+    const std::size_t base = first_feature(position);
+    DigitModules& digit = digits[position];
+    for (std::size_t i = 0; i < kModulesPerDigit; ++i) {
+      const std::size_t a = base + 2 * i;
+      digit.residuals[i] = static_cast<double>(residuals[a]);
+      for (std::size_t j = i; j < kModulesPerDigit; ++j) {
+        const std::size_t b = base + 2 * j;
+        double shared = static_cast<double>(gram(a, b));
+        for (std::size_t k = 0; k < kSlack; ++k) {
+          shared -= static_cast<double>(pull_[a][k] * pull_[b][k]);
+        }
+        digit.products[i][j] = digit.products[j][i] = shared;
+      }
+    }
+  }
+  return tagsmith::odds_of_spoilt_digits(digits, characters);
+}
+
+}  // namespace tagsmith

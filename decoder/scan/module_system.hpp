@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A profile as a quadratic function of what a symbol is made of.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <tuple>
+#include <vector>
+
+#include "decoder/scan/character_costs.hpp"
+#include "decoder/scan/module_light.hpp"
+#include "decoder/scan/profile.hpp"
+#include "decoder/scan/symbol_fit.hpp"
+
+namespace tagsmith {
+
+// The profile as a quadratic function of the light that each module and each edge adds: everything
+// the decoder needs to know of it for one picture of the symbol.
+class ModuleSystem {
+ public:
+  // `light` is of these places, whatever their variances. With `slack`, the picture adapts to each
+  // symbol as far as it leaves: costs about a reference are then those after a fit of the picture
+  // to each symbol, linearized.
+  ModuleSystem(const ScanProfile& profile, const ModuleLight& light, const FitSlack& slack = {});
+
+  // With a reference, what characters share beyond their neighbours is taken from it, and the
+  // picture adapts to what differs from it; without, both are left out.
+  CharacterCosts character_costs(const Characters* reference = nullptr) const;
+
+  // How far the profile is from the symbol of these characters, module by module: the square of the
+  // residuals' projection on the light of each module, over its variance. About 1 where the
+  // profile's variances tell all that the symbol does not explain.
+  std::array<float, kModuleCount> misfits(const Characters& characters) const;
+
+  // The odds that one of the digits is another one, spoilt by anything that makes it look like
+  // this: modules of any darkness about that digit's, against modules that are printed and lit
+  // nearly evenly, or spoilt too, about this one's.
+  double odds_of_spoilt_digits(const Characters& characters) const;
+
+ private:
+  static constexpr std::size_t kSlack = std::tuple_size_v<FitSlack::value_type>;
+  using Pull = std::array<float, kSlack>;
+
+  float gram(std::size_t a, std::size_t b) const;
+  const float* gram_row(std::size_t a) const { return gram_.data() + a * stride_; }
+  std::array<float, kFeatures> residuals_of(const Characters& characters) const;
+
+  void add_places(const ScanProfile& profile, const ModuleLight& light, const FitSlack& slack);
+  void take_out(const std::array<std::uint8_t, kFeatures>& present);
+  CharacterLanes costs_alone(std::size_t position) const;
+  void add_pair_costs(std::size_t position,
+                      std::array<CharacterCosts::Row, kCharacterCount>& pair) const;
+  void add_far_costs(const Characters& reference, CharacterCosts& costs) const;
+  void adapt_picture(const Characters& reference, CharacterCosts& costs) const;
+
+  std::size_t band_;    // features this far apart share no light
+  std::size_t stride_;  // of rows of gram_: band_ or more
+  float constant_ = 0;
+  bool adapts_;
+  std::array<float, kFeatures + ModuleLight::kLanes> right_{};
+  std::array<Pull, kFeatures> pull_{};  // of a feature on the picture
+  std::vector<float> gram_;             // row a: of the features a, a + 1, ... with a
+};
+
+}  // namespace tagsmith

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace tagsmith {
+
+// What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
+// 0 and 1.
+struct SymbolImage {
+  double blur = 0.3;   // standard deviation of the point spread, modules
+  double shift = 0;    // of the symbol's middle, modules
+  double stretch = 0;  // relative change of length
+  double bend = 0;     // displacement of both ends against the middle, modules
+  double growth = 0;   // widening of every bar, modules
+  double white = 0;    // darkness of the spaces
+  double black = 1;    // darkness of the bars
+  double shading = 0;  // change of both levels from the middle to the right end
+};
+
+}  // namespace tagsmith
