@@ -4,12 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-// Machines with AVX2 take eight places in one instruction. The results are the same.
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__AVX2__)
-#define TAGSMITH_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define TAGSMITH_WIDE
-#endif
+#include "tagsmith/base/wide.hpp"
 
 namespace tagsmith {
 namespace {

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loops for the machine's widest vectors.
+#pragma once
+
+// Marks a function whose loops are also compiled for AVX2, eight floats an instruction; the machine
+// takes which it can. Results are the same: the compiler keeps to the order of operations, and
+// AVX2 brings no fused ones.
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__AVX2__)
+#define TAGSMITH_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define TAGSMITH_WIDE
+#endif
