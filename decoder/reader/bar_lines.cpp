@@ -5,28 +5,17 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
+#include <cstring>
 #include <numbers>
 #include <utility>
 #include <vector>
 
-#include "decoder/image/tone_curve.hpp"
+#include "decoder/scan/running.hpp"
+#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
 namespace {
-
-// Light of every sample.
-const std::array<float, 256>& light_table() {
-  static const auto table = [] {
-    std::array<float, 256> light{};
-    for (std::size_t i = 0; i < light.size(); ++i) {
-      light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
-    }
-    return light;
-  }();
-  return table;
-}
 
 // Four neighbouring pixels side by side, in the compiler's own vectors.
 using Floats = float __attribute__((vector_size(4 * sizeof(float))));
@@ -42,48 +31,75 @@ Floats cubic_weights(float t) {
   return kConstant + t * (kLinear + t * (kSquare + t * kCube));
 }
 
-Floats light_of(const std::uint8_t* samples, const std::array<int, 4>& at,
-                const std::array<float, 256>& light) {
-  return Floats{light[samples[at[0]]], light[samples[at[1]]], light[samples[at[2]]],
-                light[samples[at[3]]]};
-}
-
 float sum_of(Floats values) { return (values[0] + values[1]) + (values[2] + values[3]); }
 
 // Beyond the image its border pixels continue.
-float light_at(const GrayView& image, const std::array<float, 256>& light, PixelPoint at) {
-  const double x = std::clamp(at.x, 0.0, image.width - 1.0);
-  const double y = std::clamp(at.y, 0.0, image.height - 1.0);
+float light_at(const SampledLight& light, PixelPoint at) {
+  const double x = std::clamp(at.x, 0.0, light.width() - 1.0);
+  const double y = std::clamp(at.y, 0.0, light.height() - 1.0);
   const int left = static_cast<int>(x);
   const int top = static_cast<int>(y);
   const Floats across = cubic_weights(static_cast<float>(x - left));
   const Floats down = cubic_weights(static_cast<float>(y - top));
   Floats columns{};
-  if (left >= 1 && top >= 1 && left + 2 < image.width && top + 2 < image.height) {
-    constexpr std::array<int, 4> kAt{0, 1, 2, 3};
-    const std::uint8_t* row = image.row(top - 1) + (left - 1);
-    for (int j = 0; j < 4; ++j) columns += down[j] * light_of(row + j * image.stride, kAt, light);
-    return sum_of(across * columns);
-  }
-  std::array<int, 4> at_columns{};
-  for (int i = 0; i < 4; ++i) {
-    at_columns[static_cast<std::size_t>(i)] = std::clamp(left + i - 1, 0, image.width - 1);
-  }
   for (int j = 0; j < 4; ++j) {
-    const std::uint8_t* row = image.row(std::clamp(top + j - 1, 0, image.height - 1));
-    columns += down[j] * light_of(row, at_columns, light);
+    const float* row = light.row(std::clamp(top + j - 1, 0, light.height() - 1));
+    Floats pixels{};
+    for (int i = 0; i < 4; ++i) pixels[i] = row[std::clamp(left + i - 1, 0, light.width() - 1)];
+    columns += down[j] * pixels;
   }
   return sum_of(across * columns);
 }
 
-// Adds the light along one thin line to `line`.
-void add_light(const GrayView& image, const LineFrame& frame, double offset, ScanLine& line) {
-  const std::array<float, 256>& light = light_table();
-  const PixelPoint start = frame.pixel(0.5, offset);
-  const PixelPoint step = frame.step * frame.across;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    line[i] += light_at(image, light, start + static_cast<double>(i) * step);
+// Whether all pixels that light_at takes are the image's.
+bool is_inside(const SampledLight& light, PixelPoint at) {
+  return at.x >= 1 && at.y >= 1 && at.x < light.width() - 2 && at.y < light.height() - 2;
+}
+
+// A thin line: its samples are taken at start + i * step.
+struct ThinLine {
+  PixelPoint start;
+  PixelPoint step;
+
+  PixelPoint at(std::size_t i) const { return start + static_cast<double>(i) * step; }
+};
+
+// Adds light_at for those samples from `first` on, before `end`, all inside.
+TAGSMITH_WIDE void add_inside(const SampledLight& light, const ThinLine& thin, std::size_t first,
+                              std::size_t end, float* samples) {
+  const std::ptrdiff_t stride = light.width();
+  for (std::size_t i = first; i < end; ++i) {
+    const PixelPoint at = thin.at(i);
+    const int left = static_cast<int>(at.x);
+    const int top = static_cast<int>(at.y);
+    const Floats across = cubic_weights(static_cast<float>(at.x - left));
+    const Floats down = cubic_weights(static_cast<float>(at.y - top));
+    const float* row = light.row(top - 1) + (left - 1);
+    Floats columns{};
+    for (int j = 0; j < 4; ++j) {
+      Floats pixels;
+      std::memcpy(&pixels, row + j * stride, sizeof pixels);
+      columns += down[j] * pixels;
+    }
+    samples[i] += sum_of(across * columns);
   }
+}
+
+// Adds the light along one thin line to `line`.
+void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanLine& line) {
+  if (line.empty()) return;
+  const ThinLine thin{frame.pixel(0.5, offset), frame.step * frame.across};
+  std::size_t first = 0, end = line.size();
+  const auto [top, bottom] = std::minmax({thin.at(first).y, thin.at(end - 1).y});
+  const auto row_at = [&](double y) {
+    return static_cast<int>(std::clamp(y, 0.0, light.height() - 1.0));
+  };
+  light.make_rows(row_at(top) - 1, row_at(bottom) + 2);
+  while (first < end && !is_inside(light, thin.at(first))) ++first;
+  while (end > first && !is_inside(light, thin.at(end - 1))) --end;
+  for (std::size_t i = 0; i < first; ++i) line[i] += light_at(light, thin.at(i));
+  add_inside(light, thin, first, end, line.data());
+  for (std::size_t i = end; i < line.size(); ++i) line[i] += light_at(light, thin.at(i));
 }
 
 // The thin lines that a thick one is the mean of: how many, and where one of them runs.
@@ -136,7 +152,7 @@ namespace {
 
 // How far the bars lean from the frame's own `along`, radians: so that a thick line is sharpest.
 // Its rows are taken once and moved against each other by whole samples.
-double lean_of(const GrayView& image, const LineFrame& frame, double thickness) {
+double lean_of(SampledLight& light, const LineFrame& frame, double thickness) {
   constexpr int kMostLean = 8;  // degrees
   constexpr double kDegree = std::numbers::pi / 180;
   const int rows = rows_of(thickness);
@@ -148,7 +164,7 @@ double lean_of(const GrayView& image, const LineFrame& frame, double thickness) 
   std::vector<ScanLine> lines;
   for (int row = 0; row < rows; ++row) {
     lines.emplace_back(longer.count, 0.0F);
-    add_light(image, longer, row_offset(row, rows, thickness), lines.back());
+    add_light(light, longer, row_offset(row, rows, thickness), lines.back());
   }
   double best = -1, lean = 0;
   for (int degrees = -kMostLean; degrees <= kMostLean; ++degrees) {
@@ -170,26 +186,25 @@ double lean_of(const GrayView& image, const LineFrame& frame, double thickness) 
 
 }  // namespace
 
-LineFrame line_frame_for(const GrayView& image, const BarRegion& region) {
+LineFrame line_frame_for(SampledLight& light, const BarRegion& region) {
   constexpr double kBeyond = 0.5;  // of the length, on both sides
   constexpr double kStepsPerModule = 5;
   constexpr double kThickness = 0.6;  // of the height
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / 95 / kStepsPerModule, 0.2, 2.0);
   const auto [low, high] =
-      inside(image, region.centre, region.across, region.length * (0.5 + kBeyond));
+      inside(light.image(), region.centre, region.across, region.length * (0.5 + kBeyond));
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
-  frame.along = turned(frame.along, lean_of(image, frame, kThickness * region.height));
+  frame.along = turned(frame.along, lean_of(light, frame, kThickness * region.height));
   return frame;
 }
 
-ScanLine light_along(const GrayView& image, const LineFrame& frame, double offset,
-                     double thickness) {
+ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset, double thickness) {
   const int rows = rows_of(thickness);
   ScanLine line(frame.count, 0.0F);
   for (int row = 0; row < rows; ++row) {
-    add_light(image, frame, offset + row_offset(row, rows, thickness), line);
+    add_light(light, frame, offset + row_offset(row, rows, thickness), line);
   }
   for (float& sample : line) sample /= static_cast<float>(rows);
   return line;
@@ -234,7 +249,7 @@ float likeness(const std::vector<float>& a, const std::vector<float>& b, int mos
 
 }  // namespace
 
-bool has_bars(const GrayView& image, const BarRegion& region) {
+bool has_bars(SampledLight& light, const BarRegion& region) {
   constexpr int kLeast = 12;  // of a symbol's 30 bars
   constexpr int kMost = 34;
   constexpr double kStepsPerModule = 3;
@@ -243,14 +258,14 @@ bool has_bars(const GrayView& image, const BarRegion& region) {
   constexpr float kAlike = 0.6F;
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
-  const auto [low, high] = inside(image, region.centre, region.across, 0.5 * region.length);
+  const auto [low, high] = inside(light.image(), region.centre, region.across, 0.5 * region.length);
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
   if (frame.count < 60) return false;
   std::vector<float> before;
   for (const double share : {-0.3, -0.1, 0.1, 0.3}) {
     const ScanLine line =
-        light_along(image, frame, share * region.height, std::min(12.0, region.height / 8));
+        light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
     std::vector<float> darkness = local_darkness(line, line.size() / 10);
     const int bars = count_of_bars(darkness);
     const int most = static_cast<int>(kMostLean * kApart * region.height / frame.step) + 1;

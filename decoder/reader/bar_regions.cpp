@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "decoder/image/half_size.hpp"
@@ -262,32 +263,41 @@ std::vector<CellLevel> cell_levels(const GrayView& image) {
   return levels;
 }
 
-std::vector<BarRegion> regions_of(const std::vector<CellLevel>& levels, std::size_t most,
-                                  bool apart) {
-  std::vector<BarRegion> found;
-  for (const CellLevel& level : levels) add_regions(level.texture, level.scale, apart, found);
-  const auto area = [](const BarRegion& region) { return region.length * region.height; };
-  std::ranges::stable_sort(found, std::ranges::greater{}, area);
+// All regions of the levels, largest first.
+std::vector<BarRegion> regions_of(const std::vector<CellLevel>& levels, bool apart) {
   std::vector<BarRegion> regions;
-  for (const BarRegion& region : found) {
-    if (regions.size() == most) break;
-    const auto same = [&](const BarRegion& other) { return same_region(region, other); };
-    if (std::ranges::none_of(regions, same)) regions.push_back(region);
-  }
+  for (const CellLevel& level : levels) add_regions(level.texture, level.scale, apart, regions);
+  const auto area = [](const BarRegion& region) { return region.length * region.height; };
+  std::ranges::stable_sort(regions, std::ranges::greater{}, area);
   return regions;
 }
 
 }  // namespace
 
-std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most) {
-  return regions_of(cell_levels(image), most, false);
-}
+struct BarRegions::Cells {
+  std::vector<CellLevel> levels;
+  std::array<std::optional<std::vector<BarRegion>>, 2> regions;  // whole, apart
+};
 
-std::vector<BarRegion> find_bar_regions_apart(const GrayView& image, std::size_t most) {
-  const std::vector<CellLevel> levels = cell_levels(image);
-  std::vector<BarRegion> regions = regions_of(levels, most, true);
-  const std::vector<BarRegion> whole = regions_of(levels, most, false);
-  regions.insert(regions.end(), whole.begin(), whole.end());
+BarRegions::BarRegions(const GrayView& image) : image_(image) {}
+BarRegions::BarRegions(BarRegions&&) noexcept = default;
+BarRegions& BarRegions::operator=(BarRegions&&) noexcept = default;
+BarRegions::~BarRegions() = default;
+
+std::vector<BarRegion> BarRegions::whole(std::size_t most) { return first_of(false, most); }
+
+std::vector<BarRegion> BarRegions::apart(std::size_t most) { return first_of(true, most); }
+
+std::vector<BarRegion> BarRegions::first_of(bool apart, std::size_t most) {
+  if (!cells_) cells_ = std::make_unique<Cells>(Cells{cell_levels(image_), {}});
+  std::optional<std::vector<BarRegion>>& found = cells_->regions[apart ? 1 : 0];
+  if (!found) found = regions_of(cells_->levels, apart);
+  std::vector<BarRegion> regions;
+  for (const BarRegion& region : *found) {
+    if (regions.size() == most) break;
+    const auto same = [&](const BarRegion& other) { return same_region(region, other); };
+    if (std::ranges::none_of(regions, same)) regions.push_back(region);
+  }
   return regions;
 }
 

@@ -2,6 +2,8 @@
 // Where parallel bars may be, framed or not.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
@@ -17,15 +19,32 @@ struct BarRegion {
   double height = 0;  // extent along the bars
 };
 
-// Patches of one direction, largest first, at most `most`: from the coherence of the gradients'
-// structure tensor (Bigun and Granlund 1987) over cells of 8 pixels, at several reductions of the
-// image so that modules from half a pixel to some ten pixels fill the cells. Images of more than
-// two million pixels are searched reduced, so that modules below about one pixel of the reduced
-// image are missed.
-std::vector<BarRegion> find_bar_regions(const GrayView& image, std::size_t most);
+// Finds patches of one direction from the coherence of the gradients' structure tensor (Bigun and
+// Granlund 1987) over cells of 8 pixels, at several reductions of the image so that modules from
+// half a pixel to some ten pixels fill the cells. Images of more than two million pixels are
+// searched reduced, so that modules below about one pixel of the reduced image are missed. What was
+// found is kept for who asks next. The image's samples must outlive it.
+class BarRegions {
+ public:
+  explicit BarRegions(const GrayView& image);
+  BarRegions(BarRegions&&) noexcept;
+  BarRegions& operator=(BarRegions&&) noexcept;
+  ~BarRegions();
 
-// Before these as many others: patches that only hang together by thin necks are several, and each
-// is a cell smaller on all sides.
-std::vector<BarRegion> find_bar_regions_apart(const GrayView& image, std::size_t most);
+  // The patches, largest first, at most `most` of them.
+  std::vector<BarRegion> whole(std::size_t most);
+
+  // Patches that only hang together by thin necks taken apart, each a cell smaller on all sides;
+  // largest first, at most `most` of them.
+  std::vector<BarRegion> apart(std::size_t most);
+
+ private:
+  struct Cells;
+
+  std::vector<BarRegion> first_of(bool apart, std::size_t most);
+
+  GrayView image_;
+  std::unique_ptr<Cells> cells_;  // made when they are first wanted
+};
 
 }  // namespace tagsmith

@@ -155,7 +155,8 @@ Explanation explain(const GrayView& image, const ReadOptions& options, const Rea
     explanation.symbols.push_back(explain_rejection(image, rejection, options));
   }
   if (!result.frameless.read.empty() || !result.frameless.rejected.empty()) {
-    for (const FramelessTrace& trace : trace_frameless(image, options)) {
+    PictureBars bars(image);
+    for (const FramelessTrace& trace : trace_frameless(bars, options)) {
       explanation.symbols.push_back(explain_frameless(trace));
     }
   }

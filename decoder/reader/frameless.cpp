@@ -17,6 +17,7 @@
 #include "decoder/reader/bar_regions.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/elastic_scan.hpp"
+#include "decoder/scan/running.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -95,7 +96,7 @@ std::optional<ElasticReading> read_line(const PlacedLine& line, const BarTemplat
 
 // The line to start from, of three thick ones, and its reading: the best of the places whose guard
 // patterns suit best, in either direction.
-std::optional<ReadLine> first_line(const GrayView& image, const LineFrame& frame,
+std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
                                    const BarRegion& region, Wanted wanted,
                                    const FirstLineLimits& limits = {}) {
   constexpr std::size_t kMostPlaces = 10;
@@ -168,12 +169,12 @@ void drop_strays(std::vector<ReadLine>& lines) {
       lines, [&](const ReadLine& line) { return line.reading.alignment.cost_per_module > most; });
 }
 
-bool is_inside(const GrayView& image, PixelPoint at) {
-  return at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
+bool is_inside(const SampledLight& image, PixelPoint at) {
+  return at.x >= 0 && at.y >= 0 && at.x <= image.width() - 1 && at.y <= image.height() - 1;
 }
 
 // Reads the region's lines from the first one outwards, each where its neighbour was.
-RegionScan scan_region(const GrayView& image, const LineFrame& frame, const BarRegion& region,
+RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
                        ReadLine first, const Shape& shape, int lines, Wanted wanted) {
   constexpr double kWorst = 4;  // a line worse than this is dirt or lies beyond the bars
   constexpr int kMostMisses = 3;
@@ -471,7 +472,7 @@ std::vector<std::array<PixelPoint, 2>> line_ends(const RegionScan& scan) {
 }
 
 // What a region's bars say; nothing where they are not much like a symbol.
-std::optional<FramelessTrace> trace_region(const GrayView& image, const BarRegion& region,
+std::optional<FramelessTrace> trace_region(SampledLight& image, const BarRegion& region,
                                            const ReadOptions& options) {
   // Beyond these a refusal is not worth telling: any texture is explained by enough blur.
   constexpr double kSymbolLike = 0.85;
@@ -518,21 +519,21 @@ FramelessReading reading_of(const FramelessTrace& trace) {
 
 }  // namespace
 
-std::vector<FramelessTrace> trace_frameless(const GrayView& image, const ReadOptions& options) {
+std::vector<FramelessTrace> trace_frameless(PictureBars& bars, const ReadOptions& options) {
   std::vector<FramelessTrace> traces;
-  for (const BarRegion& region : find_bar_regions(image, kMostRegions)) {
+  for (const BarRegion& region : bars.regions.whole(kMostRegions)) {
     const auto covers = [&](const FramelessTrace& other) {
       return !other.objection && contains(other.bars, region.centre);
     };
     if (std::ranges::any_of(traces, covers)) continue;
-    if (auto trace = trace_region(image, region, options)) traces.push_back(std::move(*trace));
+    if (auto trace = trace_region(bars.light, region, options)) traces.push_back(std::move(*trace));
   }
   return traces;
 }
 
-FramelessResult read_frameless(const GrayView& image, const ReadOptions& options) {
+FramelessResult read_frameless(PictureBars& bars, const ReadOptions& options) {
   FramelessResult result;
-  for (const FramelessTrace& trace : trace_frameless(image, options)) {
+  for (const FramelessTrace& trace : trace_frameless(bars, options)) {
     // Bars seen at two reductions of the image are the same.
     const auto same = [&](const auto& other) {
       return contains(other.bars, 0.5 * (trace.bars[0] + trace.bars[2]));
@@ -603,7 +604,7 @@ bool is_line_of(const LocatedBars& bars, PixelPoint begin, PixelPoint end) {
 
 }  // namespace
 
-std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region,
+std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region,
                                        std::span<const LocatedBars> located) {
   constexpr std::size_t kLeastLines = 3;
   constexpr double kAsHigh = 0.8;  // more of the bars would not be followed
@@ -659,12 +660,12 @@ const Rejection* doubted_at(const FramelessReading& reading,
 
 }  // namespace
 
-ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result) {
+ReadResult with_frameless(PictureBars& bars, const ReadOptions& options, ReadResult result) {
   const bool wanted = options.frameless == Frameless::always ||
                       (options.frameless == Frameless::fallback && result.tags.empty());
   if (!wanted) return result;
   FramelessResult& frameless = result.frameless;
-  frameless = read_frameless(image, options);
+  frameless = read_frameless(bars, options);
   const auto is_read = [&](const auto& symbol) { return stands_in_any(symbol, result.tags); };
   std::erase_if(frameless.read, is_read);
   std::erase_if(frameless.rejected, is_read);

@@ -10,8 +10,10 @@
 
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/picture_bars.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
+#include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/decode.hpp"
 
 namespace tagsmith {
@@ -21,7 +23,11 @@ namespace tagsmith {
 // distortion along the line (decoder/scan/elastic_scan.hpp), the lines' likelihoods are added, and
 // the straightened profile must then pass what a framed symbol must. The check digit is
 // options.check, or gs1, that of every product, unless options.code_book says which codes exist.
-FramelessResult read_frameless(const GrayView& image, const ReadOptions& options = {});
+FramelessResult read_frameless(PictureBars& bars, const ReadOptions& options = {});
+inline FramelessResult read_frameless(const GrayView& image, const ReadOptions& options = {}) {
+  PictureBars bars(image);
+  return read_frameless(bars, options);
+}
 
 // One region of bars much like a symbol: what read_frameless makes its answer from, for people who
 // want to know why.
@@ -36,7 +42,7 @@ struct FramelessTrace {
   Decoding decoding;                             // of the profile
 };
 
-std::vector<FramelessTrace> trace_frameless(const GrayView& image, const ReadOptions& options = {});
+std::vector<FramelessTrace> trace_frameless(PictureBars& bars, const ReadOptions& options = {});
 
 // Where the bars of a symbol stand, read or not.
 struct LocatedBars {
@@ -57,12 +63,12 @@ struct LocatedBars {
 
 // Follows the bars of a region line by line; nothing where they are not much like a symbol, or the
 // same as some that were `located` before.
-std::optional<LocatedBars> locate_bars(const GrayView& image, const BarRegion& region,
+std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region,
                                        std::span<const LocatedBars> located = {});
 
 // The result with what options.frameless asks for. A tag that was read by its frame is not given
 // again; one that its frame shows to be covered or doubtful is not believed by less: it joins those
 // that were rejected.
-ReadResult with_frameless(const GrayView& image, const ReadOptions& options, ReadResult result);
+ReadResult with_frameless(PictureBars& bars, const ReadOptions& options, ReadResult result);
 
 }  // namespace tagsmith

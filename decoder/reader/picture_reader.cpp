@@ -30,8 +30,8 @@ bool was_tried(const std::vector<Quad>& tried, const Quad& quad, double pixels) 
 
 }  // namespace
 
-PictureReader::PictureReader(const GrayView& image, const ReadOptions& options)
-    : image_(image), options_(options) {
+PictureReader::PictureReader(const GrayView& image, PictureBars& bars, const ReadOptions& options)
+    : image_(image), bars_(bars), options_(options) {
   if (options.camera) lens_ = LensBend(*options.camera);
 }
 
@@ -64,7 +64,7 @@ void PictureReader::try_bars(const GrayView& half, const BarRegion& region) {
   constexpr double kSameCompleted = 1.5;   // pixels
   constexpr std::size_t kMostLocated = 6;  // in one picture: bounds its time
   if (located_.size() == kMostLocated) return;
-  const auto bars = locate_bars(image_, region, located_);
+  const auto bars = locate_bars(bars_.light, region, located_);
   if (!bars) return;
   located_.push_back(*bars);
   for (const SymbolLayout& layout : options_.layouts) {
@@ -100,7 +100,7 @@ void PictureReader::try_covered(const GrayView& half) {
     odd_bars_.push_back(bars_inside(image_, frame.corners));
   }
   for (const BarRegion& region : odd_bars_) {
-    if (!has_reading_at(region.centre) && has_bars(image_, region)) try_bars(half, region);
+    if (!has_reading_at(region.centre) && has_bars(bars_.light, region)) try_bars(half, region);
   }
 }
 

@@ -16,17 +16,18 @@
 #include "decoder/reader/attempt.hpp"
 #include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/frameless.hpp"
+#include "decoder/reader/picture_bars.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
 
 namespace tagsmith {
 
 // Reads one picture: keeps what was found and what was tried, so that a frame seen at several
-// levels is read once. Where to look is the caller's matter. The image and the options must outlive
-// it.
+// levels is read once. Where to look is the caller's matter. The image, its bars and the options
+// must outlive it.
 class PictureReader {
  public:
-  PictureReader(const GrayView& image, const ReadOptions& options);
+  PictureReader(const GrayView& image, PictureBars& bars, const ReadOptions& options);
 
   // Looks at a candidate found in a level of the pyramid.
   void try_candidate(const PyramidLevel& level, const Quad& candidate);
@@ -95,6 +96,7 @@ class PictureReader {
   bool may_be_covered(double module_px) const;
 
   GrayView image_;
+  PictureBars& bars_;
   const ReadOptions& options_;
   std::optional<LensBend> lens_;  // of the camera, if that is known
   ReadResult result_;

@@ -21,6 +21,7 @@
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/frameless.hpp"
+#include "decoder/reader/picture_bars.hpp"
 #include "decoder/reader/picture_reader.hpp"
 
 namespace tagsmith {
@@ -219,39 +220,46 @@ bool overlap(const BarRegion& a, const BarRegion& b) {
 }
 
 // The largest fields of bars that no reading explains.
-std::vector<BarRegion> unexplained_bars(const PictureReader& reader, const GrayView& image,
+std::vector<BarRegion> unexplained_bars(const PictureReader& reader, PictureBars& all,
                                         const PyramidLevel& half) {
   constexpr std::size_t kLooked = 24;
   constexpr std::size_t kMost = 3;
   constexpr double kLeastProportion = 0.6, kMostProportion = 6;
+  const GrayView& image = all.light.image();
   const PyramidLevel full{image, 1};
   const std::vector<Quad> known = reader.known_in(full);
   std::vector<BarRegion> bars;
-  for (const BarRegion& region : find_bar_regions_apart(image, kLooked)) {
-    if (bars.size() == kMost) return bars;
+  const auto add = [&](const BarRegion& region) {
     const double proportion = region.length / std::max(region.height, 1.0);
     if (region.length < kLeastBarsLength || proportion < kLeastProportion ||
         proportion > kMostProportion) {
-      continue;
+      return;
     }
     const auto holds = [&](const Quad& quad) { return contains(quad, region.centre); };
-    if (std::ranges::any_of(known, holds) || is_cut_off(image, region)) continue;
+    if (std::ranges::any_of(known, holds) || is_cut_off(image, region)) return;
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
-    if (std::ranges::any_of(bars, same)) continue;
+    if (std::ranges::any_of(bars, same)) return;
     const BarBlock block{region.centre,
                          region.across,
                          {-region.across.y, region.across.x},
                          region.length / 2,
                          region.height / 2};
-    if (is_symbol_like(half.image, scaled(block, 1 / half.scale)) && has_bars(image, region)) {
+    if (is_symbol_like(half.image, scaled(block, 1 / half.scale)) && has_bars(all.light, region)) {
       bars.push_back(region);
     }
+  };
+  for (const BarRegion& region : all.regions.apart(kLooked)) {
+    if (bars.size() < kMost) add(region);
+  }
+  if (bars.size() == kMost) return bars;
+  for (const BarRegion& region : all.regions.whole(kLooked)) {
+    if (bars.size() < kMost) add(region);
   }
   return bars;
 }
 
 // The largest of the blocks of bars that no reading explains.
-std::vector<BarRegion> largest_of(const PictureReader& reader, const GrayView& image,
+std::vector<BarRegion> largest_of(const PictureReader& reader, SampledLight& image,
                                   std::vector<BarBlock> blocks) {
   constexpr std::size_t kMost = 1;
   std::ranges::stable_sort(blocks, std::ranges::greater{}, &BarBlock::half_width);
@@ -260,7 +268,7 @@ std::vector<BarRegion> largest_of(const PictureReader& reader, const GrayView& i
     if (regions.size() == kMost) break;
     const BarRegion region{block.centre, block.across, 2 * block.half_width, 2 * block.half_height};
     if (region.length < kLeastBarsLength || reader.has_reading_at(region.centre) ||
-        reader.was_looked_at(region) || is_cut_off(image, region)) {
+        reader.was_looked_at(region) || is_cut_off(image.image(), region)) {
       continue;
     }
     if (has_bars(image, region)) regions.push_back(region);
@@ -277,23 +285,23 @@ bool is_worth_care(const PictureReader& reader) {
 // Reads carefully what may be covered tags, which takes longer than all the rest: in frames that
 // did not convince, and around bars, where is_worth_care() does not say so those alone that were
 // found to be much like a symbol (`symbols`).
-void read_covered(PictureReader& reader, const GrayView& image, const PyramidLevel& half,
+void read_covered(PictureReader& reader, PictureBars& all, const PyramidLevel& half,
                   const std::vector<BarBlock>& symbols) {
   const bool everywhere = is_worth_care(reader);
   reader.try_covered(half.image);
   const std::vector<BarRegion> bars =
-      everywhere ? unexplained_bars(reader, image, half) : largest_of(reader, image, symbols);
+      everywhere ? unexplained_bars(reader, all, half) : largest_of(reader, all.light, symbols);
   for (const BarRegion& region : bars) reader.try_bars(half.image, region);
 }
 
-void search(PictureReader& reader, const GrayView& image) {
-  const Pyramid pyramid(image);
+void search(PictureReader& reader, PictureBars& bars) {
+  const Pyramid pyramid(bars.light.image());
   search_near_bars(reader, pyramid);
   // Bars that no reading explains, or a picture without any reading, are worth a closer look.
   const SearchLevel& half = pyramid.scaled_down(2);
   std::vector<BarBlock> symbols = search_around_bars(reader, pyramid.scaled_down(4), half.level);
   if (symbols.empty() && reader.has_read_any()) {
-    return read_covered(reader, image, half.level, symbols);
+    return read_covered(reader, bars, half.level, symbols);
   }
   const std::vector<BarBlock> small = search_around_bars(reader, half, half.level);
   symbols.insert(symbols.end(), small.begin(), small.end());
@@ -303,21 +311,22 @@ void search(PictureReader& reader, const GrayView& image) {
     if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
     search_regions(reader, at.level, everywhere ? nullptr : &around, true);
   }
-  read_covered(reader, image, half.level, symbols);
+  read_covered(reader, bars, half.level, symbols);
 }
 
 }  // namespace
 
 ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
-  PictureReader reader(image, options);
+  PictureBars bars(image);
+  PictureReader reader(image, bars, options);
   for (const ExpectedTag& tag : options.expected) look_for(reader, image, tag);
   const auto is_missing = [&](const ExpectedTag& tag) { return !reader.has_read(tag); };
   const bool missing =
       options.expected.empty() || std::ranges::any_of(options.expected, is_missing);
   if (options.search == Search::always || (options.search == Search::when_missing && missing)) {
-    search(reader, image);
+    search(reader, bars);
   }
-  return with_frameless(image, options, reader.take_result());
+  return with_frameless(bars, options, reader.take_result());
 }
 
 }  // namespace tagsmith

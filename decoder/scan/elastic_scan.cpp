@@ -6,18 +6,19 @@
 #include <iterator>
 
 #include "decoder/scan/place_rows.hpp"
+#include "decoder/scan/running.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
 namespace {
 
-constexpr int kPerModule = 5;  // samples of a resampled line
+constexpr int kPerModule = kPlacedPerModule;
 constexpr int kSegments = 15;  // start guard, 6 digits, centre guard, 6 digits, end guard
-constexpr int kMargin = 14;    // modules of a resampled line on both sides of the symbol
-constexpr int kSlack = 5;      // modules that a boundary may be off
-constexpr int kQuiet = 5;      // modules of quiet zone that are looked at
-constexpr int kRatios = 9;     // local module widths: 31 to 39 samples for seven modules
+constexpr int kMargin = kPlacedMargin;
+constexpr int kSlack = kPlacedSlack;  // modules that a boundary may be off
+constexpr int kQuiet = 5;             // modules of quiet zone that are looked at
+constexpr int kRatios = 9;            // local module widths: 31 to 39 samples for seven modules
 constexpr int kNominalRatio = 4;
 constexpr int kSamplesPerDigit = kModulesPerDigit * kPerModule;
 constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
@@ -132,42 +133,6 @@ constexpr std::array<int, 5> kSegmentOfKind{0, 7, 1, 8, 14};
 int patterns_of(int segment) {
   if (!is_digit(segment)) return 1;
   return is_left(segment) ? kTemplates : 10;
-}
-
-// The light of a line up to any place; beyond its ends its last samples continue.
-class LineIntegral {
- public:
-  explicit LineIntegral(const ScanLine& line) : line_(line), sums_(line.size() + 1, 0.0) {
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      sums_[i + 1] = sums_[i] + static_cast<double>(line[i]);
-    }
-  }
-
-  double to(double at) const {
-    const auto size = static_cast<double>(line_.size());
-    if (at < 0) return at * static_cast<double>(line_.front());
-    if (at >= size) return sums_.back() + (at - size) * static_cast<double>(line_.back());
-    const auto i = static_cast<std::size_t>(at);
-    return sums_[i] + (at - static_cast<double>(i)) * static_cast<double>(line_[i]);
-  }
-
- private:
-  const ScanLine& line_;
-  std::vector<double> sums_;
-};
-
-// A line at kPerModule samples a module, the symbol nominally from kMargin modules on. Each sample
-// is the mean of what it covers.
-std::vector<float> resampled(const LineIntegral& line, double begin, double module, int count) {
-  const double step = module / kPerModule;
-  std::vector<float> samples(static_cast<std::size_t>(count));
-  double before = line.to(begin - kMargin * kPerModule * step);
-  for (int i = 0; i < count; ++i) {
-    const double sum = line.to(begin + (i + 1 - kMargin * kPerModule) * step);
-    samples[static_cast<std::size_t>(i)] = static_cast<float>((sum - before) / step);
-    before = sum;
-  }
-  return samples;
 }
 
 // A line's darkness and its squares up to each sample.
@@ -509,161 +474,6 @@ class Chain {
   float least_ = kFarCost;
 };
 
-// Greatest (or, with negated samples, least) value within `window` samples to both sides.
-std::vector<float> running_maximum(const std::vector<float>& samples, std::size_t window) {
-  // Blocks of 2 window + 1: running maxima from both ends of each (van Herk 1992, Gil and Werman
-  // 1993).
-  const std::size_t block = 2 * window + 1;
-  std::vector<float> padded(samples.size() + 2 * window, samples.back());
-  std::fill_n(padded.begin(), window, samples.front());
-  std::ranges::copy(samples, padded.begin() + static_cast<std::ptrdiff_t>(window));
-  std::vector<float> ahead(padded);
-  for (std::size_t begin = 0; begin < padded.size(); begin += block) {
-    const std::size_t end = std::min(padded.size(), begin + block);
-    float most = padded[begin];
-    for (std::size_t i = begin; i < end; ++i) ahead[i] = most = std::max(most, padded[i]);
-    most = padded[end - 1];
-    for (std::size_t i = end; i-- > begin;) padded[i] = most = std::max(most, padded[i]);
-  }
-  std::vector<float> result(samples.size());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = std::max(padded[i], ahead[i + 2 * window]);
-  }
-  return result;
-}
-
-std::vector<float> running_minimum(std::vector<float> samples, std::size_t window) {
-  for (float& sample : samples) sample = -sample;
-  std::vector<float> result = running_maximum(samples, window);
-  for (float& sample : result) sample = -sample;
-  return result;
-}
-
-std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {
-  const std::size_t size = samples.size();
-  std::vector<float> result(size);
-  // What enters less what leaves, so that one addition alone waits for the one before.
-  const auto sample = [&](std::size_t i) { return static_cast<double>(samples[i]); };
-  double sum = 0;
-  for (std::size_t i = 0; i < std::min(size, window); ++i) sum += sample(i);
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::size_t begin = i > window ? i - window : 0;
-    const std::size_t end = std::min(size, i + window + 1);
-    sum += (i + window < size ? sample(i + window) : 0.0) - (begin > 0 ? sample(begin - 1) : 0.0);
-    result[i] = static_cast<float>(sum / static_cast<double>(end - begin));
-  }
-  return result;
-}
-
-// Mean darkness of the module that begins at each sample; of its middle three samples, because its
-// edges are blurred.
-std::vector<float> module_darkness(std::vector<float> darkness) {
-  for (float& sample : darkness) sample = std::min(std::max(sample, 0.0F), 1.0F);
-  std::vector<float> modules(darkness.size(), 0.0F);
-  for (std::size_t i = 0; i + kPerModule <= darkness.size(); ++i) {
-    modules[i] = (darkness[i + 1] + darkness[i + 2] + darkness[i + 3]) / 3;
-  }
-  return modules;
-}
-
-// How badly the three guard patterns that begin at each sample suit: 1 less the correlation of
-// their modules with the darkness, which blur lowers little. Even grey correlates with nothing.
-// With quiet zones: 00001010 at the start, 1010101 in the centre, 01010000 at the end (1 = bar).
-struct GuardCosts {
-  std::vector<float> start, centre, end;
-};
-
-// 1 - correlation, from the sum of the bars' modules and the sums over all.
-struct PatternFit {
-  float bars, count;
-
-  // Their covariance with the pattern, times the count.
-  float product(float of_bars, float sum) const { return of_bars - bars / count * sum; }
-  // What such a product is divided by.
-  float deviations(float variance) const {
-    constexpr float kLeastDeviation = 0.15F;  // of darkness within the pattern
-    const float share = bars / count;
-    return count *
-           std::sqrt(std::max(kLeastDeviation * kLeastDeviation, variance) * share * (1 - share));
-  }
-};
-
-GuardCosts guard_costs(const std::vector<float>& modules) {
-  constexpr std::size_t kOuter = 8, kCentre = 7;  // modules of the patterns
-  constexpr PatternFit kOuterFit{2, kOuter}, kCentreFit{4, kCentre};
-  const std::size_t size = modules.size();
-  GuardCosts costs{std::vector<float>(size, kFarCost), std::vector<float>(size, kFarCost),
-                   std::vector<float>(size, kFarCost)};
-  if (size < kOuter * kPerModule) return costs;
-  const std::size_t end = size - kOuter * kPerModule + 1;
-  std::vector<float> outer_variance(end), centre_variance(end);
-  for (std::size_t i = 0; i < end; ++i) {
-    std::array<float, kOuter> m;
-    for (std::size_t k = 0; k < kOuter; ++k) m[k] = modules[i + k * kPerModule];
-    float sum = 0, squares = 0;
-    for (std::size_t k = 0; k < kCentre; ++k) {
-      sum += m[k];
-      squares += m[k] * m[k];
-    }
-    costs.centre[i] = kCentreFit.product(m[0] + m[2] + m[4] + m[6], sum);
-    centre_variance[i] = squares / kCentre - sum * sum / (kCentre * kCentre);
-    sum += m[kCentre];
-    squares += m[kCentre] * m[kCentre];
-    costs.start[i] = kOuterFit.product(m[4] + m[6], sum);
-    costs.end[i] = kOuterFit.product(m[1] + m[3], sum);
-    outer_variance[i] = squares / kOuter - sum * sum / (kOuter * kOuter);
-  }
-  for (std::size_t i = 0; i < end; ++i) {
-    const float outer = 1 / kOuterFit.deviations(outer_variance[i]);
-    costs.start[i] = 1 - costs.start[i] * outer;
-    costs.end[i] = 1 - costs.end[i] * outer;
-    costs.centre[i] = 1 - costs.centre[i] / kCentreFit.deviations(centre_variance[i]);
-  }
-  return costs;
-}
-
-// A symbol may reach beyond the line by what its boundaries may be off.
-bool has_room(const ScanLine& line, const SymbolPlace& place) {
-  const double reach = kSlack * std::abs(place.module);
-  const double end = place.begin + kModuleCount * place.module;
-  const auto size = static_cast<double>(line.size());
-  return std::min(place.begin, end) >= -reach && std::max(place.begin, end) <= size + reach;
-}
-
-// Where a begin suits, for one module width; in samples of the line resampled to that width.
-std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
-                                         double module, double worst) {
-  const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
-  const int count = length + 2 * kMargin * kPerModule;
-  const std::vector<float> samples = resampled(integral, 0, module, count);
-  const std::vector<float> modules = module_darkness(local_darkness(samples, 9 * kPerModule));
-  const GuardCosts guards = guard_costs(modules);
-  // The costs of the best places within kSlackModules.
-  constexpr int kSlackModules = 3;
-  constexpr std::size_t kSlackSamples = kSlackModules * kPerModule;
-  const std::vector<float> centres = running_minimum(guards.centre, kSlackSamples);
-  const std::vector<float> ends = running_minimum(guards.end, kSlackSamples);
-  std::vector<SymbolPlace> places;
-  for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
-    const float at_start = guards.start[static_cast<std::size_t>(i)];
-    if (at_start > kWorstPlace / 2) continue;
-    const int first_bar = i + 4 * kPerModule;
-    const auto last_guard =
-        static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPerModule));
-    const float cost = at_start + centres[static_cast<std::size_t>(first_bar + 44 * kPerModule)] +
-                       ends[last_guard];
-    if (cost > worst) continue;
-    const auto first = guards.end.begin() + (first_bar + 91 * kPerModule) - kSlackSamples;
-    const auto at_end = std::find(first, guards.end.end(), ends[last_guard]);
-    const double begin = first_bar - kMargin * kPerModule;
-    const auto bars = static_cast<double>(at_end - guards.end.begin()) - first_bar;
-    const double width = bars / 91 * module / kPerModule;
-    const SymbolPlace place{begin * module / kPerModule, width, cost};
-    if (has_room(line, place)) places.push_back(place);
-  }
-  return places;
-}
-
 }  // namespace
 
 BarTemplates::BarTemplates(const BarShape& shape) {
@@ -683,46 +493,6 @@ const BarTemplates::Template& BarTemplates::shown(std::size_t kind, int pattern,
   return templates_[kind][static_cast<std::size_t>(pattern * kRatios + ratio)];
 }
 
-std::vector<float> local_darkness(const ScanLine& line, std::size_t window) {
-  constexpr float kLeastShare = 0.2F;  // of the line's whole contrast: less is no bars
-  std::vector<float> negated(line);
-  for (float& sample : negated) sample = -sample;
-  const std::vector<float> white = running_mean(running_maximum(line, window), window / 2);
-  const std::vector<float> black = running_mean(running_maximum(negated, window), window / 2);
-  const auto [low, high] = std::ranges::minmax_element(line);
-  const float least = std::max(kLeastShare * (*high - *low), 1e-6F);
-  std::vector<float> darkness(line.size());
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    darkness[i] = (white[i] - line[i]) / std::max(white[i] + black[i], least);
-  }
-  return darkness;
-}
-
-std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most, double worst) {
-  constexpr double kStep = 1.045;
-  std::vector<SymbolPlace> all;
-  if (line.size() < 40) return all;
-  const LineIntegral integral(line);
-  for (double module = least; module <= greatest; module *= kStep) {
-    std::ranges::move(places_at_width(line, integral, module, worst), std::back_inserter(all));
-  }
-  std::ranges::sort(all, {}, &SymbolPlace::cost);
-  std::vector<SymbolPlace> best;
-  for (const SymbolPlace& place : all) {
-    const auto same = [&](const SymbolPlace& other) {
-      const double end = place.begin + kModuleCount * place.module;
-      const double other_end = other.begin + kModuleCount * other.module;
-      return std::abs(place.begin - other.begin) < 1.5 * place.module &&
-             std::abs(end - other_end) < 1.5 * place.module;
-    };
-    if (std::ranges::any_of(best, same)) continue;
-    best.push_back(place);
-    if (best.size() == most) break;
-  }
-  return best;
-}
-
 namespace {
 
 // Where the symbol's boundaries lie on the line itself.
@@ -734,23 +504,6 @@ void to_line(const PlacedLine& placed, ElasticAlignment& alignment) {
 }
 
 }  // namespace
-
-std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place) {
-  const auto size = static_cast<double>(line.size());
-  if (line.size() < 2 || !(std::abs(place.module) > 0.1) || !has_room(line, place)) {
-    return std::nullopt;
-  }
-  PlacedLine placed{{}, place.begin, place.module, 0};
-  if (place.module < 0) {
-    const ScanLine turned(line.rbegin(), line.rend());
-    placed = {{}, size - place.begin, -place.module, size};
-    placed.darkness = resampled(LineIntegral(turned), placed.begin, placed.module, kLineSamples);
-  } else {
-    placed.darkness = resampled(LineIntegral(line), placed.begin, placed.module, kLineSamples);
-  }
-  placed.darkness = local_darkness(placed.darkness, 9 * kPerModule);
-  return placed;
-}
 
 double elastic_cost(const PlacedLine& line, const BarTemplates& templates, double worst) {
   return Chain(line.darkness, templates, nullptr, Chain::Keep::best, worst).cost_per_module();

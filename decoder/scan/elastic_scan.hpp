@@ -11,30 +11,10 @@
 #include <span>
 #include <vector>
 
+#include "decoder/scan/symbol_places.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith {
-
-// Light along a line across the bars, evenly spaced; any unit. Lines are handled in their own
-// samples: sample i covers i to i + 1.
-using ScanLine = std::vector<float>;
-
-// Where a symbol may lie on a line.
-struct SymbolPlace {
-  double begin = 0;   // of the first bar, samples
-  double module = 0;  // width, samples; negative when the symbol runs against the line
-  double cost = 0;    // of its guard patterns, less is better
-};
-
-// Cost of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products
-// stay below.
-inline constexpr double kWorstPlace = 1.5;
-
-// Places whose quiet zones and three guard patterns suit, best first, at most `most` of them. Both
-// directions fit equally well; the one along the line is returned. `least` and `greatest` bound
-// the module's width in samples, `worst` the places' cost.
-std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most, double worst = kWorstPlace);
 
 // How bars look on the line.
 struct BarShape {
@@ -82,17 +62,6 @@ struct ElasticReading {
   std::array<double, 6> even_parity_cost{};
 };
 
-// A line resampled about a place, as darkness (0 space, 1 bar), the symbol running along it.
-struct PlacedLine {
-  std::vector<float> darkness;
-  double begin = 0;  // of the place, samples of the line in its own or the turned direction
-  double module = 0;
-  double turned_size = 0;  // samples of the line when it was turned, else 0
-};
-
-// Nothing when the place leaves no room on the line.
-std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place);
-
 // Costs per module above this are of no interest to anybody.
 inline constexpr double kAnyCost = 1e6;
 
@@ -115,9 +84,5 @@ std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarT
 // The same for digits that are known.
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
                                               const BarTemplates& templates, const Digits& digits);
-
-// The line's darkness between its local white and black: 0 and 1 where wide elements are near,
-// `window` samples to both sides.
-std::vector<float> local_darkness(const ScanLine& line, std::size_t window);
 
 }  // namespace tagsmith

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a window shows that slides along a line of samples. A window reaches `window` samples to
+// both sides, at the line's ends as far as there are samples.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace tagsmith {
+
+// The greatest and the least sample about each.
+std::vector<float> running_maximum(const std::vector<float>& samples, std::size_t window);
+std::vector<float> running_minimum(const std::vector<float>& samples, std::size_t window);
+
+// The mean of the samples about each.
+std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window);
+
+// A line's darkness between its local white and black: 0 and 1 where wide elements are near,
+// `window` samples to both sides.
+std::vector<float> local_darkness(const std::vector<float>& line, std::size_t window);
+
+}  // namespace tagsmith
