@@ -47,6 +47,7 @@ ul { margin: 8px 0; padding-left: 20px; }
 .map svg { display: block; width: 100%; min-width: 720px; height: auto; }
 .wall { fill: none; stroke: var(--ink); stroke-width: 1.5; }
 .axis { fill: none; stroke: var(--grey); stroke-width: .8; stroke-dasharray: 10 3 2 3; }
+.tick { stroke: var(--grey); }
 svg text { font: 11px system-ui, "DejaVu Sans", sans-serif; fill: var(--grey); }
 .tag { cursor: pointer; }
 .tag circle, .tag path { fill: currentColor; stroke: var(--paper); stroke-width: 1.5; }
@@ -196,8 +197,11 @@ class StripPicture {
     for (const double tick : plan_ticks(strip_)) {
       const Vector2d at = on_picture(view(survey_.tunnel.centerline.at(tick).position));
       const bool at_end = at.x() > kMapWidth - 2 * kMargin;
-      text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\"{}>{} m</text>\n", at.x() + 2, at.y() - 3,
-                          at_end ? " text-anchor=\"end\"" : "", format_number(tick, 2));
+      text += fmt::format(
+          "<path class=\"tick\" d=\"M{0:.1f} {1:.1f}v8\"/><text x=\"{2:.1f}\" y=\"{3:.1f}\"{4}>{5} "
+          "m</text>\n",
+          at.x(), at.y() - 4, at.x() + (at_end ? -3 : 3), at.y() - 3,
+          at_end ? " text-anchor=\"end\"" : "", format_number(tick, 2));
     }
     const bool names = are_names_apart();
     for (const PlacedTag* tag : tags()) text += mark(*tag, merged, names);

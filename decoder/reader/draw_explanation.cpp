@@ -67,6 +67,16 @@ class Overlay {
     write(canvas_, words, place, size, color, true);
   }
 
+  // Above the outline and its corners' letters; below where the picture ends there.
+  void title(const std::array<PixelPoint, 4>& outline, const std::string& words,
+             const cv::Scalar& color) {
+    constexpr int kAbove = 26;  // pixels to the baseline: a letter reaches 18 above its corner
+    constexpr int kBelow = 34;
+    const auto [highest, lowest] = std::ranges::minmax_element(outline, {}, &PixelPoint::y);
+    const bool room = at(*highest).y > kAbove + 16;
+    text(room ? *highest : *lowest, {0, room ? -kAbove : kBelow}, words, 0.6, color);
+  }
+
   double scale() const { return scale_; }
 
  private:
@@ -96,10 +106,9 @@ void draw_symbol(Overlay& overlay, const ExplainedSymbol& symbol, std::size_t nu
       overlay.text(symbol.digit_places[i], {-5, 6}, std::to_string(symbol.digits[i]), 0.55, color);
     }
   }
-  const auto highest = std::ranges::min_element(symbol.outline, {}, &PixelPoint::y);
-  overlay.text(*highest, {0, -10},
-               fmt::format("{}: {}", number, symbol.refusal.value_or(to_string(symbol.digits))),
-               0.6, color);
+  overlay.title(symbol.outline,
+                fmt::format("{}: {}", number, symbol.refusal.value_or(to_string(symbol.digits))),
+                color);
 }
 
 // A panel's plot: modules across, darkness down.

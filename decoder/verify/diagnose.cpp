@@ -12,6 +12,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/bilinear.hpp"
+#include "decoder/image/nearest.hpp"
 #include "decoder/image/upright.hpp"
 #include "decoder/reader/explain.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
@@ -43,12 +44,9 @@ Levels levels_in(const GrayView& image, const FrameCorners& corners) {
   std::vector<int> samples;
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
-      const PixelPoint at = image_from_unit((i + 0.5) / kSteps, (j + 0.5) / kSteps);
-      const bool inside =
-          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
-      if (!inside) continue;
-      samples.push_back(
-          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+      const auto level =
+          sample_nearest(image, image_from_unit((i + 0.5) / kSteps, (j + 0.5) / kSteps));
+      if (level) samples.push_back(*level);
     }
   }
   if (samples.empty()) return {0, 255};
@@ -181,12 +179,8 @@ double frame_contrast(const GrayView& image, const TagTemplate& tag, const Frame
   std::vector<double> black;
   for (int i = 1; i < 20; ++i) {
     for (const double down : {-half_stroke, 1 + half_stroke}) {
-      const PixelPoint at = image_from_unit(i / 20.0, down);
-      const bool inside =
-          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
-      if (!inside) continue;
-      black.push_back(
-          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+      const auto level = sample_nearest(image, image_from_unit(i / 20.0, down));
+      if (level) black.push_back(*level);
     }
   }
   if (black.empty()) return 0;
@@ -259,13 +253,10 @@ std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& t
       const double right = (cell % kColumns + (i % kAlong + 0.5) / kAlong) / kColumns;
       const double down =
           (cell / kColumns + (static_cast<double>(i / kAlong) + 0.5) / kAcross) / kRows;
-      const PixelPoint at =
-          image_from_unit(left + right * (1 - 2 * left), top + down * (1 - 2 * top));
-      const bool inside =
-          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
-      if (!inside) return std::nullopt;
-      samples.push_back(
-          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+      const auto level = sample_nearest(
+          image, image_from_unit(left + right * (1 - 2 * left), top + down * (1 - 2 * top)));
+      if (!level) return std::nullopt;
+      samples.push_back(*level);
     }
     std::ranges::sort(samples);
     contrasts.push_back(samples[samples.size() * 9 / 10] - samples[samples.size() / 10]);

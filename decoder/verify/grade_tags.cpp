@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/nearest.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -21,12 +22,10 @@ std::optional<double> mean_light(const GrayView& image, const Homography& image_
     for (int j = 0; j < kSteps; ++j) {
       const double x = area.x + area.width * (0.25 + 0.5 * (i + 0.5) / kSteps);
       const double y = area.y + area.height * (0.25 + 0.5 * (j + 0.5) / kSteps);
-      const PixelPoint at = image_from_unit(x / tag.frame_inner_length, y / tag.frame_inner_height);
-      const bool inside =
-          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
-      if (!inside) return std::nullopt;
-      sum += tone.light_of(
-          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+      const auto level = sample_nearest(
+          image, image_from_unit(x / tag.frame_inner_length, y / tag.frame_inner_height));
+      if (!level) return std::nullopt;
+      sum += tone.light_of(*level);
     }
   }
   return sum / (kSteps * kSteps);

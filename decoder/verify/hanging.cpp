@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/nearest.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith {
@@ -31,11 +32,9 @@ std::optional<Strip> look_at(const GrayView& image, const TagTemplate& tag,
       const PixelPoint at =
           image_from_unit((area.x + area.width * (i + 0.5) / kAlong) / tag.frame_inner_length,
                           (area.y + area.height * (j + 0.5) / kAcross) / tag.frame_inner_height);
-      const bool inside =
-          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
-      if (!inside) return std::nullopt;
-      samples.push_back(
-          image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y))));
+      const auto level = sample_nearest(image, at);
+      if (!level) return std::nullopt;
+      samples.push_back(*level);
     }
   }
   std::ranges::sort(samples);
@@ -94,11 +93,7 @@ std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag
     const double along = 0.1 + 0.8 * (i + 0.5) / kPlaces;
     const auto sample = [&](double out) -> std::optional<double> {
       const double down = upwards ? -out : tag.frame_inner_height + out;
-      const PixelPoint at = image_from_unit(along, down / tag.frame_inner_height);
-      const bool inside =
-          at.x >= 0 && at.y >= 0 && at.x <= image.width - 1 && at.y <= image.height - 1;
-      if (!inside) return std::nullopt;
-      return image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
+      return sample_nearest(image, image_from_unit(along, down / tag.frame_inner_height));
     };
     const auto white = sample(-module_width(tag) * tag.margin_modules / 2);
     if (!white) return std::nullopt;

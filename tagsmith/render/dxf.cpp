@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cmath>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -212,28 +214,50 @@ void write_objects(DxfWriter& dxf) {
   dxf.end();
 }
 
-void begin_entity(DxfWriter& dxf, const char* type, const char* layer, const char* subclass) {
+// The handle of what is begun.
+std::string begin_entity(DxfWriter& dxf, const char* type, const char* layer,
+                         const std::string& owner = kModelSpace) {
   dxf.group(0, type);
-  dxf.handle();
-  dxf.group(330, kModelSpace);
+  std::string handle = dxf.handle();
+  dxf.group(330, owner);
   dxf.group(100, "AcDbEntity");
   dxf.group(8, layer);
-  dxf.group(100, subclass);
+  return handle;
 }
 
 void write_line(DxfWriter& dxf, const char* layer, const Vector3d& from, const Vector3d& to) {
-  begin_entity(dxf, "LINE", layer, "AcDbLine");
+  begin_entity(dxf, "LINE", layer);
+  dxf.group(100, "AcDbLine");
   dxf.point(10, from);
   dxf.point(11, to);
 }
 
 void write_point(DxfWriter& dxf, const char* layer, const Vector3d& at) {
-  begin_entity(dxf, "POINT", layer, "AcDbPoint");
+  begin_entity(dxf, "POINT", layer);
+  dxf.group(100, "AcDbPoint");
   dxf.point(10, at);
 }
 
+// One object in space, so that a plate or a wall is picked as a whole.
+void write_polyline(DxfWriter& dxf, const char* layer, std::span<const Vector3d> points,
+                    bool closed) {
+  const std::string polyline = begin_entity(dxf, "POLYLINE", layer);
+  dxf.group(100, "AcDb3dPolyline");
+  dxf.group(66, 1);  // vertices follow
+  dxf.point(10, {0, 0, 0});
+  dxf.group(70, closed ? 9 : 8);
+  for (const Vector3d& point : points) {
+    begin_entity(dxf, "VERTEX", layer, polyline);
+    dxf.group(100, "AcDbVertex");
+    dxf.group(100, "AcDb3dPolylineVertex");
+    dxf.point(10, point);
+    dxf.group(70, 32);  // of a polyline in space
+  }
+  begin_entity(dxf, "SEQEND", layer, polyline);
+}
+
 void write_outline(DxfWriter& dxf, const char* layer, const std::array<Vector3d, 4>& corners) {
-  for (std::size_t i = 0; i < 4; ++i) write_line(dxf, layer, corners[i], corners[(i + 1) % 4]);
+  write_polyline(dxf, layer, corners, true);
 }
 
 // DXF arcs run counter-clockwise in the drawing's x and y.
@@ -242,7 +266,8 @@ void write_arc(DxfWriter& dxf, const char* layer, const Vector3d& centre, const 
   const auto angle = [&](const Vector3d& p) {
     return degrees(std::atan2(p.y() - centre.y(), p.x() - centre.x()));
   };
-  begin_entity(dxf, "ARC", layer, "AcDbCircle");
+  begin_entity(dxf, "ARC", layer);
+  dxf.group(100, "AcDbCircle");
   dxf.point(10, centre);
   dxf.real(40, (from - centre).norm());
   dxf.group(100, "AcDbArc");
@@ -270,10 +295,11 @@ void write_parallel(DxfWriter& dxf, const char* layer, const Survey& survey, dou
     } else {
       const double angle = element.length * std::abs(element.curvature);
       const int count = std::max(1, static_cast<int>(std::ceil(angle / radians(2))));
-      for (int i = 0; i < count; ++i) {
-        write_line(dxf, layer, in_grid(start + element.length * i / count, offset),
-                   in_grid(start + element.length * (i + 1) / count, offset));
+      std::vector<Vector3d> points;
+      for (int i = 0; i <= count; ++i) {
+        points.push_back(in_grid(start + element.length * i / count, offset));
       }
+      write_polyline(dxf, layer, points, false);
     }
     start = end;
   }
@@ -287,11 +313,11 @@ void write_rock(DxfWriter& dxf, const Survey& survey, Side side) {
     write_parallel(dxf, "WALLS", survey, rock.at(0));
     return;
   }
-  const std::vector<SidePoint> points = side_points(line, rock, 0, line.length(), kSag);
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    write_line(dxf, "WALLS", grid_from_world(survey.grid, points[i - 1].position),
-               grid_from_world(survey.grid, points[i].position));
+  std::vector<Vector3d> points;
+  for (const SidePoint& point : side_points(line, rock, 0, line.length(), kSag)) {
+    points.push_back(grid_from_world(survey.grid, point.position));
   }
+  write_polyline(dxf, "WALLS", points, false);
 }
 
 void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
@@ -314,7 +340,8 @@ void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
     write_point(dxf, "HOLES",
                 in_grid((left + right) / 2 + hole.right, (top + bottom) / 2 - hole.up));
   }
-  begin_entity(dxf, "TEXT", "NAMES", "AcDbText");
+  begin_entity(dxf, "TEXT", "NAMES");
+  dxf.group(100, "AcDbText");
   dxf.point(10, tag.p_in_grid);
   dxf.real(40, 0.1);
   dxf.group(1, tag.name + "  " + to_string(tag.digits));

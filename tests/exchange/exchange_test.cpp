@@ -453,6 +453,26 @@ TEST_CASE("a DXF has metres, layers, and positions to the micrometre in a nation
   CHECK(lines[lines.size() - 2] == "EOF");
 }
 
+TEST_CASE("a DXF has each plate and frame as one closed polyline of four corners") {
+  const Survey survey = load_survey("surveys/drift/survey.yaml").value();
+  const std::string dxf = render_dxf(survey);
+  const auto count = [&](const std::string& text) {
+    std::size_t found = 0;
+    for (auto at = dxf.find(text); at != std::string::npos; at = dxf.find(text, at + 1)) ++found;
+    return found;
+  };
+  for (const std::string layer : {"PLATES", "FRAMES"}) {
+    CAPTURE(layer);
+    const std::string closed = layer +
+                               "\n100\nAcDb3dPolyline\n 66\n1\n 10\n0.000000\n 20\n0.000000\n" +
+                               " 30\n0.000000\n 70\n9\n";
+    CHECK(count(closed) == survey.tags.size());
+    CHECK(count(layer + "\n100\nAcDbVertex\n100\nAcDb3dPolylineVertex\n") ==
+          4 * survey.tags.size());
+  }
+  CHECK(count("POLYLINE\n  5\n") == count("SEQEND\n  5\n"));
+}
+
 TEST_CASE("a DXF has the drill holes as points on the plate") {
   Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   survey.tag_template.holes = {{.right = 0.19, .up = 0.14, .diameter = 0.006}};
