@@ -244,6 +244,9 @@ Json completeness_json(const Survey& survey, const VerifyMerge& merged) {
                 {"best_grade", grade_json(record.best)},
                 {"worst_grade", grade_json(record.worst)}};
     if (!record.blame.empty()) object["grade_blame"] = record.blame;
+    if (const std::string upright = upright_of(record); !upright.empty()) {
+      object["upright"] = upright;
+    }
     tags.push_back(std::move(object));
   }
   return {
@@ -256,8 +259,20 @@ Json completeness_json(const Survey& survey, const VerifyMerge& merged) {
       {"ok", covered.ok},
       {"poor", covered.poor},
       {"faulty", covered.faulty},
+      {"upright_unchecked", covered.upright_unchecked},
       {"unseen", unseen},
       {"by_tag", tags}};
+}
+
+Json notes_json(const VerifyMerge& merged) {
+  Json notes = Json::array();
+  for (const NoteRecord& note : merged.notes) {
+    notes.push_back({{"file", note.file}, {"note", note.note}});
+  }
+  if (const std::string up = noted_up_in_words(merged.noted_up); !up.empty()) {
+    notes.push_back({{"file", nullptr}, {"note", up}});
+  }
+  return notes;
 }
 
 std::string line_of(const Json& object) {
@@ -320,6 +335,8 @@ std::string to_json_line(const FileReport& report) {
     object["height"] = report.height;
   }
   if (report.orientation) object["orientation"] = *report.orientation;
+  if (!report.tags.empty()) object["up"] = to_string(report.up);
+  if (!report.notes.empty()) object["notes"] = report.notes;
   if (report.stale) object["stale"] = true;
   return line_of(object);
 }
@@ -338,11 +355,9 @@ std::string to_json_line(const VerifySummary& summary, const Survey& survey,
 
 std::string report_json_line(const Survey& survey, const VerifyMerge& merged,
                              const std::optional<HungTags>& hung) {
-  Json object{{"files", merged.files},
-              {"faults", merged.fault_count},
-              {"repeated", merged.repeated},
-              {"other_revisions", merged.other_revisions},
-              {"completeness", completeness_json(survey, merged)}};
+  Json object{{"files", merged.files},       {"faults", merged.fault_count},
+              {"repeated", merged.repeated}, {"other_revisions", merged.other_revisions},
+              {"notes", notes_json(merged)}, {"completeness", completeness_json(survey, merged)}};
   add_hanging(hung, object);
   return line_of({{"summary", object}});
 }

@@ -22,7 +22,8 @@ struct ImageReadings {
   int width = 0;
   int height = 0;
   ReadResult result;
-  double time_ms = 0;  // of reading alone, decoding the file apart
+  double time_ms = 0;     // of reading alone, decoding the file apart
+  std::string warning{};  // what the file's decoder could make good; empty = nothing
 };
 
 // The position that the digits code: by the code of the survey that has such a tag, else by the

@@ -87,17 +87,19 @@ Result<void> write_explanation(const GrayView& image, const ReadOptions& options
 Result<ImageReadings> read_image(const fs::path& path, const std::string& reader,
                                  const ReadOptions& options,
                                  const std::optional<fs::path>& explanation) {
-  const Result<GrayImage> image = load_gray_image(path);
-  if (!image) return fail(image.error().message);
+  const Result<DecodedImage> loaded = load_image(path);
+  if (!loaded) return fail(loaded.error().message);
+  const GrayImage& image = loaded->image;
   const auto start = std::chrono::steady_clock::now();
-  ReadResult result = reader == "paper" ? read_tags_paper(image->view(), options)
-                                        : read_tags(image->view(), options);
+  ReadResult result =
+      reader == "paper" ? read_tags_paper(image.view(), options) : read_tags(image.view(), options);
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
   if (explanation) {
-    const auto written = write_explanation(image->view(), options, result, *explanation);
+    const auto written = write_explanation(image.view(), options, result, *explanation);
     if (!written) return fail(path.string() + ": " + written.error().message);
   }
-  return ImageReadings{path, image->width, image->height, std::move(result), time.count()};
+  return ImageReadings{path,         image.width,    image.height, std::move(result),
+                       time.count(), loaded->warning};
 }
 
 // The tag's digits, position and check digit, and its name where a survey has it.
@@ -158,6 +160,9 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
           return;
         }
         tally.tags += tag_count((*readings)->result);
+        if (const std::string& warning = (*readings)->warning; !warning.empty()) {
+          fmt::print(stderr, "read: {}: {}\n", files[i].string(), damaged_in_words(warning));
+        }
         if (options.json) {
           fmt::print("{}\n", to_json_line(**readings, surveys));
         } else {

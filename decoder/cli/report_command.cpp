@@ -39,10 +39,14 @@ struct Options {
 
 void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   constexpr std::size_t kMostStretches = 40;
+  constexpr std::size_t kMostNotes = 20;
   fmt::print("{} file{}, {} of {} tags seen, {} fault{}\n", merged.files,
              merged.files == 1 ? "" : "s", covered.seen, covered.tags, merged.fault_count,
              merged.fault_count == 1 ? "" : "s");
   for (const std::string& line : completeness_words(covered, kMostStretches)) {
+    fmt::print("{}\n", line);
+  }
+  for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
     fmt::print("{}\n", line);
   }
 }

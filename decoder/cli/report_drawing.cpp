@@ -26,6 +26,7 @@ using Eigen::Vector2d;
 
 constexpr std::size_t kMostShownFaults = 400;
 constexpr std::size_t kMostStretches = 12;
+constexpr std::size_t kMostNotes = 6;
 constexpr double kText = 0.0018;  // height of capitals, metres on paper
 constexpr double kLine = 0.0036;
 
@@ -98,6 +99,9 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));
   }
+  for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
+    lines.push_back(line);
+  }
   for (const std::string& line : lines)
     y = add_lines(layer, wrapped(line, 0.17), y, colours::kBlack);
   return view;
@@ -124,8 +128,8 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   constexpr double kWidth = 0.085;
   constexpr double kPictureHeight = 0.05;
   DrawingView view;
-  view.title = fmt::format("{}. {}{}", number, fault.tag.empty() ? "" : fault.tag + ": ",
-                           fault.rule.empty() ? "fault" : fault.rule);
+  view.title = fmt::format("{}. {}{}{}", number, fault.tag.empty() ? "" : fault.tag + ": ",
+                           fault.rule.empty() ? "fault" : fault.rule, fault.is_question ? "?" : "");
   view.scale = 1;
   double y = 0;
   // The card is as wide as others, whatever its words.
@@ -140,6 +144,10 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   y -= 0.0045;
   SketchLayer& layer = view.sketch.layer("faults");
   y = add_lines(layer, wrapped(fault.file, kWidth), y, colours::kGrey);
+  if (!fault.no_picture.empty()) {
+    y = add_lines(layer, wrapped("No picture: " + fault.no_picture + ".", kWidth), y,
+                  colours::kGrey);
+  }
   y = add_lines(layer, wrapped(fault.message, kWidth), y, colours::kRed);
   if (const VerifyRule* rule = find_verify_rule(fault.rule)) {
     add_lines(layer, wrapped(std::string(rule->remedy), kWidth), y, colours::kBlack);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,8 @@
 
 #include "decoder/image/half_size.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/verify/crop_tags.hpp"
+#include "decoder/verify/input_file.hpp"
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
@@ -25,18 +28,73 @@ std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.1f}", *value) : std::string();
 }
 
-// The crop's file, where it may have been copied together with the lines.
-std::optional<fs::path> find_crop(const std::string& crop, const std::vector<std::string>& lines) {
+// What is wrong with each tag, each thing once.
+std::map<std::string, std::string> findings_by_tag(const VerifyMerge& merged) {
+  std::map<std::string, std::string> findings;
+  for (const FaultRecord& fault : merged.faults) {
+    std::string& words = findings[fault.tag];
+    if (words.find(fault.message) != std::string::npos) continue;
+    words += (words.empty() ? "" : "; ") + fault.message;
+  }
+  return findings;
+}
+
+// A file that a line names, where it may have been copied together with the lines: as named, or in
+// their folder or its `subfolder`.
+std::optional<fs::path> find_beside(const std::string& name, const char* subfolder,
+                                    const std::vector<std::string>& lines) {
   std::error_code ignored;
-  if (fs::is_regular_file(crop, ignored)) return crop;
+  if (fs::is_regular_file(name, ignored)) return name;
   for (const std::string& file : lines) {
     const fs::path folder = fs::path(file).parent_path();
-    for (const fs::path& path : {folder / crop, folder / fs::path(crop).filename(),
-                                 folder / "crops" / fs::path(crop).filename()}) {
+    for (const fs::path& path : {folder / name, folder / fs::path(name).filename(),
+                                 folder / subfolder / fs::path(name).filename()}) {
       if (fs::is_regular_file(path, ignored)) return path;
     }
   }
   return std::nullopt;
+}
+
+// The photo that was cut from last: faults of one come one after the other.
+struct CutPhoto {
+  std::string file;
+  Result<GrayImage> image = fail("");
+};
+
+Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::string>& lines) {
+  const std::optional<fs::path> path = find_beside(fault.file, "photos", lines);
+  if (!path) return fail("the photo is not where the line says");
+  const Result<InputFile> input = read_input_file(*path);
+  if (!input) return fail("the photo cannot be read");
+  if (input->sha256 != fault.sha256) return fail("the photo was changed since it was verified");
+  return decode_gray_image(fault.file, input->bytes);
+}
+
+// A fault that no crop was saved of, cut out of its photo, or why it cannot be.
+Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<std::string>& lines,
+                                   CutPhoto& last) {
+  if (!fault.corners) return fail("no crop was saved of it: verify with --crops");
+  if (last.file != fault.file) last = {fault.file, load_photo(fault, lines)};
+  if (!last.image) return fail(last.image.error().message);
+  TagFinding tag;
+  tag.status = TagStatus::unreadable;  // any fault has a crop
+  tag.corners = *fault.corners;
+  std::vector<TagFinding> tags{tag};
+  crop_faults(last.image->view(), tags, fault.orientation);
+  if (!tags.front().crop) return fail("its corners lie outside of the photo");
+  return report_picture(tags.front().crop->view());
+}
+
+// The picture that was saved of a fault, or else a new one.
+Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::string>& lines,
+                               CutPhoto& last) {
+  if (!fault.crop.empty()) {
+    const std::optional<fs::path> path = find_beside(fault.crop, "crops", lines);
+    const Result<GrayImage> crop =
+        path ? load_gray_image(*path) : Result<GrayImage>(fail("not found"));
+    if (crop) return report_picture(crop->view());
+  }
+  return cut_from_photo(fault, lines, last);
 }
 
 }  // namespace
@@ -69,12 +127,15 @@ Result<void> write_report(const ReportFiles& files, const Survey& survey,
 
 std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
   std::string csv = csv_row({"tag", "digits", "chainage_m", "status", "seen", "faults",
-                             "best_grade", "worst_grade", "blame", "side"});
+                             "best_grade", "worst_grade", "blame", "side", "upright", "finding"});
+  const std::map<std::string, std::string> findings = findings_by_tag(merged);
   for (const PlacedTag& tag : survey.tags) {
     const TagRecord record = record_of(merged, tag.name);
+    const auto finding = findings.find(tag.name);
     csv += csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3),
                     status_of(record), std::to_string(record.seen), std::to_string(record.faults),
-                    number(record.best), number(record.worst), record.blame, to_string(tag.side)});
+                    number(record.best), number(record.worst), record.blame, to_string(tag.side),
+                    upright_of(record), finding == findings.end() ? "" : finding->second});
   }
   return csv;
 }
@@ -92,15 +153,21 @@ std::string report_picture(const GrayView& crop) {
 }
 
 void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines) {
+  CutPhoto last;
   for (FaultRecord& fault : merged.faults) {
-    if (fault.crop.empty() || !fault.jpeg.empty()) continue;
-    if (merged.picture_bytes >= kMostPictureBytes) return;
-    const std::optional<fs::path> path = find_crop(fault.crop, lines);
-    if (!path) continue;
-    const Result<GrayImage> crop = load_gray_image(*path);
-    if (!crop) continue;
-    fault.jpeg = report_picture(crop->view());
-    merged.picture_bytes += fault.jpeg.size();
+    if (!fault.jpeg.empty() || (fault.tag.empty() && !fault.corners && fault.crop.empty()))
+      continue;
+    if (merged.picture_bytes >= kMostPictureBytes) {
+      fault.no_picture = "a report holds no more pictures";
+      continue;
+    }
+    Result<std::string> picture = picture_of(fault, lines, last);
+    if (picture) {
+      fault.jpeg = std::move(*picture);
+      merged.picture_bytes += fault.jpeg.size();
+    } else {
+      fault.no_picture = picture.error().message;
+    }
   }
 }
 
@@ -115,6 +182,21 @@ std::vector<std::string> completeness_words(const Completeness& covered, std::si
       break;
     }
     lines.push_back("not seen: " + describe(stretch));
+  }
+  return lines;
+}
+
+std::vector<std::string> up_and_notes_words(const Completeness& covered, const VerifyMerge& merged,
+                                            std::size_t most) {
+  std::vector<std::string> lines;
+  for (std::string words : {up_in_words(covered), noted_up_in_words(merged.noted_up)}) {
+    if (!words.empty()) lines.push_back(std::move(words));
+  }
+  for (std::size_t i = 0; i < std::min(merged.notes.size(), most); ++i) {
+    lines.push_back("note: " + merged.notes[i].file + ": " + merged.notes[i].note);
+  }
+  if (merged.note_count > most) {
+    lines.push_back(fmt::format("and {} more notes", merged.note_count - most));
   }
   return lines;
 }

@@ -33,7 +33,8 @@ Result<void> write_report(const ReportFiles& files, const Survey& survey,
                           const VerifyMerge& merged);
 
 // A line a tag of the survey: tag, digits, chainage_m, status, seen, faults, best_grade,
-// worst_grade, blame, side.
+// worst_grade, blame, side, upright ("checked", "unchecked", or nothing when never in order),
+// finding: what is wrong with it, in words.
 std::string report_csv(const Survey& survey, const VerifyMerge& merged);
 
 // The report as one web page that needs nothing else.
@@ -46,13 +47,18 @@ Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& 
 // A crop as a small JPEG for a report; empty when it cannot be encoded.
 std::string report_picture(const GrayView& crop);
 
-// Fills the pictures of faults whose crops were saved: at the path as written, or in that folder or
-// its `crops` beside `lines`, the file of JSON lines that names it. Those that cannot be read, and
-// all beyond kMostPictureBytes, stay empty.
+// Fills the pictures of faults of tags that have none yet: from the crop that was saved, at the
+// path as written, or in that folder or its `crops` beside `lines`, the files of JSON lines; else
+// cut out of the photo, if it is the one that was verified. All beyond kMostPictureBytes, and those
+// that cannot be had, say why in `no_picture`.
 void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines);
 
 // In words: "14 of 16 tags seen (88 %), ..." and one line for each stretch that was not, at most
 // `most` of them.
 std::vector<std::string> completeness_words(const Completeness& covered, std::size_t most);
+
+// What is not known of up, and notes on files, at most `most` of these.
+std::vector<std::string> up_and_notes_words(const Completeness& covered, const VerifyMerge& merged,
+                                            std::size_t most);
 
 }  // namespace tagsmith

@@ -31,6 +31,7 @@ body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink);
 h1 { font-size: 1.35rem; margin: 0 0 4px; overflow-wrap: anywhere; }
 h2 { font-size: 1.05rem; margin: 28px 0 8px; }
 p { margin: 0 0 8px; }
+.known { margin-top: 8px; overflow-wrap: anywhere; }
 .sub { color: var(--grey); font-size: .9rem; }
 .counts { display: flex; flex-wrap: wrap; gap: 8px; margin: 12px 0; }
 .counts button { font: inherit; color: inherit; background: var(--card); cursor: pointer;
@@ -300,9 +301,10 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
     rows += fmt::format(
         "<tr data-row=\"tag\" data-of=\"{1}\"><td>{0}</td><td class=\"{1}\">{1}</td>"
         "<td class=\"more\">{2:.2f}</td><td>{3}</td><td>{4}</td><td>{5}</td><td>{6}</td>"
-        "<td class=\"more\">{7}</td></tr>\n",
+        "<td class=\"more\">{7}</td><td class=\"more\">{8}</td></tr>\n",
         escaped(tag.name), status, tag.chainage, record.seen, record.faults,
-        grade_text(record.best), grade_text(record.worst), escaped(record.blame));
+        grade_text(record.best), grade_text(record.worst), escaped(record.blame),
+        upright_of(record));
   }
   return rows;
 }
@@ -310,13 +312,17 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
 std::string fault_card(const FaultRecord& fault) {
   const VerifyRule* rule = find_verify_rule(fault.rule);
   const std::string heading = escaped((fault.tag.empty() ? "" : fault.tag + ": ") +
-                                      (fault.rule.empty() ? std::string("fault") : fault.rule));
+                                      (fault.rule.empty() ? std::string("fault") : fault.rule) +
+                                      (fault.is_question ? "?" : ""));
   std::string card =
       "<article class=\"card\" data-row=\"fault\" data-of=\"faulty\"><h3>" + heading + "</h3>";
   if (!fault.jpeg.empty()) {
     card += "<button class=\"crop\" aria-expanded=\"false\" aria-label=\"Enlarge the picture of " +
             heading + "\"><img alt=\"\" src=\"data:image/jpeg;base64," + base64(fault.jpeg) +
             "\"></button>";
+  }
+  if (!fault.no_picture.empty()) {
+    card += "<p class=\"sub\">No picture: " + escaped(fault.no_picture) + ".</p>";
   }
   card += "<p>" + escaped(fault.message) + "</p>";
   if (rule != nullptr) card += "<p>" + escaped(std::string(rule->remedy)) + "</p>";
@@ -326,19 +332,11 @@ std::string fault_card(const FaultRecord& fault) {
 std::string fault_cards(const VerifyMerge& merged) {
   if (merged.faults.empty()) return "<p>None.</p>\n";
   std::string cards = "<div class=\"cards\">\n";
-  std::size_t without = 0;
-  for (const FaultRecord& fault : merged.faults) {
-    cards += fault_card(fault);
-    without += !fault.crop.empty() && fault.jpeg.empty() ? 1 : 0;
-  }
+  for (const FaultRecord& fault : merged.faults) cards += fault_card(fault);
   cards += "</div>\n";
   if (merged.fault_count > merged.faults.size()) {
     cards += fmt::format("<p>The first {} of {} faults are listed.</p>\n", merged.faults.size(),
                          merged.fault_count);
-  }
-  if (without > 0) {
-    cards += fmt::format("<p>{} pictures are left out: not found, or too many for a page.</p>\n",
-                         without);
   }
   return cards;
 }
@@ -368,7 +366,8 @@ std::string cover_bar(const char* wall, std::size_t seen, std::size_t tags) {
       wall, seen, std::max<std::size_t>(tags, 1));
 }
 
-std::string completeness_text(const Completeness& covered) {
+std::string completeness_text(const Completeness& covered, const VerifyMerge& merged) {
+  constexpr std::size_t kMostNotes = 20;
   std::string text =
       fmt::format("<p>{} of {} tags were seen ({:.0f} %).</p>\n<div class=\"cover\">", covered.seen,
                   covered.tags, 100 * covered.share());
@@ -376,6 +375,9 @@ std::string completeness_text(const Completeness& covered) {
       cover_bar("left wall", covered.left_seen, covered.left_tags) +
       cover_bar("right wall", covered.seen - covered.left_seen, covered.tags - covered.left_tags) +
       "</div>\n";
+  for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
+    text += "<p class=\"known\">" + escaped(line) + "</p>\n";
+  }
   if (covered.unseen.empty()) return text;
   constexpr std::size_t kMostOpen = 8;
   text += fmt::format("<details{}><summary>Not seen, {} place{}</summary>\n<ul>\n",
@@ -411,7 +413,8 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
          "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n<title>Verification of " +
          escaped(survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" +
          heading(survey, merged) + count_buttons(covered) + "<h2>Completeness</h2>\n" +
-         completeness_text(covered) + "<h2>Tunnel from above</h2>\n" + map_of(survey, merged) +
+         completeness_text(covered, merged) + "<h2>Tunnel from above</h2>\n" +
+         map_of(survey, merged) +
          "<div class=\"screen\"><label for=\"filter\">Show what has these words</label>\n"
          "<input id=\"filter\" type=\"search\" placeholder=\"unseen, 003L, glare\" "
          "autocomplete=\"off\">\n<p id=\"shown\" class=\"sub\" role=\"status\"></p></div>\n"
@@ -419,7 +422,8 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
          fault_cards(merged) +
          "<h2>Tags</h2>\n<div class=\"scroll\"><table><thead><tr><th>tag</th><th>status</th>"
          "<th class=\"more\">chainage, m</th><th>seen</th><th>faults</th><th>best</th>"
-         "<th>worst</th><th class=\"more\">blame</th></tr></thead><tbody>\n" +
+         "<th>worst</th><th class=\"more\">blame</th><th class=\"more\">upright</th></tr></thead>"
+         "<tbody>\n" +
          tag_rows(survey, merged) + "</tbody></table></div>\n<script>" + kScript +
          "</script>\n</body>\n</html>\n";
 }

@@ -87,6 +87,7 @@ void print_in_words(const FileReport& report) {
       fmt::print("  {}: {}\n", code, rule->remedy);
     }
   }
+  for (const std::string& note : report.notes) fmt::print("  note: {}\n", note);
 }
 
 void print_in_words(const VerifySummary& summary) {
@@ -102,6 +103,14 @@ void print_in_words(const VerifySummary& summary) {
     fmt::print("every tag of the survey was seen\n");
   } else {
     fmt::print("not seen: {}\n", joined(summary.missing));
+  }
+}
+
+// What is not known of up.
+void print_up(const Survey& survey, const VerifyMerge& merged) {
+  for (const std::string& words :
+       {up_in_words(completeness_of(survey, merged)), noted_up_in_words(merged.noted_up)}) {
+    if (!words.empty()) fmt::print("{}\n", words);
   }
 }
 
@@ -369,6 +378,7 @@ void print_summary(const Options& options, const Survey& survey, const VerifySum
   } else {
     if (outcome.hung) print_hanging(*outcome.hung);
     print_in_words(summary);
+    print_up(survey, outcome.merged);
   }
 }
 

@@ -83,7 +83,7 @@ Result<void> read_sighted(
       VerifiedFile file = line;
       forget_hanging(file);
       // A line without corners is of an older version.
-      std::erase_if(file.tags, [](const VerifiedTag& tag) { return !tag.corners; });
+      std::erase_if(file.tags, [](const VerifiedTag& tag) { return !tag.corners || !tag.is_read; });
       std::vector<std::string> notes;
       const std::vector<FileReport> reports{report_of(file)};
       take(sighted_tags(survey, setup.rig, setup.cameras, reports, notes), notes);

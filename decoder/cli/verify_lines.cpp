@@ -96,6 +96,13 @@ bool is_judged_hanging(const json& tag) {
   return verdict == "off" || verdict == "doubtful";
 }
 
+UpSource up_from(const std::string& name) {
+  constexpr std::array kAll{UpSource::page, UpSource::rig, UpSource::camera, UpSource::doubted};
+  const auto named = [&](UpSource source) { return to_string(source) == name; };
+  const auto found = std::ranges::find_if(kAll, named);
+  return found == kAll.end() ? UpSource::unknown : *found;
+}
+
 std::optional<VerifiedFile> parse_line(const json& object) {
   if (!object.is_object() || text_of(object, "file").empty()) return std::nullopt;
   const auto tags = object.find("tags");
@@ -111,6 +118,8 @@ std::optional<VerifiedFile> parse_line(const json& object) {
       orientation >= 1 && orientation <= 8) {
     file.orientation = orientation;
   }
+  file.up = up_from(text_of(object, "up"));
+  file.notes = texts_of(object, "notes");
   for (const json& tag : *tags) {
     if (!tag.is_object()) return std::nullopt;
     VerifiedTag found{text_of(tag, "tag"),    text_of(tag, "status"),
@@ -120,10 +129,9 @@ std::optional<VerifiedFile> parse_line(const json& object) {
     const auto grade = tag.find("grade");
     if (grade != tag.end() && grade->is_number()) found.grade = grade->get<double>();
     found.of_hanging = is_judged_hanging(tag);
-    if (file.width > 0 && !text_of(tag, "digits").empty()) {
-      found.corners = corners_of(tag);
-      found.covariance = covariance_of(tag);
-    }
+    found.is_read = !text_of(tag, "digits").empty();
+    if (file.width > 0) found.corners = corners_of(tag);
+    if (found.corners && found.is_read) found.covariance = covariance_of(tag);
     file.tags.push_back(std::move(found));
   }
   return file;
@@ -167,21 +175,28 @@ Result<off_t> end_of_lines(const std::filesystem::path& path) {
 }  // namespace
 
 VerifiedFile verified_file(const FileReport& report) {
-  VerifiedFile file{report.file.string(), report.sha256,
-                    report.revision,      {},
-                    report.findings,      {report.rules.begin(), report.rules.end()},
-                    report.stale,         report.width,
-                    report.height,        report.orientation};
+  VerifiedFile file{report.file.string(),
+                    report.sha256,
+                    report.revision,
+                    {},
+                    report.findings,
+                    {report.rules.begin(), report.rules.end()},
+                    report.stale,
+                    report.width,
+                    report.height,
+                    report.orientation,
+                    report.up,
+                    report.notes};
   for (const TagFinding& tag : report.tags) {
     VerifiedTag found{tag.tag, to_string(tag.status), tag.rule,     tag.message,
                       "",      tag.crop_file,         std::nullopt, ""};
     if (const VerifyRule* rule = find_verify_rule(tag.rule)) found.remedy = rule->remedy;
     if (tag.grade) found.grade = tag.grade->grade;
     if (tag.grade && tag.grade->grade < 4) found.blame = to_string(tag.grade->worst);
-    if (report.width > 0 && tag.digits) {
-      found.corners = tag.corners;
-      found.covariance = tag.corner_covariance;
-    }
+    found.fits = tag.hung && tag.hung->verdict == HangVerdict::fits;
+    found.is_read = tag.digits.has_value();
+    if (report.width > 0) found.corners = tag.corners;
+    if (found.corners && found.is_read) found.covariance = tag.corner_covariance;
     file.tags.push_back(std::move(found));
   }
   return file;
@@ -198,6 +213,8 @@ FileReport report_of(const VerifiedFile& file) {
   report.width = file.width;
   report.height = file.height;
   report.orientation = file.orientation;
+  report.up = file.up;
+  report.notes = file.notes;
   for (const VerifiedTag& tag : file.tags) {
     TagFinding finding;
     finding.status = status_from(tag.status);
@@ -215,11 +232,14 @@ FileReport report_of(const VerifiedFile& file) {
 void take_findings(const FileReport& report, VerifiedFile& file) {
   file.findings = report.findings;
   file.rules = {report.rules.begin(), report.rules.end()};
+  file.up = report.up;
+  file.notes = report.notes;
   for (std::size_t i = 0; i < file.tags.size(); ++i) {
     VerifiedTag& tag = file.tags[i];
     tag.status = to_string(report.tags[i].status);
     tag.rule = report.tags[i].rule;
     tag.message = report.tags[i].message;
+    tag.fits = report.tags[i].hung && report.tags[i].hung->verdict == HangVerdict::fits;
     const VerifyRule* rule = find_verify_rule(tag.rule);
     tag.remedy = rule == nullptr ? "" : rule->remedy;
   }

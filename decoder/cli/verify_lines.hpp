@@ -23,8 +23,9 @@ struct VerifiedTag {
   std::optional<double> grade;
   std::string blame;
   bool of_hanging = false;  // status and message are of where it hangs
-  // In photos, of tags that were read; pixels as stored.
-  std::optional<FrameCorners> corners{};
+  bool fits = false;        // it was checked against other tags and hangs as surveyed
+  bool is_read = false;
+  std::optional<FrameCorners> corners{};                   // in photos; pixels as stored
   CornerCovariance covariance = CornerCovariance::Zero();  // zero = not estimated
 };
 
@@ -40,6 +41,8 @@ struct VerifiedFile {
   int width = 0;  // of a photo, pixels; 0 for print files
   int height = 0;
   std::optional<int> orientation{};  // of a photo (EXIF)
+  UpSource up = UpSource::unknown;
+  std::vector<std::string> notes{};
 };
 
 struct VerifyLineCounts {

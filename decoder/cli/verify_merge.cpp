@@ -18,6 +18,28 @@ void add_fault(VerifyMerge& merged, FaultRecord fault) {
   merged.faults.push_back(std::move(fault));
 }
 
+// The corners begin anywhere: where the fault is in the photo, not how it stands.
+FaultRecord fault_of(const VerifiedFile& file, const VerifiedTag& tag, const std::string& jpeg) {
+  FaultRecord fault{file.file, tag.tag, tag.rule, tag.message, tag.crop, jpeg};
+  fault.sha256 = file.sha256;
+  fault.orientation = file.orientation.value_or(1);
+  fault.corners = tag.corners;
+  fault.is_question = tag.status == "doubtful" && tag.rule == "upside-down";
+  return fault;
+}
+
+void add_notes(VerifyMerge& merged, const VerifiedFile& file) {
+  for (const std::string& note : file.notes) {
+    ++merged.note_count;
+    if (merged.notes.size() < kMostListedNotes) merged.notes.push_back({file.file, note});
+  }
+}
+
+void count_noted_up(NotedUp& noted, UpSource up, const VerifiedTag& tag) {
+  if (up == UpSource::camera && tag.status == "ok") ++noted.upright;
+  if (up == UpSource::doubted && (tag.status == "ok" || tag.rule == "upside-down")) ++noted.on_head;
+}
+
 void add_grade(TagRecord& record, const VerifiedTag& tag) {
   if (!tag.grade) return;
   record.best = std::max(record.best.value_or(0), *tag.grade);
@@ -71,20 +93,22 @@ void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& m
   }
   ++merged.files;
   if (!file.revision.empty() && file.revision != revision) ++merged.other_revisions;
+  add_notes(merged, file);
   std::vector<std::string> rules = file.rules;
   for (std::size_t i = 0; i < file.tags.size(); ++i) {
     const VerifiedTag& tag = file.tags[i];
     if (tag.status == "cut_off") continue;
+    count_noted_up(merged.noted_up, file.up, tag);
     if (tag.status == "ok") {
       TagRecord& record = merged.tags[tag.tag];
       ++record.seen;
+      if (tells_up(file.up) || tag.fits) ++record.upright;
       add_grade(record, tag);
       continue;
     }
     if (!tag.tag.empty()) ++merged.tags[tag.tag].faults;
     std::erase(rules, tag.rule);
-    add_fault(merged, {file.file, tag.tag, tag.rule, tag.message, tag.crop,
-                       i < jpegs.size() ? jpegs[i] : std::string()});
+    add_fault(merged, fault_of(file, tag, i < jpegs.size() ? jpegs[i] : std::string()));
   }
   // What is left is wrong with the whole file.
   const std::string words = file_findings(file);
@@ -95,6 +119,8 @@ void sort_faults(VerifyMerge& merged) {
   std::ranges::stable_sort(merged.faults, {}, [](const FaultRecord& fault) {
     return std::tie(fault.file, fault.tag, fault.rule, fault.message);
   });
+  std::ranges::stable_sort(merged.notes, {},
+                           [](const NoteRecord& note) { return std::tie(note.file, note.note); });
 }
 
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag) {
@@ -109,16 +135,52 @@ std::string status_of(const TagRecord& record) {
   return record.worst && *record.worst < kPoor ? "poor" : "ok";
 }
 
+std::string upright_of(const TagRecord& record) {
+  if (record.seen == 0) return {};
+  return record.upright > 0 ? "checked" : "unchecked";
+}
+
+std::string up_in_words(const Completeness& covered) {
+  if (covered.upright_unchecked.empty()) return {};
+  const std::size_t count = covered.upright_unchecked.size();
+  return fmt::format(
+      "{} not checked for hanging upside down: no photo of {} says which way is up. Look where {} "
+      "arrow points, use a camera that notes how it was held (phones do), or give --rig",
+      count == covered.seen
+          ? (count == 1 ? "The tag seen was" : "The tags seen were")
+          : fmt::format("{} of the tags seen {}", count, count == 1 ? "was" : "were"),
+      count == 1 ? "it" : "them", count == 1 ? "its" : "each");
+}
+
+std::string noted_up_in_words(const NotedUp& noted) {
+  if (noted.on_head == 0) return {};
+  const std::size_t all = noted.upright + noted.on_head;
+  if (noted.upright == 0 && all > 1) {
+    return fmt::format(
+        "All {} tags in photos whose camera noted its up stand on their head by it: the camera was "
+        "mounted upside down, rather than all tags. Up is not known from these photos; give --rig",
+        all);
+  }
+  return fmt::format(
+      "By the up that cameras noted in their photos, {} of {} tags stand on their head: {}",
+      noted.on_head, all,
+      noted.on_head < noted.upright
+          ? "those plates hang wrong, or a camera was held upside down and did not note it"
+          : "a camera that is mounted upside down notes its up wrongly; its photos need --rig");
+}
+
 Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
   Completeness result;
   for (const PlacedTag& tag : survey.tags) {
-    const std::string status = status_of(record_of(merged, tag.name));
+    const TagRecord record = record_of(merged, tag.name);
+    const std::string status = status_of(record);
     const std::size_t seen = status == "unseen" ? 0 : 1;
     ++result.tags;
     result.seen += seen;
     result.ok += status == "ok" ? 1 : 0;
     result.poor += status == "poor" ? 1 : 0;
     result.faulty += status == "faulty" ? 1 : 0;
+    if (upright_of(record) == "unchecked") result.upright_unchecked.push_back(tag.name);
     if (tag.side != Side::left) continue;
     ++result.left_tags;
     result.left_seen += seen;

@@ -18,6 +18,7 @@ namespace tagsmith {
 struct TagRecord {
   std::size_t seen = 0;  // times it was in order
   std::size_t faults = 0;
+  std::size_t upright = 0;     // times it was in order where a tag on its head would have been told
   std::optional<double> best;  // grades
   std::optional<double> worst;
   std::string blame;  // of the worst
@@ -28,12 +29,34 @@ struct FaultRecord {
   std::string tag;  // empty when it has no name, or the whole file is meant
   std::string rule;
   std::string message;
-  std::string crop;    // the picture's file; empty = none was saved
-  std::string jpeg{};  // the picture itself, small; empty = not at hand
+  std::string crop;          // the picture's file; empty = none was saved
+  std::string jpeg{};        // the picture itself, small; empty = not at hand
+  std::string no_picture{};  // why it is not at hand
+  bool is_question = false;  // whether it is a fault depends on an up that is in doubt
+  // Of a photo, where in it the fault is: a picture can be had from there.
+  std::string sha256{};
+  int orientation = 1;
+  std::optional<FrameCorners> corners{};
+};
+
+// A note on a file.
+struct NoteRecord {
+  std::string file;
+  std::string note;
+};
+
+// By the up that cameras noted in their photos (EXIF): tags that stand, and those on their head in
+// photos in which none stands.
+struct NotedUp {
+  std::size_t upright = 0;
+  std::size_t on_head = 0;
 };
 
 // Faults that are listed; all are counted.
 inline constexpr std::size_t kMostListedFaults = 20'000;
+
+// Notes that are listed.
+inline constexpr std::size_t kMostListedNotes = 1'000;
 
 // Bytes of the faults' pictures that a report holds.
 inline constexpr std::size_t kMostPictureBytes = 12U << 20U;
@@ -46,6 +69,9 @@ struct VerifyMerge {
   std::vector<FaultRecord> faults;
   std::size_t fault_count = 0;
   std::size_t picture_bytes = 0;
+  std::vector<NoteRecord> notes;
+  std::size_t note_count = 0;
+  NotedUp noted_up;
   std::unordered_set<std::uint64_t> known;  // of file and content
 };
 
@@ -53,13 +79,22 @@ struct VerifyMerge {
 void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
            const std::vector<std::string>& jpegs = {});
 
-// Puts the faults in one order, by file, tag, rule and words, whatever order the files came in.
+// Puts the faults in one order, by file, tag, rule and words, and the notes, whatever order the
+// files came in.
 void sort_faults(VerifyMerge& merged);
 
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag);
 
 // "unseen", "faulty", "poor" (worst grade below 1.5) or "ok".
 std::string status_of(const TagRecord& record);
+
+// Whether a tag was seen where one on its head would have been told: "checked", "unchecked", or
+// nothing for a tag that was never in order.
+std::string upright_of(const TagRecord& record);
+
+// What all files together say of the cameras' notes on their up, when some photo doubts it; else
+// nothing.
+std::string noted_up_in_words(const NotedUp& noted);
 
 // A run of neighbouring tags of one wall that no file shows.
 struct UnseenStretch {
@@ -78,7 +113,8 @@ struct Completeness {
   std::size_t ok = 0;  // by status
   std::size_t poor = 0;
   std::size_t faulty = 0;
-  std::vector<UnseenStretch> unseen;  // along the drive, the left wall first
+  std::vector<std::string> upright_unchecked;  // seen in order, but never where up is known
+  std::vector<UnseenStretch> unseen;           // along the drive, the left wall first
 
   double share() const {
     return tags == 0 ? 1 : static_cast<double>(seen) / static_cast<double>(tags);
@@ -86,6 +122,10 @@ struct Completeness {
 };
 
 Completeness completeness_of(const Survey& survey, const VerifyMerge& merged);
+
+// What was left unchecked because up is not known, in words for who takes the photos; nothing when
+// all was checked.
+std::string up_in_words(const Completeness& covered);
 
 // "left 12.40 to 18.20 m: 3 tags, 004L to 006L".
 std::string describe(const UnseenStretch& stretch);

@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "decoder/image/image_header.hpp"
+#include "decoder/image/jpeg.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 
@@ -53,7 +54,8 @@ Result<void> check_header(const std::string& bytes) {
   return {};
 }
 
-Result<GrayImage> decode(const std::string& bytes) {
+// Every other format, and JPEG of four components.
+Result<GrayImage> decode_by_opencv(const std::string& bytes) {
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
                         const_cast<char*>(bytes.data()));  // cv::Mat has no view of const data
   try {
@@ -72,22 +74,51 @@ Result<GrayImage> decode(const std::string& bytes) {
   }
 }
 
-}  // namespace
-
-Result<GrayImage> load_gray_image(const std::filesystem::path& path) {
-  const Result<std::string> bytes = read_file(path, kMaxFileBytes);
-  if (!bytes) return fail(bytes.error().message);
-  return decode_gray_image(path.string(), *bytes);
+Result<DecodedImage> decode(const std::string& bytes) {
+  if (bytes.starts_with("\xFF\xD8\xFF")) {
+    try {
+      Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes);
+      if (!jpeg) {
+        return fail("cannot be decoded, it is damaged or cut short: " + jpeg.error().message);
+      }
+      if (*jpeg) return std::move(**jpeg);
+    } catch (const std::bad_alloc&) {
+      return fail("is too large for the memory there is");
+    }
+  }
+  Result<GrayImage> image = decode_by_opencv(bytes);
+  if (!image) return fail(image.error().message);
+  return DecodedImage{std::move(*image), ""};
 }
 
-Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes) {
+}  // namespace
+
+Result<DecodedImage> load_image(const std::filesystem::path& path) {
+  const Result<std::string> bytes = read_file(path, kMaxFileBytes);
+  if (!bytes) return fail(bytes.error().message);
+  return decode_image(path.string(), *bytes);
+}
+
+Result<GrayImage> load_gray_image(const std::filesystem::path& path) {
+  Result<DecodedImage> loaded = load_image(path);
+  if (!loaded) return fail(loaded.error().message);
+  return std::move(loaded->image);
+}
+
+Result<DecodedImage> decode_image(const std::string& name, const std::string& bytes) {
   if (bytes.empty()) return fail(name + ": is empty, expected an image");
   if (const auto header = check_header(bytes); !header) {
     return fail(name + ": " + header.error().message);
   }
-  Result<GrayImage> image = decode(bytes);
+  Result<DecodedImage> image = decode(bytes);
   if (!image) return fail(name + ": " + image.error().message);
   return image;
+}
+
+Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes) {
+  Result<DecodedImage> decoded = decode_image(name, bytes);
+  if (!decoded) return fail(decoded.error().message);
+  return std::move(decoded->image);
 }
 
 Result<std::string> encode_gray_image(const std::filesystem::path& name, const GrayView& image,

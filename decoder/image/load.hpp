@@ -6,6 +6,7 @@
 #include <string>
 
 #include "decoder/image/gray.hpp"
+#include "decoder/image/jpeg.hpp"
 #include "tagsmith/base/result.hpp"
 
 namespace tagsmith {
@@ -15,7 +16,13 @@ namespace tagsmith {
 // are truncated, or have more than 200 million pixels.
 Result<GrayImage> load_gray_image(const std::filesystem::path& path);
 
+// The same, with what its decoder warned of (JPEG alone).
+Result<DecodedImage> load_image(const std::filesystem::path& path);
+
 // The same from an image file's bytes; `name` begins the message of an error.
+Result<DecodedImage> decode_image(const std::string& name, const std::string& bytes);
+
+// The image alone.
 Result<GrayImage> decode_gray_image(const std::string& name, const std::string& bytes);
 
 // The bytes of an image file of the format that the name's extension says (PNG, JPEG and others);

@@ -132,6 +132,22 @@ std::string to_string(TagStatus status) {
   return "unknown";
 }
 
+std::string to_string(UpSource source) {
+  switch (source) {
+    case UpSource::page:
+      return "page";
+    case UpSource::rig:
+      return "rig";
+    case UpSource::camera:
+      return "camera";
+    case UpSource::doubted:
+      return "doubted";
+    case UpSource::unknown:
+      break;
+  }
+  return "unknown";
+}
+
 const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits) {
   const auto nearest = std::ranges::min_element(
       survey.tags, {}, [&](const PlacedTag& tag) { return differing_digits(tag.digits, digits); });

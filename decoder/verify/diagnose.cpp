@@ -281,8 +281,8 @@ std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& t
   if (share <= kMostHidden) return std::nullopt;
   return Diagnosis{
       "covered",
-      fmt::format("{:.0f} % of the bars are covered or damaged, {}, limit {:.0f} %", 100 * share,
-                  place_in_words(right / hidden, down / hidden, seen_from), 100 * kMostHidden)};
+      fmt::format("{:.2g} % of the bars are covered or damaged (limit {:.0f} %), {}", 100 * share,
+                  100 * kMostHidden, place_in_words(right / hidden, down / hidden, seen_from))};
 }
 
 // `blur`: standard deviation, modules.
@@ -326,7 +326,8 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
       from_upper_left(image, tag, rejection.corners, orientation.value_or(1));
   if (const auto view = judge_view(image, tag, corners)) return *view;
   const double module_px = shape_of(tag, corners).module_px;
-  const char* seen_from = orientation ? "" : " as the picture stands";
+  const char* seen_from =
+      orientation ? "" : " as the picture stands (which way is up in it is not known)";
   ReadResult refused;
   refused.rejected.push_back(rejection);
   const std::vector<ExplainedSymbol> symbols = explain(image, options, refused).symbols;

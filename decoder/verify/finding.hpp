@@ -25,10 +25,27 @@ enum class TagStatus {
   duplicate,   // the same tag stands elsewhere in the same picture or print file
   cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
   misplaced,   // a tag in order that does not hang where the survey has it
-  doubtful,    // a tag in order that contradicts another: one of them is misplaced
+  doubtful,    // a tag in order that contradicts another, or the camera: one of them is wrong
 };
 
 std::string to_string(TagStatus status);
+
+// What tells which way is up in a file's pictures: whether its tags were checked for standing on
+// their head.
+enum class UpSource {
+  unknown,  // nothing
+  page,     // a print file's pages
+  rig,      // a photo by a camera of a rig that stands on its wheels
+  camera,   // the camera noted how it was held (EXIF)
+  doubted,  // so it did, but all tags of the photo stand on their head by that
+};
+
+std::string to_string(UpSource source);
+
+// True when a tag on its head would have been told.
+inline bool tells_up(UpSource source) {
+  return source != UpSource::unknown && source != UpSource::doubted;
+}
 
 // What the message of an unreadable tag begins with; the reason follows.
 inline constexpr std::string_view kUnread = "a tag was found and could not be read: ";
@@ -58,13 +75,15 @@ struct FileReport {
   int pages = 0;  // 0 for a picture
   int width = 0;  // of a photo, pixels; 0 for print files
   int height = 0;
-  std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = its up is not known
+  std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = it is not noted
   std::vector<TagFinding> tags;
   std::string sha256{};               // of the file; empty when it cannot be read
   std::string revision{};             // of the survey it was verified against
   std::vector<std::string> findings;  // whatever is wrong, in words; empty = all well
   std::set<std::string> rules{};      // that the findings are of (docs/verify-rules.md)
   bool stale = false;                 // printed from another state of the survey: print it again
+  UpSource up = UpSource::unknown;
+  std::vector<std::string> notes{};  // what should be known of the file and is no fault
 };
 
 // All files together.

@@ -198,20 +198,36 @@ bool agrees(const PixelPoint& a, const PixelPoint& b) { return opposes(a, -1.0 *
 struct StandingTag {
   TagFinding* finding = nullptr;
   PixelPoint down;  // in the upright picture
-  bool told = false;
 };
 
-// Those that stand on their head, the picture being upright; unless all of several do.
-void tell_heads(std::vector<StandingTag>& tags) {
+void tell(StandingTag& tag, TagStatus status, const std::string& how) {
+  tag.finding->status = status;
+  tag.finding->rule = "upside-down";
+  tag.finding->message = tag.finding->tag + " stands on its head" + how;
+}
+
+bool is_told(const StandingTag& tag) { return tag.finding->status != TagStatus::ok; }
+
+// Those that stand on their head, the picture being upright as the camera noted. When all do, it is
+// the camera that may have noted what is not so.
+UpSource tell_heads(std::vector<StandingTag>& tags) {
   const auto on_head = [](const StandingTag& tag) { return opposes(tag.down, {0, 1}); };
-  if (tags.size() > 1 && std::ranges::all_of(tags, on_head)) return;
+  if (!tags.empty() && std::ranges::all_of(tags, on_head)) {
+    if (tags.size() == 1) {
+      tell(tags.front(), TagStatus::doubtful,
+           " by the up that the camera noted in the photo, and no other tag in it tells whether "
+           "that is so. Look where its arrow points: if down, the plate hangs upside down; if up, "
+           "the camera was upside down and noted otherwise, or the print is mirrored");
+    }
+    return UpSource::doubted;
+  }
   for (StandingTag& tag : tags) {
     if (!on_head(tag)) continue;
-    tag.told = true;
-    tag.finding->message = tag.finding->tag +
-                           " stands on its head, by the up that the camera noted in the photo: it "
-                           "hangs upside down, or is a mirrored print";
+    tell(tag, TagStatus::misprinted,
+         ", by the up that the camera noted in the photo: it hangs upside down, or is a mirrored "
+         "print");
   }
+  return UpSource::camera;
 }
 
 // The one against whom all others stand.
@@ -221,12 +237,12 @@ void tell_odd_one(std::vector<StandingTag>& tags) {
         tags, [&](const StandingTag& other) { return opposes(tag.down, other.down); });
     const auto with = std::ranges::count_if(
         tags, [&](const StandingTag& other) { return agrees(tag.down, other.down); });
-    if (tag.told || against < 2 || with > 1) continue;  // with itself
-    tag.told = true;
-    tag.finding->message = fmt::format(
-        "{} stands on its head against the {} other tags in the photo: it hangs upside down, or is "
-        "a mirrored print",
-        tag.finding->tag, against);
+    if (is_told(tag) || against < 2 || with > 1) continue;  // with itself
+    tell(tag, TagStatus::misprinted,
+         fmt::format(" against the {} other tags in the photo: it hangs upside down, or is a "
+                     "mirrored print (which way is up in the photo is not known: they may be the "
+                     "ones that hang wrong)",
+                     against));
   }
 }
 
@@ -270,8 +286,8 @@ bool hangs_upright(const Survey& survey, const TagFinding& finding) {
   return tag != nullptr && tag->world_from_plate.rotation(2, 1) < -std::numbers::sqrt2 / 2;
 }
 
-void find_upside_down_by_camera(const Survey& survey, const std::optional<Upright>& camera_up,
-                                std::vector<TagFinding>& findings) {
+UpSource find_upside_down_by_camera(const Survey& survey, const std::optional<Upright>& camera_up,
+                                    std::vector<TagFinding>& findings) {
   std::vector<StandingTag> tags;
   for (TagFinding& finding : findings) {
     if (finding.status != TagStatus::ok || !hangs_upright(survey, finding)) continue;
@@ -282,13 +298,9 @@ void find_upside_down_by_camera(const Survey& survey, const std::optional<Uprigh
     tags.push_back({&finding, down_of(corners)});
   }
   // In a mirrored picture plates read as if they stood on their head.
-  if (camera_up && !camera_up->mirrors()) tell_heads(tags);
+  const UpSource up = camera_up && !camera_up->mirrors() ? tell_heads(tags) : UpSource::unknown;
   tell_odd_one(tags);
-  for (const StandingTag& tag : tags) {
-    if (!tag.told) continue;
-    tag.finding->status = TagStatus::misprinted;
-    tag.finding->rule = "upside-down";
-  }
+  return up;
 }
 
 void find_misplaced(const Survey& survey, std::vector<TagFinding>& findings) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
@@ -26,12 +27,18 @@ void find_upside_down(std::vector<TagFinding>& findings);
 // True when the survey has the tag hang with its arrow up, to 45 degrees.
 bool hangs_upright(const Survey& survey, const TagFinding& finding);
 
-// For photos, `ok` tags that the survey has upright. Where the camera noted how it was held (EXIF,
-// `camera_up`, of a picture as stored), those that stand on their head become `misprinted`; none of
-// several that all do, which held the camera so. And, noted or not, one against whom two others and
-// more stand, none with it.
-void find_upside_down_by_camera(const Survey& survey, const std::optional<Upright>& camera_up,
-                                std::vector<TagFinding>& findings);
+// What a note on a photo says after "all 3 tags" when it doubts the camera's up.
+inline constexpr std::string_view kDoubtedUp =
+    " stand on their head by the up that the camera noted in the photo: the camera was upside down "
+    "and noted otherwise, or all of them hang so; whether a single one does was not checked";
+
+// For photos, `ok` tags that the survey has upright; returns what is known of the photo's up. Where
+// the camera noted how it was held (EXIF, `camera_up`, of a picture as stored), those that stand on
+// their head become `misprinted`. When all do, the camera's note is doubted: a single one becomes
+// `doubtful`, several stay in order, since then the camera was held so. And, noted or not, one
+// against whom two others and more stand, none with it, is `misprinted`.
+UpSource find_upside_down_by_camera(const Survey& survey, const std::optional<Upright>& camera_up,
+                                    std::vector<TagFinding>& findings);
 
 // Compares `ok` tags of one picture in pairs, by the plane of one of the two plates. Both become
 // `misplaced` when they hang in one plane and the survey has them on opposite walls (`wrong-wall`),

@@ -12,9 +12,15 @@
 namespace tagsmith {
 namespace {
 
+// True when all that is wrong is that the camera's note of its up has the tag on its head.
+bool is_doubted_by_camera(const TagFinding& tag) {
+  return tag.status == TagStatus::doubtful && tag.rule == "upside-down";
+}
+
 // A tag that may tell where it hangs: in the survey, and in this picture once.
 bool tells(const TagFinding& tag) {
-  return tag.status == TagStatus::ok || tag.status == TagStatus::misplaced;
+  return tag.status == TagStatus::ok || tag.status == TagStatus::misplaced ||
+         is_doubted_by_camera(tag);
 }
 
 bool is_photo(const FileReport& report) { return report.width > 0; }
@@ -70,7 +76,7 @@ void write(const HungTag& hung, TagFinding& tag) {
     case HangVerdict::unchecked:
       return;
     case HangVerdict::fits:
-      if (tag.status != TagStatus::misplaced) return;
+      if (tag.status == TagStatus::ok) return;
       tag.status = TagStatus::ok;
       break;
     case HangVerdict::off:
@@ -132,6 +138,10 @@ void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const Phot
     std::string note;
     const auto origin = is_photo(report) ? usable_origin(rig, cameras, report, note) : std::nullopt;
     if (!origin) continue;
+    report.up = UpSource::rig;
+    std::erase_if(report.notes, [](const std::string& said) {
+      return said.find(kDoubtedUp) != std::string::npos;
+    });
     const RigCamera& camera = rig.cameras[origin->camera];
     // The vehicle's down in the camera's axes.
     const Eigen::Vector3d down = -camera.vehicle_from_camera.rotation.row(2).transpose();
@@ -144,14 +154,21 @@ void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const Phot
       constexpr double kFlat = 0.5;  // of the way: less may be a plate seen from above
       if (!upper || !lower) continue;
       const Eigen::Vector3d way = (lower->normalized() - upper->normalized()).normalized();
-      if (way.dot(down) > -kFlat) continue;
       TagFinding changed = tag;
-      changed.status = TagStatus::misprinted;
-      changed.rule = "upside-down";
-      changed.message = fmt::format(
-          "{} stands on its head, by the camera's stance on the vehicle: it hangs upside down, or "
-          "is a mirrored print",
-          tag.tag);
+      if (way.dot(down) <= -kFlat) {
+        changed.status = TagStatus::misprinted;
+        changed.rule = "upside-down";
+        changed.message = fmt::format(
+            "{} stands on its head, by the camera's stance on the vehicle: it hangs upside down, "
+            "or is a mirrored print",
+            tag.tag);
+      } else if (is_doubted_by_camera(tag)) {
+        changed.status = TagStatus::ok;
+        changed.rule.clear();
+        changed.message.clear();
+      } else {
+        continue;
+      }
       replace(report, tag, changed);
     }
   }

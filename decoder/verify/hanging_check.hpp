@@ -28,7 +28,8 @@ void report_hung_tags(const HungTags& hung, std::vector<FileReport>& reports);
 
 // For photos, whose up the rig tells: tags in order that the survey has upright and that stand on
 // their head by the rig's stance, a quarter turn and more, become `misprinted` (rule
-// `upside-down`). Only by a rig that stands_level.
+// `upside-down`), and what the camera's own note made doubtful is in order again. Only by a rig
+// that stands_level.
 void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const PhotoCameras& cameras,
                                 std::vector<FileReport>& reports);
 

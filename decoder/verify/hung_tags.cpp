@@ -176,7 +176,10 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
   } else if (is_upside_down(plate, pose)) {
     tag.rule = "upside-down";
     tag.message = fmt::format(
-        "{} hangs upside down, or is a mirrored print: turn it by 180 degrees", tag.tag);
+        "{} hangs upside down against the tags seen with it, or is a mirrored print: turn it by "
+        "180 "
+        "degrees",
+        tag.tag);
   } else if (is_on_other_wall(survey, surveyed, pose)) {
     tag.rule = "wrong-wall";
     tag.message = fmt::format("{} hangs on the {} wall, expected on the {}", tag.tag,

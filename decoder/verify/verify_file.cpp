@@ -117,12 +117,31 @@ std::optional<Upright> upright_of(const FileReport& photo) {
   return Upright{*photo.orientation, photo.width, photo.height};
 }
 
+// Tags on their head. A rig on its wheels knows better than the camera, and is asked when all
+// photos are read.
+void find_heads(const VerifyRequest& request, const Camera* camera, FileReport& report) {
+  const bool of_rig =
+      camera != nullptr && camera->width == report.width && camera->height == report.height;
+  if (of_rig && stands_level(*request.rig)) {
+    report.up = UpSource::rig;
+    return;
+  }
+  const auto in_order = [](const TagFinding& tag) { return tag.status == TagStatus::ok; };
+  const auto before = std::ranges::count_if(report.tags, in_order);
+  report.up = find_upside_down_by_camera(request.survey, upright_of(report), report.tags);
+  if (report.up != UpSource::doubted || before < 2) return;
+  report.notes.push_back(fmt::format("all {} tags{}", before, kDoubtedUp));
+}
+
 Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile& file) {
-  const Result<GrayImage> loaded = decode_gray_image(file.path.string(), file.bytes);
+  const Result<DecodedImage> loaded = decode_image(file.path.string(), file.bytes);
   if (!loaded) return fail(loaded.error().message);
   const Survey& survey = request.survey;
-  const GrayView image = loaded->view();
+  const GrayView image = loaded->image.view();
   FileReport report;
+  if (!loaded->warning.empty()) {
+    report.notes.push_back(damaged_in_words(loaded->warning));
+  }
   report.width = image.width;
   report.height = image.height;
   report.orientation = exif_orientation(file.bytes);
@@ -132,10 +151,7 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags,
                 report.orientation);
   find_mirrored(image, survey.tag_template, report.tags);
-  // A rig on its wheels knows better than the camera.
-  if (camera == nullptr || !stands_level(*request.rig)) {
-    find_upside_down_by_camera(survey, upright_of(report), report.tags);
-  }
+  find_heads(request, camera, report);
   find_bent(image, survey.tag_template, camera, report.tags);
   find_misplaced(survey, report.tags);
   grade_tags(image, survey.tag_template, report.tags);
@@ -154,6 +170,7 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
 // A print file's page as one picture.
 FileReport verify_print_picture(const VerifyRequest& request, const PageImage& image) {
   FileReport report;
+  report.up = UpSource::page;
   report.tags = verify_page(request, image, 0);
   if (report.tags.empty()) find_no_tag(report);
   return report;
@@ -177,6 +194,7 @@ Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesyste
   const Result<std::vector<PageSize>> pages = pdf_pages(path);
   if (!pages) return fail(pages.error().message);
   FileReport report;
+  report.up = UpSource::page;
   report.pages = static_cast<int>(pages->size());
   for (int number = 1; number <= report.pages; ++number) {
     const PageSize& size = (*pages)[static_cast<std::size_t>(number - 1)];
@@ -214,6 +232,7 @@ Result<FileReport> verify_tiled_pdf(const VerifyRequest& request, const InputFil
   const Result<std::vector<PageSize>> pages = pdf_pages(file.path);
   if (!pages) return fail(pages.error().message);
   FileReport report;
+  report.up = UpSource::page;
   report.pages = static_cast<int>(pages->size());
   const int a_tag = 1 + plan.tiles();
   if (pages->size() != tags * static_cast<std::size_t>(a_tag)) {

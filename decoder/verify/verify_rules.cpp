@@ -53,8 +53,9 @@ constexpr std::array kRules{
     VerifyRule{"missing-in-file", "a print file without a tag that belongs in it",
                "Print the file again."},
     VerifyRule{"moved", "a tag that does not hang where the survey has it",
-               "Hang it where the setting-out list says, as the message tells; or, when it stays, "
-               "write its measured place into the survey's `placed`."},
+               "Hang it where the setting-out list says, as the message tells: facing the wall, up "
+               "being where the other tags in view have it. Or, when it stays, write its measured "
+               "place into the survey's `placed`."},
     VerifyRule{"no-tag", "a picture or page without any tag",
                "If there is a plate in the picture: go nearer, light it, keep the whole frame in "
                "view. A print file without a tag must be printed again."},
@@ -75,10 +76,10 @@ constexpr std::array kRules{
     VerifyRule{"undecodable", "unreadable for none of the other causes",
                "Look at the crop, and at `tagsmith read --explain`. Clean the plate; replace it if "
                "a sharp photo from one metre says the same. It may be no tag of this template."},
-    VerifyRule{
-        "upside-down", "a tag upside down on its page or wall",
-        "Turn the page; hang the plate with the arrow upwards. If it is up, the print is mirrored: "
-        "print it again with mirroring switched off."},
+    VerifyRule{"upside-down", "a tag upside down on its page or wall",
+               "Hang the plate with the arrow upwards, or turn the page. If it points up already, "
+               "the print "
+               "is mirrored: print it again with mirroring switched off."},
     VerifyRule{"wrong-scale", "a frame that is not of the template's size",
                "Print at 100 %, without `fit to page`, and measure the frame before hanging."},
     VerifyRule{"wrong-wall", "a tag on the wrong wall, or tags of opposite walls side by side",

@@ -31,13 +31,14 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 14> kThirdParty{{
+constexpr std::array<ThirdParty, 15> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
     {"zlib", "zlib\\.h", "tagsmith/render", true},
     {"libpng", "png\\.h", "tagsmith/render", true},
+    {"libjpeg", "jpeglib\\.h", "decoder/image", true},
     {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},
     {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",
      "decoder/(image|simulate|feature_frame|reader|paper|localize|grade)", true},

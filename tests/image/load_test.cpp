@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/image/load.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sys/resource.h>
 
 #include "tagsmith/base/file.hpp"
@@ -150,4 +155,41 @@ TEST_CASE("JPEG quality decides the size") {
 }
 
 }  // namespace
+TEST_CASE("a damaged JPEG is decoded as far as it goes, with a warning in words") {
+  const std::string jpeg = *read_file("surveys/corridor/photos/corridor_01_left.jpg");
+  const DecodedImage whole = decode_image("a.jpg", jpeg).value();
+  CHECK(whole.warning.empty());
+  std::string holed = jpeg;
+  holed.erase(jpeg.size() / 2, jpeg.size() / 3);
+  const DecodedImage damaged = decode_image("a.jpg", holed).value();
+  CHECK(damaged.warning.find("Corrupt JPEG data") != std::string::npos);
+  REQUIRE(damaged.image.samples.size() == whole.image.samples.size());
+  CHECK(std::equal(whole.image.samples.begin(), whole.image.samples.begin() + 1280 * 100,
+                   damaged.image.samples.begin()));
+
+  std::string unknown = jpeg;
+  unknown[unknown.find("\xFF\xC0") + 1] = '\xC3';  // lossless, which libjpeg does not know
+  const auto refused = decode_image("a.jpg", unknown);
+  REQUIRE(!refused);
+  CHECK(refused.error().message.find("a.jpg: cannot be decoded") == 0);
+  CHECK(refused.error().message.find("Unsupported JPEG process") != std::string::npos);
+}
+
+TEST_CASE("the luma of JPEGs is what OpenCV decodes, grey, colour and progressive") {
+  const cv::Mat colour = cv::imread("surveys/corridor/photos/corridor_02_left.jpg");
+  cv::Mat grey;
+  cv::cvtColor(colour, grey, cv::COLOR_BGR2GRAY);
+  for (const cv::Mat& picture : {colour, grey, cv::Mat(grey(cv::Rect(0, 0, 101, 77)))}) {
+    for (const int progressive : {0, 1}) {
+      std::vector<std::uint8_t> bytes;
+      cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
+      const cv::Mat expected = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+      const GrayImage image =
+          decode_gray_image("a.jpg", std::string(bytes.begin(), bytes.end())).value();
+      REQUIRE(image.width == expected.cols);
+      CHECK(std::equal(image.samples.begin(), image.samples.end(), expected.datastart));
+    }
+  }
+}
+
 }  // namespace tagsmith

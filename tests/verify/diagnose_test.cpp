@@ -102,12 +102,12 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
       {"ink spread", {2.5}, "bars-grown", "modules, limit 0.7"},
       {"bars that nearly touch", {2.5, 35}, "bars-grown", "bars wider by 0.75 modules, limit 0.7"},
       {"bars like hairs", {2.5, 35}, "bars-grown", "bars narrower by 0.79 modules, limit 0.7"},
-      {"a cable", {}, "covered", "at the middle left, limit 5 %"},
+      {"a cable", {}, "covered", "(limit 5 %), at the middle left"},
       {"a pipe, blurred", {2, 20}, "covered", "of the bars are covered or damaged"},
       {"a pipe",
        {},
        "covered",
-       "could not be read: 32 % of the bars are covered or damaged, in the middle, limit 5 % (the "
+       "could not be read: 32 % of the bars are covered or damaged (limit 5 %), in the middle (the "
        "reader says: "},
       {"dirt", {}, "covered", "of the bars are covered or damaged"},
       {"a highlight", {}, "glare", "its darkest bars are"}};
@@ -149,13 +149,16 @@ TEST_CASE("the place on a plate is told as one sees it upright, however the came
     const std::vector<TagFinding> tags = found_in(cable, orientation);
     REQUIRE(tags.size() == 1);
     CAPTURE(tags[0].message);
-    CHECK(tags[0].message.find("damaged, at the middle left, limit") != std::string::npos);
+    CHECK(tags[0].message.find("damaged (limit 5 %), at the middle left (the") !=
+          std::string::npos);
   }
   // On its head, and nothing says so.
-  CHECK(found_in(cable, std::nullopt)
-            .at(0)
-            .message.find("damaged, at the middle right as the picture stands, limit") !=
-        std::string::npos);
+  CHECK(
+      found_in(cable, std::nullopt)
+          .at(0)
+          .message.find(
+              "damaged (limit 5 %), at the middle right as the picture stands (which way is up") !=
+      std::string::npos);
 }
 
 TEST_CASE("a picture too dark to show a tag, or washed out, is told") {

@@ -115,30 +115,34 @@ TEST_CASE("a tag on its head is told by the up that a camera noted, or by the ot
   const TagFinding a = seen("019000000404", 100);
   const TagFinding b = seen("019000800402", 900);
   const TagFinding c = seen("000000340401", 1700);
-  // The rules of the tags, one letter each: H = on its head.
+  // The rules of the tags, one letter each: H = on its head, ? = it or the camera; then of what is
+  // known of up: its first letter.
   const auto heads = [&](std::vector<TagFinding> tags, const std::optional<int>& orientation) {
     for (TagFinding& tag : tags) tag.tag = find_tag(survey, *tag.digits)->name;
     std::optional<Upright> up;
     if (orientation) up = Upright{*orientation, 2100, 400};
-    find_upside_down_by_camera(survey, up, tags);
+    const UpSource source = find_upside_down_by_camera(survey, up, tags);
     std::string told;
-    for (const TagFinding& tag : tags) told += tag.rule == "upside-down" ? "H" : "-";
-    return told;
+    for (const TagFinding& tag : tags) {
+      const bool doubtful = tag.status == TagStatus::doubtful;
+      told += tag.rule != "upside-down" ? "-" : doubtful ? "?" : "H";
+    }
+    return told + to_string(source).front();
   };
-  CHECK(heads({a}, 1) == "-");
-  CHECK(heads({a}, 3) == "H");
-  CHECK(heads({on_head(a)}, 1) == "H");
-  CHECK(heads({on_head(a)}, 3) == "-");
-  CHECK(heads({a}, 6) == "-");  // on its side: neither
-  CHECK(heads({on_head(a)}, 2) == "-");
-  CHECK(heads({on_head(a)}, std::nullopt) == "-");
-  CHECK(heads({on_head(a), b}, 1) == "H-");
-  CHECK(heads({on_head(a), on_head(b)}, 1) == "--");  // so was the camera
-  CHECK(heads({on_head(a), b}, std::nullopt) == "--");
-  CHECK(heads({on_head(a), b, c}, std::nullopt) == "H--");
-  CHECK(heads({a, on_head(b), on_head(c)}, std::nullopt) == "H--");
+  CHECK(heads({a}, 1) == "-c");
+  CHECK(heads({a}, 3) == "?d");
+  CHECK(heads({on_head(a)}, 1) == "?d");
+  CHECK(heads({on_head(a)}, 3) == "-c");
+  CHECK(heads({a}, 6) == "-c");  // on its side: neither
+  CHECK(heads({on_head(a)}, 2) == "-u");
+  CHECK(heads({on_head(a)}, std::nullopt) == "-u");
+  CHECK(heads({on_head(a), b}, 1) == "H-c");
+  CHECK(heads({on_head(a), on_head(b)}, 1) == "--d");  // so was the camera
+  CHECK(heads({on_head(a), b}, std::nullopt) == "--u");
+  CHECK(heads({on_head(a), b, c}, std::nullopt) == "H--u");
+  CHECK(heads({a, on_head(b), on_head(c)}, std::nullopt) == "H--u");
   survey.tags[0].world_from_plate.rotation.col(1) *= -1;  // as surveyed
-  CHECK(heads({on_head(a)}, 1) == "-");
+  CHECK(heads({on_head(a)}, 1) == "-c");
 }
 
 TEST_CASE("a tag on its head on a page is upside down") {

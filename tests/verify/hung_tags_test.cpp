@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
+#include "decoder/verify/hanging.hpp"
 #include "decoder/verify/hanging_check.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/wide_corridor.hpp"
@@ -247,6 +248,26 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
   find_upside_down_in_photos(survey, rig, cameras, reports);
   CHECK(reports[0].tags[0].rule == "upside-down");
   CHECK(reports[0].findings.size() == 1);
+  CHECK(reports[0].up == UpSource::rig);
+
+  // What the camera's note made doubtful is in order when the rig's stance says so, and else wrong.
+  for (const bool on_head : {false, true}) {
+    FileReport doubted = on_head ? by_hand[0] : report;
+    doubted.up = UpSource::doubted;
+    doubted.notes = {"all 2 tags" + std::string(kDoubtedUp), "damaged"};
+    doubted.tags[0].status = TagStatus::doubtful;
+    doubted.tags[0].rule = "upside-down";
+    doubted.tags[0].message = "stands on its head";
+    doubted.rules = {"upside-down"};
+    doubted.findings = {"doubtful: stands on its head"};
+    std::vector<FileReport> judged{doubted};
+    find_upside_down_in_photos(survey, rig, cameras, judged);
+    CHECK(judged[0].tags[0].status == (on_head ? TagStatus::misprinted : TagStatus::ok));
+    CHECK(judged[0].findings.size() == (on_head ? 1 : 0));
+    CHECK(judged[0].rules.empty() == !on_head);
+    CHECK(judged[0].notes == std::vector<std::string>{"damaged"});
+    CHECK(judged[0].up == UpSource::rig);
+  }
 
   Rig held = rig;
   held.roll_sigma = radians(60);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -11,6 +12,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "decoder/image/load.hpp"
+#include "decoder/image/upright.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/exif_jpeg.hpp"
 #include "tests/support/program.hpp"
@@ -404,6 +407,77 @@ TEST_CASE("jobs that know no rig are merged into where tags hang, by all their p
   CHECK(judged(lines[10]["summary"]) == judged(summary));
   CHECK(lines[10]["summary"]["misplaced"] == expected["misplaced"]);
   CHECK(lines[10]["summary"]["doubtful"] == expected["doubtful"]);
+}
+
+TEST_CASE("faults that only the merge finds have pictures, or say why not") {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  const auto quoted = [&](const char* name) { return " '" + path(name).string() + "'"; };
+  std::string survey = *read_file(kSurvey);
+  survey.insert(survey.find("\ncode:"),
+                "\nplaced:\n  - { tag: 003L, side: left, p: [1.9, 2.4, 0.43], "
+                "digits: \"01900240040\" }\n");
+  REQUIRE(write_file(path("survey.yaml"), survey).has_value());
+  const ProgramOutput lines = run_shell("\"$TAGSMITH_PROGRAM\" verify --json" +
+                                        quoted("survey.yaml") + " " + kPhotos + "/*.jpg");
+  REQUIRE(lines.exit_code == 0);
+  REQUIRE(write_file(path("lines.jsonl"), lines.out).has_value());
+  const std::string rig = " --rig '" + fs::absolute("surveys/corridor/rig.yaml").string() +
+                          "' --run '" + fs::absolute("surveys/corridor/run.csv").string() + "'";
+  const auto page = [&](const std::string& from) {
+    const ProgramOutput report = run_shell(
+        "cd '" + from + "' && \"$TAGSMITH_PROGRAM\" report" + quoted("survey.yaml") +
+        quoted("lines.jsonl") + rig + " --html" + quoted("r.html") + " --pdf" + quoted("r.pdf"));
+    REQUIRE_MESSAGE(report.exit_code == 1, report.err);
+    return *read_file(path("r.html"));
+  };
+  const auto count = [](const std::string& text, const std::string& part) {
+    int found = 0;
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  const std::string here = page(fs::current_path().string());
+  const int cards = count(here, "<article");
+  CHECK(cards > 0);
+  CHECK(count(here, "data:image/jpeg") == cards);
+  CHECK(here.find("No picture") == std::string::npos);
+
+  const std::string changed =
+      std::regex_replace(lines.out, std::regex("\"sha256\":\"....."), "\"sha256\":\"00000");
+  REQUIRE(write_file(path("lines.jsonl"), changed).has_value());
+  const std::string other = page(fs::current_path().string());
+  CHECK(count(other, "No picture: the photo was changed since it was verified.") == cards);
+}
+
+TEST_CASE("what up cannot be known of is said in the page, the table and the lines") {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  const auto quoted = [&](const char* name) { return " '" + path(name).string() + "'"; };
+  // A camera on its head that notes the contrary, and one that notes nothing.
+  const GrayImage photo = load_gray_image(kPhotos + "/corridor_01_left.jpg").value();
+  const std::string turned =
+      encode_gray_image("a.jpg", turn_upright(photo.view(), 3).view()).value();
+  REQUIRE(write_file(path("head.jpg"), with_orientation(turned, 1)).has_value());
+  const ProgramOutput output =
+      run_tagsmith("verify --json " + kSurvey + quoted("head.jpg") + " " + kPhotos +
+                   "/corridor_02_left.jpg --csv" + quoted("r.csv") + " --html" + quoted("r.html"));
+  CHECK(output.exit_code == 1);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0]["up"] == "doubted");
+  CHECK(lines[0]["tags"][0]["status"] == "doubtful");
+  CHECK(lines[0]["tags"][0]["rule"] == "upside-down");
+  CHECK(lines[1]["up"] == "unknown");
+  const json covered = lines[2]["summary"]["completeness"];
+  CHECK(covered["upright_unchecked"] == json::array({"001L"}));
+  CHECK(covered["by_tag"][2]["upright"] == "unchecked");
+  const std::string table = *read_file(path("r.csv"));
+  CHECK(table.find("left,,\"000L stands on its head by the up") != std::string::npos);
+  CHECK(table.find("left,unchecked,") != std::string::npos);
+  const std::string page = *read_file(path("r.html"));
+  CHECK(page.find("<h3>000L: upside-down?</h3>") != std::string::npos);
+  CHECK(page.find("1 of the tags seen was not checked for hanging upside down") !=
+        std::string::npos);
 }
 
 TEST_CASE("what --rig cannot use is told") {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/jpeg.hpp"
+
+#include <array>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdio>  // jpeglib.h needs it
+#include <jpeglib.h>
+
+namespace tagsmith {
+namespace {
+
+// libjpeg leaves a file that it cannot decode by a long jump out of its error handler: what lies
+// between has no destructors. So the functions that jump hold plain values only.
+class JpegDecoder {
+ public:
+  JpegDecoder() {
+    info_.err = jpeg_std_error(&errors_);
+    info_.client_data = this;
+    errors_.error_exit = [](j_common_ptr info) {
+      JpegDecoder& self = of(info);
+      self.errors_.format_message(info, self.failure_.data());
+      std::longjmp(self.escape_, 1);
+    };
+    errors_.emit_message = [](j_common_ptr info, int level) {
+      JpegDecoder& self = of(info);
+      if (level < 0 && self.errors_.num_warnings++ == 0) {
+        self.errors_.format_message(info, self.warning_.data());
+      }
+    };
+    errors_.output_message = [](j_common_ptr) {};
+  }
+  ~JpegDecoder() {
+    if (is_made_) jpeg_destroy_decompress(&info_);
+  }
+  JpegDecoder(const JpegDecoder&) = delete;
+  JpegDecoder& operator=(const JpegDecoder&) = delete;
+
+  // False when it fails, as the next.
+  bool read_header(std::string_view bytes) {
+    if (setjmp(escape_) != 0) return false;
+    jpeg_create_decompress(&info_);
+    is_made_ = true;
+    jpeg_mem_src(&info_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    jpeg_read_header(&info_, TRUE);
+    return true;
+  }
+
+  bool read_rows(GrayImage& image) {
+    if (setjmp(escape_) != 0) return false;
+    info_.out_color_space = JCS_GRAYSCALE;
+    jpeg_start_decompress(&info_);
+    while (info_.output_scanline < info_.output_height) {
+      JSAMPROW row = image.samples.data() + static_cast<std::size_t>(info_.output_scanline) *
+                                                static_cast<std::size_t>(image.width);
+      jpeg_read_scanlines(&info_, &row, 1);
+    }
+    jpeg_finish_decompress(&info_);
+    return true;
+  }
+
+  int components() const { return info_.num_components; }
+  int width() const { return static_cast<int>(info_.image_width); }
+  int height() const { return static_cast<int>(info_.image_height); }
+  std::string failure() const { return failure_.data(); }
+
+  // The first, and how many more there were.
+  std::string warning() const {
+    std::string words = warning_.data();
+    if (errors_.num_warnings > 1) {
+      words += " (and " + std::to_string(errors_.num_warnings - 1) + " more)";
+    }
+    return words;
+  }
+
+ private:
+  static JpegDecoder& of(j_common_ptr info) {
+    return *static_cast<JpegDecoder*>(info->client_data);
+  }
+
+  jpeg_decompress_struct info_{};
+  jpeg_error_mgr errors_{};
+  std::jmp_buf escape_{};
+  std::array<char, JMSG_LENGTH_MAX> failure_{};
+  std::array<char, JMSG_LENGTH_MAX> warning_{};
+  bool is_made_ = false;
+};
+
+}  // namespace
+
+Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes) {
+  JpegDecoder decoder;
+  if (!decoder.read_header(bytes)) return fail(decoder.failure());
+  if (decoder.components() != 1 && decoder.components() != 3) return std::nullopt;
+  DecodedImage decoded{{decoder.width(), decoder.height(), {}}, ""};
+  decoded.image.samples.resize(static_cast<std::size_t>(decoder.width()) *
+                               static_cast<std::size_t>(decoder.height()));
+  if (!decoder.read_rows(decoded.image)) return fail(decoder.failure());
+  decoded.warning = decoder.warning();
+  return std::optional(std::move(decoded));
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// JPEG files to grey images.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "decoder/image/gray.hpp"
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith {
+
+struct DecodedImage {
+  GrayImage image;
+  std::string warning;  // what the decoder could make good, in its words; empty = nothing
+};
+
+// What a warning of the decoder means, for people.
+inline std::string damaged_in_words(const std::string& warning) {
+  return "the file is damaged, and a part of the picture may be wrong: " + warning;
+}
+
+// The luma of a JPEG file (ITU-T T.81) of one or three components, as stored, by libjpeg: the rows
+// are decoded into the image without a copy, chroma is only skipped. Nothing for other numbers of
+// components, as CMYK has. Fails, with the decoder's words, where it gives up.
+Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes);
+
+}  // namespace tagsmith
