@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "decoder/feature_frame/tile_threshold.hpp"
-#include "decoder/image/also_avx2.hpp"
+#include "tagsmith/base/wide.hpp"
 
 namespace tagsmith {
 namespace {
@@ -92,7 +92,7 @@ using Direction = std::uint8_t;
 
 // The directions of a row of tiles; without branches, so that the compiler works on several tiles
 // at a time.
-TAGSMITH_ALSO_AVX2
+TAGSMITH_WIDE
 void find_directions(const Texture* __restrict tiles, int count, Direction* __restrict directions) {
   constexpr int kLeastStrength = 200;  // 6 grey levels from pixel to pixel
   constexpr int kSteep = 618;          // 256 tan(67.5 degrees)
@@ -186,7 +186,7 @@ class DirectionGrid {
 };
 
 // to[x] |= from[x]
-TAGSMITH_ALSO_AVX2
+TAGSMITH_WIDE
 void add_to(std::uint8_t* __restrict to, const std::uint8_t* __restrict from, std::size_t count) {
   for (std::size_t x = 0; x < count; ++x) to[x] |= from[x];
 }

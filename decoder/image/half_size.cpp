@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <cstring>
 
-#include "decoder/image/also_avx2.hpp"
+#include "tagsmith/base/wide.hpp"
 
 namespace tagsmith {
 namespace {
 
 // Pairs of samples are taken as one 16-bit number, so that the compiler works on eight or more at a
 // time; the sum of a pair does not depend on the order of its bytes.
-TAGSMITH_ALSO_AVX2
+TAGSMITH_WIDE
 void halve_rows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8_t* target,
                 std::size_t width) {
   for (std::size_t x = 0; x < width; ++x) {
