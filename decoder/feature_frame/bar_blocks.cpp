@@ -2,6 +2,7 @@
 #include "decoder/feature_frame/bar_blocks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -88,6 +89,28 @@ Cluster grow(BarredTiles& tiles, std::size_t start) {
   return cluster;
 }
 
+// The value that comes before all but `before` others, in the order of `less`; rearranges them.
+template <class Less>
+double value_after(std::vector<double>& values, std::size_t before, const Less& less) {
+  constexpr std::size_t kFew = 6;
+  if (before >= kFew) {
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(before);
+    std::ranges::nth_element(values, place, less);
+    return *place;
+  }
+  // The first ones in order: few values come among them.
+  std::array<double, kFew> first{};
+  std::size_t count = 0;
+  for (const double value : values) {
+    if (count > before && !less(value, first[before])) continue;
+    std::size_t at = std::min(count, before);
+    for (; at > 0 && less(value, first[at - 1]); --at) first[at] = first[at - 1];
+    first[at] = value;
+    count = std::min(count + 1, before + 1);
+  }
+  return first[before];
+}
+
 // The extent of the values without this share of the least and of the greatest.
 struct Extent {
   double low = 0;
@@ -95,15 +118,10 @@ struct Extent {
 };
 
 Extent extent_of(std::vector<double>& values, double share) {
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto from_low = static_cast<std::ptrdiff_t>(share * last);
-  const auto from_high =
-      static_cast<std::ptrdiff_t>(last) - static_cast<std::ptrdiff_t>((1 - share) * last);
-  // So few are left out that to place these is quicker than to halve and halve again.
-  std::ranges::partial_sort(values, values.begin() + from_low + 1);
-  const double low = values[static_cast<std::size_t>(from_low)];
-  std::ranges::partial_sort(values, values.begin() + from_high + 1, std::ranges::greater{});
-  return {low, values[static_cast<std::size_t>(from_high)]};
+  const std::size_t last = values.size() - 1;
+  const auto low = static_cast<std::size_t>(share * static_cast<double>(last));
+  const auto high = static_cast<std::size_t>((1 - share) * static_cast<double>(last));
+  return {value_after(values, low, std::less{}), value_after(values, last - high, std::greater{})};
 }
 
 // The rectangle around a cluster without its stragglers; nothing when it is too small or too thin

@@ -1,27 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/feature_frame/bar_direction.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "decoder/image/bilinear.hpp"
 
 namespace tagsmith {
 namespace {
 
+constexpr std::size_t kPlaces = 80;
+constexpr std::size_t kRows = 6;
+
+// Places in the quadrilateral's unit square, inside the quiet zones, that are averaged along v.
+struct Places {
+  std::array<double, kPlaces> u{};
+  std::array<double, kRows> v{};
+};
+
+constexpr Places places() {
+  Places places;
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    places.u[i] = 0.12 + 0.76 * static_cast<double>(i) / (kPlaces - 1);
+  }
+  for (std::size_t i = 0; i < kRows; ++i) {
+    places.v[i] = 0.27 + 0.46 * static_cast<double>(i) / (kRows - 1);
+  }
+  return places;
+}
+
 // Mean step along u where `at(u, v)` is the image's place.
 template <class At>
 double mean_step(const GrayView& image, const At& at) {
-  constexpr int kPlaces = 80;
-  constexpr int kRows = 6;
+  static constexpr Places kAt = places();
   double before = 0;
   double sum = 0;
-  for (int place = 0; place < kPlaces; ++place) {
-    const double u = 0.12 + 0.76 * place / (kPlaces - 1);  // inside the quiet zones
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    std::array<PixelPoint, kRows> pixels;
+    for (std::size_t row = 0; row < kRows; ++row) pixels[row] = at(kAt.u[place], kAt.v[row]);
     double value = 0;
-    for (int row = 0; row < kRows; ++row) {
-      const double v = 0.27 + 0.46 * row / (kRows - 1);
-      value += sample_bilinear(image, at(u, v)) / kRows;
-    }
+    for (const PixelPoint& pixel : pixels) value += sample_bilinear(image, pixel) / kRows;
     if (place > 0) sum += std::abs(value - before);
     before = value;
   }

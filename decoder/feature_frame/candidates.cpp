@@ -62,23 +62,38 @@ struct Piece {
   bool white = false;
   std::vector<PixelPoint> hull;
   double area = 0;
+  PixelPoint middle;  // of its extent
 };
+
+// An area that the hull of two pieces has at least: that between their points which lie farthest to
+// either side of the line through their middles.
+double least_area_around(const Piece& a, const Piece& b) {
+  const PixelPoint way = b.middle - a.middle;
+  const auto across = [&](const PixelPoint& point) { return cross(way, point); };
+  const auto [right_a, left_a] = std::ranges::minmax_element(a.hull, {}, across);
+  const auto [right_b, left_b] = std::ranges::minmax_element(b.hull, {}, across);
+  return std::abs(cross(*left_b - *right_a, *left_a - *right_b)) / 2;
+}
 
 // Quadrilaterals around two pieces of one colour: a cable in front of a frame cuts it in two.
 std::vector<Quad> joined_candidates(std::vector<Piece> pieces) {
   constexpr std::size_t kMaxPieces = 32;
+  constexpr double kMostEmpty = 1.3;  // area around both, by that of either
   std::ranges::sort(pieces, [](const Piece& a, const Piece& b) { return a.area > b.area; });
   pieces.resize(std::min(pieces.size(), kMaxPieces));
   std::vector<Quad> candidates;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     for (std::size_t j = i + 1; j < pieces.size(); ++j) {
       if (pieces[i].white != pieces[j].white) continue;
+      const double sum = pieces[i].area + pieces[j].area;
+      // Most are too far apart, which a look at four points tells as surely as the hull does.
+      constexpr double kRounding = 1 + 1e-9;
+      if (least_area_around(pieces[i], pieces[j]) > kMostEmpty * sum * kRounding) continue;
       std::vector<PixelPoint> points = pieces[i].hull;
       points.insert(points.end(), pieces[j].hull.begin(), pieces[j].hull.end());
       const std::vector<PixelPoint> hull = convex_hull(std::move(points));
       const double area = area_of(hull);
-      const double sum = pieces[i].area + pieces[j].area;
-      if (area > 1.3 * sum || area < 1.05 * pieces[i].area) continue;
+      if (area > kMostEmpty * sum || area < 1.05 * pieces[i].area) continue;
       const std::optional<Quad> quad = quad_filled_by(hull);
       if (quad) candidates.push_back(pieces[i].white ? *quad : inner_of_outer(*quad));
     }
@@ -121,7 +136,8 @@ std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOpti
     }
     if (!options.join_pieces) continue;
     const double area = area_of(region.hull);
-    pieces.push_back({region.white, std::move(region.hull), area});
+    const PixelPoint middle{(region.left + region.right) / 2.0, (region.top + region.bottom) / 2.0};
+    pieces.push_back({region.white, std::move(region.hull), area, middle});
   }
   for (const Quad& quad : joined_candidates(std::move(pieces))) candidates.push_back(quad);
   return candidates;

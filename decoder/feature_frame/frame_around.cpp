@@ -59,6 +59,38 @@ void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int cou
   }
 }
 
+// For so many slopes and distances the number of falls on a line, beside each other by distance.
+class LineVotes {
+ public:
+  LineVotes(std::size_t slopes, std::size_t distances)
+      : distances_(distances), votes_(slopes * distances), most_(distances) {}
+
+  int* of_slope(std::size_t k) { return votes_.data() + k * distances_; }
+  int at(std::size_t k, std::size_t distance) const { return votes_[k * distances_ + distance]; }
+
+  // Takes a distance's votes together with the next one's, for all slopes.
+  void join_neighbours() {
+    for (auto votes = votes_.begin(); votes != votes_.end();
+         votes += static_cast<std::ptrdiff_t>(distances_)) {
+      int* __restrict most = most_.data();
+      for (std::size_t i = 0; i + 1 < distances_; ++i) {
+        const auto at = static_cast<std::ptrdiff_t>(i);
+        votes[at] += votes[at + 1];
+        most[i] = std::max(most[i], votes[at]);
+      }
+    }
+  }
+
+  // The greatest number of votes of a distance, and of all.
+  int most_at(std::size_t distance) const { return most_[distance]; }
+  int most() const { return *std::ranges::max_element(most_); }
+
+ private:
+  std::size_t distances_;
+  std::vector<int> votes_;
+  std::vector<int> most_;
+};
+
 struct Line {
   double out = 0;    // where at = 0
   double slope = 0;  // pixels outwards a pixel along
@@ -68,40 +100,37 @@ struct Line {
 // the line that shows best, nearest first (Hough transform over slope and distance).
 std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double least_shown,
                            double of_best, std::size_t most) {
-  constexpr int kSlopes = 24;        // to both sides
-  constexpr double kMaxSlope = 0.8;  // of a plate seen and turned obliquely
-  constexpr std::size_t kApart = 4;  // pixels between two lines
+  constexpr std::size_t kSlopes = 24;  // to both sides
+  constexpr double kMaxSlope = 0.8;    // of a plate seen and turned obliquely
+  constexpr std::size_t kApart = 4;    // pixels between two lines
   const auto bins = static_cast<std::size_t>(reach + 3);
   const auto slope_of = [](std::size_t k) {
-    return kMaxSlope * (static_cast<double>(k) - kSlopes) / kSlopes;
+    return kMaxSlope * (static_cast<double>(k) - static_cast<double>(kSlopes)) / kSlopes;
   };
   if (static_cast<double>(falls.size()) < least_shown * kScanLines) return {};
-  std::vector<std::vector<int>> votes(2 * kSlopes + 1, std::vector<int>(bins));
-  int best = 0;
-  for (std::size_t k = 0; k < votes.size(); ++k) {
-    std::vector<int>& bin = votes[k];
+  constexpr std::size_t kAllSlopes = 2 * kSlopes + 1;
+  LineVotes votes(kAllSlopes, bins);
+  for (std::size_t k = 0; k < kAllSlopes; ++k) {
+    int* bin = votes.of_slope(k);
+    const double slope = slope_of(k);
     for (const Fall& fall : falls) {
-      const double out = fall.out - slope_of(k) * fall.at;
+      const double out = fall.out - slope * fall.at;
       if (out >= 0 && out < static_cast<double>(bins)) ++bin[static_cast<std::size_t>(out)];
     }
-    for (std::size_t i = 0; i + 1 < bins; ++i) {
-      bin[i] += bin[i + 1];
-      best = std::max(best, bin[i]);
-    }
   }
-  const double least = std::max(least_shown * kScanLines, of_best * best);
+  votes.join_neighbours();
+  const double least = std::max(least_shown * kScanLines, of_best * votes.most());
   std::vector<Line> lines;
   for (std::size_t i = 0; i + 1 < bins && lines.size() < most; ++i) {
-    const auto shows = [&](const std::vector<int>& bin) { return bin[i] >= least; };
-    if (std::ranges::none_of(votes, shows)) continue;
+    if (votes.most_at(i) < least) continue;
     // Neighbouring slopes and distances share the line; it is where most agree.
     Line line;
     int votes_of_line = 0;
     std::size_t at = i;
     for (std::size_t near = i; near < std::min(i + kApart, bins - 1); ++near) {
-      for (std::size_t k = 0; k < votes.size(); ++k) {
-        if (votes[k][near] <= votes_of_line) continue;
-        votes_of_line = votes[k][near];
+      for (std::size_t k = 0; k < kAllSlopes; ++k) {
+        if (votes.at(k, near) <= votes_of_line) continue;
+        votes_of_line = votes.at(k, near);
         line = {static_cast<double>(near) + 1, slope_of(k)};
         at = near;
       }

@@ -146,11 +146,6 @@ bool nearly_equal(const Quad& a, const Quad& b, double pixels) {
   return false;
 }
 
-PixelPoint Homography::operator()(double u, double v) const {
-  const double w = h[6] * u + h[7] * v + h[8];
-  return {(h[0] * u + h[1] * v + h[2]) / w, (h[3] * u + h[4] * v + h[5]) / w};
-}
-
 // Heckbert 1989, "Fundamentals of texture mapping and image warping", section 2.2.3.
 Homography homography_to(const Quad& quad) {
   const PixelPoint d1 = quad[1] - quad[2];

@@ -44,7 +44,10 @@ bool nearly_equal(const Quad& a, const Quad& b, double pixels);
 struct Homography {
   std::array<double, 9> h{1, 0, 0, 0, 1, 0, 0, 0, 1};  // row-major
 
-  PixelPoint operator()(double u, double v) const;
+  PixelPoint operator()(double u, double v) const {
+    const double w = h[6] * u + h[7] * v + h[8];
+    return {(h[0] * u + h[1] * v + h[2]) / w, (h[3] * u + h[4] * v + h[5]) / w};
+  }
 };
 
 Homography homography_to(const Quad& quad);

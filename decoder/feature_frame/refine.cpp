@@ -22,6 +22,17 @@
 namespace tagsmith {
 namespace {
 
+// Four samples at a time (GCC manual, "Vector Extensions").
+using Four = float __attribute__((vector_size(16)));
+
+Four four_of(float a, float b, float c, float d) { return Four{a, b, c, d}; }
+
+// f of each of the four.
+template <class F>
+Four each_of(const F& f) {
+  return four_of(f(0), f(1), f(2), f(3));
+}
+
 // The light across a side: white, the stroke's black, white again, blurred. Parameters: edge place
 // at the middle and its slope, log blur, white and black at the middle and their slopes, log
 // stroke.
@@ -42,46 +53,73 @@ struct StepModel {
         black_slope(static_cast<float>(p[kBlackSlope])),
         taper(static_cast<float>(side.taper)) {}
 
-  float stroke_at(float along) const { return stroke * (1 + taper * along); }
+  Four stroke_at(Four along) const { return stroke * (1 + taper * along); }
 
   float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
 };
 
-// One sample's prediction and what it depends on.
-struct Predicted {
-  float sample = 0;
-  float slope = 0;     // of the tone curve there
-  float contrast = 0;  // black less white
-  float dark = 0;      // share of the stroke's light
-  float z_inner = 0, z_outer = 0;
-  float d_inner = 0, d_outer = 0;  // densities at the two edges
+// Four samples, those that are wanting with no weight.
+struct FourSamples {
+  Four along{};
+  Four across{};
+  Four value{};
+  Four weight{};
 };
 
-Predicted predict(const StepModel& model, const EdgeSample& at, const ToneCurve& tone,
+std::vector<FourSamples> by_four(const std::vector<EdgeSample>& samples) {
+  std::vector<FourSamples> fours((samples.size() + 3) / 4);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    FourSamples& four = fours[i / 4];
+    four.along[i % 4] = samples[i].along;
+    four.across[i % 4] = samples[i].across;
+    four.value[i % 4] = samples[i].value;
+    four.weight[i % 4] = samples[i].weight;
+  }
+  return fours;
+}
+
+// The samples' prediction and what it depends on.
+struct Predicted {
+  Four sample{};
+  Four slope{};     // of the tone curve there
+  Four contrast{};  // black less white
+  Four dark{};      // share of the stroke's light
+  Four z_inner{}, z_outer{};
+  Four d_inner{}, d_outer{};  // densities at the two edges
+};
+
+Predicted predict(const StepModel& model, const FourSamples& at, const ToneCurve& tone,
                   const NormalTable& normal) {
   Predicted predicted;
   predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
   predicted.z_outer = predicted.z_inner - model.stroke_at(at.along) * model.per_blur;
-  const NormalValue inner = normal(predicted.z_inner);
-  const NormalValue outer = normal(predicted.z_outer);
-  predicted.dark = inner.integral - outer.integral;
-  predicted.d_inner = inner.density;
-  predicted.d_outer = outer.density;
-  const float white = model.white + model.white_slope * at.along;
+  std::array<NormalValue, 4> inner, outer;
+  for (std::size_t i = 0; i < 4; ++i) {
+    inner[i] = normal(predicted.z_inner[i]);
+    outer[i] = normal(predicted.z_outer[i]);
+  }
+  predicted.dark = each_of([&](std::size_t i) { return inner[i].integral - outer[i].integral; });
+  predicted.d_inner = each_of([&](std::size_t i) { return inner[i].density; });
+  predicted.d_outer = each_of([&](std::size_t i) { return outer[i].density; });
+  const Four white = model.white + model.white_slope * at.along;
   predicted.contrast = model.black + model.black_slope * at.along - white;
-  const ToneCurve::Point point = tone.point_of(white + predicted.contrast * predicted.dark);
-  predicted.sample = point.sample;
-  predicted.slope = point.slope;
+  const Four light = white + predicted.contrast * predicted.dark;
+  std::array<ToneCurve::Point, 4> points;
+  for (std::size_t i = 0; i < 4; ++i) points[i] = tone.point_of(light[i]);
+  predicted.sample = each_of([&](std::size_t i) { return points[i].sample; });
+  predicted.slope = each_of([&](std::size_t i) { return points[i].slope; });
   return predicted;
 }
 
 // log(1 + x) for x >= 0 to 1e-4 of itself or better, and continuous: for costs that are compared.
-float fast_log1p(float x) {
-  const auto bits = std::bit_cast<std::uint32_t>(1 + x);
-  const auto exponent = static_cast<float>(static_cast<int>(bits >> 23U) - 127);
-  const float m = std::bit_cast<float>((bits & 0x7fffffU) | 0x3f800000U) - 1;
+Four fast_log1p(Four x) {
+  using Bits = std::uint32_t __attribute__((vector_size(16)));
+  using Whole = std::int32_t __attribute__((vector_size(16)));
+  const auto bits = reinterpret_cast<Bits>(1 + x);
+  const Four exponent = __builtin_convertvector(reinterpret_cast<Whole>(bits >> 23U) - 127, Four);
+  const Four m = reinterpret_cast<Four>((bits & 0x7fffffU) | 0x3f800000U) - 1;
   // Of log(1 + m) on 0 to 1 (Abramowitz and Stegun 4.1.43), made exact at 1.
-  const float log_mantissa =
+  const Four log_mantissa =
       m *
       (0.99949556F + m * (-0.49190896F + m * (0.28947478F + m * (-0.13606275F + m * 0.03214854F))));
   return exponent * 0.69314718F + log_mantissa;
@@ -108,14 +146,12 @@ struct Row {
 // The samples of one side and the memory to fit them in.
 struct SideSamples {
   std::vector<EdgeSample> samples;
-  std::vector<Row> rows;
+  std::vector<FourSamples> fours;
+  std::vector<Row> rows;  // of all samples and of those that are wanting
 
   explicit SideSamples(std::vector<EdgeSample> of_side)
-      : samples(std::move(of_side)), rows(samples.size()) {}
+      : samples(std::move(of_side)), fours(by_four(samples)), rows(4 * fours.size()) {}
 };
-
-// Four numbers at a time (GCC manual, "Vector Extensions").
-using Four = float __attribute__((vector_size(16)));
 
 Eigen::Vector4d to_doubles(Four values) {
   return Eigen::Vector4f(values[0], values[1], values[2], values[3]).cast<double>();
@@ -158,29 +194,32 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
   const float per_scale = 1 / static_cast<float>(scale);
   float cost = 0, total = 0;
   Row* row = side_samples.rows.data();
-  for (const EdgeSample& sample : side_samples.samples) {
-    const Predicted predicted = predict(model, sample, tone, normal_table);
-    const float residual = sample.value - predicted.sample;
-    const float ratio = residual * per_scale;
-    const float weight = sample.weight / (1 + ratio * ratio);
-    const float root = std::sqrt(weight);
-    const float by_dark = root * predicted.slope * predicted.contrast;
-    const float by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
-    const float by_white = root * predicted.slope * (1 - predicted.dark);
-    const float by_black = root * predicted.slope * predicted.dark;
-    row->terms = {
-        by_place,
-        by_place * sample.along,
-        by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner),
-        by_white,
-        by_white * sample.along,
-        by_black,
-        by_black * sample.along,
-        by_dark * predicted.d_outer * model.stroke_at(sample.along) * model.per_blur};
-    row->residual = root * residual;
-    ++row;
-    cost += sample.weight * fast_log1p(ratio * ratio);
-    total += weight;
+  for (const FourSamples& four : side_samples.fours) {
+    const Predicted predicted = predict(model, four, tone, normal_table);
+    const Four residual = four.value - predicted.sample;
+    const Four ratio = residual * per_scale;
+    const Four weight = four.weight / (1 + ratio * ratio);
+    const Four root = each_of([&](std::size_t i) { return std::sqrt(weight[i]); });
+    const Four by_dark = root * predicted.slope * predicted.contrast;
+    const Four by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
+    const Four by_blur =
+        by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner);
+    const Four by_white = root * predicted.slope * (1 - predicted.dark);
+    const Four by_black = root * predicted.slope * predicted.dark;
+    const Four by_stroke =
+        by_dark * predicted.d_outer * model.stroke_at(four.along) * model.per_blur;
+    const Four by_turn = by_place * four.along, by_white_slope = by_white * four.along,
+               by_black_slope = by_black * four.along;
+    const Four left = root * residual;
+    const Four costs = four.weight * fast_log1p(ratio * ratio);
+    for (std::size_t i = 0; i < 4; ++i, ++row) {
+      // In the order of the parameters.
+      row->terms = {by_place[i],       by_turn[i],  by_blur[i],        by_white[i],
+                    by_white_slope[i], by_black[i], by_black_slope[i], by_stroke[i]};
+      row->residual = left[i];
+      cost += costs[i];
+      total += weight[i];
+    }
   }
   NormalEquations normal;
   add_products(side_samples.rows, normal);
@@ -229,16 +268,18 @@ void constrain(Parameters& p, double stroke) {
 }
 
 // Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
-double noise_scale(const std::vector<EdgeSample>& samples, const Parameters& p,
-                   const SideLine& side, const ToneCurve& tone) {
+double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side,
+                   const ToneCurve& tone) {
   constexpr double kLeast = 3;  // grey levels
   const StepModel model(p, side);
   const NormalTable& normal = NormalTable::get();
   std::vector<float> residuals;
-  residuals.reserve(samples.size());
-  for (const EdgeSample& sample : samples) {
-    residuals.push_back(std::abs(sample.value - predict(model, sample, tone, normal).sample));
+  residuals.reserve(4 * samples.fours.size());
+  for (const FourSamples& four : samples.fours) {
+    const Four sample = predict(model, four, tone, normal).sample;
+    for (std::size_t i = 0; i < 4; ++i) residuals.push_back(std::abs(four.value[i] - sample[i]));
   }
+  residuals.resize(samples.samples.size());
   const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
   std::nth_element(residuals.begin(), middle, residuals.end());
   return std::max(kLeast, 2 * static_cast<double>(*middle) / 0.6745);
@@ -281,8 +322,8 @@ Solution solve_side(SideSamples& samples, const SideLine& side, double start_blu
   Parameters p = first_guess(samples.samples, side, tone);
   p[kLogBlur] = std::log(start_blur);
   constrain(p, side.stroke);
-  p = minimise(samples, side, p, noise_scale(samples.samples, p, side, tone), 4).parameters;
-  return minimise(samples, side, p, noise_scale(samples.samples, p, side, tone), 15);
+  p = minimise(samples, side, p, noise_scale(samples, p, side, tone), 4).parameters;
+  return minimise(samples, side, p, noise_scale(samples, p, side, tone), 15);
 }
 
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a

@@ -183,9 +183,11 @@ bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) 
   constexpr int kSteps = 12;
   const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
   const double step = (2.5 * side.stroke + 1) / kSteps;
+  const auto place = [&](int k) { return at + (step * k) * side.outward; };
+  const bool in_image = is_inside(image, place(0)) && is_inside(image, place(kSteps));
   double darkest = 255;
   for (int k = 0; k <= kSteps; ++k) {
-    const double value = sample_bilinear(image, at + (step * k) * side.outward);
+    const double value = in_image ? interpolate(image, place(k)) : sample_bilinear(image, place(k));
     darkest = std::min(darkest, value);
     if (inside - darkest > kLeastFall && value - darkest > kLeastRise) return true;
   }

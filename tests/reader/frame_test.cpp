@@ -71,6 +71,21 @@ TEST_CASE("a homography maps the unit square to the quad and back") {
   }
 }
 
+TEST_CASE("a quad holds what is between its sides, and is the same quad in any turn") {
+  const Quad quad{PixelPoint{10, 10}, {60, 14}, {58, 40}, {8, 42}};
+  CHECK(contains(quad, centre_of(quad)));
+  CHECK(contains(quad, quad[1]));
+  CHECK_FALSE(contains(quad, {60, 41}));
+  CHECK_FALSE(contains(quad, {30, 10}));
+  for (std::size_t turn = 0; turn < 4; ++turn) {
+    Quad turned = quad;
+    std::ranges::rotate(turned, turned.begin() + static_cast<std::ptrdiff_t>(turn));
+    turned[0].x += 0.5;
+    CHECK(nearly_equal(quad, turned, 0.6));
+    CHECK_FALSE(nearly_equal(quad, turned, 0.4));
+  }
+}
+
 TEST_CASE("the quad around a rounded hull keeps its four sides") {
   const std::vector<PixelPoint> points{{12, 10}, {90, 12}, {99, 20}, {98, 60},
                                        {90, 69}, {15, 70}, {10, 64}, {10, 15}};
