@@ -55,13 +55,16 @@ class SeenCells {
         values_(4 * bands_ * stride_) {
     for (std::size_t band = 0; band < bands_; ++band) {
       const Cell* cells = &grid.at(band, 0);
-      float* to = &values_[4 * band * stride_];
-      for (const std::size_t bin : bins_) {
-        to[0] = cells[bin].darkness;
-        to[stride_] = cells[bin].squares;
-        to[2 * stride_] = cells[bin].place;
-        to[3 * stride_] = cells[bin].count;
-        ++to;
+      float* darkness = &values_[4 * band * stride_];
+      float *squares = darkness + stride_, *places = squares + stride_, *counts = places + stride_;
+      const std::size_t* bins = bins_.data();
+      const std::size_t size = bins_.size();
+      for (std::size_t i = 0; i < size; ++i) {
+        const Cell cell = cells[bins[i]];
+        darkness[i] = cell.darkness;
+        squares[i] = cell.squares;
+        places[i] = cell.place;
+        counts[i] = cell.count;
       }
     }
   }
@@ -92,22 +95,24 @@ class SeenCells {
 
 // Variance of one pixel's darkness, pooled over the cells.
 TAGSMITH_WIDE double pixel_variance(const SeenCells& cells) {
-  using Doubles = double __attribute__((vector_size(8 * kLanes)));
+  // Half as many as are taken at a time: the compiler is at a loss with longer vectors.
+  using HalfFloats = float __attribute__((vector_size(2 * kLanes)));
+  using Doubles = double __attribute__((vector_size(4 * kLanes)));
   Doubles squares{}, freedom{};
   for (std::size_t band = 0; band < cells.bands(); ++band) {
-    for (std::size_t i = 0; i < cells.padded_size(); i += kLanes) {
-      Floats sums, of_squares, counts;
-      load(cells.darkness(band) + i, sums);
-      load(cells.squares(band) + i, of_squares);
-      load(cells.counts(band) + i, counts);
-      const Floats spread = of_squares - sums * sums / (counts < 1 ? 1 : counts);
-      squares += __builtin_convertvector(counts < 2 ? Floats{} : spread, Doubles);
-      freedom += __builtin_convertvector(counts < 2 ? Floats{} : counts - 1, Doubles);
+    for (std::size_t i = 0; i < cells.padded_size(); i += kLanes / 2) {
+      HalfFloats sums, of_squares, counts;
+      std::memcpy(&sums, cells.darkness(band) + i, sizeof sums);
+      std::memcpy(&of_squares, cells.squares(band) + i, sizeof of_squares);
+      std::memcpy(&counts, cells.counts(band) + i, sizeof counts);
+      const HalfFloats spread = of_squares - sums * sums / (counts < 1 ? 1 : counts);
+      squares += __builtin_convertvector(counts < 2 ? HalfFloats{} : spread, Doubles);
+      freedom += __builtin_convertvector(counts < 2 ? HalfFloats{} : counts - 1, Doubles);
     }
   }
   constexpr double kLeast = 1e-4;  // 1 % of the contrast: quantisation alone
   double all_squares = 0, all_freedom = 0;
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t k = 0; k < kLanes / 2; ++k) {
     all_squares += squares[k];
     all_freedom += freedom[k];
   }

@@ -6,6 +6,30 @@
 namespace tagsmith {
 namespace {
 
+using CharacterModules = std::array<std::uint8_t, kModulesPerDigit>;
+
+constexpr CharacterModules modules_by_widths(bool right_half, std::size_t c) {
+  std::array<std::uint8_t, kElementsPerDigit> widths = kDigitElements[c % 10];
+  if (c >= 10) std::ranges::reverse(widths);
+  CharacterModules modules{};
+  std::size_t at = 0;
+  std::uint8_t bar = right_half ? 1 : 0;
+  for (const std::uint8_t width : widths) {
+    for (int i = 0; i < width; ++i) modules[at++] = bar;
+    bar ^= 1U;
+  }
+  return modules;
+}
+
+constexpr auto kModulesOfCharacters = [] {
+  std::array<std::array<CharacterModules, kCharacterCount>, 2> modules{};
+  for (std::size_t c = 0; c < kCharacterCount; ++c) {
+    modules[0][c] = modules_by_widths(false, c);
+    modules[1][c] = modules_by_widths(true, c);
+  }
+  return modules;
+}();
+
 Alphabet::Active active_features(bool right_half, std::size_t c) {
   const auto modules = modules_of_character(right_half, c);
   Alphabet::Active active;
@@ -30,17 +54,9 @@ Alphabet alphabet_of(bool right_half) {
 
 }  // namespace
 
-std::array<std::uint8_t, kModulesPerDigit> modules_of_character(bool right_half, std::size_t c) {
-  std::array<std::uint8_t, kElementsPerDigit> widths = kDigitElements[c % 10];
-  if (c >= 10) std::ranges::reverse(widths);
-  std::array<std::uint8_t, kModulesPerDigit> modules{};
-  std::size_t at = 0;
-  std::uint8_t bar = right_half ? 1 : 0;
-  for (const std::uint8_t width : widths) {
-    for (int i = 0; i < width; ++i) modules[at++] = bar;
-    bar ^= 1U;
-  }
-  return modules;
+const std::array<std::uint8_t, kModulesPerDigit>& modules_of_character(bool right_half,
+                                                                       std::size_t c) {
+  return kModulesOfCharacters[right_half ? 1 : 0][c];
 }
 
 const Alphabet& alphabet_at(std::size_t position) {

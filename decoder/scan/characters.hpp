@@ -20,7 +20,8 @@ inline constexpr std::size_t kCharacterCount = 20;
 using Characters = std::array<std::uint8_t, kDigitCount>;
 
 // Seven modules of a character; in the left half it starts with a space, in the right with a bar.
-std::array<std::uint8_t, kModulesPerDigit> modules_of_character(bool right_half, std::size_t c);
+const std::array<std::uint8_t, kModulesPerDigit>& modules_of_character(bool right_half,
+                                                                       std::size_t c);
 
 // Features, in order along the symbol: 2k = the growth of the edge at the begin of module k,
 // 2k + 1 = module k.
@@ -38,8 +39,9 @@ using CharacterLanes = std::array<float, kCharacterLanes>;
 
 // Which features, relative to a character's first one, a half's characters switch on.
 struct Alphabet {
+  static constexpr std::size_t kMostActive = 8;
   struct Active {
-    std::array<std::uint8_t, 8> feature{};  // ascending
+    std::array<std::uint8_t, kMostActive> feature{};  // ascending
     std::size_t count = 0;
   };
   std::array<Active, kCharacterCount> active{};         // by character

@@ -2,6 +2,7 @@
 #include "decoder/scan/module_light.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tagsmith/base/normal.hpp"
@@ -11,8 +12,10 @@ namespace {
 
 constexpr float kHalfLength = kModuleCount / 2.0F;
 
-std::array<float, kModuleCount + 1> displaced_edges(const SymbolImage& image) {
-  std::array<float, kModuleCount + 1> edges{};
+using Edges = std::array<float, kModuleCount + 1>;
+
+Edges displaced_edges(const SymbolImage& image) {
+  Edges edges{};
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const float nominal = static_cast<float>(k) - kHalfLength;
     const float t = nominal / kHalfLength;
@@ -36,61 +39,65 @@ std::size_t band_of(const ScanProfile& profile, const SymbolImage& image) {
                   2 * static_cast<std::size_t>(std::ceil(2.1F * reach)) + 3);
 }
 
-}  // namespace
+// The steps at a place of a bar's begin and of its end at the same nominal place: their mean, and
+// half their difference.
+struct Step {
+  float mean = 0, growth = 0;
+};
 
-ModuleLight::ModuleLight(const ScanProfile& profile, const SymbolImage& image)
-    : contrast_(static_cast<float>(image.black - image.white)), band_(band_of(profile, image)) {
-  places_.reserve(profile.size());
-  light_.reserve(profile.size() * (band_ + kLanes));
-  const auto edges = displaced_edges(image);
-  std::size_t first = 0;
-  for (const ScanBin& bin : profile) add(bin, image, edges, first);
+Step step_at(const NormalTable& normal, float z, float half_growth) {
+  if (half_growth == 0) return {normal(z).integral, 0};
+  const float widened = normal(z + half_growth).integral;
+  const float narrowed = normal(z - half_growth).integral;
+  return {(widened + narrowed) / 2, (widened - narrowed) / 2};
 }
 
-// Adds one place: its light is the sum over the edges within reach of a step, and of the modules
-// between them. The mean of the steps of a bar's begin and of its end at the same nominal place
-// belongs to the module, half their difference to the growth of the edge.
-void ModuleLight::add(const ScanBin& bin, const SymbolImage& image,
-                      const std::array<float, kModuleCount + 1>& edges, std::size_t& first) {
+// Writes what features add to a place: its light is the sum over the edges within reach of a step,
+// and of the modules between them. The mean step of an edge belongs to the module, the rest to the
+// growth of the edge. Returns how many features, from the module before edge `first` on.
+std::size_t write_light(const Edges& edges, std::size_t first, float at, float reach,
+                        float per_blur, float half_growth, float* light) {
   const NormalTable& normal = NormalTable::get();
-  const float at = static_cast<float>(bin.at);
-  const float blur = static_cast<float>(image.blur * bin.spread);
-  const float reach = reach_of(image, blur);
-  while (first < edges.size() && edges[first] < at - reach) ++first;
-  const float t = (at - kHalfLength) / kHalfLength;
-  const float half_growth = static_cast<float>(image.growth) / 2;
-  const float per_blur = 1 / blur;
-  std::array<float, kMostFeatures> light;
   std::size_t count = 0;
   float before = 1;  // step of the edge before
   std::size_t k = first;
-  for (; k < edges.size() && edges[k] < at + reach && count + 2 < kMostFeatures; ++k) {
-    const float z = (at - edges[k]) * per_blur;
-    float step = 0, growth = 0;
-    if (half_growth == 0) {
-      step = normal(z).integral;
-    } else {
-      const float widened = normal(z + half_growth * per_blur).integral;
-      const float narrowed = normal(z - half_growth * per_blur).integral;
-      step = (widened + narrowed) / 2;
-      growth = (widened - narrowed) / 2;
-    }
-    if (k > 0) light[count++] = before - step;
-    light[count++] = growth;
-    before = step;
+  for (; k < edges.size() && edges[k] < at + reach && count + 2 < ModuleLight::kMostFeatures; ++k) {
+    const Step step = step_at(normal, (at - edges[k]) * per_blur, half_growth * per_blur);
+    if (k > 0) light[count++] = before - step.mean;
+    light[count++] = step.growth;
+    before = step.mean;
   }
   if (k < edges.size() && k > 0 && k > first) light[count++] = before;
   if (k == first && k > 0 && k < edges.size()) light[count++] = 1;  // in the midst of one module
-  Place place;
-  place.begin = first == 0 ? 0 : 2 * first - 1;  // the module before the first edge
-  place.count = count;
-  place.offset = light_.size();
-  place.value =
-      (static_cast<float>(bin.darkness - image.white) - static_cast<float>(image.shading) * t) /
-      contrast_;
-  places_.push_back(place);
-  light_.insert(light_.end(), light.begin(), light.begin() + static_cast<std::ptrdiff_t>(count));
-  light_.resize(light_.size() + kLanes);
+  return count;
+}
+
+}  // namespace
+
+ModuleLight::ModuleLight(const ScanProfile& profile, const SymbolImage& image)
+    : contrast_(static_cast<float>(image.black - image.white)),
+      band_(band_of(profile, image)),
+      places_(profile.size()),
+      light_((profile.size() + 1) * (band_ + kLanes) + kMostFeatures) {
+  const Edges edges = displaced_edges(image);
+  const auto shading = static_cast<float>(image.shading);
+  const float half_growth = static_cast<float>(image.growth) / 2;
+  std::size_t first = 0, offset = 0;
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const ScanBin& bin = profile[i];
+    const auto at = static_cast<float>(bin.at);
+    const auto blur = static_cast<float>(image.blur * bin.spread);
+    const float reach = reach_of(image, blur);
+    while (first < edges.size() && edges[first] < at - reach) ++first;
+    if (offset + kMostFeatures + kLanes > light_.size()) light_.resize(2 * light_.size());
+    Place& place = places_[i];
+    place.begin = first == 0 ? 0 : 2 * first - 1;  // the module before the first edge
+    place.count = write_light(edges, first, at, reach, 1 / blur, half_growth, &light_[offset]);
+    place.offset = offset;
+    const float t = (at - kHalfLength) / kHalfLength;
+    place.value = (static_cast<float>(bin.darkness - image.white) - shading * t) / contrast_;
+    offset += place.count + kLanes;
+  }
 }
 
 }  // namespace tagsmith

@@ -2,9 +2,7 @@
 // How much light each module and each edge of a symbol adds to each place of a profile.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -40,9 +38,6 @@ class ModuleLight {
   std::size_t band() const { return band_; }
 
  private:
-  void add(const ScanBin& bin, const SymbolImage& image,
-           const std::array<float, kModuleCount + 1>& edges, std::size_t& first);
-
   float contrast_;
   std::size_t band_;
   std::vector<Place> places_;

@@ -100,11 +100,10 @@ ModuleSystem::ModuleSystem(const ScanProfile& profile, const ModuleLight& light,
 void ModuleSystem::add_places(const ScanProfile& profile, const ModuleLight& light,
                               const FitSlack& slack) {
   const float contrast = light.contrast();
-  std::vector<float> weights;
-  weights.reserve(profile.size());
+  std::vector<float> weights(profile.size());
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const float value = light.places()[i].value;
-    weights.push_back(contrast * contrast / static_cast<float>(profile[i].variance));
+    weights[i] = contrast * contrast / static_cast<float>(profile[i].variance);
     constant_ += weights[i] * value * value;
   }
   add_all_places(light, weights.data(), slack,
@@ -162,17 +161,50 @@ TAGSMITH_WIDE CharacterLanes shared_with(const Alphabet& alphabet, const float* 
   return shared;
 }
 
-// Sums of the products of a character's pull with those of all characters, parameter by parameter.
-template <std::size_t Count>
-using LanePulls = std::array<CharacterLanes, Count>;
+using Pairs = std::array<CharacterCosts::Row, kCharacterCount>;
 
-template <std::size_t Count>
-inline __attribute__((always_inline)) void subtract_shared(
-    const LanePulls<Count>& before, const LanePulls<Count>& pulls,
-    std::array<CharacterCosts::Row, kCharacterCount>& pair) {
+// What each character on the left of a pair shares with all on the right: sums over its features
+// from `first` on.
+TAGSMITH_WIDE void set_shared(const Alphabet& alphabet, std::size_t first,
+                              const std::array<CharacterCosts::Row, kOwnFeatures>& shared,
+                              Pairs& pair) {
+  constexpr std::size_t kTogether = 4;
+  using Lanes = double __attribute__((vector_size(8 * kTogether)));
+  static_assert(kCharacterCount % kTogether == 0);
+  for (std::size_t c = 0; c < kCharacterCount; ++c) {
+    const Alphabet::Active& active = alphabet.active[c];
+    const double* rows[Alphabet::kMostActive];
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < active.count; ++i) {
+      if (active.feature[i] >= first) rows[count++] = shared[active.feature[i]].data();
+    }
+    for (std::size_t d = 0; d < kCharacterCount; d += kTogether) {
+      Lanes costs{};
+      for (std::size_t i = 0; i < count; ++i) {
+        Lanes from;
+        std::memcpy(&from, rows[i] + d, sizeof from);
+        costs += from;
+      }
+      std::memcpy(&pair[c][d], &costs, sizeof costs);
+    }
+  }
+}
+
+// How all characters at a position pull at the picture, parameter by parameter.
+using LanePulls = std::array<CharacterLanes, 8>;
+
+TAGSMITH_WIDE void subtract_squares(const LanePulls& pulls, CharacterCosts::Row& alone) {
+  for (const CharacterLanes& pull : pulls) {
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      alone[c] -= static_cast<double>(pull[c] * pull[c]);
+    }
+  }
+}
+
+TAGSMITH_WIDE void subtract_products(const LanePulls& before, const LanePulls& pulls, Pairs& pair) {
   for (std::size_t b = 0; b < kCharacterCount; ++b) {
     CharacterLanes shared{};
-    for (std::size_t k = 0; k < Count; ++k) {
+    for (std::size_t k = 0; k < pulls.size(); ++k) {
       const float pull = before[k][b];
       for (std::size_t c = 0; c < kCharacterLanes; ++c) shared[c] += pull * pulls[k][c];
     }
@@ -180,11 +212,6 @@ inline __attribute__((always_inline)) void subtract_shared(
       pair[b][c] -= 2 * static_cast<double>(shared[c]);
     }
   }
-}
-
-TAGSMITH_WIDE void subtract_shared_pulls(const LanePulls<8>& before, const LanePulls<8>& pulls,
-                                         std::array<CharacterCosts::Row, kCharacterCount>& pair) {
-  subtract_shared<8>(before, pulls, pair);
 }
 
 }  // namespace
@@ -197,13 +224,12 @@ CharacterLanes ModuleSystem::costs_alone(std::size_t position) const {
 
 // What neighbouring characters exchange: first each feature of the left one with every character at
 // `position`, then summed over the features of every left character.
-void ModuleSystem::add_pair_costs(std::size_t position,
+void ModuleSystem::set_pair_costs(std::size_t position,
                                   std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
   const std::size_t base = first_feature(position - 1);
   const std::size_t gap = first_feature(position) - base;
   if (gap >= band_ + kOwnFeatures) return;
   const std::size_t first = gap < band_ ? 0 : gap - band_ + 1;  // features before share nothing
-  const Alphabet& left = alphabet_at(position - 1);
   std::array<CharacterCosts::Row, kOwnFeatures> pull;
   for (std::size_t j = first; j < kOwnFeatures; ++j) {
     const CharacterLanes shared =
@@ -212,14 +238,7 @@ void ModuleSystem::add_pair_costs(std::size_t position,
       pull[j][c] = 2 * static_cast<double>(shared[c]);
     }
   }
-  for (std::size_t c = 0; c < kCharacterCount; ++c) {
-    const Alphabet::Active& active = left.active[c];
-    for (std::size_t i = 0; i < active.count; ++i) {
-      if (active.feature[i] < first) continue;
-      const CharacterCosts::Row& from = pull[active.feature[i]];
-      for (std::size_t d = 0; d < kCharacterCount; ++d) pair[c][d] += from[d];
-    }
-  }
+  set_shared(alphabet_at(position - 1), first, pull, pair);
 }
 
 // What characters that are no neighbours share, with one of the two from the reference.
@@ -254,7 +273,8 @@ void ModuleSystem::add_far_costs(const Characters& reference, CharacterCosts& co
 // What a fit of the picture to each symbol takes from its cost: the square of the pull of what
 // differs from the reference, to which the picture is fitted already.
 void ModuleSystem::adapt_picture(const Characters& reference, CharacterCosts& costs) const {
-  LanePulls<kSlack> before{};
+  static_assert(std::tuple_size_v<LanePulls> == kSlack);
+  LanePulls before{};
   for (std::size_t i = 0; i < kPositions; ++i) {
     const Alphabet& here = alphabet_at(i);
     const auto add_pull = [&](Pull& pull, std::size_t c, float sign) {
@@ -266,16 +286,14 @@ void ModuleSystem::adapt_picture(const Characters& reference, CharacterCosts& co
     };
     Pull from{};
     add_pull(from, reference[i], -1);
-    LanePulls<kSlack> pulls{};
+    LanePulls pulls{};
     for (std::size_t c = 0; c < kCharacterCount; ++c) {
       Pull pull = from;
       add_pull(pull, c, 1);
-      for (std::size_t k = 0; k < kSlack; ++k) {
-        costs.alone[i][c] -= static_cast<double>(pull[k] * pull[k]);
-        pulls[k][c] = pull[k];
-      }
+      for (std::size_t k = 0; k < kSlack; ++k) pulls[k][c] = pull[k];
     }
-    if (i > 0) subtract_shared_pulls(before, pulls, costs.pair[i - 1]);
+    subtract_squares(pulls, costs.alone[i]);
+    if (i > 0) subtract_products(before, pulls, costs.pair[i - 1]);
     before = pulls;
   }
 }
@@ -288,7 +306,7 @@ CharacterCosts ModuleSystem::character_costs(const Characters* reference) const 
     for (std::size_t c = 0; c < kCharacterCount; ++c) {
       costs.alone[position][c] = static_cast<double>(alone[c]);
     }
-    if (position > 0) add_pair_costs(position, costs.pair[position - 1]);
+    if (position > 0) set_pair_costs(position, costs.pair[position - 1]);
   }
   if (reference != nullptr) add_far_costs(*reference, costs);
   if (reference != nullptr && adapts_) adapt_picture(*reference, costs);

@@ -48,7 +48,7 @@ class ModuleSystem {
   void add_places(const ScanProfile& profile, const ModuleLight& light, const FitSlack& slack);
   void take_out(const std::array<std::uint8_t, kFeatures>& present);
   CharacterLanes costs_alone(std::size_t position) const;
-  void add_pair_costs(std::size_t position,
+  void set_pair_costs(std::size_t position,
                       std::array<CharacterCosts::Row, kCharacterCount>& pair) const;
   void add_far_costs(const Characters& reference, CharacterCosts& costs) const;
   void adapt_picture(const Characters& reference, CharacterCosts& costs) const;

@@ -35,7 +35,7 @@ SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
   for (std::size_t k = 0; k < kLanes; ++k) {
     const std::size_t position = first + k;
     const bool right_half = position >= 6;
-    const auto own = modules_of_character(right_half, digits[position]);
+    const auto& own = modules_of_character(right_half, digits[position]);
     for (std::size_t i = 0; i < kModules; ++i) {
       lanes.residuals[i][k] = modules[position].residuals[i];
       for (std::size_t j = 0; j < kModules; ++j) {
@@ -43,7 +43,7 @@ SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
       }
     }
     for (std::size_t other = 0; other < kDigits; ++other) {
-      const auto others = modules_of_character(right_half, other);
+      const auto& others = modules_of_character(right_half, other);
       for (std::size_t i = 0; i < kModules; ++i) {
         lanes.changes[other][i][k] = static_cast<double>(others[i]) - static_cast<double>(own[i]);
       }

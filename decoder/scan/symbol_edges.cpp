@@ -27,14 +27,12 @@ TAGSMITH_WIDE void set_reaches(const std::vector<float>& spread, float blur_at_m
 
 }  // namespace
 
-ScanPlaces::ScanPlaces(const ScanProfile& profile) {
-  at.reserve(profile.size());
-  from_middle.reserve(profile.size());
-  spread.reserve(profile.size());
-  for (const ScanBin& bin : profile) {
-    at.push_back(static_cast<float>(bin.at));
-    from_middle.push_back((at.back() - kHalfLength) / kHalfLength);
-    spread.push_back(static_cast<float>(bin.spread));
+ScanPlaces::ScanPlaces(const ScanProfile& profile)
+    : at(profile.size()), from_middle(profile.size()), spread(profile.size()) {
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    at[i] = static_cast<float>(profile[i].at);
+    from_middle[i] = (at[i] - kHalfLength) / kHalfLength;
+    spread[i] = static_cast<float>(profile[i].spread);
   }
 }
 

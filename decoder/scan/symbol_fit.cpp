@@ -55,9 +55,8 @@ struct WeighedPlace {
 float root_weight(const ScanBin& bin) { return 1 / std::sqrt(static_cast<float>(bin.variance)); }
 
 std::vector<float> root_weights(const ScanProfile& profile) {
-  std::vector<float> weights;
-  weights.reserve(profile.size());
-  for (const ScanBin& bin : profile) weights.push_back(root_weight(bin));
+  std::vector<float> weights(profile.size());
+  for (std::size_t i = 0; i < profile.size(); ++i) weights[i] = root_weight(profile[i]);
   return weights;
 }
 
@@ -149,9 +148,14 @@ NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
 class FitProblem {
  public:
   FitProblem(const ScanProfile& profile, const Digits& digits, const Parameters& nominal)
-      : places_(profile), digits_(digits), nominal_(nominal), weights_(root_weights(profile)) {
-    darkness_.reserve(profile.size());
-    for (const ScanBin& bin : profile) darkness_.push_back(static_cast<float>(bin.darkness));
+      : places_(profile),
+        digits_(digits),
+        nominal_(nominal),
+        weights_(root_weights(profile)),
+        darkness_(profile.size()) {
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      darkness_[i] = static_cast<float>(profile[i].darkness);
+    }
   }
 
   struct Cost {
@@ -255,6 +259,36 @@ std::vector<BarShare> bar_shares(const ScanProfile& profile, const SymbolImage& 
   return SymbolEdges(image, digits).with_derivatives_at(ScanPlaces(profile));
 }
 
+namespace {
+
+// What combinations of the parameters, by rows, change of the darkness at each place.
+TAGSMITH_WIDE FitSlack combined(const ParameterMatrix& combinations,
+                                const std::vector<WeighedPlace>& places,
+                                const ScanProfile& profile) {
+  // Half a row each: the compiler is at a loss with longer vectors.
+  using Floats = float __attribute__((vector_size(sizeof(Row) / 2)));
+  using Doubles = double __attribute__((vector_size(sizeof(Row))));
+  std::array<std::array<Doubles, 2>, kParameters> by_parameter;
+  std::memcpy(&by_parameter, combinations.data(), sizeof by_parameter);
+  FitSlack slack(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Doubles low{}, high{};
+    for (std::size_t k = 0; k < kParameters; ++k) {
+      const auto change = static_cast<double>(places[i].by_parameter[k]);
+      low += change * by_parameter[k][0];
+      high += change * by_parameter[k][1];
+    }
+    const double sigma = std::sqrt(profile[i].variance);
+    const Floats first = __builtin_convertvector(sigma * low, Floats);
+    const Floats second = __builtin_convertvector(sigma * high, Floats);
+    std::memcpy(slack[i].data(), &first, sizeof first);
+    std::memcpy(slack[i].data() + kParameters / 2, &second, sizeof second);
+  }
+  return slack;
+}
+
+}  // namespace
+
 FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
                       const std::vector<BarShare>& bars) {
   const auto contrast = static_cast<float>(image.black - image.white);
@@ -265,20 +299,8 @@ FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
   }
   // With matrix = L L^T, the parameters' covariance is L^-T L^-1.
   const Eigen::LLT<ParameterMatrix> root(normal_equations(places).matrix);
-  const ParameterMatrix lower = root.matrixL();
-  FitSlack slack(profile.size());
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    const double sigma = std::sqrt(profile[i].variance);
-    std::array<double, kParameters> deviations{};
-    for (int k = 0; k < kParameters; ++k) {
-      double value = static_cast<double>(places[i].by_parameter[static_cast<std::size_t>(k)]);
-      for (int j = 0; j < k; ++j) value -= lower(k, j) * deviations[static_cast<std::size_t>(j)];
-      deviations[static_cast<std::size_t>(k)] = value / lower(k, k);
-      slack[i][static_cast<std::size_t>(k)] =
-          static_cast<float>(sigma * deviations[static_cast<std::size_t>(k)]);
-    }
-  }
-  return slack;
+  const ParameterMatrix inverse = root.matrixL().solve(ParameterMatrix::Identity());
+  return combined(inverse, places, profile);
 }
 
 }  // namespace tagsmith
