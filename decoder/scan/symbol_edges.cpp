@@ -2,6 +2,8 @@
 #include "decoder/scan/symbol_edges.hpp"
 
 #include <cstdint>
+#include <limits>
+#include <utility>
 
 #include "tagsmith/base/wide.hpp"
 
@@ -53,17 +55,19 @@ SymbolEdges::SymbolEdges(const SymbolImage& image, const Digits& digits)
   }
 }
 
-// Calls visit_place(i, first, end, per_blur) with the edges within reach of each place; those
-// before `first` are passed. The first edge only grows while places do.
+// Calls visit_place(i, first, last, per_blur) for each place with the edges within its reach: from
+// `first` up to `last`. Those before `first` are passed for good.
 template <class Visit>
 void SymbolEdges::visit(const ScanPlaces& places, const Visit& visit_place) const {
   std::vector<float> per_blur(places.size()), reach(places.size());
   set_reaches(places.spread, blur_, per_blur, reach);
-  std::size_t first = 0;
+  std::size_t first = 0, last = 0;
+  float end = -std::numeric_limits<float>::infinity();  // edges before `last` are before this
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const float begin = places.at[i] - reach[i], end = places.at[i] + reach[i];
+    const float begin = places.at[i] - reach[i];
     while (first < kEdgeCount && actual_[first] < begin) ++first;
-    std::size_t last = first;
+    const float before = std::exchange(end, places.at[i] + reach[i]);
+    if (last < first || !(end >= before)) last = first;
     while (last < kEdgeCount && actual_[last] < end) ++last;
     visit_place(i, first, last, per_blur[i]);
   }

@@ -167,26 +167,19 @@ class FitProblem {
   Cost cost_at(const Parameters& p) const {
     const SymbolImage image = unpack(p);
     std::vector<float> shares = SymbolEdges(image, digits_).shares_at(places_);
-    Cost cost{static_cast<double>(cost_of(image, places_, darkness_, weights_, shares)), 0};
-    for (int i = 0; i < kParameters; ++i) {
-      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
-      const double off = nominal_[i] - p[i];
-      cost.prior += off * off / (sigma * sigma);
-    }
-    return cost;
+    return {static_cast<double>(cost_of(image, places_, darkness_, weights_, shares)),
+            prior_cost(p)};
   }
 
-  NormalEquations equations_at(const Parameters& p) const {
-    NormalEquations normal = normal_equations(weighed_places(unpack(p)));
-    for (int i = 0; i < kParameters; ++i) {
-      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
-      normal.right[i] += (nominal_[i] - p[i]) / (sigma * sigma);
-    }
-    return normal;
+  // The same from the places, which take half as long again to work out.
+  Cost cost_at(const Parameters& p, const std::vector<WeighedPlace>& places) const {
+    float cost = 0;
+    for (const WeighedPlace& place : places) cost += place.residual * place.residual;
+    return {static_cast<double>(cost), prior_cost(p)};
   }
 
- private:
-  std::vector<WeighedPlace> weighed_places(const SymbolImage& image) const {
+  std::vector<WeighedPlace> places_at(const Parameters& p) const {
+    const SymbolImage image = unpack(p);
     const std::vector<BarShare> bars = SymbolEdges(image, digits_).with_derivatives_at(places_);
     const auto white = static_cast<float>(image.white);
     const auto contrast = static_cast<float>(image.black - image.white);
@@ -199,6 +192,26 @@ class FitProblem {
                 weights_[i] * (darkness_[i] - expected)};
     }
     return all;
+  }
+
+  NormalEquations equations_at(const Parameters& p, const std::vector<WeighedPlace>& places) const {
+    NormalEquations normal = normal_equations(places);
+    for (int i = 0; i < kParameters; ++i) {
+      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+      normal.right[i] += (nominal_[i] - p[i]) / (sigma * sigma);
+    }
+    return normal;
+  }
+
+ private:
+  double prior_cost(const Parameters& p) const {
+    double cost = 0;
+    for (int i = 0; i < kParameters; ++i) {
+      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+      const double off = nominal_[i] - p[i];
+      cost += off * off / (sigma * sigma);
+    }
+    return cost;
   }
 
   ScanPlaces places_;
@@ -230,16 +243,21 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
   nominal_image.blur = start.blur;
   const FitProblem problem(profile, digits, pack(nominal_image));
   Parameters p = pack(start);
-  FitProblem::Cost cost = problem.cost_at(p);
-  NormalEquations normal = problem.equations_at(p);
+  std::vector<WeighedPlace> places = problem.places_at(p);
+  FitProblem::Cost cost = problem.cost_at(p, places);
+  NormalEquations normal = problem.equations_at(p, places);
   double damping = 1e-4;
+  bool is_promising = true;  // after a step that was not taken, the next may not be either
   for (int step = 0; step < kMaxSteps; ++step) {
     ParameterMatrix matrix = normal.matrix;
     matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
     next[kLogBlur] = std::clamp(next[kLogBlur], std::log(0.05), std::log(4.0));
-    const FitProblem::Cost tried = problem.cost_at(next);
+    if (is_promising) places = problem.places_at(next);
+    const FitProblem::Cost tried =
+        is_promising ? problem.cost_at(next, places) : problem.cost_at(next);
     if (!(tried.all() < cost.all())) {
+      is_promising = false;
       damping *= 30;
       if (damping > 1e2) break;
       continue;
@@ -249,7 +267,9 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
     cost = tried;
     damping = std::max(1e-6, damping * 0.1);
     if (gain < 1e-3 * tried.all()) break;
-    normal = problem.equations_at(p);
+    if (!is_promising) places = problem.places_at(p);
+    normal = problem.equations_at(p, places);
+    is_promising = true;
   }
   return {unpack(p), cost.profile, 1 - cost.profile / std::max(total_variation(profile), 1e-12), 1};
 }
