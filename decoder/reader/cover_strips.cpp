@@ -8,6 +8,7 @@
 #include <span>
 
 #include "decoder/image/bilinear.hpp"
+#include "decoder/reader/sorted_window.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -58,13 +59,19 @@ double quantile(std::vector<double> values, double share) {
 // The level that a loop should show: of the places within a side's length the upper or lower part
 // of the middle, so that covers up to half of them do not count.
 void expect(Loop& loop, double share) {
+  constexpr int kReach = kPerSide / 2, kStride = 4;  // places; of which every fourth
   const int size = static_cast<int>(loop.level.size());
-  for (int i = 0; i < size; ++i) {
-    std::vector<double> near;
-    for (int k = -kPerSide / 2; k <= kPerSide / 2; k += 4) {
-      near.push_back(loop.level[static_cast<std::size_t>((i + k + size) % size)]);
+  const auto level = [&](int i) { return loop.level[static_cast<std::size_t>((i + size) % size)]; };
+  loop.expected.resize(loop.level.size());
+  SortedWindow<double> near;
+  for (int first = 0; first < kStride; ++first) {
+    near.clear();
+    for (int k = -kReach; k < kReach; k += kStride) near.add(level(first + k));
+    for (int i = first; i < size; i += kStride) {
+      near.add(level(i + kReach));
+      loop.expected[static_cast<std::size_t>(i)] = near.quantile(share);
+      near.remove(level(i - kReach));
     }
-    loop.expected.push_back(quantile(std::move(near), share));
   }
 }
 
@@ -303,6 +310,11 @@ std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap&
   add_strips(image, image_from_unit, white, contrast, strips);
   add_strips(image, image_from_unit, black, contrast, strips);
   return strips;
+}
+
+bool reaches(const CoverStrip& strip, double v) {
+  const auto [top, bottom] = std::minmax({strip[0].y, strip[1].y, strip[2].y, strip[3].y});
+  return top <= v && v <= bottom;
 }
 
 bool covers(const CoverStrip& strip, PixelPoint unit) {

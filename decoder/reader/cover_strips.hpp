@@ -23,6 +23,9 @@ std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap&
 
 bool covers(const CoverStrip& strip, PixelPoint unit);
 
+// Whether a strip covers anything at a height of the unit square.
+bool reaches(const CoverStrip& strip, double v);
+
 // Whatever straight lies along the bars, from the white above to the white below, so that most of a
 // module's height shows nothing else: what it makes of a digit looks alike in all rows, as a digit
 // does. Quick where the white above or below the bars is clear.

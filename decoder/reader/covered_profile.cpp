@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <utility>
@@ -16,6 +19,8 @@
 #include "decoder/reader/cover_strips.hpp"
 #include "decoder/reader/light_grid.hpp"
 #include "decoder/reader/point_spread.hpp"
+#include "decoder/reader/sorted_window.hpp"
+#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -83,12 +88,16 @@ BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const Cov
                        static_cast<std::size_t>((kModuleCount + 2 * kBeyond) * grid.per_module));
   rows.grid = std::move(grid);
   rows.counts.resize(rows.rows * rows.bins);
+  std::vector<CoverStrip> here;
   for (std::size_t row = 0; row < rows.rows; ++row) {
     const double v = rows.grid.height_of(rows.first_row + row);
+    here.clear();
+    std::ranges::copy_if(strips, std::back_inserter(here),
+                         [v](const CoverStrip& strip) { return reaches(strip, v); });
     for (std::size_t bin = 0; bin < rows.bins; ++bin) {
       const PixelPoint at{rows.grid.place_of(rows.first_bin + bin) / modules, v};
       const auto hides = [&](const CoverStrip& strip) { return covers(strip, at); };
-      if (std::ranges::any_of(strips, hides)) continue;
+      if (std::ranges::any_of(here, hides)) continue;
       rows.counts[row * rows.bins + bin] = rows.cell(row, bin).count;
     }
   }
@@ -366,8 +375,50 @@ Vote vote_of(const BarRows& rows, const Stretches& stretches, const Stretch* bes
           count * best->contrast * best->contrast / variance};
 }
 
-float weighted_median(std::vector<Vote>& votes) {
-  std::ranges::sort(votes, {}, &Vote::darkness);
+// For every value how many of the others are less.
+using Ranks = std::vector<std::int32_t>;
+
+TAGSMITH_WIDE void count_less(const float* values, std::size_t count, std::int32_t* ranks) {
+  constexpr std::size_t kTogether = 32;  // in the machine's vectors
+  for (std::size_t begin = 0; begin < count; begin += kTogether) {
+    std::array<std::int32_t, kTogether> less{};
+    for (std::size_t other = 0; other < count; ++other) {
+      const float value = values[other];
+      for (std::size_t i = 0; i < kTogether; ++i) less[i] += value < values[begin + i] ? 1 : 0;
+    }
+    std::ranges::copy(less, ranks + begin);
+  }
+}
+
+// Sorts votes by darkness. A cell's fifty to a hundred are put where their ranks say: comparing all
+// with all has no branches to guess wrong.
+class VoteSorter {
+ public:
+  void sort(std::vector<Vote>& votes) {
+    constexpr std::size_t kPadding = 32;
+    const std::size_t padded = (votes.size() + kPadding - 1) / kPadding * kPadding;
+    darkness_.resize(padded);
+    ranks_.resize(padded);
+    std::ranges::transform(votes, darkness_.begin(), &Vote::darkness);
+    count_less(darkness_.data(), votes.size(), ranks_.data());
+    sorted_.resize(votes.size());
+    taken_.assign(votes.size(), 0);
+    for (std::size_t i = 0; i < votes.size(); ++i) {
+      const auto rank = static_cast<std::size_t>(ranks_[i]);
+      sorted_[rank + taken_[rank]++] = votes[i];
+    }
+    votes.swap(sorted_);
+  }
+
+ private:
+  std::vector<float> darkness_;
+  Ranks ranks_;
+  std::vector<std::size_t> taken_;  // places of equal votes
+  std::vector<Vote> sorted_;
+};
+
+float weighted_median(std::vector<Vote>& votes, VoteSorter& sorter) {
+  sorter.sort(votes);
   float total = 0;
   for (const Vote& vote : votes) total += vote.weight;
   float sum = 0;
@@ -386,11 +437,11 @@ struct Agreed {
   float shown = 0;   // share of the rows
 };
 
-Agreed agree(std::vector<Vote>& votes, std::size_t rows) {
+Agreed agree(std::vector<Vote>& votes, std::size_t rows, VoteSorter& sorter) {
   constexpr float kTolerance = 0.2F;  // of the contrast
   Agreed agreed;
   if (votes.empty()) return agreed;
-  const float middle = weighted_median(votes);
+  const float middle = weighted_median(votes, sorter);
   float sum = 0, odd = 0;
   std::size_t used = 0;
   for (const Vote& vote : votes) {
@@ -432,38 +483,30 @@ struct Levels {
   float high = 0;
 };
 
-// Of the known values within `reach` bins, farther inside at the ends; noise and single outliers
-// left out.
-Levels levels_at(const std::vector<float>& values, const std::vector<float>& known, std::size_t bin,
-                 std::size_t reach) {
-  constexpr double kLeftOut = 0.1;
-  static thread_local std::vector<float> near;
-  near.clear();
-  // Of one length everywhere: a quiet zone and a guard alone show little black.
-  const std::size_t length = std::min(values.size(), 2 * reach + 1);
-  const std::size_t begin = std::min(bin > reach ? bin - reach : 0, values.size() - length);
-  for (std::size_t i = begin; i < begin + length; ++i) {
-    if (known[i] > 0) near.push_back(values[i]);
-  }
-  if (near.empty()) return {};
-  const auto place = [&](double share) {
-    return near.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(near.size() - 1));
-  };
-  std::nth_element(near.begin(), place(kLeftOut), near.end());
-  const float low = *place(kLeftOut);
-  std::nth_element(place(kLeftOut), place(1 - kLeftOut), near.end());
-  return {low, *place(1 - kLeftOut)};
-}
-
-// The same for every bin, found once a module.
+// Of the known values within `reach_modules` of every bin, farther inside at the ends, found once a
+// module; noise and single outliers left out.
 std::vector<Levels> levels_near(const std::vector<float>& values, const std::vector<float>& known,
                                 double reach_modules, double per_module) {
+  constexpr double kLeftOut = 0.1;
   const auto reach = static_cast<std::size_t>(reach_modules * per_module);
   const auto stride = static_cast<std::size_t>(per_module);
+  // Of one length everywhere: a quiet zone and a guard alone show little black.
+  const std::size_t length = std::min(values.size(), 2 * reach + 1);
   std::vector<Levels> levels(values.size());
+  SortedWindow<float> near;
+  std::size_t removed = 0, added = 0;  // values up to these were
   for (std::size_t begin = 0; begin < values.size(); begin += stride) {
     const std::size_t end = std::min(values.size(), begin + stride);
-    const Levels here = levels_at(values, known, (begin + end) / 2, reach);
+    const std::size_t bin = (begin + end) / 2;
+    const std::size_t first = std::min(bin > reach ? bin - reach : 0, values.size() - length);
+    for (; added < first + length; ++added) {
+      if (known[added] > 0) near.add(values[added]);
+    }
+    for (; removed < first; ++removed) {
+      if (known[removed] > 0) near.remove(values[removed]);
+    }
+    if (near.empty()) continue;
+    const Levels here{near.quantile(kLeftOut), near.quantile(1 - kLeftOut)};
     std::fill(levels.begin() + static_cast<std::ptrdiff_t>(begin),
               levels.begin() + static_cast<std::ptrdiff_t>(end), here);
   }
@@ -513,6 +556,7 @@ Common first_guess(const BarRows& rows) {
   Common common{std::vector<float>(rows.bins), std::vector<float>(rows.bins), {}};
   const auto least = kLeastContrast * static_cast<float>(quantile(contrasts, 0.6));
   std::vector<Vote> votes;
+  VoteSorter sorter;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     votes.clear();
     for (std::size_t i = 0; i < bands.size(); ++i) {
@@ -520,7 +564,7 @@ Common first_guess(const BarRows& rows) {
       if (bands[i].count[bin] == 0 || contrast < least) continue;
       votes.push_back({seen[i].darkness[bin], bands[i].count[bin] * contrast * contrast});
     }
-    common.darkness[bin] = weighted_median(votes);
+    common.darkness[bin] = weighted_median(votes, sorter);
     common.certainty[bin] = votes.empty() ? 0.0F : 1.0F;
   }
   find_slopes(rows, common);
@@ -533,6 +577,7 @@ std::vector<Agreed> agree_on_all(const BarRows& rows, const Stretches& stretches
   agreed.reserve(rows.bins);
   const auto best = best_in_rows(rows, stretches);
   std::vector<Vote> votes;
+  VoteSorter sorter;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     votes.clear();
     for (std::size_t row = 0; row < rows.rows; ++row) {
@@ -540,7 +585,7 @@ std::vector<Agreed> agree_on_all(const BarRows& rows, const Stretches& stretches
       const Vote vote = vote_of(rows, stretches, stretch, row, bin, common);
       if (vote.weight > 0) votes.push_back(vote);
     }
-    agreed.push_back(agree(votes, rows.rows));
+    agreed.push_back(agree(votes, rows.rows, sorter));
   }
   return agreed;
 }
