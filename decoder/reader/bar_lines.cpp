@@ -29,9 +29,7 @@ constexpr Floats kLinear{-0.5F, 0, 0.5F, 0};
 constexpr Floats kSquare{1, -2.5F, 2, -0.5F};
 constexpr Floats kCube{-0.5F, 1.5F, -1.5F, 0.5F};
 
-Floats cubic_weights(float t) {
-  return kConstant + t * (kLinear + t * (kSquare + t * kCube));
-}
+Floats cubic_weights(float t) { return kConstant + t * (kLinear + t * (kSquare + t * kCube)); }
 
 float sum_of(Floats values) { return (values[0] + values[1]) + (values[2] + values[3]); }
 
@@ -72,47 +70,61 @@ using Eight = float __attribute__((vector_size(kTogether * sizeof(float))));
 using FourDoubles = double __attribute__((vector_size(4 * sizeof(double))));
 using FourInts = std::int32_t __attribute__((vector_size(4 * sizeof(std::int32_t))));
 
-// The pixels before eight places and how far beyond these the places are.
-struct Places {
-  std::array<std::int32_t, kTogether> pixel;
-  Eight beyond;
+// Samples whose places are found before their light is: a cache's fill.
+constexpr std::size_t kBlock = 64;
+
+// Of a block's places along x or y: the pixels before them, and the weights, by tap, that
+// cubic_weights has there.
+struct Taps {
+  std::array<std::int32_t, kBlock> pixel;
+  std::array<std::array<float, kBlock>, 4> weight;
 };
 
-inline void find_places(double start, double step, double first, Places& places) {
+// Of the `count` places at start + (first + i) * step, in eights.
+inline void find_taps(double start, double step, double first, std::size_t count, Taps& taps) {
   constexpr FourDoubles kNext{0, 1, 2, 3};
-  std::array<Floats, 2> beyond;
-  for (std::size_t half = 0; half < 2; ++half) {
-    const FourDoubles at = start + ((first + 4.0 * static_cast<double>(half)) + kNext) * step;
-    const FourInts pixel = __builtin_convertvector(at, FourInts);
-    beyond[half] = __builtin_convertvector(at - __builtin_convertvector(pixel, FourDoubles), Floats);
-    std::memcpy(places.pixel.data() + 4 * half, &pixel, sizeof pixel);
+  for (std::size_t i = 0; i < count; i += kTogether) {
+    const FourDoubles here = start + ((first + static_cast<double>(i)) + kNext) * step;
+    const FourDoubles later = start + ((first + static_cast<double>(i + 4)) + kNext) * step;
+    const FourInts pixel = __builtin_convertvector(here, FourInts);
+    const FourInts later_pixel = __builtin_convertvector(later, FourInts);
+    std::memcpy(&taps.pixel[i], &pixel, sizeof pixel);
+    std::memcpy(&taps.pixel[i + 4], &later_pixel, sizeof pixel);
+    const Floats beyond =
+        __builtin_convertvector(here - __builtin_convertvector(pixel, FourDoubles), Floats);
+    const Floats later_beyond =
+        __builtin_convertvector(later - __builtin_convertvector(later_pixel, FourDoubles), Floats);
+    const Eight t = __builtin_shufflevector(beyond, later_beyond, 0, 1, 2, 3, 4, 5, 6, 7);
+    for (std::size_t tap = 0; tap < 4; ++tap) {
+      const Eight weight =
+          kConstant[tap] + t * (kLinear[tap] + t * (kSquare[tap] + t * kCube[tap]));
+      std::memcpy(&taps.weight[tap][i], &weight, sizeof weight);
+    }
   }
-  std::memcpy(&places.beyond, beyond.data(), sizeof places.beyond);
 }
 
-// As cubic_weights, by tap.
-inline void weigh(const Places& places, std::array<Eight, 4>& weights) {
-  const Eight& t = places.beyond;
+// Adds to eight samples what their four columns of pixels give by the weights across.
+inline void add_columns(const Floats* columns, const Taps& across, std::size_t first,
+                        float* samples) {
+  const Eight p0 = __builtin_shufflevector(columns[0], columns[4], 0, 1, 2, 3, 4, 5, 6, 7);
+  const Eight p1 = __builtin_shufflevector(columns[1], columns[5], 0, 1, 2, 3, 4, 5, 6, 7);
+  const Eight p2 = __builtin_shufflevector(columns[2], columns[6], 0, 1, 2, 3, 4, 5, 6, 7);
+  const Eight p3 = __builtin_shufflevector(columns[3], columns[7], 0, 1, 2, 3, 4, 5, 6, 7);
+  const Eight a = __builtin_shufflevector(p0, p1, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Eight b = __builtin_shufflevector(p0, p1, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Eight c = __builtin_shufflevector(p2, p3, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Eight d = __builtin_shufflevector(p2, p3, 2, 10, 3, 11, 6, 14, 7, 15);
+  std::array<Eight, 4> weights;
   for (std::size_t tap = 0; tap < 4; ++tap) {
-    weights[tap] = kConstant[tap] + t * (kLinear[tap] + t * (kSquare[tap] + t * kCube[tap]));
+    std::memcpy(&weights[tap], &across.weight[tap][first], sizeof(Eight));
   }
-}
-
-// The first values of eight fours, their second ones and so on.
-inline void transpose(const std::array<Floats, kTogether>& fours, std::array<Eight, 4>& eights) {
-  std::array<Eight, 4> pairs;  // of one and the fourth after it
-  for (std::size_t k = 0; k < 4; ++k) {
-    std::memcpy(&pairs[k], &fours[k], sizeof(Floats));
-    std::memcpy(reinterpret_cast<float*>(&pairs[k]) + 4, &fours[k + 4], sizeof(Floats));
-  }
-  const Eight a = __builtin_shufflevector(pairs[0], pairs[1], 0, 8, 1, 9, 4, 12, 5, 13);
-  const Eight b = __builtin_shufflevector(pairs[0], pairs[1], 2, 10, 3, 11, 6, 14, 7, 15);
-  const Eight c = __builtin_shufflevector(pairs[2], pairs[3], 0, 8, 1, 9, 4, 12, 5, 13);
-  const Eight d = __builtin_shufflevector(pairs[2], pairs[3], 2, 10, 3, 11, 6, 14, 7, 15);
-  eights[0] = __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13);
-  eights[1] = __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15);
-  eights[2] = __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13);
-  eights[3] = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
+  Eight sum;
+  std::memcpy(&sum, samples, sizeof sum);
+  sum += (weights[0] * __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13) +
+          weights[1] * __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15)) +
+         (weights[2] * __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13) +
+          weights[3] * __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15));
+  std::memcpy(samples, &sum, sizeof sum);
 }
 
 // Adds light_at for those samples from `first` on, before `end`, all inside; as far as eight are
@@ -121,35 +133,29 @@ TAGSMITH_WIDE std::size_t add_inside(const SampledLight& light, const ThinLine& 
                                      std::size_t first, std::size_t end, float* samples) {
   const std::ptrdiff_t stride = light.width();
   const float* corner = light.row(0);
-  Places x, y;
-  std::array<Eight, 4> across, weights, columns;
-  std::array<std::array<float, kTogether>, 4> down;
-  std::array<Floats, kTogether> sums;
-  std::size_t i = first;
-  for (; i + kTogether <= end; i += kTogether) {
-    const auto at = static_cast<double>(static_cast<std::ptrdiff_t>(i));
-    find_places(thin.start.x, thin.step.x, at, x);
-    find_places(thin.start.y, thin.step.y, at, y);
-    weigh(x, across);
-    weigh(y, weights);
-    std::memcpy(down.data(), weights.data(), sizeof down);
-    for (std::size_t k = 0; k < kTogether; ++k) {
-      const float* row = corner + (y.pixel[k] - 1) * stride + (x.pixel[k] - 1);
+  Taps across, down;
+  std::array<Floats, kBlock> columns;
+  while (first + kTogether <= end) {
+    const std::size_t count = std::min(kBlock, (end - first) / kTogether * kTogether);
+    const auto at = static_cast<double>(static_cast<std::ptrdiff_t>(first));
+    find_taps(thin.start.x, thin.step.x, at, count, across);
+    find_taps(thin.start.y, thin.step.y, at, count, down);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float* row = corner + (down.pixel[i] - 1) * stride + (across.pixel[i] - 1);
       std::array<Floats, 4> pixels;
       for (std::size_t tap = 0; tap < 4; ++tap, row += stride) {
         std::memcpy(&pixels[tap], row, sizeof(Floats));
       }
-      sums[k] = ((down[0][k] * pixels[0] + down[1][k] * pixels[1]) + down[2][k] * pixels[2]) +
-                down[3][k] * pixels[3];
+      columns[i] = ((down.weight[0][i] * pixels[0] + down.weight[1][i] * pixels[1]) +
+                    down.weight[2][i] * pixels[2]) +
+                   down.weight[3][i] * pixels[3];
     }
-    transpose(sums, columns);
-    Eight sum;
-    std::memcpy(&sum, samples + i, sizeof sum);
-    sum += (across[0] * columns[0] + across[1] * columns[1]) +
-           (across[2] * columns[2] + across[3] * columns[3]);
-    std::memcpy(samples + i, &sum, sizeof sum);
+    for (std::size_t i = 0; i < count; i += kTogether) {
+      add_columns(&columns[i], across, i, samples + first + i);
+    }
+    first += count;
   }
-  return i;
+  return first;
 }
 
 // Adds the light along one thin line to `line`.
