@@ -115,20 +115,24 @@ Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t pl
   return sighting;
 }
 
-void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,
-                   const std::string& name, const std::vector<Survey>& surveys,
-                   const ReaderChoice& reader, const std::optional<PosePrior>& prior) {
+Result<ReadOptions> read_options_for_image(const GrayView& image, const std::string& name,
+                                           const RigCamera& camera,
+                                           const std::vector<Survey>& surveys,
+                                           const std::optional<PosePrior>& prior) {
   if (image.width != camera.camera.width || image.height != camera.camera.height) {
-    observation.faults.push_back(fmt::format(
-        "{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has", name, image.width,
-        image.height, camera.camera.width, camera.camera.height, camera.name));
-    return;
+    return fail(fmt::format("{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has",
+                            name, image.width, image.height, camera.camera.width,
+                            camera.camera.height, camera.name));
   }
   ReadOptions options = read_options_for(surveys);
   options.camera = camera.camera;
-  if (reader.unsurveyed) options.code_book.clear();
   if (prior) options.expected = expected_tags(*prior, surveys[prior->survey], camera);
-  const ReadResult result = reader.read(image, options);
+  return options;
+}
+
+void add_result(Observation& observation, const ReadResult& result, const std::string& name,
+                const RigCamera& camera, const std::vector<Survey>& surveys,
+                const ReaderChoice& reader) {
   if (result.tags.empty()) observation.faults.push_back(no_tag_read(name, result));
   for (const Reading& reading : result.tags) {
     const auto found = find_tags(surveys, reading.digits);
@@ -140,6 +144,18 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
           {camera.name, survey, *tag, corners_in(reading, reader), std::nullopt});
     }
   }
+}
+
+void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,
+                   const std::string& name, const std::vector<Survey>& surveys,
+                   const ReaderChoice& reader, const std::optional<PosePrior>& prior) {
+  auto options = read_options_for_image(image, name, camera, surveys, prior);
+  if (!options) {
+    observation.faults.push_back(options.error().message);
+    return;
+  }
+  if (reader.unsurveyed) options->code_book.clear();
+  add_result(observation, reader.read(image, *options), name, camera, surveys, reader);
 }
 
 Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,

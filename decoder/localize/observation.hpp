@@ -13,6 +13,7 @@
 #include "decoder/localize/sighting_model.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -75,8 +76,19 @@ Observation observe(const Measurement& measurement, const std::vector<Survey>& s
                     const Rig& rig, const ReaderChoice& reader,
                     const std::optional<PosePrior>& prior = std::nullopt);
 
-// The same for one image that has been loaded: adds the tags that `camera` sees in it. `name` is
-// for faults.
+// How to read a camera's image: with the surveys' codes as code book, and the tags that the prior
+// expects there. Fails when the image is not of the camera's size. `name` is for messages.
+Result<ReadOptions> read_options_for_image(const GrayView& image, const std::string& name,
+                                           const RigCamera& camera,
+                                           const std::vector<Survey>& surveys,
+                                           const std::optional<PosePrior>& prior);
+
+// Adds the tags read in a camera's image, or the fault that there are none.
+void add_result(Observation& observation, const ReadResult& result, const std::string& name,
+                const RigCamera& camera, const std::vector<Survey>& surveys,
+                const ReaderChoice& reader);
+
+// Does what observe() does with one image that has been loaded.
 void observe_image(Observation& observation, const RigCamera& camera, const GrayView& image,
                    const std::string& name, const std::vector<Survey>& surveys,
                    const ReaderChoice& reader,

@@ -132,18 +132,19 @@ bool PictureReader::has_read(const ExpectedTag& expected) const {
   return std::ranges::any_of(result_.tags, fits);
 }
 
-ReadResult PictureReader::take_result() {
+ReadResult PictureReader::result() const {
   // A frame that was read after all is no refusal, and one refused twice is one.
-  std::vector<Rejection> kept;
+  ReadResult result{result_.tags, {}, result_.passed_over};
   for (const Rejection& rejection : result_.rejected) {
     const auto same = [&](const auto& other) {
       return same_frame(other.corners, rejection.corners);
     };
-    if (std::ranges::any_of(result_.tags, same) || std::ranges::any_of(kept, same)) continue;
-    kept.push_back(rejection);
+    if (std::ranges::any_of(result.tags, same) || std::ranges::any_of(result.rejected, same)) {
+      continue;
+    }
+    result.rejected.push_back(rejection);
   }
-  result_.rejected = std::move(kept);
-  return std::move(result_);
+  return result;
 }
 
 bool PictureReader::is_read(const Quad& quad) const {

@@ -61,8 +61,10 @@ class PictureReader {
   // Whether an expected tag has been read where it should be.
   bool has_read(const ExpectedTag& expected) const;
 
-  // What was read and refused, each frame once; nothing is left to read afterwards.
-  ReadResult take_result();
+  const std::vector<Reading>& tags() const { return result_.tags; }
+
+  // What was read and refused so far, each frame once.
+  ReadResult result() const;
 
  private:
   bool is_read(const Quad& quad) const;

@@ -9,6 +9,8 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "decoder/feature_frame/bar_blocks.hpp"
@@ -294,10 +296,8 @@ void read_covered(PictureReader& reader, PictureBars& all, const PyramidLevel& h
   for (const BarRegion& region : bars) reader.try_bars(half.image, region);
 }
 
-void search(PictureReader& reader, PictureBars& bars) {
-  const Pyramid pyramid(bars.light.image());
-  search_near_bars(reader, pyramid);
-  // Bars that no reading explains, or a picture without any reading, are worth a closer look.
+// Bars that no reading explains, or a picture without any reading, are worth a closer look.
+void search_closer(PictureReader& reader, PictureBars& bars, const Pyramid& pyramid) {
   const SearchLevel& half = pyramid.scaled_down(2);
   std::vector<BarBlock> symbols = search_around_bars(reader, pyramid.scaled_down(4), half.level);
   if (symbols.empty() && reader.has_read_any()) {
@@ -316,17 +316,49 @@ void search(PictureReader& reader, PictureBars& bars) {
 
 }  // namespace
 
-ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
-  PictureBars bars(image);
-  PictureReader reader(image, bars, options);
+struct TagSearch::State {
+  State(const GrayView& image, const ReadOptions& how)
+      : options(how), bars(image), reader(image, bars, options) {}
+
+  ReadOptions options;
+  PictureBars bars;
+  PictureReader reader;
+  std::optional<Pyramid> pyramid;  // while a closer look may find more
+};
+
+TagSearch::TagSearch(const GrayView& image, const ReadOptions& options)
+    : state_(std::make_unique<State>(image, options)) {
+  PictureReader& reader = state_->reader;
   for (const ExpectedTag& tag : options.expected) look_for(reader, image, tag);
   const auto is_missing = [&](const ExpectedTag& tag) { return !reader.has_read(tag); };
   const bool missing =
       options.expected.empty() || std::ranges::any_of(options.expected, is_missing);
   if (options.search == Search::always || (options.search == Search::when_missing && missing)) {
-    search(reader, bars);
+    state_->pyramid.emplace(image);
+    search_near_bars(reader, *state_->pyramid);
   }
-  return with_frameless(bars, options, reader.take_result());
+}
+
+TagSearch::TagSearch(TagSearch&&) noexcept = default;
+TagSearch& TagSearch::operator=(TagSearch&&) noexcept = default;
+TagSearch::~TagSearch() = default;
+
+void TagSearch::look_closer() {
+  if (!state_->pyramid) return;
+  search_closer(state_->reader, state_->bars, *state_->pyramid);
+  state_->pyramid.reset();
+}
+
+const std::vector<Reading>& TagSearch::tags() const { return state_->reader.tags(); }
+
+ReadResult TagSearch::result() const {
+  return with_frameless(state_->bars, state_->options, state_->reader.result());
+}
+
+ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
+  TagSearch search(image, options);
+  search.look_closer();
+  return search.result();
 }
 
 }  // namespace tagsmith

@@ -2,6 +2,7 @@
 // Image -> readings. Needs no OpenCV to call.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -67,5 +68,32 @@ struct ReadOptions {
 
 // All tags in the image, whatever their rotation and perspective, and what was refused and why.
 ReadResult read_tags(const GrayView& image, const ReadOptions& options = {});
+
+// The same in two steps, for a caller who may know after the first that the second, which can take
+// many times as long, is not needed. The image must outlive it.
+class TagSearch {
+ public:
+  // Reads the tags whose frames stand out whole: where they are expected, and all over the image as
+  // `options.search` says.
+  TagSearch(const GrayView& image, const ReadOptions& options);
+  TagSearch(TagSearch&&) noexcept;
+  TagSearch& operator=(TagSearch&&) noexcept;
+  ~TagSearch();
+
+  // Reads frames that are in pieces or partly out of the image, and tags that are partly covered:
+  // looks around the bars that no reading explains. Nothing where the image was
+  // not searched, or has been looked at closer before.
+  void look_closer();
+
+  // The tags read so far.
+  const std::vector<Reading>& tags() const;
+
+  // The same with what was refused and why, and symbols without a frame as the options say.
+  ReadResult result() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace tagsmith

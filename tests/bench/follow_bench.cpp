@@ -10,9 +10,8 @@
 #include <benchmark/benchmark.h>
 
 #include "decoder/image/load.hpp"
-#include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/live_track.hpp"
-#include "decoder/localize/observation.hpp"
+#include "decoder/localize/locate.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
 
@@ -44,14 +43,12 @@ std::optional<Scene> load_scene() {
   return scene;
 }
 
-Fix locate(const Scene& scene, std::size_t index, const std::optional<PosePrior>& prior) {
-  const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
-  Observation seen;
+Fix locate_in(const Scene& scene, std::size_t index, const std::optional<PosePrior>& prior) {
+  std::vector<CameraImage> images;
   for (std::size_t c = 0; c < scene.rig.cameras.size(); ++c) {
-    observe_image(seen, scene.rig.cameras[c], scene.images[index][c].view(), "", scene.surveys,
-                  reader, prior);
+    images.push_back({&scene.rig.cameras[c], scene.images[index][c].view(), ""});
   }
-  return localize_jointly(seen, scene.surveys, scene.rig);
+  return locate({}, images, scene.surveys, scene.rig, prior);
 }
 
 // Where the motion puts the vehicle: a centimetre and a quarter of a degree from where it is.
@@ -73,7 +70,7 @@ void two_images_to_position(benchmark::State& state, bool with_prior) {
   if (!scene) return state.SkipWithError("the shipped corridor cannot be loaded");
   std::vector<std::optional<PosePrior>> priors(scene->images.size());
   for (std::size_t i = 0; i < priors.size() && with_prior; ++i) {
-    const Fix fix = locate(*scene, i, std::nullopt);
+    const Fix fix = locate_in(*scene, i, std::nullopt);
     if (!fix.position_in_grid) return state.SkipWithError("a point is not located");
     priors[i] = prior_near(*scene, fix);
   }
@@ -82,7 +79,7 @@ void two_images_to_position(benchmark::State& state, bool with_prior) {
   for (auto _ : state) {
     const std::size_t i = times.size() % priors.size();
     const std::clock_t begin = std::clock();
-    const Fix fix = locate(*scene, i, priors[i]);
+    const Fix fix = locate_in(*scene, i, priors[i]);
     const double took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     located += fix.position_in_grid ? 1 : 0;
     state.SetIterationTime(took);

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// From images straight to the position, looking no closer at them than the position needs.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/localize/fix.hpp"
+#include "decoder/localize/live_track.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/run.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// An image of a measurement.
+struct CameraImage {
+  const RigCamera* camera = nullptr;
+  GrayView image;
+  std::string name;  // for messages
+};
+
+// What localize_jointly makes of these images and ranges, mostly in half the time: the closer look
+// at an image (TagSearch) is spared where all that was measured agrees on a position by two tags or
+// more, and every tag of the survey whose bars should be wholly in the image and clear of its
+// border, at 0.7 pixels a module or more, has been read there. What that leaves unread stands
+// elsewhere than surveyed, and what agrees outvotes it, or adds little: the position is the same
+// but for such tags, which go unmentioned. With a prior the tags are looked for where they should
+// be first, as observe() does.
+Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
+           const std::vector<Survey>& surveys, const Rig& rig,
+           const std::optional<PosePrior>& prior = std::nullopt);
+
+// The same for a measurement, whose images are loaded first.
+Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
+           const std::optional<PosePrior>& prior = std::nullopt);
+
+}  // namespace tagsmith
