@@ -71,6 +71,7 @@ std::string csv_row(const Fix& fix, const Measurement& measurement) {
   fields.push_back(csv_field(fmt::format("{}", fmt::join(fix.notes, "; "))));
   fields.push_back(csv_number(measurement.time));
   add_attitude(fields, fix);
+  fields.push_back(fix.position_in_grid ? std::to_string(fix.confirmations) : "");
   return fmt::format("{}\n", fmt::join(fields, ","));
 }
 
@@ -96,7 +97,7 @@ std::string fixes_csv(const std::vector<Fix>& fixes, const std::vector<Measureme
   std::string text =
       "id,status,method,survey,x,y,z,heading_deg,covariance_xx,covariance_xy,covariance_xz,"
       "covariance_yy,covariance_yz,covariance_zz,tags,error_plane,error_z,reason,notes,time,"
-      "pitch_deg,roll_deg,sigma_heading_deg,sigma_pitch_deg,sigma_roll_deg\n";
+      "pitch_deg,roll_deg,sigma_heading_deg,sigma_pitch_deg,sigma_roll_deg,confirmations\n";
   for (std::size_t i = 0; i < fixes.size(); ++i) text += csv_row(fixes[i], measurements[i]);
   return text;
 }

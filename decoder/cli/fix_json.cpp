@@ -80,7 +80,8 @@ std::string text_of(const Json& line) {
 }
 
 Json summary_values(const FixSummary& summary) {
-  Json values{{"count", summary.count}, {"located", summary.located}};
+  Json values{
+      {"count", summary.count}, {"located", summary.located}, {"confirmed", summary.confirmed}};
   if (summary.mean_error && summary.error95 && summary.max_error) {
     values["mean_error_plane"] = summary.mean_error->plane;
     values["mean_error_z"] = summary.mean_error->height;
@@ -111,6 +112,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
   line["tags"] = fix.tags;
   line["ranges"] = fix.ranges;
   line["dropped"] = dropped_json(fix);
+  line["confirmations"] = fix.position_in_grid ? Json(fix.confirmations) : Json();
   line["reason"] = json_or_null(fix.reason);
   line["notes"] = fix.notes;
   if (fix.predicted) line["predicted"] = true;

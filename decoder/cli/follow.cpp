@@ -36,10 +36,12 @@ bool read_line(std::istream& in, std::string& line, bool& too_long) {
   return !line.empty();
 }
 
+std::string id_text(const Json& id) { return id.is_string() ? id.get<std::string>() : id.dump(); }
+
 Result<void> take(Measurement& measurement, const Rig& rig, const std::string& key,
                   const Json& value) {
   if (key == "id") {
-    measurement.id = value.is_string() ? value.get<std::string>() : value.dump();
+    measurement.id = id_text(value);
     return {};
   }
   if (value.is_null()) return {};
@@ -62,8 +64,7 @@ Result<void> take(Measurement& measurement, const Rig& rig, const std::string& k
   return fail("`" + key + "` is no camera or range of the rig, nor id or time");
 }
 
-Result<Measurement> parse_measurement(const std::string& line, const Rig& rig) {
-  const Json object = Json::parse(line, nullptr, false);
+Result<Measurement> measurement_from(const Json& object, const Rig& rig) {
   if (!object.is_object()) {
     return fail("no JSON object, expected one like {\"id\": \"1\", \"left\": \"image.jpg\"}");
   }
@@ -81,16 +82,16 @@ Fix locate(const Measurement& measurement, const FollowInput& input,
   const auto prior = tracked && track
                          ? prior_at(*track, *measurement.time, input.surveys, MotionModel{})
                          : std::nullopt;
-  const Observation seen = observe(measurement, input.surveys, input.rig, input.reader, prior);
-  Fix fix = input.method(seen, input.surveys, input.rig);
-  if (!tracked) return fix;
-  return follow_track(track, std::move(fix), *measurement.time, input.surveys);
+  Fix fix = input.locate(measurement, prior);
+  if (tracked) fix = follow_track(track, std::move(fix), *measurement.time, input.surveys);
+  return input.confirmed ? if_confirmed(std::move(fix)) : fix;
 }
 
-std::string error_line(int number, const std::string& message) {
-  const Json line{{"id", nullptr},
-                  {"status", "error"},
-                  {"reason", fmt::format("line {}: {}", number, message)}};
+std::string error_line(const Json& object, int number, const std::string& message) {
+  const Json line{
+      {"id", object.is_object() && object.contains("id") ? Json(id_text(object["id"])) : Json()},
+      {"status", "error"},
+      {"reason", fmt::format("line {}: {}", number, message)}};
   return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -103,8 +104,9 @@ int follow(const FollowInput& input) {
   std::optional<LiveTrack> track;
   for (int number = 1; read_line(std::cin, line, too_long); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const Json object = too_long ? Json() : Json::parse(line, nullptr, false);
     const Result<Measurement> measurement =
-        too_long ? fail("longer than a mebibyte") : parse_measurement(line, input.rig);
+        too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
       const Fix fix = locate(*measurement, input, track);
@@ -112,7 +114,7 @@ int follow(const FollowInput& input) {
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {
       all_located = false;
-      answer = error_line(number, measurement.error().message);
+      answer = error_line(object, number, measurement.error().message);
     }
     fmt::print("{}\n", answer);
     std::fflush(stdout);

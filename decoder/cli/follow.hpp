@@ -3,26 +3,26 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "decoder/localize/fix.hpp"
-#include "decoder/localize/observation.hpp"
+#include "decoder/localize/live_track.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
 
-using LocalizationMethod =
-    std::function<Fix(const Observation&, const std::vector<Survey>&, const Rig&)>;
-
 struct FollowInput {
   const std::vector<Survey>& surveys;
   const Rig& rig;
-  ReaderChoice reader;
-  LocalizationMethod method;
+  // The position of one measurement, where the motion may say what to expect.
+  std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> locate;
   // Whether measurements with a time are tracked: the motion so far says where to look for tags and
   // judges fixes. The method must give attitudes.
   bool track = false;
+  bool confirmed = false;  // whether positions that nothing confirms are refused
   bool explain = false;
 };
 

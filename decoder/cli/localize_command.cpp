@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -22,6 +23,7 @@
 #include "decoder/cli/run_drawing.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
+#include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/localize/residual_picture.hpp"
@@ -45,6 +47,9 @@ namespace {
 
 constexpr const char* kName = "localize";
 
+using LocalizationMethod =
+    std::function<Fix(const Observation&, const std::vector<Survey>&, const Rig&)>;
+
 struct LocalizeOptions {
   std::vector<std::filesystem::path> surveys;
   std::filesystem::path rig;
@@ -60,6 +65,7 @@ struct LocalizeOptions {
   bool explain = false;
   bool unsurveyed = false;
   bool follow = false;
+  bool confirmed = false;
   int jobs = 0;  // 0 = as many as the process may use
 };
 
@@ -106,6 +112,21 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options)
   return located;
 }
 
+// How single measurements are located while the vehicle drives.
+std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> live_method(
+    const LocalizeInput& input, const LocalizeOptions& options) {
+  const ReaderChoice reader = reader_for(options);
+  const bool joint = options.method == "joint";
+  const bool sparing = joint && options.reader == "tagsmith" && !options.unsurveyed;
+  return [&input, reader, joint, sparing](const Measurement& measurement,
+                                          const std::optional<PosePrior>& prior) {
+    if (sparing) return locate(measurement, input.surveys, input.rig, prior);
+    const Observation seen = observe(measurement, input.surveys, input.rig, reader, prior);
+    return joint ? localize_jointly(seen, input.surveys, input.rig)
+                 : localize_by_paper(seen, input.surveys, input.rig);
+  };
+}
+
 // --- JSON ---
 
 void print_json(const Located& located, const std::vector<Measurement>& measurements,
@@ -133,7 +154,9 @@ std::string sigma_text(const Fix& fix, int axis) {
 
 std::string row_text(const Fix& fix, const Measurement& measurement) {
   if (!fix.position_in_grid) return "no position: " + fix.reason;
-  const Eigen::Vector3d& position = *fix.position_in_grid;
+  // What rounds to zero is written without its sign.
+  const Eigen::Vector3d position = fix.position_in_grid->unaryExpr(
+      [](double value) { return std::abs(value) < 5e-4 ? 0.0 : value; });
   std::string row =
       fmt::format("{:9.3f} {:9.3f} {:9.3f}  {:>6} {:>6} {:>6}", position.x(), position.y(),
                   position.z(), sigma_text(fix, 0), sigma_text(fix, 1), sigma_text(fix, 2));
@@ -147,9 +170,11 @@ std::string row_text(const Fix& fix, const Measurement& measurement) {
 void print_budgets(const std::vector<Fix>& fixes) {
   for (const Fix& fix : fixes) {
     if (!fix.budget) continue;
-    fmt::print("{}: heading {:.3f} deg, pitch {:.3f} deg, roll {:.3f} deg\n", fix.id,
-               degrees(fix.attitude->heading), degrees(fix.attitude->pitch),
-               degrees(fix.attitude->roll));
+    const Eigen::Matrix<double, 6, 1> sigmas = fix.pose_covariance_in_grid->diagonal().cwiseSqrt();
+    fmt::print(
+        "{}: heading {:.3f} deg, pitch {:.3f} deg, roll {:.3f} deg; sigma {:.3f}, {:.3f}, {:.3f}\n",
+        fix.id, degrees(fix.attitude->heading), degrees(fix.attitude->pitch),
+        degrees(fix.attitude->roll), degrees(sigmas[3]), degrees(sigmas[4]), degrees(sigmas[5]));
     fmt::print("  {:<12} {:>8} {:>8} {:>8}\n", "sigma in mm", "x", "y", "z");
     for (const auto& [source, covariance] : parts_of(*fix.budget)) {
       const Eigen::Vector3d mm = 1000 * covariance.diagonal().cwiseMax(0).cwiseSqrt();
@@ -271,6 +296,9 @@ Result<void> check_options(const LocalizeOptions& options) {
   if (options.smooth && (options.follow || options.method == "paper")) {
     return fail("--smooth needs a whole run (--run) and the headings of --method joint");
   }
+  if (options.confirmed && options.method != "joint") {
+    return fail("--confirmed needs --method joint: the paper's closed form has nothing to spare");
+  }
   if (options.unsurveyed && options.method == "paper") {
     return fail("--unsurveyed needs --method joint");
   }
@@ -297,10 +325,8 @@ int run_localize(const LocalizeOptions& options) {
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
   if (options.follow) {
-    const bool joint = options.method == "joint";
-    const auto method = joint ? LocalizationMethod(localize_jointly) : localize_by_paper;
-    return follow(
-        {input->surveys, input->rig, reader_for(options), method, joint, options.explain});
+    return follow({input->surveys, input->rig, live_method(*input, options),
+                   options.method == "joint", options.confirmed, options.explain});
   }
   const std::vector<Measurement>& measurements = input->run.measurements;
   if (options.smooth) {
@@ -313,6 +339,10 @@ int run_localize(const LocalizeOptions& options) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
     if (!smoothed) return report_failure(kName, smoothed.error());
     located.front() = std::move(*smoothed);
+  }
+  if (options.confirmed) {
+    for (std::vector<Fix>& fixes : located)
+      std::ranges::transform(fixes, fixes.begin(), if_confirmed);
   }
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
@@ -363,6 +393,9 @@ Command localize_command(CLI::App& parent) {
       ->type_name("DIR");
   app->add_flag("--unsurveyed", options->unsurveyed,
                 "Use tags that are not in the survey too, at their coded positions");
+  app->add_flag("--confirmed", options->confirmed,
+                "No position where a wrong plate would go unnoticed: by one tag alone, unless the "
+                "motion (--smooth, --follow) by other tags agrees");
   app->add_flag("--follow", options->follow,
                 "Read measurements as JSON lines from standard input and answer each at once");
   app->add_option("-o,--output,--csv", options->csv, "Write the positions to this table too")

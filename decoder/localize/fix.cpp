@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <fmt/format.h>
+
 namespace tagsmith {
 namespace {
 
@@ -16,6 +18,20 @@ double mean_of(const std::vector<double>& values) {
 }  // namespace
 
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }
+
+Fix if_confirmed(Fix fix) {
+  if (!fix.position_in_grid || fix.confirmations > 0) return fix;
+  Fix none;
+  none.id = fix.id;
+  none.method = fix.method;
+  none.tags = fix.tags;
+  none.dropped = fix.dropped;
+  none.reason = fix.tags.empty()
+                    ? "predicted from the motion, which nothing confirms"
+                    : fmt::format("nothing confirms what {} says: a wrong plate would go unnoticed",
+                                  fmt::join(fix.tags, " "));
+  return none;
+}
 
 std::optional<FixError> error_of(const Fix& fix, const Measurement& measurement) {
   if (!fix.position_in_grid || !measurement.truth_in_grid) return std::nullopt;
@@ -31,6 +47,7 @@ FixSummary summarize(const std::vector<Fix>& fixes, const std::vector<Measuremen
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     ++summary.count;
     if (fixes[i].position_in_grid) ++summary.located;
+    if (fixes[i].position_in_grid && fixes[i].confirmations > 0) ++summary.confirmed;
     const std::optional<FixError> error = error_of(fixes[i], measurements[i]);
     if (!error) continue;
     planes.push_back(error->plane);

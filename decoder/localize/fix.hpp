@@ -51,6 +51,10 @@ struct FittedCorners {
   bool used = true;
 };
 
+// The note of a fix that rests on one tag: what moves the plate along its wall, or swaps it with
+// another of the same wall, moves the position with it, whatever ranges and priors say.
+inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go unnoticed";
+
 // The vehicle's centre O at one measurement.
 struct Fix {
   std::string id;
@@ -59,6 +63,10 @@ struct Fix {
   std::vector<std::string> tags;    // names of the tags used; without a position, of those seen
   std::vector<std::string> ranges;  // names of the ranges used
   std::vector<Dropped> dropped;     // tags and ranges that contradict the position
+  // How many agree with the position that need not, were one of its plates wrong: the tags it rests
+  // on but one, and the motion where that rests on another tag. With 0 a plate that hangs elsewhere
+  // than surveyed, or bears another's code, goes unnoticed.
+  int confirmations = 0;
   // In the survey's grid, metres; there exactly when the measurement was located.
   std::optional<Eigen::Vector3d> position_in_grid;
   std::optional<Eigen::Matrix3d> covariance_in_grid;  // of x, y, z, metres^2
@@ -77,6 +85,9 @@ struct Fix {
 // "ok" or "no_position".
 std::string status_of(const Fix& fix);
 
+// The fix, or no position with the reason where nothing confirms it.
+Fix if_confirmed(Fix fix);
+
 // Xu et al. (2017), (26) and (24).
 struct FixError {
   double plane = 0;   // horizontal distance from the truth, metres
@@ -89,6 +100,7 @@ std::optional<FixError> error_of(const Fix& fix, const Measurement& measurement)
 struct FixSummary {
   int count = 0;
   int located = 0;
+  int confirmed = 0;                   // of the located, those with a confirmation
   std::optional<FixError> mean_error;  // (27) and (25), over the measurements that have an error
   std::optional<FixError> error95;     // that 95 % of them do not exceed, of each by itself
   std::optional<FixError> max_error;   // of each by itself

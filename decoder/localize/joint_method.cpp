@@ -26,7 +26,10 @@ using Eigen::Vector3d;
 constexpr double kShiftGate = 3.7;
 constexpr double kCornersGate = 4.75;
 constexpr double kRangeGate = 4.0;
+// How far the vehicle may stand from what the rig says, standard deviations. With one tag alone the
+// stance is nearly all there is to tell a wrong plate by.
 constexpr double kStanceGate = 6.0;
+constexpr double kLoneStanceGate = 4.0;
 
 // The likelihoods of two poses of the same tags must differ by this much of -2 log: odds of 20 000.
 constexpr double kClearlyBetter = 20;
@@ -83,16 +86,16 @@ NamedProblem problem_for(const Observation& observation, std::size_t survey_inde
 
 // --- single tags ---
 
-// Whether the vehicle can stand like that: empty, or why not.
-std::string unlikely_stance(const JointProblem& problem, const JointFit& fit) {
+// Whether the vehicle can stand like that, to `gate` standard deviations: empty, or why not.
+std::string unlikely_stance(const JointProblem& problem, const JointFit& fit, double gate) {
   const auto row = fit.rows.vehicle_begin;
   const VehiclePose& vehicle = fit.state.vehicle;
-  if (std::abs(fit.rows.residual[row]) > kStanceGate) {
+  if (std::abs(fit.rows.residual[row]) > gate) {
     return fmt::format("the vehicle would be {:.2f} m from the height that the rig says",
                        std::abs(fit.rows.residual[row]) * problem.rig->height_sigma);
   }
   for (const Eigen::Index i : {1, 2}) {
-    if (std::abs(fit.rows.residual[row + i]) > kStanceGate) {
+    if (std::abs(fit.rows.residual[row + i]) > gate) {
       return fmt::format("the vehicle would have a pitch of {:.1f} and a roll of {:.1f} degrees",
                          degrees(vehicle.pitch), degrees(vehicle.roll));
     }
@@ -102,7 +105,7 @@ std::string unlikely_stance(const JointProblem& problem, const JointFit& fit) {
 
 std::string impossible(const JointProblem& problem, const JointFit& fit) {
   const std::string outside = outside_tunnel(*problem.tunnel, fit.state.vehicle.position);
-  return outside.empty() ? unlikely_stance(problem, fit) : outside;
+  return outside.empty() ? unlikely_stance(problem, fit, kStanceGate) : outside;
 }
 
 // What one sighting by itself allows.
@@ -424,6 +427,11 @@ std::string doubt(const JointProblem& problem, const Search& search, const Grid&
            " by " + tags_text(problem, best.fit);
   }
   const bool alone = plate_count(best.fit) == 1;
+  const std::string stance =
+      alone ? unlikely_stance(problem, best.fit, kLoneStanceGate) : std::string();
+  if (!stance.empty()) {
+    return fmt::format("by the only tag, {}, {}", tags_text(problem, best.fit), stance);
+  }
   if (alone && problem.ranges.size() > 1 && best.fit.selection.ranges.empty()) {
     return fmt::format("every range contradicts the only tag, {}, which puts the vehicle at {}",
                        tags_text(problem, best.fit), place(best));
@@ -508,6 +516,7 @@ void fill(Fix& fix, const NamedProblem& named, const Search& search, const Surve
   fix.degrees_of_freedom = fit.degrees_of_freedom;
   list_dropped(fix, named, search, fit);
   list_corners(fix, named, fit);
+  fix.confirmations = static_cast<int>(fix.tags.size()) - 1;
   if (fix.tags.size() == 1) fix.notes.emplace_back(kOneTagOnly);
   for (const Dropped& dropped : fix.dropped) {
     const std::string by = dropped.camera.empty() ? "" : " in camera " + dropped.camera;

@@ -14,10 +14,6 @@
 
 namespace tagsmith {
 
-// The note of a fix that rests on one tag: what moves the plate along its wall, or swaps it with
-// another of the same wall, moves the position with it, whatever ranges and priors say.
-inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go unnoticed";
-
 // The vehicle's pose.
 //
 // Start: each seen tag by itself allows one or two poses (plate_poses). Each is fitted and asked
@@ -28,7 +24,8 @@ inline constexpr const char* kOneTagOnly = "one tag only: a wrong plate would go
 // No position, with the reason: no tag; as many tags contradict the largest set as it has; one
 // nearly frontal or far tag (or several on one plane) allows two poses that the measurements do not
 // tell apart; the solution lies in the rock, or the vehicle would have to lean or float (six
-// standard deviations of the rig's); every one of several ranges contradicts a single tag.
+// standard deviations of the rig's, by a single tag four); every one of several ranges contradicts
+// a single tag.
 //
 // Covariance: that of the fit, in which corners (their own covariance), plates (surveyed places,
 // angles against the wall, rounding of coded positions), calibration, ranges and the vehicle's

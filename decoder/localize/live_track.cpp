@@ -8,7 +8,6 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
-#include "decoder/localize/joint_method.hpp"
 #include "decoder/reader/expected_tags.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -27,7 +26,8 @@ LiveTrack track_from(const Fix& fix, const MeasuredPlace& measured, double time,
           updated(motion_from(measured.place, motion), measured).estimate,
           fix.attitude->pitch,
           fix.attitude->roll,
-          1};
+          1,
+          {fix.tags.begin(), fix.tags.end()}};
 }
 
 Fix refused(Fix fix, const MotionEstimate& expected, const MeasuredPlace& measured) {
@@ -95,6 +95,12 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
   const bool known =
       track && is_usable(*track, time, motion) && surveys[track->survey].name == fix.survey;
   if (!known) {
+    if (track && time <= track->time) {
+      fix.notes.push_back(
+          fmt::format("time {} is not after the {} of the position before: its motion is not used, "
+                      "a new track begins",
+                      time, track->time));
+    }
     track = track_from(fix, *measured, time, surveys, motion);
     return fix;
   }
@@ -107,10 +113,14 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
     track = track_from(fix, *measured, time, surveys, motion);
     return fix;
   }
-  if (alone && track->used >= 2) std::erase(fix.notes, kOneTagOnly);
-  *track = {track->survey,      time,           update.estimate, fix.attitude->pitch,
-            fix.attitude->roll, track->used + 1};
-  return fix;
+  const bool confirmed = can_confirm(expected, track->used, track->tags, fix);
+  track->time = time;
+  track->estimate = update.estimate;
+  track->pitch = fix.attitude->pitch;
+  track->roll = fix.attitude->roll;
+  ++track->used;
+  track->tags.insert(fix.tags.begin(), fix.tags.end());
+  return confirmed ? confirmed_by_motion(std::move(fix)) : fix;
 }
 
 }  // namespace tagsmith

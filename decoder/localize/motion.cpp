@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace tagsmith {
 namespace {
@@ -73,6 +74,24 @@ MotionEstimate predicted(const MotionEstimate& estimate, double dt, const Motion
   later.covariance =
       transition * estimate.covariance * transition.transpose() + noise_over(dt, motion);
   return later;
+}
+
+bool can_confirm(const MotionEstimate& predicted, int fixes, const std::set<std::string>& tags,
+                 const Fix& fix) {
+  constexpr double kLargestSigma = 0.025;  // metres, worst direction: the gate is at four
+  const auto is_other = [&](const std::string& tag) {
+    return std::ranges::find(fix.tags, tag) == fix.tags.end();
+  };
+  if (fixes < 2 || !std::ranges::any_of(tags, is_other)) return false;
+  const Eigen::Matrix3d spread = predicted.covariance.topLeftCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
+  return axes.eigenvalues().maxCoeff() <= kLargestSigma * kLargestSigma;
+}
+
+Fix confirmed_by_motion(Fix fix) {
+  ++fix.confirmations;
+  std::erase(fix.notes, kOneTagOnly);
+  return fix;
 }
 
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured) {

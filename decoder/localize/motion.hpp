@@ -4,6 +4,8 @@
 #pragma once
 
 #include <optional>
+#include <set>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -62,6 +64,15 @@ struct MotionUpdate {
 
 // A Kalman filter's step: the prediction with what was measured at its time.
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured);
+
+// Whether the motion confirms a fix that agrees with it: it rests on two fixes or more, of which
+// one saw another tag than this fix did, and is known so well that a plate a decimetre off would
+// have been noticed.
+bool can_confirm(const MotionEstimate& predicted, int fixes, const std::set<std::string>& tags,
+                 const Fix& fix);
+
+// The fix with the motion's confirmation.
+Fix confirmed_by_motion(Fix fix);
 
 double wrapped_angle(double angle);  // radians, within half a turn either way
 

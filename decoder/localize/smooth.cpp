@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -25,8 +27,9 @@ struct Step {
   MotionCovariance transition = MotionCovariance::Identity();  // from the step before
   MotionEstimate predicted;
   MotionEstimate filtered;
-  bool used = false;      // its fix
-  double distance2 = -1;  // of its fix from the motion, chi-square; -1 = no fix
+  bool used = false;       // its fix
+  bool confirmed = false;  // its fix, by the motion before it
+  double distance2 = -1;   // of its fix from the motion, chi-square; -1 = no fix
 };
 
 struct Track {
@@ -51,6 +54,19 @@ Step next_step(const Step& before, std::size_t row, double dt, const MotionModel
   step.transition = transition_over(dt);
   step.predicted = predicted(before.filtered, dt, motion);
   return step;
+}
+
+// Which fixes of a track the motion before them confirms.
+void find_confirmed(Track& track, const std::vector<Fix>& fixes) {
+  int used = 0;
+  std::set<std::string> tags;
+  for (Step& step : track.steps) {
+    if (!step.used) continue;
+    const Fix& fix = fixes[step.row];
+    step.confirmed = can_confirm(step.predicted, used, tags, fix);
+    ++used;
+    tags.insert(fix.tags.begin(), fix.tags.end());
+  }
 }
 
 // The track that begins at `row`. It ends with the run, or before the first of several fixes in a
@@ -245,10 +261,15 @@ Fix fix_in_track(const Job& job, const Track& track, const Step& step,
   const Place place = estimate.mean.head<4>();
   const PlaceCovariance covariance =
       estimate.covariance.topLeftCorner<4, 4>() + anchor.shared * anchor.covariance;
-  if (step.used) return with_place(fix, place, covariance, job.rig);
+  if (step.used) {
+    Fix placed = with_place(fix, place, covariance, job.rig);
+    return step.confirmed ? confirmed_by_motion(std::move(placed)) : placed;
+  }
   const double gap = std::abs(job.times[nearest.row] - job.times[step.row]);
   const Survey& survey = survey_named(job.surveys, job.fixes[nearest.row].survey);
-  return predicted_fix(fix, place, covariance, gap, survey, job.rig, job.motion);
+  Fix predicted = predicted_fix(fix, place, covariance, gap, survey, job.rig, job.motion);
+  predicted.confirmations = job.fixes[nearest.row].confirmations + (nearest.confirmed ? 1 : 0);
+  return predicted;
 }
 
 }  // namespace
@@ -279,7 +300,8 @@ Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& 
   if (!measured) return tl::unexpected(measured.error());
   const Job job{fixes, *measured, times, surveys, rig, motion};
   std::vector<Fix> result = fixes;
-  for (const Track& track : tracks_of(*measured, times, motion)) {
+  for (Track& track : tracks_of(*measured, times, motion)) {
+    find_confirmed(track, fixes);
     const std::vector<MotionEstimate> estimates = smoothed(track);
     for (std::size_t i = 0; i < track.steps.size(); ++i) {
       const Step& step = track.steps[i];

@@ -247,6 +247,8 @@ int main(int argc, char** argv) {
   std::map<std::string, int> reasons;
   std::vector<double> times;
   Tally all;
+  Tally confirmed;
+  Tally unconfirmed;
   int gross = 0;
   int gross_used = 0;
   while (all.draws < count_wanted) {
@@ -263,6 +265,7 @@ int main(int argc, char** argv) {
     if (kind.find("all of them") == std::string::npos) {
       count(all, fix, draw.truth, site.survey.grid);
     }
+    count(fix.confirmations > 0 ? confirmed : unconfirmed, fix, draw.truth, site.survey.grid);
     if (!fix.position_in_grid) ++reasons[kind_of_reason(fix.reason)];
     if (draw.gross_range && fix.position_in_grid) {
       ++gross;
@@ -274,6 +277,8 @@ int main(int argc, char** argv) {
       "| beyond 5 sigma | greatest, sigma |\n|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, tally] : tallies) print(name, tally);
   print("all with a right tag", all);
+  print("any, confirmed by a second tag", confirmed);
+  print("any, by one tag or not located", unconfirmed);
   fmt::print("\nno position:\n");
   for (const auto& [reason, times_said] : reasons) fmt::print("  {:5} {}\n", times_said, reason);
   fmt::print("gross ranges: {}, used: {}\n", gross, gross_used);

@@ -169,6 +169,21 @@ TEST_CASE("two tags that contradict each other make no position, three outvote o
   CHECK(fix.dropped[0].name == wrong);
 }
 
+TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed, two are") {
+  Site site = site_named("corridor");
+  VehiclePose truth = pose_at(site, 1.0, 0.0);
+  truth.position.z() += 4.5 * site.rig.height_sigma;
+  Observation seen = observation_at(site, truth);
+  REQUIRE(seen.tags.size() == 2);
+  const Fix two = localize_jointly(seen, {site.survey}, site.rig);
+  CHECK(error_of(two, site, truth) < 1e-3);
+  CHECK(two.confirmations == 1);
+  seen.tags.pop_back();
+  const Fix lone = localize_jointly(seen, {site.survey}, site.rig);
+  CHECK_FALSE(lone.position_in_grid.has_value());
+  CHECK_MESSAGE(lone.reason.starts_with("by the only tag, "), lone.reason);
+}
+
 TEST_CASE("a frontal tag far away that allows two poses is called ambiguous") {
   Site site = site_named("corridor");
   Observation observation;

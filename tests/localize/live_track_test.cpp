@@ -25,6 +25,7 @@ Fix fix_at(double y, std::vector<std::string> tags) {
   fix.pose_covariance_in_grid = 1e-6 * PoseCovariance::Identity();
   fix.covariance_in_grid = fix.pose_covariance_in_grid->topLeftCorner<3, 3>();
   if (tags.size() == 1) fix.notes = {kOneTagOnly};
+  fix.confirmations = static_cast<int>(tags.size()) - 1;
   fix.tags = std::move(tags);
   return fix;
 }
@@ -70,6 +71,35 @@ TEST_CASE("a lone tag that the motion contradicts gives no position, one that fi
   const Fix later = follow_track(track, fix_at(4, {"a"}), 9, surveys);
   CHECK(later.position_in_grid.has_value());
   CHECK(is_noted(later, kOneTagOnly));
+}
+
+TEST_CASE("only the motion by another tag, known well, confirms a lone tag") {
+  const std::vector<Survey> surveys = corridor();
+  std::optional<LiveTrack> track;
+  for (int i = 0; i <= 10; ++i) {
+    const Fix fix = follow_track(track, fix_at(1 + 0.05 * i, {"a"}), 0.1 * i, surveys);
+    CHECK(fix.confirmations == 0);
+    CHECK(is_noted(fix, kOneTagOnly));
+  }
+  const Fix other = follow_track(track, fix_at(1.55, {"b"}), 1.1, surveys);
+  CHECK(other.confirmations == 1);
+  CHECK_FALSE(is_noted(other, kOneTagOnly));
+  const Fix first = follow_track(track, fix_at(1.60, {"a"}), 1.2, surveys);
+  CHECK(first.confirmations == 1);
+  // Two seconds later the vehicle may be a metre off: a plate that is agrees with that.
+  const Fix late = follow_track(track, fix_at(2.60, {"c"}), 3.2, surveys);
+  CHECK(late.position_in_grid.has_value());
+  CHECK(late.confirmations == 0);
+  CHECK(is_noted(late, kOneTagOnly));
+}
+
+TEST_CASE("a time that runs backwards begins a new track and is noted") {
+  const std::vector<Survey> surveys = corridor();
+  std::optional<LiveTrack> track = driven(surveys);
+  const Fix fix = follow_track(track, fix_at(1.2, {"a"}), 0.4, surveys);
+  CHECK(fix.position_in_grid.has_value());
+  CHECK(is_noted(fix, "time 0.4 is not after the 1 of the position before"));
+  CHECK(track->used == 1);
 }
 
 TEST_CASE("several tags against the motion begin a new track") {

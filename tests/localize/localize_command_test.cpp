@@ -265,6 +265,32 @@ TEST_CASE("one camera is enough, a gross range is dropped and said, no tag has i
   CHECK(lines[2].at("reason") == "no tag was seen");
 }
 
+TEST_CASE("positions that nothing confirms are told, and refused on request") {
+  const TemporaryFolder folder;
+  const fs::path photos = fs::current_path() / "surveys/corridor/photos";
+  const std::string left = (photos / "corridor_05_left.jpg").string();
+  const std::string right = (photos / "corridor_05_right.jpg").string();
+  const std::string run =
+      file_with(folder.path() / "run.csv",
+                "id,left,right\none," + left + ",\ntwo," + left + "," + right + "\n");
+  const ProgramOutput any = run_tagsmith(on_survey("corridor", run) + " --json");
+  CHECK(any.exit_code == 0);
+  const std::vector<json> lines = json_lines(any.out);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0].at("status") == "ok");
+  CHECK(lines[0].at("confirmations") == 0);
+  CHECK(lines[1].at("confirmations") == 1);
+  CHECK(lines[2].at("summary").at("confirmed") == 1);
+  const ProgramOutput sure = run_tagsmith(on_survey("corridor", run) + " --json --confirmed");
+  CHECK(sure.exit_code == 1);
+  const std::vector<json> confirmed = json_lines(sure.out);
+  REQUIRE(confirmed.size() == 3);
+  CHECK(confirmed[0].at("status") == "no_position");
+  CHECK(confirmed[0].at("reason") ==
+        "nothing confirms what 003L says: a wrong plate would go unnoticed");
+  CHECK(confirmed[1] == lines[1]);
+}
+
 TEST_CASE("both methods stand beside each other, and residuals are drawn") {
   const TemporaryFolder folder;
   const fs::path pictures = folder.path() / "residuals";
@@ -285,7 +311,7 @@ TEST_CASE("live measurements are answered a line each") {
   const std::string input = file_with(
       folder.path() / "input",
       "{\"id\": \"a\", \"left\": \"surveys/corridor/photos/corridor_01_left.jpg\", \"d\": 0.9}\n"
-      "nonsense\n{\"lefd\": \"x.jpg\"}\n{\"id\": 4}");
+      "nonsense\n{\"id\": \"c\", \"lefd\": \"x.jpg\"}\n{\"id\": 4}");
   const ProgramOutput output = run_tagsmith(
       "localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --follow < " + input);
   CHECK(output.exit_code == 1);
@@ -294,6 +320,8 @@ TEST_CASE("live measurements are answered a line each") {
   CHECK(lines[0].at("status") == "ok");
   CHECK(lines[0].at("id") == "a");
   CHECK(lines[1].at("status") == "error");
+  CHECK(lines[1].at("id").is_null());
+  CHECK(lines[2].at("id") == "c");
   CHECK(lines[2].at("reason").get<std::string>().find("line 3: `lefd`") == 0);
   CHECK(lines[3].at("reason") == "no tag was seen");
 }
