@@ -24,6 +24,7 @@ Fix if_confirmed(Fix fix) {
   Fix none;
   none.id = fix.id;
   none.method = fix.method;
+  none.survey = fix.survey;
   none.tags = fix.tags;
   none.dropped = fix.dropped;
   none.reason = fix.tags.empty()
