@@ -57,6 +57,7 @@ struct Options {
   bool complete = false;
   bool json = false;
   int jobs = 0;
+  std::optional<double> scan_dpi;
   HangingOptions hanging;
 };
 
@@ -137,7 +138,9 @@ Result<void> save_crops(const fs::path& folder, FileReport& report) {
 FileReport broken(const fs::path& file, const Error& error) {
   FileReport report;
   report.file = file;
-  report.findings.push_back(error.message);
+  const std::string name = file.string() + ": ";
+  const bool names_it = error.message.starts_with(name);
+  report.findings.push_back(names_it ? error.message.substr(name.size()) : error.message);
   report.rules.insert("broken-file");
   return report;
 }
@@ -402,7 +405,9 @@ int run(const Options& options) {
   }
   ManifestCache manifests;
   const bool crops = !options.crops.empty() || options.report.shows_pictures();
-  VerifyRequest request{*survey, *also, crops, &manifests};
+  VerifyRequest request{*survey, *also, crops};
+  request.manifests = &manifests;
+  request.scan_dpi = options.scan_dpi;
   if (*hanging) {
     request.rig = &(*hanging)->rig;
     request.cameras = &(*hanging)->cameras;
@@ -454,6 +459,12 @@ Command verify_command(CLI::App& parent) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   add_hanging_options(*app, options->hanging);
+  app->add_option("--dpi", options->scan_dpi,
+                  "Pictures are flat scans of prints with so many dots per inch, not photos: their "
+                  "printed size is checked, too")
+      ->type_name("DPI")
+      ->check(CLI::Range(10.0, 10000.0))
+      ->excludes("--rig");
   app->footer(kExample);
   return {app, [options] { return run(*options); }};
 }

@@ -59,10 +59,14 @@ void judge_stranger(const Survey& survey, std::span<const Survey> also, TagFindi
   const CheckDigit other = scheme == CheckDigit::gs1 ? CheckDigit::sum10 : CheckDigit::gs1;
   const bool other_holds = has_check_digit(other, digits);
   finding.rule = other_holds ? "check-scheme" : "check-digit";
-  if (other_holds) finding.message += fmt::format("; it is right by {}", to_string(other));
   const PlacedTag* nearest = nearest_tag(survey, digits);
-  if (nearest != nullptr && differing_digits(nearest->digits, digits) == 1) {
-    finding.tag = nearest->name;  // only the check digit is another
+  const bool is_own = nearest != nullptr && differing_digits(nearest->digits, digits) == 1;
+  if (is_own) finding.tag = nearest->name;  // only the check digit is another
+  if (!other_holds) return;
+  finding.message += fmt::format("; it is right by {}", to_string(other));
+  if (!is_own) {
+    finding.message +=
+        ", so it may be a tag of another survey that uses that: give it with --also to be told";
   }
 }
 
@@ -173,10 +177,20 @@ std::optional<std::string> check_print_size(const TagTemplate& tag, const FrameC
     return std::abs(found - expected) <= std::max(0.005 * expected, 1.5 * metres_per_pixel);
   };
   if (fits(length, tag.frame_inner_length) && fits(height, tag.frame_inner_height)) return {};
-  return fmt::format("its feature frame is {} x {} mm inside, expected {} x {} mm ({})",
+  const double wide = length / tag.frame_inner_length;
+  const double high = height / tag.frame_inner_height;
+  constexpr double kAlike = 0.01;
+  const std::string scale =
+      std::abs(wide / high - 1) < kAlike
+          ? fmt::format("{:.1f} % of its size", 50 * (wide + high))
+          : fmt::format(
+                "{:.1f} % of its width and {:.1f} % of its height: stretched, or of another "
+                "template",
+                100 * wide, 100 * high);
+  return fmt::format("its feature frame is {} x {} mm inside, expected {} x {} mm ({}); {}",
                      format_number(length * 1e3, 1), format_number(height * 1e3, 1),
                      format_number(tag.frame_inner_length * 1e3, 1),
-                     format_number(tag.frame_inner_height * 1e3, 1), tag.name);
+                     format_number(tag.frame_inner_height * 1e3, 1), tag.name, scale);
 }
 
 std::vector<TagFinding> check_tags(const Survey& survey, const ReadResult& readings,

@@ -27,9 +27,8 @@ constexpr double kDarkestWhite = 40;  // samples, 0 to 255
 constexpr double kBrightestBars = 170;
 constexpr double kLeastContrast = 20;
 constexpr double kLeastKept = 0.7;
-constexpr double kMostGrowth = 0.7;  // modules
-constexpr double kMostBlur = 0.9;    // modules
-constexpr double kSharpBlur = 1.2;   // pixels: what lens and pixels leave of a photo in focus
+constexpr double kMostBlur = 0.9;   // modules
+constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a photo in focus
 constexpr double kMostHidden = 0.05;
 
 struct Levels {
@@ -318,6 +317,10 @@ std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module
   return judge_blur(fit.image.blur, module_px);
 }
 
+const char* seen_from(const std::optional<int>& orientation) {
+  return orientation ? "" : " as the picture stands (which way is up in it is not known)";
+}
+
 }  // namespace
 
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
@@ -326,8 +329,6 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
       from_upper_left(image, tag, rejection.corners, orientation.value_or(1));
   if (const auto view = judge_view(image, tag, corners)) return *view;
   const double module_px = shape_of(tag, corners).module_px;
-  const char* seen_from =
-      orientation ? "" : " as the picture stands (which way is up in it is not known)";
   ReadResult refused;
   refused.rejected.push_back(rejection);
   const std::vector<ExplainedSymbol> symbols = explain(image, options, refused).symbols;
@@ -336,7 +337,9 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
   for (const ExplainedSymbol& symbol : symbols) {
     if (const auto growth = judge_growth(symbol.decoding.fit)) return *growth;
   }
-  if (const auto cover = judge_cover(image, tag, corners, module_px, seen_from)) return *cover;
+  if (const auto cover = judge_cover(image, tag, corners, module_px, seen_from(orientation))) {
+    return *cover;
+  }
   // A frame so blurred says more than a fit to what is left of the bars.
   constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
   const double edge_blur = edge_width(image, tag, corners) / kOfQuarters;
@@ -345,6 +348,13 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
     if (const auto bars = judge_bars(symbol, module_px)) return *bars;
   }
   return {"undecodable", ""};
+}
+
+std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& tag,
+                                    const FrameCorners& corners,
+                                    const std::optional<int>& orientation) {
+  const FrameCorners shown = from_upper_left(image, tag, corners, orientation.value_or(1));
+  return judge_cover(image, tag, shown, shape_of(tag, shown).module_px, seen_from(orientation));
 }
 
 std::optional<Diagnosis> diagnose_picture(const GrayView& image) {

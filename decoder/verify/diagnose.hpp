@@ -13,6 +13,9 @@
 
 namespace tagsmith {
 
+// Growth of bars that the reader follows, modules.
+inline constexpr double kMostGrowth = 0.7;
+
 struct Diagnosis {
   std::string rule;      // docs/verify-rules.md
   std::string measured;  // number and limit in words; empty for `undecodable`
@@ -24,6 +27,12 @@ struct Diagnosis {
 // as one sees it upright; nothing = not known, the picture's own up is taken and said.
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
                    const ReadOptions& options, const std::optional<int>& orientation = 1);
+
+// What covers or damages the bars of a tag that was read nevertheless: rule `covered`, and in words
+// how much and where; nothing when all is in view. Takes what judging an unread one takes.
+std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& tag,
+                                    const FrameCorners& corners,
+                                    const std::optional<int>& orientation);
 
 // What is wrong with the light of a whole picture in which no tag was found; nothing when a tag
 // could have been seen in it.

@@ -306,8 +306,16 @@ FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, 
   if (tags.empty() && std::ranges::count(manifest.documents, file) > 0) {
     reasons.push_back(outdated_list(survey, manifest));
   }
+  std::erase(reasons, "");
+  // Every reason but one is of no use when it is another survey's print.
+  if (!reasons.empty() && manifest.survey != survey.name) {
+    report.rules.insert("other-survey");
+    report.findings.push_back(
+        fmt::format("it was printed from survey {}, expected {} (manifest.json)", manifest.survey,
+                    survey.name));
+    return report;
+  }
   for (const std::string& reason : reasons) {
-    if (reason.empty()) continue;
     report.stale = true;
     report.rules.insert("stale");
     report.findings.push_back("stale: " + reason);

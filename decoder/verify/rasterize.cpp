@@ -42,6 +42,9 @@ Result<std::string> run_poppler(const std::filesystem::path& path,
   }
   if (output->exit_code == 0) return std::move(output->out);
   const std::string reason = first_line(output->err);
+  if (reason.find("Incorrect password") != std::string::npos) {
+    return fail(path.string() + ": is protected by a password: save it without one");
+  }
   return fail(path.string() +
               ": is no PDF that can be drawn: " + (reason.empty() ? argv[0] + " failed" : reason));
 }
@@ -98,16 +101,30 @@ double dots_per_inch(const PageSize& size) {
   return std::min(kDpi, std::sqrt(kMaxPixels / square_inches));
 }
 
-}  // namespace
-
-bool is_svg(const std::filesystem::path& path) {
+bool has_extension(const std::filesystem::path& path, std::string_view wanted) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".svg";
+  return extension == wanted;
 }
 
-bool is_pdf(std::string_view bytes) { return bytes.starts_with("%PDF-"); }
+// What rsvg-convert says, without the file's name once more.
+std::string svg_problem(const std::string& error, const std::string& path) {
+  const std::string words = first_line(error);
+  const std::size_t at = words.find(path + ": ");
+  return at == std::string::npos ? words : words.substr(at + path.size() + 2);
+}
+
+}  // namespace
+
+bool is_svg(const std::filesystem::path& path) { return has_extension(path, ".svg"); }
+
+bool is_called_pdf(const std::filesystem::path& path) { return has_extension(path, ".pdf"); }
+
+bool is_pdf(std::string_view bytes) {
+  constexpr std::size_t kFarthest = 1024;  // readers pass over what stands before it
+  return bytes.substr(0, kFarthest).find("%PDF-") != std::string_view::npos;
+}
 
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
   const std::string last = std::to_string(kMaxPages + 1);
@@ -170,7 +187,8 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
     return fail(path.string() + ": SVG files need librsvg2-bin: " + output.error().message);
   }
   if (output->exit_code != 0) {
-    return fail(path.string() + ": is no SVG that can be drawn: " + first_line(output->err));
+    return fail(path.string() +
+                ": is no SVG that can be drawn: " + svg_problem(output->err, argument_of(path)));
   }
   Result<GrayImage> image = decode_gray_image(path.string(), output->out);
   if (!image) return fail(image.error().message);

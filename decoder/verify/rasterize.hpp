@@ -23,6 +23,9 @@ struct PageImage {
   double metres_per_pixel = 0;
 };
 
+// True when the file is called .pdf, in any case of letters.
+bool is_called_pdf(const std::filesystem::path& path);
+
 // True for the content of a PDF file.
 bool is_pdf(std::string_view bytes);
 

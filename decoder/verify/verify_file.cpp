@@ -20,6 +20,7 @@
 #include "decoder/verify/frame_bow.hpp"
 #include "decoder/verify/grade_tags.hpp"
 #include "decoder/verify/hanging.hpp"
+#include "decoder/verify/hidden_tag.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -62,20 +63,30 @@ void describe_tags(FileReport& report) {
   }
 }
 
-void find_no_tag(FileReport& report, const std::string& page = "") {
-  report.findings.push_back(page + "no tag was found");
-  report.rules.insert("no-tag");
+// `page` begins the words.
+void find_no_tag(FileReport& report, const GrayView& image, const std::string& page = "") {
+  const std::optional<Diagnosis> light = diagnose_picture(image);
+  // A blank page is no glare.
+  const bool is_light = light && (report.width > 0 || light->rule == "too-dark");
+  report.findings.push_back(page + "no tag was found" + (is_light ? ": " + light->measured : ""));
+  report.rules.insert(is_light ? light->rule : "no-tag");
 }
 
-std::vector<TagFinding> verify_page(const VerifyRequest& request, const PageImage& page,
-                                    int number) {
+// `up`: page, or unknown for a scan, which may lie on the glass any way.
+std::vector<TagFinding> verify_page(const VerifyRequest& request, const PageImage& page, int number,
+                                    UpSource up = UpSource::page) {
   const Survey& survey = request.survey;
   const GrayView image = page.image.view();
   std::vector<TagFinding> tags =
       check_tags(survey, read_for_survey(image, survey), {}, request.also);
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), tags);
   find_mirrored(image, survey.tag_template, tags);
-  find_upside_down(tags);
+  if (up == UpSource::page) find_upside_down(tags);
+  if (tags.empty()) {
+    if (std::optional<TagFinding> hidden = find_hidden_tag(survey, page)) {
+      tags.push_back(std::move(*hidden));
+    }
+  }
   for (TagFinding& tag : tags) {
     tag.page = number;
     if (tag.status != TagStatus::ok) continue;
@@ -101,6 +112,20 @@ void find_repeats(std::vector<TagFinding>& tags) {
     tag.status = TagStatus::duplicate;
     tag.rule = "duplicate";
     tag.message = fmt::format("{} is on page {} already, expected once", tag.tag, first->second);
+  }
+}
+
+// Of tags that read although they are dirty: where. A grade alone may be the photo's.
+void note_dirt(const GrayView& image, const TagTemplate& tag, FileReport& report) {
+  constexpr double kClean = 3.5;
+  const std::optional<int> up = report.up == UpSource::page ? std::optional(1) : report.orientation;
+  for (const TagFinding& finding : report.tags) {
+    if (finding.status != TagStatus::ok || !finding.grade || finding.grade->grade >= kClean)
+      continue;
+    const auto cover = find_cover(image, tag, finding.corners, up);
+    if (!cover) continue;
+    report.notes.push_back(fmt::format("{} reads, but {}: clean the plate, or replace it",
+                                       finding.tag, cover->measured));
   }
 }
 
@@ -155,24 +180,22 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   find_bent(image, survey.tag_template, camera, report.tags);
   find_misplaced(survey, report.tags);
   grade_tags(image, survey.tag_template, report.tags);
+  note_dirt(image, survey.tag_template, report);
   if (request.crops) crop_faults(image, report.tags, report.orientation.value_or(1));
   const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
   if (!std::ranges::all_of(report.tags, is_cut_off)) return report;
-  if (const std::optional<Diagnosis> light = diagnose_picture(image)) {
-    report.findings.push_back("no tag was found: " + light->measured);
-    report.rules.insert(light->rule);
-  } else {
-    find_no_tag(report);
-  }
+  find_no_tag(report, image);
   return report;
 }
 
-// A print file's page as one picture.
-FileReport verify_print_picture(const VerifyRequest& request, const PageImage& image) {
+// A print file's page as one picture, or a scan.
+FileReport verify_print_picture(const VerifyRequest& request, const PageImage& image,
+                                UpSource up = UpSource::page) {
   FileReport report;
-  report.up = UpSource::page;
-  report.tags = verify_page(request, image, 0);
-  if (report.tags.empty()) find_no_tag(report);
+  report.up = up;
+  report.tags = verify_page(request, image, 0, up);
+  note_dirt(image.image.view(), request.survey.tag_template, report);
+  if (report.tags.empty()) find_no_tag(report, image.image.view());
   return report;
 }
 
@@ -182,12 +205,12 @@ Result<FileReport> verify_svg(const VerifyRequest& request, const InputFile& fil
   return verify_print_picture(request, *page);
 }
 
-// A PNG that the manifest names has a resolution; any other picture is a photo.
-Result<FileReport> verify_png(const VerifyRequest& request, const InputFile& file,
-                              int dots_per_inch) {
+// A picture of known resolution: a PNG that the manifest names, or a scan.
+Result<FileReport> verify_flat_picture(const VerifyRequest& request, const InputFile& file,
+                                       double dots_per_inch, UpSource up) {
   Result<GrayImage> image = decode_gray_image(file.path.string(), file.bytes);
   if (!image) return fail(image.error().message);
-  return verify_print_picture(request, {std::move(*image), kMetresPerInch / dots_per_inch});
+  return verify_print_picture(request, {std::move(*image), kMetresPerInch / dots_per_inch}, up);
 }
 
 Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesystem::path& path) {
@@ -201,7 +224,7 @@ Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesyste
     const Result<PageImage> page = rasterize_page(path, number, size);
     if (!page) return fail(page.error().message);
     const std::vector<TagFinding> tags = verify_page(request, *page, number);
-    if (tags.empty()) find_no_tag(report, fmt::format("page {}: ", number));
+    if (tags.empty()) find_no_tag(report, page->image.view(), fmt::format("page {}: ", number));
     std::ranges::copy(tags, std::back_inserter(report.tags));
   }
   find_repeats(report.tags);
@@ -251,7 +274,9 @@ Result<FileReport> verify_tiled_pdf(const VerifyRequest& request, const InputFil
     const Result<PageImage> plate = assemble_tiles(plan, tiles);
     if (!plate) return fail(plate.error().message);
     const std::vector<TagFinding> found = verify_page(request, *plate, first);
-    if (found.empty()) find_no_tag(report, fmt::format("the plate of page {}: ", first));
+    if (found.empty()) {
+      find_no_tag(report, plate->image.view(), fmt::format("the plate of page {}: ", first));
+    }
     std::ranges::copy(found, std::back_inserter(report.tags));
   }
   find_repeats(report.tags);
@@ -290,9 +315,15 @@ Result<std::optional<FileReport>> verify_tile_files(const VerifyRequest& request
 Result<FileReport> read_and_check(const VerifyRequest& request, const InputFile& file,
                                   int dots_per_inch) {
   if (is_pdf(file.bytes)) return verify_pdf(request, file.path);
+  if (is_called_pdf(file.path)) {
+    return fail(file.path.string() + ": is called .pdf and is none: `%PDF-` is not at its start");
+  }
   if (is_svg(file.path)) return verify_svg(request, file);
-  return dots_per_inch > 0 ? verify_png(request, file, dots_per_inch)
-                           : verify_picture(request, file);
+  if (dots_per_inch > 0) return verify_flat_picture(request, file, dots_per_inch, UpSource::page);
+  if (request.scan_dpi) {
+    return verify_flat_picture(request, file, *request.scan_dpi, UpSource::unknown);
+  }
+  return verify_picture(request, file);
 }
 
 // What the file shows of the tags that the manifest says it holds; nothing when it is no file to
@@ -341,7 +372,15 @@ ReadResult merge_readings(const ReadResult& first, const ReadResult& second) {
     if (!overlaps_any(first.tags, tag.corners)) merged.tags.push_back(tag);
   }
   for (const Rejection& rejection : first.rejected) {
-    if (!overlaps_any(merged.tags, rejection.corners)) merged.rejected.push_back(rejection);
+    if (overlaps_any(merged.tags, rejection.corners)) continue;
+    const auto same = std::ranges::find_if(merged.rejected, [&](const Rejection& other) {
+      return overlap(other.corners, rejection.corners);
+    });
+    if (same == merged.rejected.end()) {
+      merged.rejected.push_back(rejection);
+    } else if (rejection.reason == kDoubtfulReason && same->reason != kDoubtfulReason) {
+      *same = rejection;  // it came nearest to a reading
+    }
   }
   return merged;
 }

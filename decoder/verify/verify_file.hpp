@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "decoder/image/gray.hpp"
@@ -26,6 +27,8 @@ struct VerifyRequest {
   // Of photos, where known: their cameras. Both or neither.
   const Rig* rig = nullptr;
   const PhotoCameras* cameras = nullptr;
+  // Pictures are scans of so many dots per inch, not photos: sizes are checked as in print files.
+  std::optional<double> scan_dpi{};
 };
 
 // Everything in the picture: first read without the survey, so that a tag that should not be there
@@ -36,7 +39,8 @@ ReadResult read_for_survey(const GrayView& image, const Survey& survey,
                            const Camera* camera = nullptr);
 
 // Readings of both passes in one: of a second reading that lies on a first one the first is kept,
-// and a refusal that lies on any reading is dropped.
+// and a refusal that lies on any reading is dropped. Of refusals that lie on each other one is
+// kept.
 ReadResult merge_readings(const ReadResult& first, const ReadResult& second);
 
 // Reads the file and checks its tags. In print files (PDF, SVG, and PNG that the manifest beside it

@@ -12,15 +12,17 @@ namespace {
 constexpr std::array kRules{
     VerifyRule{"bars-grown", "unreadable: the bars are wider or narrower than drawn",
                "Ink spread or a wrong exposure of the plate. Print it again, with less ink or with "
-               "the printer's own resolution in the template (symbol.dpi)."},
+               "the printer's own resolution in the template (symbol.dpi), or take it away with "
+               "`tagsmith print --bar-adjust`."},
     VerifyRule{"bent", "a plate that is not flat: the sides of its feature frame bow",
                "Screw or glue it down flat, or replace it: positions from a bent plate are off."},
     VerifyRule{"blurred", "unreadable: blur wider than the reader follows",
                "Hold the camera still, focus on the plate, or go nearer. If a sharp photo from one "
                "metre says the same, the print is blurred: replace the plate."},
-    VerifyRule{"broken-file", "a file that cannot be read",
-               "The file is damaged, empty or of another kind. Copy it again from the camera or "
-               "print it again."},
+    VerifyRule{
+        "broken-file", "a file that cannot be read",
+        "The file is damaged, empty, protected or of another kind, as the message says. Copy "
+        "it again from the camera or print it again."},
     VerifyRule{"changed-file", "a print file that is not the one that was printed",
                "Somebody saved or converted the file. Take the one that `tagsmith print` wrote."},
     VerifyRule{
@@ -37,13 +39,17 @@ constexpr std::array kRules{
     VerifyRule{"cut-off", "a tag at the picture's edge, not wholly in view",
                "No fault. Turn the camera if this tag was the one to be checked."},
     VerifyRule{"duplicate", "one tag twice in a picture or print file",
-               "One of the two plates is a second copy or was hung in the wrong place. Compare "
-               "both labels with the setting-out list and take the wrong one down."},
+               "On a wall: one of the two plates is a second copy or was hung in the wrong place. "
+               "Compare both labels with the setting-out list and take the wrong one down. In a "
+               "print file: print that page once."},
     VerifyRule{"end-on", "unreadable: seen too much from the side",
                "Photograph the plate from more in front of it. If it is turned on the wall, set "
                "it straight."},
     VerifyRule{"glare", "unreadable: so bright that the bars are washed out",
                "Move the lamp or the camera to the side, or expose less."},
+    VerifyRule{"inverted", "a tag printed white on black",
+               "Print it again without `negative`, `invert` or a dark theme. In an SVG or PDF that "
+               "was edited, take the file that `tagsmith print` wrote."},
     VerifyRule{"low-contrast", "unreadable: bars and ground are nearly equal",
                "Clean the plate, light it from the front, and see whether dust or fog is in the "
                "air. Replace a faded plate."},
@@ -56,16 +62,23 @@ constexpr std::array kRules{
                "Hang it where the setting-out list says, as the message tells: facing the wall, up "
                "being where the other tags in view have it. Or, when it stays, write its measured "
                "place into the survey's `placed`."},
+    VerifyRule{
+        "no-frame", "bars whose feature frame is cropped, covered or missing",
+        "Scan or crop so that the whole black frame is there, with white around it. When the "
+        "plate itself lacks a part of its frame, print it again."},
     VerifyRule{"no-tag", "a picture or page without any tag",
                "If there is a plate in the picture: go nearer, light it, keep the whole frame in "
-               "view. A print file without a tag must be printed again."},
+               "view. If it is sharp and whole: measure a bar, bars that ran together or are white "
+               "on black are not found; `tagsmith read` tells bars without their frame. A print "
+               "file without a tag must be printed again."},
     VerifyRule{"not-in-survey", "a good reading of a code that the survey does not have",
                "Is it the right survey? Otherwise the plate is of another drive or of an older "
                "survey: give that survey with --also to be told, and take the plate down."},
     VerifyRule{"other-file", "a tag that belongs in another print file",
                "Files were renamed or mixed up. Print them again."},
-    VerifyRule{"other-survey", "a tag of another survey that was given",
-               "The plate hangs in the wrong drive. Hang it where its own setting-out list says."},
+    VerifyRule{"other-survey", "a tag of another survey that was given, or a print from one",
+               "The plate hangs in the wrong drive: hang it where its own setting-out list says. A "
+               "print file is to be verified against the survey it was printed from."},
     VerifyRule{"stale", "a print from another state of the survey",
                "Print the tag again; do not hang the old plate."},
     VerifyRule{"swapped", "tags that hang in each other's place, or in that of a third",
@@ -81,7 +94,8 @@ constexpr std::array kRules{
                "the print "
                "is mirrored: print it again with mirroring switched off."},
     VerifyRule{"wrong-scale", "a frame that is not of the template's size",
-               "Print at 100 %, without `fit to page`, and measure the frame before hanging."},
+               "Print at 100 %, without `fit to page`, and measure the frame before hanging. Of a "
+               "scan: is its resolution the one given with --dpi?"},
     VerifyRule{"wrong-wall", "a tag on the wrong wall, or tags of opposite walls side by side",
                "One of the plates hangs on the wrong wall. Compare both labels with the "
                "setting-out list."},

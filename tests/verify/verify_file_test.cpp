@@ -43,6 +43,21 @@ TEST_CASE("tags side by side do not hide each other") {
   CHECK(merge_readings(first, second).tags.size() == 2);
 }
 
+TEST_CASE("of refusals that lie on each other one is kept, that which came nearest to a reading") {
+  const Rejection outer{"element widths", reading_of("019000000404", 100).corners};
+  const Rejection doubtful{kDoubtfulReason, outer.corners};
+  const Rejection elsewhere{"guard pattern", reading_of("019000000404", 900).corners};
+  const auto kept = [](std::vector<Rejection> rejected) {
+    std::string reasons;
+    for (const Rejection& one : merge_readings({{}, std::move(rejected)}, {}).rejected) {
+      reasons += one.reason + "; ";
+    }
+    return reasons;
+  };
+  CHECK(kept({outer, doubtful, elsewhere}) == "not certain enough; guard pattern; ");
+  CHECK(kept({doubtful, elsewhere, outer}) == "not certain enough; guard pattern; ");
+}
+
 // The photo as a camera stores it that was held so.
 std::string photo_held(const std::string& photo, int orientation, bool noted = true) {
   const int back = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation;

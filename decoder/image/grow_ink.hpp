@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Prints as if with more or less ink.
+#pragma once
+
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith {
+
+// The image with everything dark so many pixels wider and higher, or, negative, narrower. The image
+// must not be empty.
+GrayImage grow_ink(const GrayView& image, int pixels);
+
+// Black for white.
+GrayImage exchange_black_and_white(const GrayView& image);
+
+}  // namespace tagsmith
