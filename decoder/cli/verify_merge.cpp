@@ -102,7 +102,9 @@ void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& m
     if (tag.status == "ok") {
       TagRecord& record = merged.tags[tag.tag];
       ++record.seen;
-      if (tells_up(file.up) || tag.fits) ++record.upright;
+      const bool is_photo = file.width > 0;
+      record.photos += is_photo ? 1 : 0;
+      record.upright += is_photo && (tells_up(file.up) || tag.fits) ? 1 : 0;
       add_grade(record, tag);
       continue;
     }
@@ -136,20 +138,20 @@ std::string status_of(const TagRecord& record) {
 }
 
 std::string upright_of(const TagRecord& record) {
-  if (record.seen == 0) return {};
+  if (record.photos == 0) return {};
   return record.upright > 0 ? "checked" : "unchecked";
 }
 
 std::string up_in_words(const Completeness& covered) {
   if (covered.upright_unchecked.empty()) return {};
   const std::size_t count = covered.upright_unchecked.size();
-  return fmt::format(
-      "{} not checked for hanging upside down: no photo of {} says which way is up. Look where {} "
-      "arrow points, use a camera that notes how it was held (phones do), or give --rig",
-      count == covered.seen
-          ? (count == 1 ? "The tag seen was" : "The tags seen were")
-          : fmt::format("{} of the tags seen {}", count, count == 1 ? "was" : "were"),
-      count == 1 ? "it" : "them", count == 1 ? "its" : "each");
+  const std::string which = count == covered.photographed
+                                ? "No tag in the photos was"
+                                : fmt::format("{} of {} tags in the photos {} not", count,
+                                              covered.photographed, count == 1 ? "was" : "were");
+  return which +
+         " checked for hanging upside down: no photo of it says which way is up. Look where its "
+         "arrow points, use a camera that notes how it was held (phones do), or give --rig";
 }
 
 std::string noted_up_in_words(const NotedUp& noted) {
@@ -180,6 +182,7 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
     result.ok += status == "ok" ? 1 : 0;
     result.poor += status == "poor" ? 1 : 0;
     result.faulty += status == "faulty" ? 1 : 0;
+    result.photographed += record.photos > 0 ? 1 : 0;
     if (upright_of(record) == "unchecked") result.upright_unchecked.push_back(tag.name);
     if (tag.side != Side::left) continue;
     ++result.left_tags;

@@ -18,7 +18,8 @@ namespace tagsmith {
 struct TagRecord {
   std::size_t seen = 0;  // times it was in order
   std::size_t faults = 0;
-  std::size_t upright = 0;     // times it was in order where a tag on its head would have been told
+  std::size_t photos = 0;      // of these, times in a photo
+  std::size_t upright = 0;     // and of these, times that one on its head would have been told
   std::optional<double> best;  // grades
   std::optional<double> worst;
   std::string blame;  // of the worst
@@ -88,8 +89,8 @@ TagRecord record_of(const VerifyMerge& merged, const std::string& tag);
 // "unseen", "faulty", "poor" (worst grade below 1.5) or "ok".
 std::string status_of(const TagRecord& record);
 
-// Whether a tag was seen where one on its head would have been told: "checked", "unchecked", or
-// nothing for a tag that was never in order.
+// Whether a tag was seen in a photo in which one on its head would have been told: "checked",
+// "unchecked", or nothing for a tag that was never in order in a photo.
 std::string upright_of(const TagRecord& record);
 
 // What all files together say of the cameras' notes on their up, when some photo doubts it; else
@@ -113,7 +114,8 @@ struct Completeness {
   std::size_t ok = 0;  // by status
   std::size_t poor = 0;
   std::size_t faulty = 0;
-  std::vector<std::string> upright_unchecked;  // seen in order, but never where up is known
+  std::size_t photographed = 0;                // seen in order in a photo
+  std::vector<std::string> upright_unchecked;  // of these, those never in one whose up is known
   std::vector<UnseenStretch> unseen;           // along the drive, the left wall first
 
   double share() const {

@@ -476,8 +476,7 @@ TEST_CASE("what up cannot be known of is said in the page, the table and the lin
   CHECK(table.find("left,unchecked,") != std::string::npos);
   const std::string page = *read_file(path("r.html"));
   CHECK(page.find("<h3>000L: upside-down?</h3>") != std::string::npos);
-  CHECK(page.find("1 of the tags seen was not checked for hanging upside down") !=
-        std::string::npos);
+  CHECK(page.find("No tag in the photos was checked for hanging upside down") != std::string::npos);
 }
 
 TEST_CASE("what --rig cannot use is told") {
