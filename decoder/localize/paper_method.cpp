@@ -278,11 +278,12 @@ struct Effect {
 // which no solution lies.
 std::optional<Effect> effect_one_way(const Disturbance& disturbed, double sign,
                                      const Eigen::Vector3d& position, double below_tags) {
-  constexpr double kLeastStep = 1e-6;
-  for (double step = 1; step > kLeastStep; step /= 2) {
+  constexpr int kHalvings = 19;  // to two millionths of a sigma
+  for (int halvings = 0; halvings <= kHalvings; ++halvings) {
+    const double step = std::ldexp(1.0, -halvings);
     const auto moved = paper_position(disturbed(sign * step));
     if (!moved) continue;
-    Effect effect{(*moved - position) / (sign * step), step == 1};
+    Effect effect{(*moved - position) / (sign * step), halvings == 0};
     double& z = effect.per_sigma.z();
     if (!effect.is_complete) z = std::clamp(z, -below_tags, below_tags);
     return effect;
@@ -357,6 +358,7 @@ Fix with_reason(Fix fix, const Observation& observation, const std::string& reas
 
 std::vector<std::string> names_of(const std::vector<SeenTag>& seen) {
   std::vector<std::string> names;
+  names.reserve(seen.size());
   for (const SeenTag& tag : seen) names.push_back(tag.tag.name);
   return names;
 }

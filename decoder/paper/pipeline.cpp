@@ -180,7 +180,6 @@ PaperReading reading_of(const Digits& digits, const RowVotes& votes, const Scan&
   reading.lower_right = corners[2];
   reading.q = corners[3];
   reading.module_px = votes.module_px_sum / votes.rows;
-  reading.rows_scanned = scan.rows;
   reading.rows_with_59_elements = scan.rows_with_59_elements;
   reading.rows_decoded = scan.rows_decoded;
   reading.rows_agreeing = votes.rows;

@@ -56,10 +56,9 @@ struct PaperReading {
   PixelPoint upper_right;  // F' and the lower right corner: not defined by the paper, the outline's
   PixelPoint lower_right;  // points with the greatest X - Y and X + Y
   double module_px = 0;    // b = S_B / 95, mean over the rows that gave these digits
-  int rows_scanned = 0;    // rows of the outline
-  int rows_with_59_elements = 0;
-  int rows_decoded = 0;   // every digit found in Table 1
-  int rows_agreeing = 0;  // with the digits returned
+  int rows_with_59_elements = 0;  // of the outline
+  int rows_decoded = 0;           // every digit found in Table 1
+  int rows_agreeing = 0;          // with the digits returned
 };
 
 // The step of the pipeline that could not be done.

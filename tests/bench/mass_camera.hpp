@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The camera of mass_picture.hpp: where it sees the plate, and what its sensor makes of a scene.
+#pragma once
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/image/pixel.hpp"
+#include "tests/bench/lots.hpp"
+#include "tests/bench/mass_scene.hpp"
+
+namespace tagsmith::mass {
+
+// The frame's inner corners in the picture, for a module of `module_px` in its middle, and the
+// picture's size.
+struct Placing {
+  Quad corners{};
+  int width = 0;
+  int height = 0;
+};
+
+// Seen at `tilt` radians from its normal, turned anyhow.
+Placing place(double module_px, double tilt, Random& random);
+
+struct Sensor {
+  double exposure = 1;  // of white by light 1
+  bool linear = false;  // or with the sRGB tone curve
+  double noise = 0;     // grey levels
+  PixelPoint motion;    // pixels while exposed
+};
+
+// `blur_px`: standard deviation of the point spread.
+GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
+                 Random& random);
+
+// As if saved as a JPEG of this quality, 1 to 100, and loaded.
+void compress(GrayImage& image, int quality);
+
+}  // namespace tagsmith::mass
