@@ -2,7 +2,9 @@
 #include "decoder/localize/joint_method.hpp"
 
 #include <cmath>
+#include <iterator>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,9 +14,11 @@
 #include "decoder/localize/plate_pose.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/draws.hpp"
 
 using namespace tagsmith;
 using Eigen::Vector3d;
+using tagsmith::test::Draws;
 
 namespace {
 
@@ -240,4 +244,74 @@ TEST_CASE("both poses of a rectangle's picture are found, the right one among th
     }
     CHECK(least < 1e-6);
   }
+}
+
+TEST_CASE("two tags that agree make no position against two that contradict them, each otherwise") {
+  Site site = site_named("corridor");
+  for (const double yaw : {25.0, -25.0}) {
+    RigCamera ahead = site.rig.cameras[yaw > 0 ? 0 : 1];
+    ahead.name += "_ahead";
+    ahead.vehicle_from_camera = vehicle_from_camera(radians(yaw), 0, 0, {0, 0, 0});
+    site.rig.cameras.push_back(ahead);
+  }
+  Observation observation = observation_at(site, pose_at(site, 1.0, 0.0));
+  std::set<std::string> names;
+  for (const SeenTag& seen : observation.tags) names.insert(seen.tag.name);
+  while (names.size() > 4) names.erase(std::prev(names.end()));
+  REQUIRE(names.size() == 4);
+  std::erase_if(observation.tags,
+                [&](const SeenTag& seen) { return names.count(seen.tag.name) == 0; });
+  const std::string one = *names.begin();
+  const std::string other = *std::next(names.begin());
+  for (SeenTag& seen : observation.tags) {
+    if (seen.tag.name == one) seen.tag.world_from_plate.translation.y() += 0.8;
+    if (seen.tag.name == other) seen.tag.world_from_plate.translation.y() -= 0.6;
+  }
+  const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+  CHECK_FALSE(fix.position_in_grid.has_value());
+  CHECK_MESSAGE(fix.reason.find("as many others elsewhere") != std::string::npos, fix.reason);
+}
+
+// Everything off by what the survey and the rig state: plates, corners, the range, the vehicle's
+// stand. A covariance a quarter too small or too large would fail.
+TEST_CASE("the covariance is what noise of the stated size does") {
+  double squares = 0;
+  int located = 0;
+  for (const std::string name : {"corridor", "curved"}) {
+    const Site site = site_named(name);
+    Draws draws(20261);
+    for (int i = 0; i < 300; ++i) {
+      VehiclePose truth = pose_at(site, draws.uniform(0, 5), draws.uniform(-0.3, 0.3));
+      truth.position.z() = site.rig.vehicle_height + draws.normal(site.rig.height_sigma);
+      truth.heading += draws.normal(radians(3));
+      truth.pitch = draws.normal(site.rig.pitch_sigma);
+      truth.roll = draws.normal(site.rig.roll_sigma);
+      Site hung = site;
+      for (PlacedTag& tag : hung.survey.tags) {
+        tag.world_from_plate.translation += draws.normals(site.survey.sigma);
+      }
+      Observation observation = observation_at(hung, truth);
+      if (observation.tags.empty()) continue;
+      for (SeenTag& seen : observation.tags) {
+        seen.tag = *find_tag(site.survey, seen.tag.name);
+        for (PixelPoint& corner : seen.seen_corners->corners) {
+          corner = corner + PixelPoint{draws.normal(0.02), draws.normal(0.02)};
+        }
+      }
+      const Tunnel& tunnel = site.survey.tunnel;
+      const RigRange& range = site.rig.ranges.front();
+      observation.ranges[range.name] =
+          observe_wall(tunnel.centerline, tunnel.left, truth.position).distance +
+          draws.normal(range.sigma);
+      const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+      if (!fix.position_in_grid) continue;
+      const Vector3d error =
+          *fix.position_in_grid - grid_from_world(site.survey.grid, truth.position);
+      squares += error.dot(fix.covariance_in_grid->ldlt().solve(error)) / 3;
+      ++located;
+    }
+  }
+  REQUIRE(located > 400);
+  CHECK(squares / located > 0.83);  // its standard deviation is 0.04 at most
+  CHECK(squares / located < 1.2);
 }
