@@ -153,8 +153,8 @@ PyramidLevel surroundings(const GrayView& image, const ExpectedTag& expected) {
   const auto [left, right] = std::minmax({c[0].x, c[1].x, c[2].x, c[3].x});
   const auto [top, bottom] = std::minmax({c[0].y, c[1].y, c[2].y, c[3].y});
   const double margin = expected.uncertainty_px + 16 + 0.1 * std::max(right - left, bottom - top);
-  const auto pixel = [](double at, int end) {
-    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(end)));
+  const auto pixel = [](double at, int end) {  // 0 for what is no number
+    return at > 0 ? static_cast<int>(std::min(at, static_cast<double>(end))) : 0;
   };
   const int first_x = pixel(left - margin, image.width);
   const int first_y = pixel(top - margin, image.height);

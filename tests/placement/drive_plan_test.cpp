@@ -118,6 +118,19 @@ TEST_CASE("beyond the last tag there is a gap, and the summary says where") {
   CHECK(summary.first_reading.has_value());
 }
 
+TEST_CASE("the summary's middle, 95 % and worst sigmas are those of the columns") {
+  DrivePlan plan = planned(straight_survey(6, 8), crawler());
+  plan.columns.resize(101);
+  for (std::size_t i = 0; i < plan.columns.size(); ++i) {
+    plan.columns[i].nominal.plane = 0.001 * static_cast<double>(37 * i % 101);
+  }
+  const PlanSummary summary = summarize(plan);
+  REQUIRE(summary.nominal_plane.has_value());
+  CHECK(summary.nominal_plane->median == doctest::Approx(0.050));
+  CHECK(summary.nominal_plane->high == doctest::Approx(0.095));
+  CHECK(summary.nominal_plane->worst == doctest::Approx(0.100));
+}
+
 TEST_CASE("without a tag there is nothing, and nothing breaks") {
   const PlanSummary summary = summarize(planned(straight_survey(5, 0), crawler()));
   CHECK(summary.read.none == 1);

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The border between what is believed and what is refused for its doubt alone.
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+// A tag so far away that its digits are at the limit.
+View far_tag(double module_px, std::uint64_t seed) {
+  ScenePlate plate;
+  plate.drawing = draw_tag(test::corridor_template(), *parse_digits("019000800402"));
+  Camera camera;
+  camera.width = 160;
+  camera.height = 120;
+  camera.cx = 79.5;
+  camera.cy = 59.5;
+  constexpr double kDistance = 3;  // metres
+  camera.fx = camera.fy = module_px / plate.drawing.module * kDistance;
+  plate.camera_from_plate = camera_from_turned_plate(
+      camera, plate.drawing, Eigen::Vector2d(80.2, 59.1), kDistance, 0.3, 0.1, 0.05);
+  ViewOptions options;
+  options.seed = seed;
+  options.sensor.noise_sigma = 4.5;
+  return render_view(camera, std::span(&plate, 1), options);
+}
+
+}  // namespace
+
+TEST_CASE("a reading below the border of confidence is refused, and said to be doubtful") {
+  struct Case {
+    std::optional<CheckDigit> check;
+    double border;
+  };
+  for (const Case& one : {Case{CheckDigit::sum10, kSureInFrame}, Case{{}, kSureEitherCheck}}) {
+    CAPTURE(one.border);
+    int doubtful = 0;
+    for (const double module_px : {0.34, 0.36, 0.38, 0.4}) {
+      for (std::uint64_t seed = 0; seed < 25; ++seed) {
+        const View view = far_tag(module_px, seed);
+        ReadOptions options;
+        options.check = one.check;
+        const ReadResult usual = read_tags(view.image.view(), options);
+        for (const Reading& tag : usual.tags) CHECK(tag.confidence >= one.border);
+        options.min_confidence = 0.5;
+        const ReadResult anyhow = read_tags(view.image.view(), options);
+        if (anyhow.tags.size() != 1 || anyhow.tags[0].confidence >= one.border) continue;
+        ++doubtful;
+        CHECK(usual.tags.empty());
+        CHECK(std::ranges::count(usual.rejected, kDoubtfulReason, &Rejection::reason) == 1);
+      }
+    }
+    MESSAGE("doubtful: ", doubtful);
+    CHECK(doubtful >= 4);
+  }
+}
