@@ -37,6 +37,7 @@ int run(int argc, char** argv) {
   CLI::App app{
       "tagsmith: position tags for mine tunnels, from the survey to the vehicle's position"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", "tagsmith " TAGSMITH_VERSION);
   const std::vector<tagsmith::Command> commands{
       tagsmith::new_command(app),      tagsmith::validate_command(app),
       tagsmith::draw_command(app),     tagsmith::plan_command(app),

@@ -75,6 +75,11 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
       merge(revision, verified, merged);
     });
     if (!counts) return fail(counts.error().message);
+    // A job that was killed leaves one broken line; this is some other file.
+    if (counts->files == 0 && counts->broken > 1) {
+      return fail(
+          fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
+    }
     tell_broken_lines(file, *counts);
   }
   if (merged.other_revisions > 0) {

@@ -195,6 +195,12 @@ TEST_CASE("a mistyped command is named, with the likely one") {
   CHECK(far.err.find("no command ``\n") != std::string::npos);
 }
 
+TEST_CASE("the program says its version") {
+  const ProgramOutput output = run_tagsmith("--version");
+  CHECK(output.exit_code == 0);
+  CHECK_MESSAGE(output.out.find("tagsmith 0.") == 0, output.out);
+}
+
 TEST_CASE("results that cannot be written are an error") {
   const ProgramOutput output =
       run_shell("\"$TAGSMITH_PROGRAM\" read " + kPhotos + "/corridor_01_left.jpg > /dev/full");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reports as their readers have them: the page in a browser, the document, the table.
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -124,6 +125,20 @@ TEST_CASE("a page that breaks, or asks for something from elsewhere, is found ou
                "<img src=\"http://example.org/a.png\">")
              .console.empty());
   CHECK_THROWS(visit_page(folder.path() / "p.html", 390, 844, "return missing.thing;"));
+}
+
+TEST_CASE("a file that is no output of verify is refused, a line cut short is not") {
+  const TemporaryFolder folder;
+  const std::string page = (folder.path() / "page.html").string();
+  std::ofstream(page) << "<!doctype html>\n<p>a report</p>\n";
+  const ProgramOutput refused = run_tagsmith("report " + kSurvey + " " + page);
+  CHECK(refused.exit_code == 2);
+  CHECK(refused.out.empty());
+  CHECK_MESSAGE(refused.err.find("none of its 2 lines is of `verify --json`") != std::string::npos,
+                refused.err);
+  const std::string cut = (folder.path() / "cut.jsonl").string();
+  std::ofstream(cut) << R"({"file":"a.jpg","ta)";
+  CHECK(run_tagsmith("report " + kSurvey + " " + cut).exit_code == 1);
 }
 
 TEST_CASE("a name that is markup is shown and does nothing") {
