@@ -25,7 +25,7 @@ std::vector<std::size_t> possible_first_corners(const GrayView& image, const Qua
 }
 
 // The best explained attempt along the symbol direction(s) that are possible. `to_profile` is
-// profile_symbol or profile_covered_symbol.
+// profile_symbol or CoveredSymbols::profile.
 template <class ToProfile>
 std::optional<Attempt> best_attempt(const GrayView& image, const RefinedFrame& frame,
                                     const ReadOptions& options, const ToProfile& to_profile) {
@@ -90,13 +90,47 @@ std::optional<Attempt> attempt_quickly(const GrayView& image, const RefinedFrame
   return best_attempt(image, frame, options, profile_symbol);
 }
 
+namespace {
+
+// What a frame holds as it may stand there, each seen once.
+class CoveredSymbols {
+ public:
+  SymbolProfile profile(const GrayView& image, const RefinedFrame& frame, std::size_t first_corner,
+                        const SymbolLayout& layout, AddedLight added) {
+    const auto seen = std::ranges::find_if(seen_, [&](const Seen& other) {
+      return other.first_corner == first_corner && other.layout == layout;
+    });
+    if (seen != seen_.end()) return seen->symbol.profile(added);
+    seen_.push_back({first_corner, layout, CoveredSymbol(image, frame, first_corner, layout)});
+    return seen_.back().symbol.profile(added);
+  }
+
+ private:
+  struct Seen {
+    std::size_t first_corner;
+    SymbolLayout layout;
+    CoveredSymbol symbol;
+  };
+
+  std::vector<Seen> seen_;
+};
+
+// attempt_carefully of a frame of which something may have been seen.
+std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFrame& frame,
+                                         const ReadOptions& options, AddedLight added,
+                                         CoveredSymbols& symbols) {
+  return best_attempt(
+      image, frame, options,
+      [&](const GrayView& in, const RefinedFrame& of, std::size_t first,
+          const SymbolLayout& layout) { return symbols.profile(in, of, first, layout, added); });
+}
+
+}  // namespace
+
 std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFrame& frame,
                                          const ReadOptions& options, AddedLight added) {
-  return best_attempt(image, frame, options,
-                      [added](const GrayView& in, const RefinedFrame& of, std::size_t first,
-                              const SymbolLayout& layout) {
-                        return profile_covered_symbol(in, of, first, layout, added);
-                      });
+  CoveredSymbols symbols;
+  return attempt_carefully(image, frame, options, added, symbols);
 }
 
 std::optional<Attempt> attempt_both_ways(const GrayView& image, const RefinedFrame& frame,
@@ -128,8 +162,9 @@ std::optional<Attempt> believed_attempt(const GrayView& image, const RefinedFram
   // Symbols that were read with slanted light alone had 0.83 explained with even light
   // (`./dev bench troubled`).
   constexpr double kSymbolLike = 0.7;
+  CoveredSymbols symbols;
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
-    const auto careful = attempt_carefully(image, frame, options, added);
+    const auto careful = attempt_carefully(image, frame, options, added, symbols);
     if (!careful || careful->decoding.fit.explained < kSymbolLike) return std::nullopt;
     if (!objection(*careful, options) && !too_little_shown(careful->profile)) return careful;
   }

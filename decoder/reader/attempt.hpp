@@ -31,7 +31,7 @@ struct Attempt {
 std::optional<Attempt> attempt_quickly(const GrayView& image, const RefinedFrame& frame,
                                        const ReadOptions& options);
 
-// The same from its careful profile (profile_covered_symbol).
+// The same from its careful profile (CoveredSymbol).
 std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFrame& frame,
                                          const ReadOptions& options, AddedLight added);
 

@@ -654,8 +654,7 @@ struct RowsOfSymbol {
 
 // `corners` from P on; `stroke_px` is the frame's.
 RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double stroke_px,
-                            const SymbolLayout& layout, const FrameMap& image_from_unit,
-                            AddedLight added) {
+                            const SymbolLayout& layout, const FrameMap& image_from_unit) {
   constexpr double kRowHeight = 2.5;  // pixels: enough for most bins to hold one
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   RowsOfSymbol result;
@@ -670,8 +669,6 @@ RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double s
   result.rows =
       bar_rows(light_grid(image, image_from_unit, modules, result.bins_per_module, row_count),
                layout, strips, height);
-  // What a highlight bleaches is plain too: there its rows' own light decides.
-  if (added == AddedLight::even) leave_out_plain(result.rows);
   return result;
 }
 
@@ -742,19 +739,38 @@ std::optional<Lean> lean_of(const BarRows& rows) {
 
 }  // namespace
 
-SymbolProfile profile_covered_symbol(const GrayView& image, const RefinedFrame& frame,
-                                     std::size_t first_corner, const SymbolLayout& layout,
-                                     AddedLight added) {
+struct CoveredSymbol::Seen {
+  FrameMap image_from_unit;
+  SymbolLayout layout;
+  RowsOfSymbol symbol;
+  double blur = 0;  // modules
+};
+
+CoveredSymbol::CoveredSymbol(const GrayView& image, const RefinedFrame& frame,
+                             std::size_t first_corner, const SymbolLayout& layout) {
   const auto [corners, sides] = turned_to(frame, first_corner);
   const FrameMap image_from_unit(corners, frame.lens);
-  const RowsOfSymbol symbol =
-      rows_of_symbol(image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout,
-                     image_from_unit, added);
+  RowsOfSymbol symbol = rows_of_symbol(
+      image, corners, (sides[0].stroke_px + sides[2].stroke_px) / 2, layout, image_from_unit);
+  const double blur = blur_across(sides, symbol.module_px, 1.0 / symbol.bins_per_module);
+  seen_ = std::make_unique<Seen>(Seen{image_from_unit, layout, std::move(symbol), blur});
+}
+
+CoveredSymbol::CoveredSymbol(CoveredSymbol&&) noexcept = default;
+CoveredSymbol& CoveredSymbol::operator=(CoveredSymbol&&) noexcept = default;
+CoveredSymbol::~CoveredSymbol() = default;
+
+SymbolProfile CoveredSymbol::profile(AddedLight added) {
+  BarRows& rows = seen_->symbol.rows;
+  const std::vector<float> counts = rows.counts;
+  // What a highlight bleaches is plain too: there its rows' own light decides.
+  if (added == AddedLight::even) leave_out_plain(rows);
   SymbolProfile profile;
-  profile.module_px = symbol.module_px;
-  profile.bins = profile_of(symbol.rows, settle(symbol.rows, added).agreed, layout);
-  set_spreads(image_from_unit, layout, profile.bins);
-  profile.blur = blur_across(sides, profile.module_px, 1.0 / symbol.bins_per_module);
+  profile.module_px = seen_->symbol.module_px;
+  profile.bins = profile_of(rows, settle(rows, added).agreed, seen_->layout);
+  rows.counts = counts;
+  set_spreads(seen_->image_from_unit, seen_->layout, profile.bins);
+  profile.blur = seen_->blur;
   return profile;
 }
 
@@ -767,8 +783,9 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   Quad aligned = corners;
   for (int round = 0; round < kRounds; ++round) {
     const FrameMap map(aligned, lens);
-    const auto lean =
-        lean_of(rows_of_symbol(image, aligned, stroke_px, layout, map, AddedLight::even).rows);
+    BarRows rows = rows_of_symbol(image, aligned, stroke_px, layout, map).rows;
+    leave_out_plain(rows);
+    const auto lean = lean_of(rows);
     if (!lean) return corners;
     // At the frame's sides, beyond the bars.
     const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
