@@ -217,14 +217,14 @@ bool is_clear(const WhiteRow& row) {
 std::vector<Crossing> crossings_of(const WhiteRow& row) {
   constexpr int kAround = 20 * kPlacesPerModule;
   const int size = static_cast<int>(row.level.size());
+  const auto level = [&](int i) { return row.level[static_cast<std::size_t>(i)]; };
   std::vector<Crossing> crossings;
+  SortedWindow<double> near;
+  for (int i = 0; i < std::min(size, kAround); ++i) near.add(level(i));
   for (int i = 0; i < size; ++i) {
-    const auto begin = row.level.begin() + std::max(0, i - kAround);
-    const auto end = row.level.begin() + std::min(size, i + kAround + 1);
-    const double white = quantile({begin, end}, 0.7);
-    if (std::abs(row.level[static_cast<std::size_t>(i)] - white) < kOddWhite * row.contrast) {
-      continue;
-    }
+    if (i + kAround < size) near.add(level(i + kAround));
+    if (i > kAround) near.remove(level(i - kAround - 1));
+    if (std::abs(level(i) - near.quantile(0.7)) < kOddWhite * row.contrast) continue;
     const bool goes_on = !crossings.empty() && crossings.back().begin + crossings.back().count == i;
     if (goes_on) ++crossings.back().count;
     if (!goes_on) crossings.push_back({i, 1});

@@ -467,11 +467,13 @@ struct Band {
 
 Band band_of(const BarRows& rows, std::size_t first, std::size_t end) {
   Band band{std::vector<float>(rows.bins), std::vector<float>(rows.bins)};
-  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-    for (std::size_t row = first; row < end; ++row) {
+  for (std::size_t row = first; row < end; ++row) {
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
       band.light[bin] += rows.count(row, bin) * rows.cell(row, bin).light;
       band.count[bin] += rows.count(row, bin);
     }
+  }
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     if (band.count[bin] > 0) band.light[bin] /= band.count[bin];
   }
   return band;
@@ -573,19 +575,24 @@ Common first_guess(const BarRows& rows) {
 
 std::vector<Agreed> agree_on_all(const BarRows& rows, const Stretches& stretches,
                                  const Common& common) {
+  constexpr std::size_t kTogether = 16;  // bins: a row's cells of these lie side by side
   std::vector<Agreed> agreed;
   agreed.reserve(rows.bins);
   const auto best = best_in_rows(rows, stretches);
-  std::vector<Vote> votes;
+  std::array<std::vector<Vote>, kTogether> votes;
   VoteSorter sorter;
-  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-    votes.clear();
+  for (std::size_t first = 0; first < rows.bins; first += kTogether) {
+    const std::size_t count = std::min(kTogether, rows.bins - first);
+    for (std::vector<Vote>& of_bin : votes) of_bin.clear();
     for (std::size_t row = 0; row < rows.rows; ++row) {
-      const Stretch* stretch = best[row][bin / stretches.stride];
-      const Vote vote = vote_of(rows, stretches, stretch, row, bin, common);
-      if (vote.weight > 0) votes.push_back(vote);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t bin = first + i;
+        const Stretch* stretch = best[row][bin / stretches.stride];
+        const Vote vote = vote_of(rows, stretches, stretch, row, bin, common);
+        if (vote.weight > 0) votes[i].push_back(vote);
+      }
     }
-    agreed.push_back(agree(votes, rows.rows, sorter));
+    for (std::size_t i = 0; i < count; ++i) agreed.push_back(agree(votes[i], rows.rows, sorter));
   }
   return agreed;
 }

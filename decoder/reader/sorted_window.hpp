@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <vector>
 
 namespace tagsmith {
@@ -14,11 +15,11 @@ class SortedWindow {
   void clear() { values_.clear(); }
   bool empty() const { return values_.empty(); }
 
-  void add(Value value) { values_.insert(std::ranges::upper_bound(values_, value), value); }
+  void add(Value value) { values_.insert(values_.begin() + place_of(value), value); }
   // Takes out one that was added.
   void remove(Value value) {
-    const auto at = std::ranges::lower_bound(values_, value);
-    if (at != values_.end()) values_.erase(at);
+    const std::ptrdiff_t place = place_of(value);
+    if (place < std::ssize(values_)) values_.erase(values_.begin() + place);
   }
 
   // The value that this share of the others are not above; of a window that is not empty.
@@ -27,6 +28,13 @@ class SortedWindow {
   }
 
  private:
+  // How many are less: counting a hundred has no branches to guess wrong.
+  std::ptrdiff_t place_of(Value value) const {
+    std::int32_t less = 0;
+    for (const Value other : values_) less += other < value ? 1 : 0;
+    return less;
+  }
+
   std::vector<Value> values_;
 };
 
