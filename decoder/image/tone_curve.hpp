@@ -24,8 +24,8 @@ class ToneCurve {
   Point point_of(float light) const {
     const float position = std::clamp(light, 0.0F, 1.0F) * kSteps;
     const int index = static_cast<int>(position);
-    const auto low = static_cast<float>(sample_[static_cast<std::size_t>(index)]);
-    const auto high = static_cast<float>(sample_[static_cast<std::size_t>(index) + 1]);
+    const float low = rounded_[static_cast<std::size_t>(index)];
+    const float high = rounded_[static_cast<std::size_t>(index) + 1];
     return {low + (position - static_cast<float>(index)) * (high - low), (high - low) * kSteps};
   }
 
@@ -37,6 +37,7 @@ class ToneCurve {
   static constexpr int kSteps = 4096;
   std::array<double, 256> light_{};
   std::array<double, kSteps + 2> sample_{};
+  std::array<float, kSteps + 2> rounded_{};  // the same, for point_of
 };
 
 }  // namespace tagsmith

@@ -29,6 +29,17 @@ struct Pattern {
   float black = 0;
 };
 
+// The middle one of an odd number of values; rearranges them.
+float median_of(std::vector<float>& values) {
+  if (values.size() == 3) {
+    const auto [low, high] = std::minmax(values[0], values[1]);
+    return std::clamp(values[2], low, high);
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 class Symbol {
  public:
   Symbol(const GrayView& image, const BarField& field)
@@ -62,10 +73,9 @@ class Symbol {
     float mean = 0;
     for (std::size_t k = 0; k < kInWindow; ++k) {
       std::ranges::transform(seen, values.begin(), [k](const Row& row) { return row[k]; });
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(rows / 2);
-      std::ranges::nth_element(values, middle);
-      pattern.bars[k] = *middle;
-      mean += *middle / kInWindow;
+      const float middle = median_of(values);
+      pattern.bars[k] = middle;
+      mean += middle / kInWindow;
     }
     float bright = 0, dark = 0;
     for (float& value : pattern.bars) {

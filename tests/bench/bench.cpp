@@ -18,6 +18,7 @@
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/kept_memory.hpp"
 
 namespace tagsmith {
 namespace {
@@ -82,6 +83,7 @@ BENCHMARK(read_photo_with_survey)->Unit(benchmark::kMillisecond);
 template <class Read>
 void compare_with_paper(benchmark::State& state, const Read& read) {
   using Clock = std::chrono::steady_clock;
+  keep_freed_memory();
   const Result<GrayImage> image = load_gray_image(kPhoto);
   if (!image) return state.SkipWithError(image.error().message.c_str());
   double least_read = std::numeric_limits<double>::infinity();

@@ -25,6 +25,7 @@
 #include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tests/bench/kept_memory.hpp"
 #include "tests/bench/other_readers.hpp"
 
 namespace tagsmith {
@@ -203,6 +204,7 @@ void time_folder(const fs::path& folder) {
 }
 
 int run(int argc, char** argv) {
+  keep_freed_memory();
   int runs = 51;
   std::vector<fs::path> images;
   for (int i = 1; i < argc; ++i) {
