@@ -61,9 +61,9 @@ struct SeenBow {
   double variance = 0;  // pixels^2
 };
 
-struct RadialLens {
-  double lambda = 0;
-  double sigma = 0;
+struct RadialLens {   // of the division model, as radial() takes it
+  double lambda = 0;  // 1 / pixels^2
+  double sigma = 0;   // of lambda
 };
 
 // The lens of the division model that the sides of a frame tell, when they were fitted with that of

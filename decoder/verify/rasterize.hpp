@@ -18,7 +18,7 @@ struct PageSize {
   double height = 0;
 };
 
-struct PageImage {
+struct PageImage {  // upright, as displayed
   GrayImage image;
   double metres_per_pixel = 0;
 };

@@ -54,7 +54,7 @@ struct SheetLayer {
 };
 
 struct Sheet {
-  double width = 0;
+  double width = 0;  // metres
   double height = 0;
   std::string title;
   std::string subject;
