@@ -88,9 +88,13 @@ class JpegDecoder {
 
 }  // namespace
 
-Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes) {
+Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels) {
   JpegDecoder decoder;
   if (!decoder.read_header(bytes)) return fail(decoder.failure());
+  // The decoder may find another header than who looked before.
+  if (static_cast<double>(decoder.width()) * decoder.height() > most_pixels) {
+    return fail("it has too many pixels");
+  }
   if (decoder.components() != 1 && decoder.components() != 3) return std::nullopt;
   DecodedImage decoded{{decoder.width(), decoder.height(), {}}, ""};
   decoded.image.samples.resize(static_cast<std::size_t>(decoder.width()) *

@@ -23,7 +23,8 @@ inline std::string damaged_in_words(const std::string& warning) {
 
 // The luma of a JPEG file (ITU-T T.81) of one or three components, as stored, by libjpeg: the rows
 // are decoded into the image without a copy, chroma is only skipped. Nothing for other numbers of
-// components, as CMYK has. Fails, with the decoder's words, where it gives up.
-Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes);
+// components, as CMYK has. Fails, with the decoder's words, where it gives up, and before memory is
+// taken for more than `most_pixels`.
+Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels);
 
 }  // namespace tagsmith

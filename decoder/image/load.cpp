@@ -77,7 +77,7 @@ Result<GrayImage> decode_by_opencv(const std::string& bytes) {
 Result<DecodedImage> decode(const std::string& bytes) {
   if (bytes.starts_with("\xFF\xD8\xFF")) {
     try {
-      Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes);
+      Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes, kMaxPixels);
       if (!jpeg) {
         return fail("cannot be decoded, it is damaged or cut short: " + jpeg.error().message);
       }
