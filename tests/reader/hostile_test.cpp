@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames with anything inside, degraded in every way at once (docs/accuracy.md, "Reliability").
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/reader.hpp"
+#include "tests/bench/mass_picture.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+// Whether a reading of this picture can be right: the tag's code, or that of a spoilt symbol which
+// still looks most like what it was.
+bool may_be_read(const mass::Picture& picture) {
+  return picture.kind == mass::Kind::tag || picture.kind == mass::Kind::misshapen ||
+         picture.kind == mass::Kind::moved_edge;
+}
+
+ReadResult read_with_code(const mass::Picture& picture) {
+  ReadOptions options;
+  options.code_book.push_back(picture.code);
+  return read_tags(picture.image.view(), options);
+}
+
+}  // namespace
+
+TEST_CASE("of hostile frames none is read as what it is not, and tags are") {
+  constexpr std::uint64_t kFirst = 90'000'000;
+  constexpr int kFrames = 150;
+  int right = 0;
+  for (std::uint64_t number = kFirst; number < kFirst + kFrames; ++number) {
+    const mass::Picture picture = mass::draw(number);
+    CAPTURE(number);
+    for (const Reading& tag : read_tags(picture.image.view()).tags) {
+      CHECK(may_be_read(picture));
+      CHECK(to_string(tag.digits) == to_string(picture.code));
+      ++right;
+    }
+  }
+  CHECK(right >= 10);
+}
+
+TEST_CASE("a frame whose plane's horizon runs through its pixels is read or refused") {
+  // Places near the horizon are too far away for any integer.
+  constexpr std::uint64_t kHorizon = 40'490'213;
+  const mass::Picture picture = mass::draw(kHorizon);
+  const ReadResult result = read_with_code(picture);
+  CHECK(result.tags.size() + result.rejected.size() > 0);
+}
