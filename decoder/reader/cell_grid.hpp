@@ -20,10 +20,10 @@ std::array<double, 2> scanned_height(const SymbolLayout& layout);
 
 // Sums over a cell's pixels.
 struct Cell {
-  float darkness = 0;  // 0 = white, 1 = black
-  float squares = 0;   // of the darkness
-  float place = 0;     // modules from the first bin's begin
-  float count = 0;
+  float darkness;  // 0 = white, 1 = black
+  float squares;   // of the darkness
+  float place;     // modules from the first bin's begin
+  float count;
 };
 
 struct CellGrid {

@@ -28,19 +28,48 @@ inline __attribute__((always_inline)) void load(const float* from, Floats& lanes
 
 // The bins that pixels fell into.
 std::vector<std::size_t> seen_bins(const CellGrid& grid) {
-  using Sums = float __attribute__((vector_size(sizeof(Cell))));
   std::vector<std::size_t> seen;
   seen.reserve(grid.bins);
   for (std::size_t bin = 0; bin < grid.bins; ++bin) {
-    Sums sums{};
-    for (std::size_t band = 0; band < grid.bands; ++band) {
-      Sums cell;
-      std::memcpy(&cell, &grid.at(band, bin), sizeof cell);
-      sums += cell;
-    }
-    if (sums[3] > 0) seen.push_back(bin);
+    std::size_t band = 0;
+    while (band < grid.bands && grid.at(band, bin).count == 0) ++band;
+    if (band < grid.bands) seen.push_back(bin);
   }
   return seen;
+}
+
+// Copies cells of a band, taken by their bins, to arrays of their quantities: four at a time.
+void copy_by_quantity(const Cell* cells, const std::vector<std::size_t>& bins, float* darkness,
+                      float* squares, float* places, float* counts) {
+  using Four = float __attribute__((vector_size(sizeof(Cell))));
+  const std::size_t size = bins.size();
+  std::size_t i = 0;
+  for (; i + 4 <= size; i += 4) {
+    Four a, b, c, d;
+    std::memcpy(&a, cells + bins[i], sizeof a);
+    std::memcpy(&b, cells + bins[i + 1], sizeof b);
+    std::memcpy(&c, cells + bins[i + 2], sizeof c);
+    std::memcpy(&d, cells + bins[i + 3], sizeof d);
+    const Four low_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+    const Four low_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+    const Four high_ab = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const Four high_cd = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    const Four of_darkness = __builtin_shufflevector(low_ab, low_cd, 0, 1, 4, 5);
+    const Four of_squares = __builtin_shufflevector(low_ab, low_cd, 2, 3, 6, 7);
+    const Four of_places = __builtin_shufflevector(high_ab, high_cd, 0, 1, 4, 5);
+    const Four of_counts = __builtin_shufflevector(high_ab, high_cd, 2, 3, 6, 7);
+    std::memcpy(darkness + i, &of_darkness, sizeof a);
+    std::memcpy(squares + i, &of_squares, sizeof a);
+    std::memcpy(places + i, &of_places, sizeof a);
+    std::memcpy(counts + i, &of_counts, sizeof a);
+  }
+  for (; i < size; ++i) {
+    const Cell& cell = cells[bins[i]];
+    darkness[i] = cell.darkness;
+    squares[i] = cell.squares;
+    places[i] = cell.place;
+    counts[i] = cell.count;
+  }
 }
 
 // The cells of the bins that pixels fell into, quantity by quantity and band by band: row k holds
@@ -54,18 +83,9 @@ class SeenCells {
         stride_((bins_.size() + kLanes - 1) / kLanes * kLanes),
         values_(4 * bands_ * stride_) {
     for (std::size_t band = 0; band < bands_; ++band) {
-      const Cell* cells = &grid.at(band, 0);
-      float* darkness = &values_[4 * band * stride_];
-      float *squares = darkness + stride_, *places = squares + stride_, *counts = places + stride_;
-      const std::size_t* bins = bins_.data();
-      const std::size_t size = bins_.size();
-      for (std::size_t i = 0; i < size; ++i) {
-        const Cell cell = cells[bins[i]];
-        darkness[i] = cell.darkness;
-        squares[i] = cell.squares;
-        places[i] = cell.place;
-        counts[i] = cell.count;
-      }
+      float* to = &values_[4 * band * stride_];
+      copy_by_quantity(&grid.at(band, 0), bins_, to, to + stride_, to + 2 * stride_,
+                       to + 3 * stride_);
     }
   }
 
@@ -328,37 +348,37 @@ std::vector<std::size_t> odd_bins(const SeenCells& cells, std::size_t band,
   return odd;
 }
 
-struct CellState {
-  bool odd = false;      // disagrees with the other bands
-  bool covered = false;  // lies on a stretch of its band that shows something in front of the bars
-};
-
 // The states of all cells, band by band.
 class CellStates {
  public:
+  static constexpr std::uint8_t kOdd = 1;      // disagrees with the other bands
+  static constexpr std::uint8_t kCovered = 2;  // lies on a stretch of its band that shows something
+                                               // in front of the bars
+
   explicit CellStates(const SeenCells& cells)
       : size_(cells.size()), states_(cells.bands() * cells.size()), striking_(cells.size()) {}
 
-  void set_odd(std::size_t band, std::size_t i) {
-    states_[band * size_ + i].odd = true;
-    striking_[i] = true;
-  }
-  void set_covered(std::size_t band, std::size_t i) {
-    states_[band * size_ + i].covered = true;
-    striking_[i] = true;
-    any_covered_ = true;
+  void add(std::size_t band, std::size_t i, std::uint8_t state) {
+    states_[band * size_ + i] |= state;
+    striking_[i] |= state;
+    all_ |= state;
   }
 
-  CellState at(std::size_t band, std::size_t i) const { return states_[band * size_ + i]; }
+  bool is_odd(std::size_t band, std::size_t i) const {
+    return (states_[band * size_ + i] & kOdd) != 0;
+  }
+  bool is_covered(std::size_t band, std::size_t i) const {
+    return (states_[band * size_ + i] & kCovered) != 0;
+  }
   // Whether a bin has an odd or covered cell.
-  bool is_striking(std::size_t i) const { return striking_[i]; }
-  bool any_covered() const { return any_covered_; }
+  bool is_striking(std::size_t i) const { return striking_[i] != 0; }
+  bool any_covered() const { return (all_ & kCovered) != 0; }
 
  private:
   std::size_t size_;
-  bool any_covered_ = false;
-  std::vector<CellState> states_;
-  std::vector<bool> striking_;
+  std::uint8_t all_ = 0;
+  std::vector<std::uint8_t> states_;
+  std::vector<std::uint8_t> striking_;  // any state of a bin's cells
 };
 
 // Marks what lies between the odd cells of a band, given in order, where they stand close.
@@ -379,7 +399,7 @@ void mark_covers(const SeenCells& cells, std::size_t band, const std::vector<std
     const std::size_t before =
         odd[begin] - (odd[begin] > 0 && cells.bin(odd[begin] - 1) + 1 == first);
     for (std::size_t i = before; is_cover && i < cells.size() && cells.bin(i) <= last + 1; ++i) {
-      states.set_covered(band, i);
+      states.add(band, i, CellStates::kCovered);
     }
     begin = k;
   }
@@ -395,7 +415,7 @@ CellStates states_of(const SeenCells& cells, const std::vector<Consensus>& conse
   NearConsensus near(cells, consensus);
   for (std::size_t band = 0; band < cells.bands(); ++band) {
     const std::vector<std::size_t> odd = odd_bins(cells, band, consensus, variance, near);
-    for (const std::size_t i : odd) states.set_odd(band, i);
+    for (const std::size_t i : odd) states.add(band, i, CellStates::kOdd);
     mark_covers(cells, band, odd, states);
   }
   return states;
@@ -427,14 +447,14 @@ BinSums sums_by_state(const SeenCells& cells, const CellStates& states, std::siz
   BinSums sums;
   for (std::size_t band = 0; band < cells.bands(); ++band) {
     const Cell cell = cells.at(band, i);
-    const CellState state = states.at(band, i);
+    const bool odd = states.is_odd(band, i), covered = states.is_covered(band, i);
     const auto count = static_cast<double>(cell.count);
     sums.seen += count;
-    if (state.covered) sums.covered.add(cell);
-    if (!state.odd) sums.even.add(cell);
-    if (!state.odd && !state.covered) sums.clear.add(cell);
-    if (state.odd) sums.odd += count;
-    if (state.odd && !state.covered) sums.odd_outside += count;
+    if (covered) sums.covered.add(cell);
+    if (!odd) sums.even.add(cell);
+    if (!odd && !covered) sums.clear.add(cell);
+    if (odd) sums.odd += count;
+    if (odd && !covered) sums.odd_outside += count;
   }
   return sums;
 }
