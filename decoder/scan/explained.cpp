@@ -42,11 +42,10 @@ std::optional<std::size_t> digit_at(double place) {
 std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
                                       const ScanProfile& profile) {
   const std::vector<float> shares = SymbolEdges(image, digits).shares_at(ScanPlaces(profile));
-  std::vector<double> expected;
-  expected.reserve(profile.size());
+  std::vector<double> expected(profile.size());
   for (std::size_t i = 0; i < profile.size(); ++i) {
-    expected.push_back(image.white + (image.black - image.white) * static_cast<double>(shares[i]) +
-                       image.shading * (2 * profile[i].at / kModuleCount - 1));
+    expected[i] = image.white + (image.black - image.white) * static_cast<double>(shares[i]) +
+                  image.shading * (2 * profile[i].at / kModuleCount - 1);
   }
   return expected;
 }
