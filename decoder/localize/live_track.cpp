@@ -18,6 +18,13 @@ bool is_usable(const LiveTrack& track, double time, const MotionModel& motion) {
   return time > track.time && time - track.time <= motion.longest_gap;
 }
 
+// Of a track that begins with this fix.
+TrackTags tags_of(const Fix& fix) {
+  TrackTags tags{{fix.tags.begin(), fix.tags.end()}, {}};
+  if (fix.tags.size() > 1) tags.confirmed = tags.latest;
+  return tags;
+}
+
 LiveTrack track_from(const Fix& fix, const MeasuredPlace& measured, double time,
                      const std::vector<Survey>& surveys, const MotionModel& motion) {
   const auto survey = std::ranges::find(surveys, fix.survey, &Survey::name);
@@ -27,20 +34,26 @@ LiveTrack track_from(const Fix& fix, const MeasuredPlace& measured, double time,
           fix.attitude->pitch,
           fix.attitude->roll,
           1,
-          {fix.tags.begin(), fix.tags.end()}};
+          tags_of(fix),
+          {}};
 }
 
-Fix refused(Fix fix, const MotionEstimate& expected, const MeasuredPlace& measured) {
-  const double off = (measured.place - expected.mean.head<4>()).head<3>().norm();
+Fix refused(const Fix& fix, std::string reason) {
   Fix none;
   none.id = fix.id;
   none.method = fix.method;
   none.tags = fix.tags;
-  none.reason = fmt::format(
+  none.reason = std::move(reason);
+  return none;
+}
+
+std::string contradiction(const Fix& fix, const MotionEstimate& expected,
+                          const MeasuredPlace& measured) {
+  const double off = (measured.place - expected.mean.head<4>()).head<3>().norm();
+  return fmt::format(
       "the only tag, {}, puts the vehicle {:.3f} m from where its motion since the last fixes "
       "allows: misplaced, misprinted or moved?",
       fix.tags.front(), off);
-  return none;
 }
 
 }  // namespace
@@ -107,19 +120,28 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
   const MotionEstimate expected = predicted(track->estimate, time - track->time, motion);
   const MotionUpdate update = updated(expected, *measured);
   const bool alone = fix.tags.size() == 1;
-  if (!update.agrees && alone) return refused(std::move(fix), expected, *measured);
-  if (!update.agrees) {
+  if (!update.agrees && !alone) {
     fix.notes.emplace_back("not where the motion since the last fixes leads: a new track begins");
     track = track_from(fix, *measured, time, surveys, motion);
     return fix;
   }
-  const bool confirmed = can_confirm(expected, track->used, track->tags, fix);
+  TrackTags tags = track->tags;
+  const bool confirmed = update.agrees && take_in(tags, expected, update, fix);
+  if (!update.agrees) {
+    if (!tags.confirmed.contains(fix.tags.front())) track->refused.insert(fix.tags.front());
+    return refused(fix, contradiction(fix, expected, *measured));
+  }
+  if (alone && !confirmed && track->refused.contains(fix.tags.front())) {
+    return refused(fix, fmt::format("the only tag, {}, contradicted the motion before, and nothing "
+                                    "has confirmed it since: misplaced, misprinted or moved?",
+                                    fix.tags.front()));
+  }
+  track->tags = std::move(tags);
   track->time = time;
   track->estimate = update.estimate;
   track->pitch = fix.attitude->pitch;
   track->roll = fix.attitude->roll;
   ++track->used;
-  track->tags.insert(fix.tags.begin(), fix.tags.end());
   return confirmed ? confirmed_by_motion(std::move(fix)) : fix;
 }
 

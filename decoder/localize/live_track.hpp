@@ -37,8 +37,10 @@ struct LiveTrack {
   MotionEstimate estimate;
   double pitch = 0;
   double roll = 0;
-  int used = 0;                // fixes in the estimate
-  std::set<std::string> tags;  // that these fixes rest on
+  int used = 0;    // fixes in the estimate
+  TrackTags tags;  // that these fixes rest on
+  std::set<std::string>
+      refused;  // lone tags that the motion contradicted before any confirmed them
 };
 
 // Nothing when the track is older than the motion model's longest gap, or later than `time`.
@@ -49,9 +51,10 @@ std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
 //
 // A fix that the motion contradicts begins a new track when it rests on several tags. When it rests
 // on one, a misprinted or misplaced plate is the likelier cause: it becomes "no position" with the
-// reason, until the track is older than the model's longest gap. A fix that the motion confirms
-// (can_confirm) says so, and a single tag's loses the note that nothing does. A time that is not
-// after the track's begins a new one, with a note.
+// reason, until the track is older than the model's longest gap or confirms the tag; that the
+// motion grows uncertain meanwhile does not help it. A fix that the motion confirms (take_in) says
+// so, and a single tag's loses the note that nothing does. A time that is not after the track's
+// begins a new one, with a note.
 Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
                  const std::vector<Survey>& surveys, const MotionModel& motion = {});
 

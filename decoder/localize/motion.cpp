@@ -76,16 +76,21 @@ MotionEstimate predicted(const MotionEstimate& estimate, double dt, const Motion
   return later;
 }
 
-bool can_confirm(const MotionEstimate& predicted, int fixes, const std::set<std::string>& tags,
-                 const Fix& fix) {
-  constexpr double kLargestSigma = 0.025;  // metres, worst direction: the gate is at four
-  const auto is_other = [&](const std::string& tag) {
-    return std::ranges::find(fix.tags, tag) == fix.tags.end();
-  };
-  if (fixes < 2 || !std::ranges::any_of(tags, is_other)) return false;
+bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdate& update,
+             const Fix& fix) {
+  constexpr double kLargestSigma = 0.025;  // metres, worst direction
+  constexpr double kSure = 13.28;          // chi-square of four that one in 100 exceeds
   const Eigen::Matrix3d spread = predicted.covariance.topLeftCorner<3, 3>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
-  return axes.eigenvalues().maxCoeff() <= kLargestSigma * kLargestSigma;
+  const bool sharp = axes.eigenvalues().maxCoeff() <= kLargestSigma * kLargestSigma;
+  const bool handed_over = std::ranges::any_of(tags.latest, [&](const std::string& tag) {
+    return std::ranges::find(fix.tags, tag) == fix.tags.end();
+  });
+  const bool checked = handed_over && sharp && update.distance2 <= kSure;
+  if (checked) tags.confirmed.insert(tags.latest.begin(), tags.latest.end());
+  if (checked || fix.tags.size() > 1) tags.confirmed.insert(fix.tags.begin(), fix.tags.end());
+  tags.latest = {fix.tags.begin(), fix.tags.end()};
+  return checked || (fix.tags.size() == 1 && tags.confirmed.contains(fix.tags.front()));
 }
 
 Fix confirmed_by_motion(Fix fix) {

@@ -65,11 +65,19 @@ struct MotionUpdate {
 // A Kalman filter's step: the prediction with what was measured at its time.
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured);
 
-// Whether the motion confirms a fix that agrees with it: it rests on two fixes or more, of which
-// one saw another tag than this fix did, and is known so well that a plate a decimetre off would
-// have been noticed.
-bool can_confirm(const MotionEstimate& predicted, int fixes, const std::set<std::string>& tags,
-                 const Fix& fix);
+// The tags that a track rests on.
+struct TrackTags {
+  std::set<std::string> latest;     // of the latest fix
+  std::set<std::string> confirmed;  // seen with another at once, or handed over to or from one
+};
+
+// Takes in the tags of a fix that agrees with the motion predicted for it. Whether that confirms
+// it: the latest fix saw another tag, the motion is known so well that a plate a decimetre off
+// would have been noticed, and the fix is where one in a hundred right ones is not; or the fix
+// rests on one tag, and that was confirmed before. A plate that hangs wrong is not confirmed by its
+// own earlier fixes.
+bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdate& update,
+             const Fix& fix);
 
 // The fix with the motion's confirmation.
 Fix confirmed_by_motion(Fix fix);

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -57,15 +56,13 @@ Step next_step(const Step& before, std::size_t row, double dt, const MotionModel
 }
 
 // Which fixes of a track the motion before them confirms.
-void find_confirmed(Track& track, const std::vector<Fix>& fixes) {
-  int used = 0;
-  std::set<std::string> tags;
+void find_confirmed(Track& track, const std::vector<Fix>& fixes,
+                    const std::vector<std::optional<MeasuredPlace>>& measured) {
+  TrackTags tags;
   for (Step& step : track.steps) {
     if (!step.used) continue;
-    const Fix& fix = fixes[step.row];
-    step.confirmed = can_confirm(step.predicted, used, tags, fix);
-    ++used;
-    tags.insert(fix.tags.begin(), fix.tags.end());
+    const MotionUpdate update = updated(step.predicted, *measured[step.row]);
+    step.confirmed = take_in(tags, step.predicted, update, fixes[step.row]);
   }
 }
 
@@ -301,7 +298,7 @@ Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& 
   const Job job{fixes, *measured, times, surveys, rig, motion};
   std::vector<Fix> result = fixes;
   for (Track& track : tracks_of(*measured, times, motion)) {
-    find_confirmed(track, fixes);
+    find_confirmed(track, fixes, *measured);
     const std::vector<MotionEstimate> estimates = smoothed(track);
     for (std::size_t i = 0; i < track.steps.size(); ++i) {
       const Step& step = track.steps[i];

@@ -93,6 +93,22 @@ TEST_CASE("only the motion by another tag, known well, confirms a lone tag") {
   CHECK(is_noted(late, kOneTagOnly));
 }
 
+TEST_CASE("a wrong plate is not confirmed by its own earlier fixes, however often it is seen") {
+  const std::vector<Survey> surveys = corridor();
+  for (const double off : {0.05, 0.1, 0.2, 0.4}) {
+    CAPTURE(off);
+    std::optional<LiveTrack> track;
+    for (int i = 0; i < 60; ++i) {
+      // Fifteen by a right plate, then one that hangs off along the wall.
+      const bool right = i < 15;
+      const double y = 1 + 0.05 * i + (right ? 0 : off);
+      const Fix fix = follow_track(track, fix_at(y, {right ? "a" : "wrong"}), 0.1 * i, surveys);
+      CHECK(fix.confirmations == 0);
+      if (!right && off > 0.15) CHECK_FALSE(fix.position_in_grid.has_value());
+    }
+  }
+}
+
 TEST_CASE("a time that runs backwards begins a new track and is noted") {
   const std::vector<Survey> surveys = corridor();
   std::optional<LiveTrack> track = driven(surveys);
