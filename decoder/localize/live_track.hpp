@@ -37,10 +37,9 @@ struct LiveTrack {
   MotionEstimate estimate;
   double pitch = 0;
   double roll = 0;
-  int used = 0;    // fixes in the estimate
-  TrackTags tags;  // that these fixes rest on
-  std::set<std::string>
-      refused;  // lone tags that the motion contradicted before any confirmed them
+  int used = 0;                   // fixes in the estimate
+  TrackTags tags;                 // that these fixes rest on
+  std::set<std::string> refused;  // lone tags, unconfirmed, that the motion contradicted
 };
 
 // Nothing when the track is older than the motion model's longest gap, or later than `time`.
