@@ -161,7 +161,8 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
         }
         tally.tags += tag_count((*readings)->result);
         if (const std::string& warning = (*readings)->warning; !warning.empty()) {
-          fmt::print(stderr, "read: {}: {}\n", files[i].string(), damaged_in_words(warning));
+          fmt::print(stderr, "tagsmith read: {}: {}\n", files[i].string(),
+                     damaged_in_words(warning));
         }
         if (options.json) {
           fmt::print("{}\n", to_json_line(**readings, surveys));

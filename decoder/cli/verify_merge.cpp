@@ -150,8 +150,8 @@ std::string up_in_words(const Completeness& covered) {
                                 : fmt::format("{} of {} tags in the photos {} not", count,
                                               covered.photographed, count == 1 ? "was" : "were");
   return which +
-         " checked for hanging upside down: no photo of it says which way is up. Look where its "
-         "arrow points, use a camera that notes how it was held (phones do), or give --rig";
+         " checked for hanging upside down: the photos do not say which way is up. Look where the "
+         "arrows point, use a camera that notes how it was held (phones do), or give --rig";
 }
 
 std::string noted_up_in_words(const NotedUp& noted) {

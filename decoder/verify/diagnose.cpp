@@ -317,6 +317,23 @@ std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module
   return judge_blur(fit.image.blur, module_px);
 }
 
+// What a refusal without a measured cause is mostly due to.
+std::string suspicion(const std::string& reason) {
+  if (reason == "element widths") {
+    return ": some bars are of no width that digits have. Dirt, a scratch or a cable across them, "
+           "too narrow to be measured, or something that is no tag";
+  }
+  if (reason == "guard pattern") {
+    return ": the bars at its ends or in its middle are not there. They are covered, or it is no "
+           "tag";
+  }
+  if (reason == kDoubtfulReason || reason == "check digit") {
+    return ": one of its digits is in doubt. A bar is dirty, damaged or half hidden";
+  }
+  if (reason == kCoveredReason) return ": something hangs before it or sticks on it";
+  return {};
+}
+
 const char* seen_from(const std::optional<int>& orientation) {
   return orientation ? "" : " as the picture stands (which way is up in it is not known)";
 }
@@ -372,7 +389,10 @@ void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOpti
     const Diagnosis diagnosis =
         diagnose(image, tag, {reason, finding.corners}, options, orientation);
     finding.rule = diagnosis.rule;
-    if (diagnosis.measured.empty()) continue;
+    if (diagnosis.measured.empty()) {
+      finding.message += suspicion(reason);
+      continue;
+    }
     finding.message =
         fmt::format("{}{} (the reader says: {})", kUnread, diagnosis.measured, reason);
   }

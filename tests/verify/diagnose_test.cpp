@@ -54,6 +54,31 @@ std::vector<TagFinding> found_in(const Shot& shot, const std::optional<int>& ori
 
 }  // namespace
 
+TEST_CASE("a refusal without a measured cause says what is suspected") {
+  const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
+  ScenePlate plate{draw_tag(corridor().tag_template, corridor().tags[0].digits), {}, {}};
+  plate.camera_from_plate =
+      camera_from_turned_plate(camera, plate.drawing, {640, 480}, 1.5, 0, 0, 0);
+  const View view = render_view(camera, std::span(&plate, 1), {});
+  const GrayView image = view.image.view();
+  const ReadResult read = read_for_survey(image, corridor());
+  REQUIRE(read.tags.size() == 1);
+  const auto words = [&](const char* reason) {
+    ReadResult refused;
+    refused.rejected.push_back({reason, read.tags[0].corners});
+    std::vector<TagFinding> tags =
+        check_tags(corridor(), refused, PictureSize{image.width, image.height});
+    diagnose_tags(image, corridor().tag_template, read_options_for(std::span(&corridor(), 1)),
+                  tags);
+    CHECK(tags.at(0).rule == "undecodable");
+    return tags[0].message;
+  };
+  CHECK(words("element widths").find("Dirt, a scratch or a cable") != std::string::npos);
+  CHECK(words("guard pattern").find("They are covered, or it is no tag") != std::string::npos);
+  CHECK(words(kDoubtfulReason).find("one of its digits is in doubt") != std::string::npos);
+  CHECK(words(kCoveredReason).find("hangs before it or sticks on it") != std::string::npos);
+}
+
 TEST_CASE("a tag that is in order has no diagnosis") {
   for (const double yaw : {-50.0, 0.0, 50.0}) {
     for (const double distance : {0.8, 1.5, 3.0}) {
