@@ -10,19 +10,16 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tests/support/contents.hpp"
 
 namespace fs = std::filesystem;
 
 namespace tagsmith::house {
 namespace {
 
-const std::string kSpdx = "// SPDX-License-Identifier: Apache-2.0\n";
+using test::contents;
 
-std::string contents(const fs::path& path) {
-  const Result<std::string> bytes = read_file(path);
-  REQUIRE_MESSAGE(bytes.has_value(), path.string());
-  return *bytes;
-}
+const std::string kSpdx = "// SPDX-License-Identifier: Apache-2.0\n";
 
 // Every C++ source of the project, relative to its root.
 std::vector<std::string> project_sources() {

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
-#include <vector>
 
-#include <nlohmann/json.hpp>
+#include "tests/support/contents.hpp"
+#include "tests/support/json_lines.hpp"
 
 namespace tagsmith::test {
 
@@ -19,23 +18,10 @@ inline std::string on_survey(const std::string& name, const std::string& run) {
   return "localize " + folder + "/survey.yaml --rig " + folder + "/rig.yaml --run " + run;
 }
 
-inline std::vector<nlohmann::json> json_lines(const std::string& text) {
-  std::vector<nlohmann::json> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(nlohmann::json::parse(line));
-  return lines;
-}
-
 // Writes the file and returns its path.
 inline std::string file_with(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path) << text;
   return path.string();
-}
-
-inline std::string contents(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 inline std::size_t count_lines(const std::string& text) {

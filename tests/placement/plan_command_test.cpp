@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith;
@@ -17,12 +17,6 @@ using namespace tagsmith::test;
 namespace {
 
 const std::string kCorridor = "plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml";
-
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  REQUIRE_MESSAGE(stream.good(), path.string());
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 }  // namespace
 

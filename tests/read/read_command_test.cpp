@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "decoder/image/load.hpp"
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/support/bar_picture.hpp"
+#include "tests/support/json_lines.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::test {
@@ -21,13 +21,6 @@ using nlohmann::json;
 
 const std::string kPhotos = "surveys/corridor/photos";
 const std::string kSurvey = " --survey surveys/corridor/survey.yaml";
-
-std::vector<json> json_lines(const std::string& text) {
-  std::vector<json> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
-  return lines;
-}
 
 }  // namespace
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -12,17 +11,12 @@
 #include <doctest/doctest.h>
 
 #include "tests/readme/documents.hpp"
+#include "tests/support/contents.hpp"
 
 namespace fs = std::filesystem;
 
 namespace tagsmith::test {
 namespace {
-
-std::string contents(const fs::path& path) {
-  std::ifstream stream(path);
-  REQUIRE_MESSAGE(stream.good(), path.string());
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string joined(const std::vector<std::string>& texts) {
   std::string all;

@@ -9,6 +9,7 @@
 #include "decoder/image/load.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::test {
@@ -47,12 +48,6 @@ struct Desk {
                         "/run.csv' -o '" + out().string() + "' " + more);
   }
 };
-
-std::string contents(const fs::path& path) {
-  const auto bytes = read_file(path);
-  REQUIRE(bytes);
-  return *bytes;
-}
 
 TEST_CASE("simulate writes the images, a run that refers to them, and the truth") {
   const Desk desk;

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <map>
 #include <regex>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "decoder/image/upright.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/exif_jpeg.hpp"
+#include "tests/support/json_lines.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::test {
@@ -26,13 +26,6 @@ using nlohmann::json;
 
 const std::string kSurvey = "surveys/corridor/survey.yaml";
 const std::string kPhotos = "surveys/corridor/photos";
-
-std::vector<json> json_lines(const std::string& text) {
-  std::vector<json> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
-  return lines;
-}
 
 // Prints tags of the corridor into the folder.
 void print_into(const fs::path& folder, const std::string& options) {
