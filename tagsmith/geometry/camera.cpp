@@ -152,7 +152,7 @@ double radial_scale(const Camera& camera, const RadialCurve& curve, double r) {
 // A point of the plane z = 1 moved by the distortion.
 Vector2d distorted_point(const Camera& camera, const RadialCurve& curve, const Vector2d& ideal) {
   const double r2 = ideal.squaredNorm();
-  const Vector2d point = radial_scale(camera, curve, std::sqrt(r2)) * ideal;
+  Vector2d point = radial_scale(camera, curve, std::sqrt(r2)) * ideal;
   if (camera.lens == LensModel::fisheye) return point;
   const double p1 = camera.distortion[2];
   const double p2 = camera.distortion[3];
