@@ -208,9 +208,10 @@ double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorn
         profile[static_cast<std::size_t>(i)] += sample_bilinear(image, at) / kLines;
       }
     }
-    const auto [black, white] = std::ranges::minmax(profile);
+    const auto ends = std::ranges::minmax(profile);
+    const double quarter = 0.25 * (ends.max - ends.min);
     const auto between = std::ranges::count_if(profile, [&](double level) {
-      return level > black + 0.25 * (white - black) && level < white - 0.25 * (white - black);
+      return level > ends.min + quarter && level < ends.max - quarter;
     });
     widest = std::max(widest, static_cast<double>(between) / kSteps * reach / module);
   }
