@@ -152,7 +152,7 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
     if (!options.explain.empty()) explanation = explanation_path(options.explain, files, i);
     auto readings = std::make_shared<Result<ImageReadings>>(
         read_image(files[i], options.reader, read, explanation));
-    return [&, readings] {
+    return [&, i, readings] {
       bar.advance([&] {
         if (!*readings) {
           report_failure("read", readings->error());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "decoder/image/load.hpp"
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/support/bar_picture.hpp"
+#include "tests/support/contents.hpp"
 #include "tests/support/json_lines.hpp"
 #include "tests/support/program.hpp"
 
@@ -141,6 +143,26 @@ TEST_CASE("an explanation is a picture beside the results") {
     CHECK(image->height > 1200 + 250);  // the picture, the legend and a panel
   }
   CHECK(run_tagsmith("read --explain main.cpp " + photo).exit_code == 2);
+}
+
+TEST_CASE("damaged pictures of a batch are named, each by its own warning") {
+  const TemporaryFolder folder;
+  std::string bytes = contents(kPhotos + "/corridor_01_left.jpg");
+  bytes.erase(bytes.size() / 2, 2000);
+  std::string files;
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) {
+    const fs::path path = folder.path() / name;
+    std::ofstream(path, std::ios::binary) << bytes;
+    files += " " + path.string();
+  }
+  const ProgramOutput output = run_tagsmith("read --json" + files);
+  CHECK(json_lines(output.out).size() == 3);
+  std::istringstream warnings(output.err);
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) {
+    std::string line;
+    REQUIRE(std::getline(warnings, line));
+    CHECK_MESSAGE(line.find("read: " + (folder.path() / name).string() + ": ") == 0, line);
+  }
 }
 
 TEST_CASE("colour and 16 bits do not change what is read") {
