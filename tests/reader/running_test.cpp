@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/scan/running.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/sorted_window.hpp"
+
+using namespace tagsmith;
+
+namespace {
+
+std::vector<float> random_line(std::size_t size) {
+  std::mt19937 random(7);
+  std::vector<float> line(size);
+  for (float& sample : line) sample = static_cast<float>(random() % 1000) / 1000;
+  return line;
+}
+
+}  // namespace
+
+TEST_CASE("a sliding window shows what each window alone shows") {
+  for (const std::size_t size : {1, 2, 7, 40, 91, 333}) {
+    for (const std::size_t window : {0, 1, 3, 15, 45, 400}) {
+      CAPTURE(size);
+      CAPTURE(window);
+      const std::vector<float> line = random_line(size);
+      const std::vector<float> most = running_maximum(line, window);
+      const std::vector<float> least = running_minimum(line, window);
+      const std::vector<float> mean = running_mean(line, window);
+      for (std::size_t i = 0; i < size; ++i) {
+        const auto begin = line.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, window));
+        const auto end = line.begin() + static_cast<std::ptrdiff_t>(std::min(size, i + window + 1));
+        CHECK(most[i] == *std::max_element(begin, end));
+        CHECK(least[i] == *std::min_element(begin, end));
+        const double sum = std::accumulate(begin, end, 0.0);
+        CHECK(static_cast<double>(mean[i]) ==
+              doctest::Approx(sum / static_cast<double>(end - begin)).epsilon(1e-6));
+      }
+    }
+  }
+}
+
+TEST_CASE("a window that is kept sorted has the quantiles of its values") {
+  const std::vector<float> line = random_line(200);
+  constexpr std::size_t kLength = 31;
+  SortedWindow<float> window;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    window.add(line[i]);
+    if (i >= kLength) window.remove(line[i - kLength]);
+    const std::size_t first = i >= kLength ? i + 1 - kLength : 0;
+    std::vector<float> values(line.begin() + static_cast<std::ptrdiff_t>(first),
+                              line.begin() + static_cast<std::ptrdiff_t>(i + 1));
+    std::ranges::sort(values);
+    for (const double share : {0.0, 0.1, 0.5, 0.9, 1.0}) {
+      const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+      CHECK(window.quantile(share) == values[place]);
+    }
+  }
+}
