@@ -161,7 +161,7 @@ TEST_CASE("damaged pictures of a batch are named, each by its own warning") {
   for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) {
     std::string line;
     REQUIRE(std::getline(warnings, line));
-    CHECK_MESSAGE(line.find("read: " + (folder.path() / name).string() + ": ") == 0, line);
+    CHECK_MESSAGE(line.find("tagsmith read: " + (folder.path() / name).string() + ": ") == 0, line);
   }
 }
 
