@@ -74,6 +74,25 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   return std::nullopt;
 }
 
+// Whether the upper or the lower half of the bars' height shows another symbol clearly: something
+// lies on part of the height, and what shows beside it may be no digit. Symbols that are beyond
+// doubt by their whole height are not asked.
+bool halves_contradict(const GrayView& image, const RefinedFrame& frame, const Attempt& attempt) {
+  constexpr double kBeyondDoubt = 1e-8;
+  constexpr double kClearly = 10;  // logarithm of the likelihood ratio
+  const Decoding& decoding = attempt.decoding;
+  if (1 - decoding.confidence < kBeyondDoubt) return false;
+  const std::size_t first = (attempt.first_corner + (decoding.upside_down ? 2 : 0)) % 4;
+  const double middle = (attempt.layout.bars_top + attempt.layout.bars_bottom) / 2;
+  SymbolLayout upper = attempt.layout, lower = attempt.layout;
+  upper.bars_bottom = lower.bars_top = middle;
+  const auto contradicts = [&](const SymbolLayout& half) {
+    const SymbolProfile profile = profile_symbol(image, frame, first, half);
+    return log_odds_of_another(profile.bins, decoding) > kClearly;
+  };
+  return contradicts(upper) || contradicts(lower);
+}
+
 // Whether a symbol shows too little for its covered digits to be more than guesses.
 bool too_little_shown(const SymbolProfile& profile) {
   constexpr double kMostHidden = 0.25;  // of the places
@@ -149,8 +168,8 @@ std::optional<std::string> objection_to_quick(const GrayView& image, const Refin
   if (reason) return reason;
   const Quad corners = turned_to(frame, attempt.first_corner).corners;
   const auto strips = strips_along_bars(image, FrameMap(corners, frame.lens), attempt.layout);
-  if (strips.empty()) return std::nullopt;
-  return kCoveredReason;
+  if (!strips.empty() || halves_contradict(image, frame, attempt)) return kCoveredReason;
+  return std::nullopt;
 }
 
 std::optional<Attempt> believed_attempt(const GrayView& image, const RefinedFrame& frame,

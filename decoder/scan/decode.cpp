@@ -335,4 +335,14 @@ std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolI
   return best;
 }
 
+double log_odds_of_another(const ScanProfile& profile, const Decoding& decoding) {
+  ScanProfile upright = decoding.upside_down ? turned(profile) : profile;
+  for (ScanBin& bin : upright) bin.variance *= decoding.noise;
+  const SymbolFit fit = fit_symbol(upright, decoding.digits, decoding.fit.image);
+  const Characters digits = characters_of(decoding.digits);
+  const CharacterCosts costs =
+      ModuleSystem(upright, ModuleLight(upright, fit.image)).character_costs(&digits);
+  return (costs.of(digits) - best_symbol(costs, SymbolClass::any).cost) / 2;
+}
+
 }  // namespace tagsmith

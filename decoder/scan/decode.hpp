@@ -45,4 +45,8 @@ struct Decoding {
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
                                        const DecodeOptions& options);
 
+// By what logarithm of the likelihood ratio another symbol, of any characters, explains a profile
+// of the same symbol better than these digits, by the decoding's noise: 0 where none does.
+double log_odds_of_another(const ScanProfile& profile, const Decoding& decoding);
+
 }  // namespace tagsmith

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/scan/decode.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <span>
@@ -169,4 +170,31 @@ TEST_CASE("profiles without a symbol are refused or doubted") {
     if (decoding) CHECK((decoding->fit.explained < 0.9 || decoding->guards < 0.8));
   }
   CHECK_FALSE(decode_profile({}, start_with(0.3), {}).has_value());
+}
+
+TEST_CASE("a profile of a symbol contradicts the digits of another alone, either way up") {
+  std::mt19937 random(72);
+  const Degradation how{0.4, 0.05, 0, 0, 4};
+  for (int i = 0; i < 5; ++i) {
+    const Digits digits = random_code(random, CheckDigit::gs1);
+    CAPTURE(to_string(digits));
+    Digits other = digits;
+    other[4] = static_cast<std::uint8_t>((other[4] + 1) % 10);
+    const ScanProfile shown = make_profile(digits, how, random);
+    ScanProfile same = make_profile(digits, how, random);
+    ScanProfile odd = make_profile(other, how, random);
+    const auto decoding = decode_profile(shown, start_with(how.blur), {});
+    REQUIRE(decoding.has_value());
+    REQUIRE(decoding->digits == digits);
+    CHECK(log_odds_of_another(same, *decoding) < 1);
+    CHECK(log_odds_of_another(odd, *decoding) > 10);
+    Decoding turned = *decoding;
+    turned.upside_down = true;
+    for (ScanProfile* profile : {&same, &odd}) {
+      std::ranges::reverse(*profile);
+      for (ScanBin& bin : *profile) bin.at = kModuleCount - bin.at;
+    }
+    CHECK(log_odds_of_another(same, turned) < 1);
+    CHECK(log_odds_of_another(odd, turned) > 10);
+  }
 }

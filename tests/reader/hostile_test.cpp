@@ -50,3 +50,15 @@ TEST_CASE("a frame whose plane's horizon runs through its pixels is passed over"
   CHECK(result.tags.empty());
   CHECK(result.rejected.size() + result.passed_over.size() > 0);
 }
+
+TEST_CASE(
+    "a misprinted digit behind a cable that hides the misprint in part of the height is not read") {
+  constexpr std::uint64_t kMisprint = 40'334'602;
+  const mass::Picture picture = mass::draw(kMisprint);
+  CHECK(picture.kind == mass::Kind::foreign);
+  ReadOptions options;
+  options.code_book.push_back(picture.code);
+  CHECK(read_tags(picture.image.view(), options).tags.empty());
+  options.min_confidence = 0;
+  CHECK(read_tags(picture.image.view(), options).tags.empty());
+}
