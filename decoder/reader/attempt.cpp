@@ -9,6 +9,7 @@
 #include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/cover_strips.hpp"
+#include "decoder/reader/covered_profile.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -134,7 +135,8 @@ class CoveredSymbols {
   std::vector<Seen> seen_;
 };
 
-// attempt_carefully of a frame of which something may have been seen.
+// As attempt_quickly, by the careful profile of the light; `symbols` keeps what is seen of the
+// frame.
 std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFrame& frame,
                                          const ReadOptions& options, AddedLight added,
                                          CoveredSymbols& symbols) {
@@ -146,16 +148,11 @@ std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFra
 
 }  // namespace
 
-std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFrame& frame,
-                                         const ReadOptions& options, AddedLight added) {
-  CoveredSymbols symbols;
-  return attempt_carefully(image, frame, options, added, symbols);
-}
-
 std::optional<Attempt> attempt_both_ways(const GrayView& image, const RefinedFrame& frame,
                                          const ReadOptions& options) {
   auto quick = attempt_quickly(image, frame, options);
-  auto careful = attempt_carefully(image, frame, options, AddedLight::even);
+  CoveredSymbols symbols;
+  auto careful = attempt_carefully(image, frame, options, AddedLight::even, symbols);
   if (!careful || (quick && quick->decoding.fit.explained > careful->decoding.fit.explained)) {
     return quick;
   }

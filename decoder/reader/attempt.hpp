@@ -9,7 +9,6 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/bar_regions.hpp"
-#include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/symbol_layout.hpp"
@@ -30,10 +29,6 @@ struct Attempt {
 // from its quick profile (profile_symbol). Nothing where no guard patterns show.
 std::optional<Attempt> attempt_quickly(const GrayView& image, const RefinedFrame& frame,
                                        const ReadOptions& options);
-
-// The same from its careful profile (CoveredSymbol).
-std::optional<Attempt> attempt_carefully(const GrayView& image, const RefinedFrame& frame,
-                                         const ReadOptions& options, AddedLight added);
 
 // The quick attempt or the careful one, whichever explains more.
 std::optional<Attempt> attempt_both_ways(const GrayView& image, const RefinedFrame& frame,

@@ -9,6 +9,7 @@
 
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 
 namespace tagsmith {

@@ -13,29 +13,30 @@ namespace {
 constexpr std::size_t kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
-// Of each of the first `count` samples and the one `step` later the greater.
-TAGSMITH_WIDE void take_greater(float* samples, std::size_t step, std::size_t count) {
+// Lets `pick` choose between each of the first `count` samples and the one `step` later, a vector
+// of them or a single one at a time: what it leaves in its first argument stands there afterwards.
+template <class Pick>
+inline __attribute__((always_inline)) void pick_all(float* samples, std::size_t step,
+                                                    std::size_t count, const Pick& pick) {
   std::size_t i = 0;
   for (; i + kLanes <= count; i += kLanes) {
     Lanes here, later;
     std::memcpy(&here, samples + i, sizeof here);
     std::memcpy(&later, samples + i + step, sizeof later);
-    const Lanes greater = here < later ? later : here;
-    std::memcpy(samples + i, &greater, sizeof greater);
+    pick(here, later);
+    std::memcpy(samples + i, &here, sizeof here);
   }
-  for (; i < count; ++i) samples[i] = std::max(samples[i], samples[i + step]);
+  for (; i < count; ++i) pick(samples[i], samples[i + step]);
+}
+
+TAGSMITH_WIDE void take_greater(float* samples, std::size_t step, std::size_t count) {
+  pick_all(samples, step, count,
+           [](auto& here, const auto& later) { here = here < later ? later : here; });
 }
 
 TAGSMITH_WIDE void take_less(float* samples, std::size_t step, std::size_t count) {
-  std::size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    Lanes here, later;
-    std::memcpy(&here, samples + i, sizeof here);
-    std::memcpy(&later, samples + i + step, sizeof later);
-    const Lanes less = later < here ? later : here;
-    std::memcpy(samples + i, &less, sizeof less);
-  }
-  for (; i < count; ++i) samples[i] = std::min(samples[i], samples[i + step]);
+  pick_all(samples, step, count,
+           [](auto& here, const auto& later) { here = later < here ? later : here; });
 }
 
 // The extreme of every window, from those of its two overlapping halves, these from theirs, and so

@@ -206,6 +206,53 @@ class Rays {
   float sharp_;               // one over the point spread's standard deviation, 1 / pixels
 };
 
+// `blur_px`: standard deviation of the point spread.
+GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
+                 Random& random) {
+  constexpr int kAsSharp = 8;  // pixels of a row for which the point spread is computed once
+  const Rays rays(placing, std::sqrt(blur_px * blur_px + 1.0 / 12));
+  const ToneCurve& tone = ToneCurve::srgb();
+  Noise noise(random);
+  const int steps = std::max(1, static_cast<int>(std::ceil(length(sensor.motion) / 1.2)));
+  const auto motion_x = static_cast<float>(sensor.motion.x) / static_cast<float>(steps);
+  const auto motion_y = static_cast<float>(sensor.motion.y) / static_cast<float>(steps);
+  const auto exposure = static_cast<float>(sensor.exposure / steps);
+  const auto sigma = static_cast<float>(sensor.noise);
+  Light light(scene);
+  GrayImage image{placing.width, placing.height, {}};
+  image.samples.resize(static_cast<std::size_t>(image.width) *
+                       static_cast<std::size_t>(image.height));
+  std::uint8_t* sample = image.samples.data();
+  for (int row = 0; row < image.height; ++row) {
+    const auto y = static_cast<float>(row);
+    Sight sight;
+    for (int column = 0; column < image.width; ++column) {
+      const auto x = static_cast<float>(column);
+      if (column % kAsSharp == 0) sight.sharp = rays.sharpness(x + kAsSharp / 2.0F, y);
+      float sum = 0;
+      for (int k = 0; k < steps; ++k) {
+        const float t = static_cast<float>(k) + 0.5F - 0.5F * static_cast<float>(steps);
+        static_cast<PlatePlace&>(sight) = rays.through(x + t * motion_x, y + t * motion_y);
+        sum += light.along(sight);
+      }
+      const float share = exposure * sum;
+      const float value =
+          (sensor.linear ? 255 * share : tone.point_of(share).sample) + sigma * noise.next();
+      *sample++ = static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
+    }
+  }
+  return image;
+}
+
+// As if saved as a JPEG of this quality, 1 to 100, and loaded.
+void compress(GrayImage& image, int quality) {
+  const cv::Mat raw(image.height, image.width, CV_8U, image.samples.data());
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", raw, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  image.samples.assign(decoded.data, decoded.data + decoded.total());
+}
+
 }  // namespace
 
 Placing place(double module_px, double tilt, Random& random) {
@@ -247,49 +294,17 @@ Placing place(double module_px, double tilt, Random& random) {
   return placing;
 }
 
-GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
-                 Random& random) {
-  constexpr int kAsSharp = 8;  // pixels of a row for which the point spread is computed once
-  const Rays rays(placing, std::sqrt(blur_px * blur_px + 1.0 / 12));
-  const ToneCurve& tone = ToneCurve::srgb();
-  Noise noise(random);
-  const int steps = std::max(1, static_cast<int>(std::ceil(length(sensor.motion) / 1.2)));
-  const auto motion_x = static_cast<float>(sensor.motion.x) / static_cast<float>(steps);
-  const auto motion_y = static_cast<float>(sensor.motion.y) / static_cast<float>(steps);
-  const auto exposure = static_cast<float>(sensor.exposure / steps);
-  const auto sigma = static_cast<float>(sensor.noise);
-  Light light(scene);
-  GrayImage image{placing.width, placing.height, {}};
-  image.samples.resize(static_cast<std::size_t>(image.width) *
-                       static_cast<std::size_t>(image.height));
-  std::uint8_t* sample = image.samples.data();
-  for (int row = 0; row < image.height; ++row) {
-    const auto y = static_cast<float>(row);
-    Sight sight;
-    for (int column = 0; column < image.width; ++column) {
-      const auto x = static_cast<float>(column);
-      if (column % kAsSharp == 0) sight.sharp = rays.sharpness(x + kAsSharp / 2.0F, y);
-      float sum = 0;
-      for (int k = 0; k < steps; ++k) {
-        const float t = static_cast<float>(k) + 0.5F - 0.5F * static_cast<float>(steps);
-        static_cast<PlatePlace&>(sight) = rays.through(x + t * motion_x, y + t * motion_y);
-        sum += light.along(sight);
-      }
-      const float share = exposure * sum;
-      const float value =
-          (sensor.linear ? 255 * share : tone.point_of(share).sample) + sigma * noise.next();
-      *sample++ = static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
-    }
+void take(Picture& picture, const Scene& scene, const Placing& placing, const Sensor& sensor,
+          const Compression& compression, Random& random) {
+  constexpr int kMostQuality = 95;
+  picture.noise = sensor.noise;
+  picture.corners = placing.corners;
+  picture.odd_margins = scene.odd_margins;
+  picture.image = expose(scene, placing, sensor, picture.blur_px, random);
+  picture.jpeg = chance(random, compression.share);
+  if (picture.jpeg) {
+    compress(picture.image, integer(random, compression.least_quality, kMostQuality));
   }
-  return image;
-}
-
-void compress(GrayImage& image, int quality) {
-  const cv::Mat raw(image.height, image.width, CV_8U, image.samples.data());
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", raw, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-  const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
-  image.samples.assign(decoded.data, decoded.data + decoded.total());
 }
 
 }  // namespace tagsmith::mass

@@ -28,11 +28,14 @@ struct Sensor {
   PixelPoint motion;    // pixels while exposed
 };
 
-// `blur_px`: standard deviation of the point spread.
-GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
-                 Random& random);
+// A share of the pictures is saved as JPEG and loaded.
+struct Compression {
+  double share = 0;
+  int least_quality = 100;  // 1 to 100; at most 95
+};
 
-// As if saved as a JPEG of this quality, 1 to 100, and loaded.
-void compress(GrayImage& image, int quality);
+// Takes the picture of a scene and notes how it was taken.
+void take(Picture& picture, const Scene& scene, const Placing& placing, const Sensor& sensor,
+          const Compression& compression, Random& random);
 
 }  // namespace tagsmith::mass

@@ -24,16 +24,11 @@ Picture draw(std::uint64_t seed) {
   sensor.exposure = uniform(random, 0.1, 1.3);
   sensor.linear = chance(random, 0.25);
   if (chance(random, 0.2)) sensor.motion = {uniform(random, -4, 4), uniform(random, -4, 4)};
-  picture.noise = sensor.noise;
   const Scene scene = make_scene(picture, random);
   const double tilt =
       radians(chance(random, 0.7) ? uniform(random, 0, 45) : uniform(random, 45, 72));
   const Placing placing = place(picture.module_px, tilt, random);
-  picture.corners = placing.corners;
-  picture.odd_margins = scene.odd_margins;
-  picture.image = expose(scene, placing, sensor, picture.blur_px, random);
-  picture.jpeg = chance(random, 0.15);
-  if (picture.jpeg) compress(picture.image, integer(random, 60, 95));
+  take(picture, scene, placing, sensor, {0.15, 60}, random);
   return picture;
 }
 

@@ -32,6 +32,10 @@ enum class Kind {
 
 const char* name_of(Kind kind);
 
+// Whether a reading of such a symbol can be right: the tag's code, or that of a spoilt symbol which
+// still looks most like what it was. A character that is no digit must not be read at all.
+bool may_be_read(Kind kind);
+
 struct Picture {
   GrayImage image;
   Kind kind = Kind::tag;

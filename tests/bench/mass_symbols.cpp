@@ -91,6 +91,10 @@ Widths stripes_widths(const Digits& digits, Random& random) {
 
 }  // namespace
 
+bool may_be_read(Kind kind) {
+  return kind == Kind::tag || kind == Kind::misshapen || kind == Kind::moved_edge;
+}
+
 const char* name_of(Kind kind) {
   constexpr std::array<const char*, static_cast<std::size_t>(Kind::count)> kNames{
       "tags",

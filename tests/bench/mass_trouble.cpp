@@ -139,12 +139,7 @@ Picture draw_troubled(Trouble trouble, std::uint64_t seed) {
       sensor.motion = motion_for(one, placing, picture.module_px, random);
     }
   }
-  picture.noise = sensor.noise;
-  picture.corners = placing.corners;
-  picture.odd_margins = scene.odd_margins;
-  picture.image = expose(scene, placing, sensor, picture.blur_px, random);
-  picture.jpeg = chance(random, 0.5);
-  if (picture.jpeg) compress(picture.image, integer(random, 80, 95));
+  take(picture, scene, placing, sensor, {0.5, 80}, random);
   return picture;
 }
 

@@ -71,13 +71,6 @@ struct Outcome {
   std::string story;  // of a wrong reading
 };
 
-// What may be read in the picture: the tag's code, and that of a spoilt symbol which still looks
-// most like what it was. A character that is no digit must not be read at all.
-bool may_be_read(const mass::Picture& picture) {
-  return picture.kind == mass::Kind::tag || picture.kind == mass::Kind::misshapen ||
-         picture.kind == mass::Kind::moved_edge;
-}
-
 // Half of the pictures are read with a book, which holds the code of two tags of three; the others
 // are strangers, whose codes must not be taken for one of the book. What the reader refuses for its
 // doubt alone is read again without that test, so that doubts above the thresholds are compared
@@ -92,7 +85,7 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
   ReadOptions options;
   if (random() % 2 == 0) options.check = CheckDigit::gs1;
   outcome.mode = with_book ? Mode::book : options.check ? Mode::scheme : Mode::either;
-  bool known = may_be_read(picture);
+  bool known = mass::may_be_read(picture.kind);
   if (with_book) {
     options.code_book = codes;
     const bool stranger = random() % 3 == 0;

@@ -34,11 +34,6 @@ struct Outcome {
   std::vector<bool> others;
 };
 
-// Spoilt symbols that still look most like what they were may be read as that.
-bool may_be_read(mass::Kind kind) {
-  return kind == mass::Kind::tag || kind == mass::Kind::misshapen || kind == mass::Kind::moved_edge;
-}
-
 // Whether a corner is farther from every true one than its covariance allows: a mirrored picture
 // has them in another order.
 bool is_astray(const Reading& reading, const Quad& corners) {
@@ -63,7 +58,7 @@ Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
   Outcome outcome;
   outcome.is_tag = picture.kind == mass::Kind::tag && !picture.odd_margins;
   for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
-    const bool right = may_be_read(picture.kind) && reading.digits == picture.code;
+    const bool right = mass::may_be_read(picture.kind) && reading.digits == picture.code;
     outcome.read = outcome.read || (right && outcome.is_tag);
     outcome.carefully = outcome.carefully || (right && outcome.is_tag && reading.method != "frame");
     outcome.astray = outcome.astray || (right && is_astray(reading, picture.corners));
