@@ -70,7 +70,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.kept < kLeastKept) return kCoveredReason;
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
-  const double sure = with_book || options.check ? kSureInFrame : kSureEitherCheck;
+  const double sure = options.check && !with_book ? kSureInFrame : kSureUnnamedCheck;
   if (decoding.confidence < options.min_confidence.value_or(sure)) return kDoubtfulReason;
   return std::nullopt;
 }
@@ -163,8 +163,10 @@ std::optional<std::string> objection_to_quick(const GrayView& image, const Refin
                                               const Attempt& attempt, const ReadOptions& options) {
   const auto reason = objection(attempt, options);
   if (reason) return reason;
-  const Quad corners = turned_to(frame, attempt.first_corner).corners;
-  const auto strips = strips_along_bars(image, FrameMap(corners, frame.lens), attempt.layout);
+  const auto [corners, sides] = turned_to(frame, attempt.first_corner);
+  const double stroke = stroke_share(corners, (sides[0].stroke_px + sides[2].stroke_px) / 2);
+  const auto strips =
+      strips_along_bars(image, FrameMap(corners, frame.lens), attempt.layout, stroke);
   if (!strips.empty() || halves_contradict(image, frame, attempt)) return kCoveredReason;
   return std::nullopt;
 }

@@ -178,44 +178,65 @@ void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Lo
   }
 }
 
-// The white beside the ends of the bars, every half module along the symbol.
-struct WhiteRow {
+// What is beside the ends of the bars: there the plate is all white, or all ink.
+enum class Beside { quiet_zone, stroke };
+
+// The light beside the ends of the bars, every half module along the symbol.
+struct Row {
+  Beside beside = Beside::quiet_zone;
   double v = 0;               // in the unit square
   std::vector<double> u;      // likewise
   std::vector<double> level;  // grey
   double contrast = 0;        // of the bars
 };
 
-constexpr double kOddWhite = 0.3;  // of the contrast
 constexpr int kPlacesPerModule = 2;
 
-WhiteRow white_row(const GrayView& image, const FrameMap& image_from_unit,
-                   const SymbolLayout& layout, double v) {
+// The mean of the heights `v` less and more `spread`, and of the one in their middle.
+Row row_at(const GrayView& image, const FrameMap& image_from_unit, const SymbolLayout& layout,
+           Beside beside, double v, double spread) {
   constexpr int kBeyond = 2;  // modules to either side of the bars
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  WhiteRow row;
+  Row row;
+  row.beside = beside;
   row.v = v;
   std::vector<double> bars;
   for (int k = -kBeyond * kPlacesPerModule; k < (kModuleCount + kBeyond) * kPlacesPerModule; ++k) {
     const double u = (layout.quiet_zone_modules + (k + 0.5) / kPlacesPerModule) / modules;
     row.u.push_back(u);
-    row.level.push_back(sample_bilinear(image, image_from_unit(u, v)));
+    double level = sample_bilinear(image, image_from_unit(u, v));
+    if (spread > 0) {
+      level += sample_bilinear(image, image_from_unit(u, v - spread));
+      level += sample_bilinear(image, image_from_unit(u, v + spread));
+      level /= 3;
+    }
+    row.level.push_back(level);
     bars.push_back(sample_bilinear(image, image_from_unit(u, 0.5)));
   }
   row.contrast = quantile(bars, 0.9) - quantile(bars, 0.1);
   return row;
 }
 
-bool is_clear(const WhiteRow& row) {
-  const double white = quantile(row.level, 0.5);
+// By how much a place is not as it should be: white may be darker or glare, ink only lighter.
+double oddness(const Row& row, double level, double expected) {
+  return row.beside == Beside::stroke ? level - expected : std::abs(level - expected);
+}
+
+// From which oddness on a place counts, as a share of the contrast. In ink less would be noise; two
+// modules of white show more, as long as bars of one module can be told.
+double odd_from(const Row& row) { return row.beside == Beside::stroke ? 0.45 : 0.3; }
+
+bool is_clear(const Row& row) {
+  const double usual = quantile(row.level, 0.5);
   return std::ranges::all_of(row.level, [&](double level) {
-    return std::abs(level - white) <= kOddWhite / 2 * row.contrast;
+    return oddness(row, level, usual) <= odd_from(row) / 2 * row.contrast;
   });
 }
 
-// Where the white is not what it is around.
-std::vector<Crossing> crossings_of(const WhiteRow& row) {
+// Where the row is not what it is around.
+std::vector<Crossing> crossings_of(const Row& row) {
   constexpr int kAround = 20 * kPlacesPerModule;
+  const double share = row.beside == Beside::stroke ? 0.3 : 0.7;
   const int size = static_cast<int>(row.level.size());
   const auto level = [&](int i) { return row.level[static_cast<std::size_t>(i)]; };
   std::vector<Crossing> crossings;
@@ -224,7 +245,7 @@ std::vector<Crossing> crossings_of(const WhiteRow& row) {
   for (int i = 0; i < size; ++i) {
     if (i + kAround < size) near.add(level(i + kAround));
     if (i > kAround) near.remove(level(i - kAround - 1));
-    if (std::abs(level(i) - near.quantile(0.7)) < kOddWhite * row.contrast) continue;
+    if (oddness(row, level(i), near.quantile(share)) < odd_from(row) * row.contrast) continue;
     const bool goes_on = !crossings.empty() && crossings.back().begin + crossings.back().count == i;
     if (goes_on) ++crossings.back().count;
     if (!goes_on) crossings.push_back({i, 1});
@@ -233,28 +254,31 @@ std::vector<Crossing> crossings_of(const WhiteRow& row) {
 }
 
 // A place of a row, or the one at its end.
-PixelPoint place_in(const WhiteRow& row, int place) {
+PixelPoint place_in(const Row& row, int place) {
   const int last = static_cast<int>(row.u.size()) - 1;
   return {row.u[static_cast<std::size_t>(std::clamp(place, 0, last))], row.v};
 }
 
-// Whether what crosses the white here above and there below the bars may be one strip, broad enough
-// to hide some module over two thirds of the bars' height, and not so broad that no digit would be
-// left.
-bool lies_along_bars(const Crossing& above, const Crossing& below) {
+// Whether what crosses a row here above and there below the bars may be one strip, broad enough to
+// hide some module over two thirds of the bars' height, and not so broad that no digit would be
+// left. `bars_share` is the bars' height over the rows' distance.
+bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
   constexpr int kBroadest = 10 * kPlacesPerModule;
-  constexpr int kMostWidth = 2;  // of the broader crossing, against the other
+  constexpr int kMostWidth = 2;     // of the broader crossing, against the other
+  constexpr double kMostWay = 1.2;  // over the bars' height, of its width
   const auto [broad, broader] = std::minmax(above.count, below.count);
   if (broader > kBroadest || broader > kMostWidth * broad + kPlacesPerModule) return false;
-  const int way = std::abs(2 * above.begin + above.count - 2 * below.begin - below.count) / 2;
-  return 2 * way <= 3 * (broad + kPlacesPerModule);
+  const int way = std::abs(2 * above.begin + above.count - 2 * below.begin - below.count);
+  return bars_share * way / 2 <= kMostWay * (broad + kPlacesPerModule);
 }
 
-// Whether the light from the middle of one crossing to that of the other changes evenly.
-bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const WhiteRow& above,
-              const Crossing& begin, const WhiteRow& below, const Crossing& end) {
+// Whether the light from the middle of one crossing to that of the other changes evenly; over ink,
+// where a strip is seen no lighter than it is, whether it is nowhere darker.
+bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Row& above,
+              const Crossing& begin, const Row& below, const Crossing& end) {
   constexpr int kPlaces = 64;
   constexpr double kLeastEven = 0.85;
+  const double tolerance = (above.beside == Beside::stroke ? 0.15 : 0.3) * above.contrast;
   const auto middle = [](const Crossing& crossing) {
     return static_cast<std::size_t>(crossing.begin + crossing.count / 2);
   };
@@ -265,31 +289,51 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Whit
     const PixelPoint at = image_from_unit((1 - t) * above.u[first] + t * below.u[last],
                                           (1 - t) * above.v + t * below.v);
     const double expected = (1 - t) * above.level[first] + t * below.level[last];
-    const double off = std::abs(sample_bilinear(image, at) - expected);
-    even += off < kOddWhite * above.contrast ? 1 : 0;
+    const double darker = expected - sample_bilinear(image, at);
+    const double off = above.beside == Beside::stroke ? darker : std::abs(darker);
+    even += off < tolerance ? 1 : 0;
   }
   return even >= kLeastEven * kPlaces;
 }
 
-}  // namespace
-
-std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
-                                          const SymbolLayout& layout) {
-  const WhiteRow above = white_row(image, image_from_unit, layout, layout.bars_top / 2);
+// The strips from one row above the bars to another below.
+std::vector<CoverStrip> strips_between(const GrayView& image, const FrameMap& image_from_unit,
+                                       const SymbolLayout& layout, Beside beside, double v_above,
+                                       double v_below, double spread) {
+  const Row above = row_at(image, image_from_unit, layout, beside, v_above, spread);
   if (is_clear(above)) return {};
-  const WhiteRow below = white_row(image, image_from_unit, layout, (1 + layout.bars_bottom) / 2);
+  const Row below = row_at(image, image_from_unit, layout, beside, v_below, spread);
   if (is_clear(below)) return {};
+  const double bars_share = (layout.bars_bottom - layout.bars_top) / (v_below - v_above);
   const std::vector<Crossing> begins = crossings_of(above), ends = crossings_of(below);
   std::vector<CoverStrip> strips;
   for (const Crossing& begin : begins) {
     for (const Crossing& end : ends) {
-      if (!lies_along_bars(begin, end)) continue;
+      if (!lies_along_bars(begin, end, bars_share)) continue;
       if (!is_plain(image, image_from_unit, above, begin, below, end)) continue;
       strips.push_back({place_in(above, begin.begin - 1),
                         place_in(above, begin.begin + begin.count),
                         place_in(below, end.begin + end.count), place_in(below, end.begin - 1)});
     }
   }
+  return strips;
+}
+
+}  // namespace
+
+double stroke_share(const Quad& corners, double stroke_px) {
+  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  return std::clamp(stroke_px / height, 0.02, 0.2);
+}
+
+std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
+                                          const SymbolLayout& layout, double stroke) {
+  std::vector<CoverStrip> strips =
+      strips_between(image, image_from_unit, layout, Beside::quiet_zone, layout.bars_top / 2,
+                     (1 + layout.bars_bottom) / 2, 0);
+  const std::vector<CoverStrip> pale = strips_between(
+      image, image_from_unit, layout, Beside::stroke, -stroke / 2, 1 + stroke / 2, stroke / 4);
+  strips.insert(strips.end(), pale.begin(), pale.end());
   return strips;
 }
 
@@ -305,7 +349,7 @@ std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap&
   expect(white, 0.7);
   expect(black, 0.3);
   const double contrast = quantile(white.expected, 0.5) - quantile(black.expected, 0.5);
-  std::vector<CoverStrip> strips = strips_along_bars(image, image_from_unit, layout);
+  std::vector<CoverStrip> strips = strips_along_bars(image, image_from_unit, layout, stroke);
   if (!(contrast > 0)) return strips;
   add_strips(image, image_from_unit, white, contrast, strips);
   add_strips(image, image_from_unit, black, contrast, strips);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
@@ -15,9 +16,12 @@ namespace tagsmith {
 // may lie outside of it.
 using CoverStrip = std::array<PixelPoint, 4>;
 
+// The stroke's thickness as a share of the inner height, of what feature frames have; `corners` are
+// those of the inner edge from P on.
+double stroke_share(const Quad& corners, double stroke_px);
+
 // Whatever is straight, crosses the white between bars and frame (or the frame's stroke) twice, and
-// shows no bars on the way; strips_along_bars among them. `stroke` is the stroke's thickness as a
-// share of the inner height.
+// shows no bars on the way; strips_along_bars among them. `stroke` is the stroke_share.
 std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke);
 
@@ -26,10 +30,11 @@ bool covers(const CoverStrip& strip, PixelPoint unit);
 // Whether a strip covers anything at a height of the unit square.
 bool reaches(const CoverStrip& strip, double v);
 
-// Whatever straight lies along the bars, from the white above to the white below, so that most of a
-// module's height shows nothing else: what it makes of a digit looks alike in all rows, as a digit
-// does. Quick where the white above or below the bars is clear.
+// Whatever straight lies along the bars, so that most of a module's height shows nothing else: what
+// it makes of a digit looks alike in all rows, as a digit does. Told from the white above to the
+// white below; what is as light as the plate, from the frame's stroke above to that below. Quick
+// where white and stroke are clear. `stroke` as in find_cover_strips.
 std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
-                                          const SymbolLayout& layout);
+                                          const SymbolLayout& layout, double stroke);
 
 }  // namespace tagsmith

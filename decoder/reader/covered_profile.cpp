@@ -671,8 +671,8 @@ RowsOfSymbol rows_of_symbol(const GrayView& image, const Quad& corners, double s
   const auto row_count =
       static_cast<std::size_t>(std::clamp(std::lround(height / kRowHeight), 24L, 96L));
   result.bins_per_module = std::clamp(static_cast<int>(std::lround(2.5 * result.module_px)), 3, 6);
-  const double stroke = std::clamp(stroke_px / height, 0.02, 0.2);
-  const std::vector<CoverStrip> strips = find_cover_strips(image, image_from_unit, layout, stroke);
+  const std::vector<CoverStrip> strips =
+      find_cover_strips(image, image_from_unit, layout, stroke_share(corners, stroke_px));
   result.rows =
       bar_rows(light_grid(image, image_from_unit, modules, result.bins_per_module, row_count),
                layout, strips, height);

@@ -39,7 +39,7 @@ enum class Frameless {
 // the codes are known, so that a spoilt digit may leave a code of the other scheme; without a
 // frame.
 inline constexpr double kSureInFrame = 1.0 - 1e-5;
-inline constexpr double kSureEitherCheck = 1.0 - 2e-6;
+inline constexpr double kSureUnnamedCheck = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 struct ReadOptions {
@@ -57,7 +57,7 @@ struct ReadOptions {
   std::vector<Digits> code_book;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureEitherCheck or
+  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureUnnamedCheck or
   // kSureWithoutFrame, whichever applies.
   std::optional<double> min_confidence;
   // When symbols without a frame are read too, into ReadResult::frameless.

@@ -144,11 +144,14 @@ ScanProfile with_common_noise(ScanProfile profile, const Shortfall& shortfall) {
   return profile;
 }
 
-// The share of a digit that only looks like one: with a single other digit the code would be
-// another scheme's, a misprint or a stranger.
-double share_of_spoilt(const DecodeOptions& options) {
+// The share of digits that only look like these: with a single other digit the code would be
+// another scheme's, a misprint or a stranger. Where both schemes hold, neither does with any single
+// other digit: both weigh each place by what has an inverse modulo 10.
+double share_of_spoilt(const DecodeOptions& options, const Digits& digits) {
   if (!options.code_book.empty()) return kSpoiltStranger;
-  return kWrongCheck + (options.check ? 0 : kSpoiltToOther);
+  const bool may_be_others = !options.check && !(has_check_digit(CheckDigit::sum10, digits) &&
+                                                 has_check_digit(CheckDigit::gs1, digits));
+  return kWrongCheck + (may_be_others ? kSpoiltToOther : 0);
 }
 
 // How a profile is read at first: by the picture of the symbol that it starts from.
@@ -270,7 +273,7 @@ void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeO
   const double spoilt =
       is_whole ? common.odds_of_spoilt_digits(characters)
                : system_of(with_common_noise(profile, shortfall)).odds_of_spoilt_digits(characters);
-  decoding.doubt.spoilt_digits = share_of_spoilt(options) * spoilt;
+  decoding.doubt.spoilt_digits = share_of_spoilt(options, decoding.digits) * spoilt;
   const double odds = decoding.doubt.odds();
   decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
 }

@@ -249,6 +249,20 @@ TEST_CASE("a cable along the bars that turns one digit into another is no part o
   CHECK(std::ranges::all_of(covered.tags, is_right));
 }
 
+TEST_CASE("a cable as light as the plate, too, is no part of the code") {
+  // Over the same two modules of a 7, which become those of a 9; only the frame's stroke shows it.
+  const std::string code = "019007766589";
+  const double module = 0.343 / 113;
+  for (const double reflectance : {0.75, 0.82, 0.9}) {
+    CAPTURE(reflectance);
+    PlateFinish finish;
+    finish.cover = Cover{{(9 + 3 + 7 * 5 + 1) * module, -0.08, 2 * module, 0.32}, reflectance};
+    const ReadResult covered = read_behind(finish, code, {}, std::nullopt).result;
+    CHECK(std::ranges::all_of(covered.tags,
+                              [&](const Reading& tag) { return to_string(tag.digits) == code; }));
+  }
+}
+
 TEST_CASE("a digit that no row shows is not filled in from the check digit") {
   // Eight modules wide over the whole height.
   const double module = 0.343 / 113;

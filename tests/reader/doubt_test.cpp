@@ -41,7 +41,7 @@ TEST_CASE("a reading below the border of confidence is refused, and said to be d
     std::optional<CheckDigit> check;
     double border;
   };
-  for (const Case& one : {Case{CheckDigit::sum10, kSureInFrame}, Case{{}, kSureEitherCheck}}) {
+  for (const Case& one : {Case{CheckDigit::sum10, kSureInFrame}, Case{{}, kSureUnnamedCheck}}) {
     CAPTURE(one.border);
     int doubtful = 0;
     for (const double module_px : {0.34, 0.36, 0.38, 0.4}) {
