@@ -105,6 +105,34 @@ void PictureReader::try_covered(const GrayView& half) {
   }
 }
 
+void PictureReader::try_doubtful() {
+  const std::optional<CheckDigit> scheme = scheme_shown();
+  if (!scheme || options_.check || !options_.code_book.empty()) return;
+  ReadOptions named = options_;
+  named.check = scheme;
+  for (const RefinedFrame& frame : std::exchange(doubtful_, {})) {
+    if (is_read(frame.corners)) continue;
+    const auto attempt = attempt_quickly(image_, frame, named);
+    if (!attempt || objection_to_quick(image_, frame, *attempt, named)) continue;
+    accept_where_bars_end(frame, *attempt, "frame");
+  }
+  for (const RefinedFrame& frame : std::exchange(doubtful_covered_, {})) {
+    if (is_read(frame.corners)) continue;
+    const auto attempt = believed_attempt(image_, frame, named, true);
+    if (attempt) accept_where_bars_end(frame, *attempt, kPartlyCovered);
+  }
+}
+
+std::optional<CheckDigit> PictureReader::scheme_shown() const {
+  bool sum10 = false, gs1 = false;
+  for (const Reading& tag : result_.tags) {
+    sum10 = sum10 || !tag.gs1_holds;
+    gs1 = gs1 || !tag.sum10_holds;
+  }
+  if (sum10 == gs1) return std::nullopt;
+  return sum10 ? CheckDigit::sum10 : CheckDigit::gs1;
+}
+
 bool PictureReader::was_looked_at(const BarRegion& region) const {
   return std::ranges::any_of(odd_bars_, [&](const BarRegion& other) {
     return distance(other.centre, region.centre) < 0.25 * region.length;
@@ -181,6 +209,7 @@ void PictureReader::judge_inside(const RefinedFrame& frame) {
     result_.rejected.push_back({"feature frame: a side is hidden", corners_of(frame, *attempt)});
     return;
   }
+  if (reason == kDoubtfulReason) doubtful_.push_back(frame);
   const double module_px = attempt ? attempt->profile.module_px : module_across(frame.corners);
   if (may_be_covered(module_px)) {
     if (attempt && is_symbol_like(*attempt)) {
@@ -197,6 +226,7 @@ void PictureReader::judge_inside(const RefinedFrame& frame) {
 
 bool PictureReader::judge_covered(const RefinedFrame& frame, bool completed) {
   const auto attempt = believed_attempt(image_, frame, options_, completed);
+  if (!attempt) doubtful_covered_.push_back(frame);
   return attempt && accept_where_bars_end(frame, *attempt, kPartlyCovered);
 }
 

@@ -44,6 +44,11 @@ class PictureReader {
   // image at half its size.
   void try_covered(const GrayView& half);
 
+  // Reads again what was refused as doubtful because neither the check digit's scheme nor the codes
+  // are given: the tags of a picture are of one survey, so that the scheme which all of those read
+  // show, if any, is theirs too.
+  void try_doubtful();
+
   // The plates read so far, in pixels of a level.
   std::vector<Quad> known_in(const PyramidLevel& level) const;
 
@@ -80,6 +85,9 @@ class PictureReader {
   // Reads the symbol inside a frame; where that does not convince, keeps it for try_covered.
   void judge_inside(const RefinedFrame& frame);
 
+  // The only scheme that the check digits read show.
+  std::optional<CheckDigit> scheme_shown() const;
+
   // Reads the symbol inside a frame carefully; whether it was believed.
   bool judge_covered(const RefinedFrame& frame, bool completed);
 
@@ -104,10 +112,12 @@ class PictureReader {
   ReadResult result_;
   std::vector<Quad> settled_;  // frames tried, before and after the fine fit
   std::vector<Quad> refined_;
-  std::vector<RefinedFrame> covered_;  // frames whose symbols did not convince
-  std::vector<BarRegion> odd_bars_;    // what stands in frames where no symbol should
-  std::vector<LocatedBars> located_;   // bars that frames were completed by
-  std::vector<Quad> completed_;        // these frames
+  std::vector<RefinedFrame> covered_;           // frames whose symbols did not convince
+  std::vector<RefinedFrame> doubtful_;          // frames whose symbols were not certain enough
+  std::vector<RefinedFrame> doubtful_covered_;  // those that were read carefully and not believed
+  std::vector<BarRegion> odd_bars_;             // what stands in frames where no symbol should
+  std::vector<LocatedBars> located_;            // bars that frames were completed by
+  std::vector<Quad> completed_;                 // these frames
 };
 
 }  // namespace tagsmith

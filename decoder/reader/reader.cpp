@@ -337,6 +337,7 @@ TagSearch::TagSearch(const GrayView& image, const ReadOptions& options)
     state_->pyramid.emplace(image);
     search_near_bars(reader, *state_->pyramid);
   }
+  reader.try_doubtful();
 }
 
 TagSearch::TagSearch(TagSearch&&) noexcept = default;
@@ -346,6 +347,7 @@ TagSearch::~TagSearch() = default;
 void TagSearch::look_closer() {
   if (!state_->pyramid) return;
   search_closer(state_->reader, state_->bars, *state_->pyramid);
+  state_->reader.try_doubtful();
   state_->pyramid.reset();
 }
 

@@ -113,6 +113,28 @@ TEST_CASE("a symbol whose check digit fails is never certain") {
   }
 }
 
+TEST_CASE("a spoilt digit can make a code of the other scheme unless both hold") {
+  std::mt19937 random(17);
+  int both = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Digits code = random_code(random, CheckDigit::gs1);
+    const ScanProfile profile = make_profile(code, {0.8, 0.05}, random);
+    const auto named = decode_profile(profile, start_with(0.8), {CheckDigit::gs1, {}});
+    const auto either = decode_profile(profile, start_with(0.8), {});
+    REQUIRE(named);
+    REQUIRE(either);
+    REQUIRE(named->digits == code);
+    REQUIRE(either->digits == code);
+    if (has_check_digit(CheckDigit::sum10, code)) {
+      ++both;
+      CHECK(either->doubt.spoilt_digits == doctest::Approx(named->doubt.spoilt_digits));
+    } else {
+      CHECK(either->doubt.spoilt_digits > 10 * named->doubt.spoilt_digits);
+    }
+  }
+  CHECK(both > 0);
+}
+
 TEST_CASE("a code book decides what the profile alone cannot, and hides nothing") {
   std::mt19937 random(9);
   std::vector<Digits> book;

@@ -16,9 +16,9 @@ using namespace tagsmith;
 namespace {
 
 // A tag so far away that its digits are at the limit.
-View far_tag(double module_px, std::uint64_t seed) {
+View far_tag(double module_px, std::uint64_t seed, const char* code = "019000800402") {
   ScenePlate plate;
-  plate.drawing = draw_tag(test::corridor_template(), *parse_digits("019000800402"));
+  plate.drawing = draw_tag(test::corridor_template(), *parse_digits(code));
   Camera camera;
   camera.width = 160;
   camera.height = 120;
@@ -34,7 +34,41 @@ View far_tag(double module_px, std::uint64_t seed) {
   return render_view(camera, std::span(&plate, 1), options);
 }
 
+// Two pictures of the same size, one beside the other.
+GrayImage side_by_side(const GrayImage& left, const GrayImage& right) {
+  GrayImage both;
+  both.width = left.width + right.width;
+  both.height = left.height;
+  for (int y = 0; y < left.height; ++y) {
+    for (const GrayImage* part : {&left, &right}) {
+      const auto* row = part->view().row(y);
+      both.samples.insert(both.samples.end(), row, row + part->width);
+    }
+  }
+  return both;
+}
+
 }  // namespace
+
+TEST_CASE("a tag is less doubtful beside one that shows the scheme of the check digits") {
+  const GrayImage same = far_tag(1, 1).image;                   // sum10 alone holds
+  const GrayImage other = far_tag(1, 1, "019000800404").image;  // gs1 alone
+  const Digits code = *parse_digits("019000800402");
+  int read = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    CAPTURE(seed);
+    const GrayImage far = far_tag(0.4, seed).image;
+    ReadOptions named;
+    named.check = CheckDigit::sum10;
+    const bool legible = !read_tags(far.view(), named).tags.empty();
+    if (!legible || !read_tags(far.view()).tags.empty()) continue;
+    const ReadResult beside_same = read_tags(side_by_side(same, far).view());
+    read += beside_same.tags.size() == 2 && beside_same.tags[1].digits == code ? 1 : 0;
+    CHECK(read_tags(side_by_side(other, far).view()).tags.size() == 1);
+  }
+  MESSAGE("read beside another: ", read);
+  CHECK(read >= 5);
+}
 
 TEST_CASE("a reading below the border of confidence is refused, and said to be doubtful") {
   struct Case {
