@@ -70,7 +70,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
   if (decoding.fit.kept < kLeastKept) return kCoveredReason;
   if (std::abs(decoding.fit.image.growth) > kMostGrowth) return "bars grown or shrunk";
   if (!with_book && decoding.fit.image.blur > kMostBlur) return "too blurred";
-  const double sure = options.check && !with_book ? kSureInFrame : kSureUnnamedCheck;
+  const double sure = with_book ? kSureWithBook : kSureInFrame;
   if (decoding.confidence < options.min_confidence.value_or(sure)) return kDoubtfulReason;
   return std::nullopt;
 }

@@ -236,7 +236,7 @@ bool is_clear(const Row& row) {
 // Where the row is not what it is around.
 std::vector<Crossing> crossings_of(const Row& row) {
   constexpr int kAround = 20 * kPlacesPerModule;
-  const double share = row.beside == Beside::stroke ? 0.3 : 0.7;
+  const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
   const int size = static_cast<int>(row.level.size());
   const auto level = [&](int i) { return row.level[static_cast<std::size_t>(i)]; };
   std::vector<Crossing> crossings;
@@ -259,21 +259,29 @@ PixelPoint place_in(const Row& row, int place) {
   return {row.u[static_cast<std::size_t>(std::clamp(place, 0, last))], row.v};
 }
 
+bool is_much_broader(int broader, int broad) { return broader > 2 * broad + kPlacesPerModule; }
+
+// What crosses ink in one place may end in the other row within a highlight or a board: the part
+// of such a `broad` crossing that is straight above or below the `narrow` one.
+Crossing part_in_line(const Crossing& broad, const Crossing& narrow) {
+  const int last = broad.begin + broad.count - narrow.count;
+  return {std::clamp(narrow.begin, broad.begin, last), narrow.count};
+}
+
 // Whether what crosses a row here above and there below the bars may be one strip, broad enough to
 // hide some module over two thirds of the bars' height, and not so broad that no digit would be
 // left. `bars_share` is the bars' height over the rows' distance.
 bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
   constexpr int kBroadest = 10 * kPlacesPerModule;
-  constexpr int kMostWidth = 2;     // of the broader crossing, against the other
   constexpr double kMostWay = 1.2;  // over the bars' height, of its width
   const auto [broad, broader] = std::minmax(above.count, below.count);
-  if (broader > kBroadest || broader > kMostWidth * broad + kPlacesPerModule) return false;
+  if (broader > kBroadest || is_much_broader(broader, broad)) return false;
   const int way = std::abs(2 * above.begin + above.count - 2 * below.begin - below.count);
   return bars_share * way / 2 <= kMostWay * (broad + kPlacesPerModule);
 }
 
 // Whether the light from the middle of one crossing to that of the other changes evenly; over ink,
-// where a strip is seen no lighter than it is, whether it is nowhere darker.
+// where a strip is seen no lighter than it is, whether it is nowhere darker than both.
 bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
   constexpr int kPlaces = 64;
@@ -288,9 +296,10 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Row&
     const double t = (k + 0.5) / kPlaces;
     const PixelPoint at = image_from_unit((1 - t) * above.u[first] + t * below.u[last],
                                           (1 - t) * above.v + t * below.v);
-    const double expected = (1 - t) * above.level[first] + t * below.level[last];
-    const double darker = expected - sample_bilinear(image, at);
-    const double off = above.beside == Beside::stroke ? darker : std::abs(darker);
+    const double from = above.level[first], to = below.level[last];
+    const double level = sample_bilinear(image, at);
+    const double off = above.beside == Beside::stroke ? std::min(from, to) - level
+                                                      : std::abs((1 - t) * from + t * to - level);
     even += off < tolerance ? 1 : 0;
   }
   return even >= kLeastEven * kPlaces;
@@ -305,15 +314,24 @@ std::vector<CoverStrip> strips_between(const GrayView& image, const FrameMap& im
   const Row below = row_at(image, image_from_unit, layout, beside, v_below, spread);
   if (is_clear(below)) return {};
   const double bars_share = (layout.bars_bottom - layout.bars_top) / (v_below - v_above);
-  const std::vector<Crossing> begins = crossings_of(above), ends = crossings_of(below);
   std::vector<CoverStrip> strips;
-  for (const Crossing& begin : begins) {
+  const auto add = [&](const Crossing& begin, const Crossing& end) {
+    if (!lies_along_bars(begin, end, bars_share)) return;
+    if (!is_plain(image, image_from_unit, above, begin, below, end)) return;
+    strips.push_back({place_in(above, begin.begin - 1), place_in(above, begin.begin + begin.count),
+                      place_in(below, end.begin + end.count), place_in(below, end.begin - 1)});
+  };
+  const bool may_end_in_broad = beside == Beside::stroke;
+  const std::vector<Crossing> ends = crossings_of(below);
+  for (const Crossing& begin : crossings_of(above)) {
     for (const Crossing& end : ends) {
-      if (!lies_along_bars(begin, end, bars_share)) continue;
-      if (!is_plain(image, image_from_unit, above, begin, below, end)) continue;
-      strips.push_back({place_in(above, begin.begin - 1),
-                        place_in(above, begin.begin + begin.count),
-                        place_in(below, end.begin + end.count), place_in(below, end.begin - 1)});
+      if (may_end_in_broad && is_much_broader(end.count, begin.count)) {
+        add(begin, part_in_line(end, begin));
+      } else if (may_end_in_broad && is_much_broader(begin.count, end.count)) {
+        add(part_in_line(begin, end), end);
+      } else {
+        add(begin, end);
+      }
     }
   }
   return strips;

@@ -35,11 +35,10 @@ enum class Frameless {
 };
 
 // The least sure reading that is believed is wrong once in so many, as docs/accuracy.md,
-// "Reliability", compares it: in a frame; in one where neither the scheme of the check digit nor
-// the codes are known, so that a spoilt digit may leave a code of the other scheme; without a
-// frame.
+// "Reliability", compares it: in a frame; in one where a book's code may differ from what stands
+// there in a single digit; without a frame.
 inline constexpr double kSureInFrame = 1.0 - 1e-5;
-inline constexpr double kSureUnnamedCheck = 1.0 - 2e-6;
+inline constexpr double kSureWithBook = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;
 
 struct ReadOptions {
@@ -57,7 +56,7 @@ struct ReadOptions {
   std::vector<Digits> code_book;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};
-  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureUnnamedCheck or
+  // Readings below this confidence are refused. Nothing = kSureInFrame, kSureWithBook or
   // kSureWithoutFrame, whichever applies.
   std::optional<double> min_confidence;
   // When symbols without a frame are read too, into ReadResult::frameless.

@@ -65,7 +65,7 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 // ("Reliability"). A tunnel holds less.
 constexpr double kWrongCheck = 0.02;      // a symbol whose check digit fails
 constexpr double kForeign = 0.1;          // a character that is no digit
-constexpr double kSpoiltToOther = 3;      // a spoilt digit with which the other scheme may hold
+constexpr double kSpoiltToOther = 1;      // a spoilt digit with which the other scheme may hold
 constexpr double kNearStranger = 5e-3;    // a symbol that differs from the book's in one character
 constexpr double kSpoiltStranger = 2e-3;  // a spoilt digit that makes it look like the book's
 constexpr double kStrangers = 0.5;        // all strangers to the book together

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The border between what is believed and what is refused for its doubt alone.
 #include <algorithm>
-#include <optional>
 #include <span>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -72,17 +72,20 @@ TEST_CASE("a tag is less doubtful beside one that shows the scheme of the check 
 
 TEST_CASE("a reading below the border of confidence is refused, and said to be doubtful") {
   struct Case {
-    std::optional<CheckDigit> check;
+    std::vector<Digits> code_book;
     double border;
+    double least_module_px;
   };
-  for (const Case& one : {Case{CheckDigit::sum10, kSureInFrame}, Case{{}, kSureUnnamedCheck}}) {
+  const std::vector<Digits> book{*parse_digits("019000800402"), *parse_digits("019000900403")};
+  for (const Case& one : {Case{{}, kSureInFrame, 0.36}, Case{book, kSureWithBook, 0.26}}) {
     CAPTURE(one.border);
     int doubtful = 0;
-    for (const double module_px : {0.34, 0.36, 0.38, 0.4}) {
+    for (int step = 0; step < 4; ++step) {
+      const double module_px = one.least_module_px + 0.02 * step;
       for (std::uint64_t seed = 0; seed < 25; ++seed) {
         const View view = far_tag(module_px, seed);
         ReadOptions options;
-        options.check = one.check;
+        options.code_book = one.code_book;
         const ReadResult usual = read_tags(view.image.view(), options);
         for (const Reading& tag : usual.tags) CHECK(tag.confidence >= one.border);
         options.min_confidence = 0.5;
