@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads folders of photos that have a truth.json and tables what was read: recall by resolution,
-// wrong readings, corner errors. Usage: bench_photo_sets [-v] [-b] FOLDER...; -v lists every tag,
-// -b gives the folder's codes as the code book.
+// wrong readings, corner errors. Usage: bench_photo_sets [-v] [-c] [-b] FOLDER...; -v lists every
+// tag, -c names the check digit, -b gives the folder's codes as the code book.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -67,10 +67,16 @@ std::string bin_of(double module_px) {
   return module_px >= 0.8 ? "0.8-1.0" : "0.0-0.8";
 }
 
-ReadOptions options_for(const json& truth, bool with_book) {
+// What the reader is told of the tags.
+struct Given {
+  bool check = false;
+  bool book = false;
+};
+
+ReadOptions options_for(const json& truth, const Given& given) {
   ReadOptions options;
-  options.check = parse_check_digit(truth.at("check").get<std::string>());
-  if (!with_book) return options;
+  if (given.check) options.check = parse_check_digit(truth.at("check").get<std::string>());
+  if (!given.book) return options;
   std::set<Digits> codes;
   for (const auto& item : truth.at("images")) {
     for (const auto& plate : item.at("plates")) {
@@ -172,9 +178,9 @@ Photo read_photo(const std::string& file, const GrayView& image, const ReadOptio
   return photo;
 }
 
-Result<Outcome> read_folder(const fs::path& folder, bool with_book, bool verbose) {
+Result<Outcome> read_folder(const fs::path& folder, const Given& given, bool verbose) {
   const auto truth = json::parse(std::ifstream(folder / "truth.json"));
-  const ReadOptions options = options_for(truth, with_book);
+  const ReadOptions options = options_for(truth, given);
   Outcome outcome;
   for (const auto& item : truth.at("images")) {
     const std::string file = item.at("file").get<std::string>();
@@ -210,15 +216,17 @@ void print(const std::string& name, const Outcome& outcome) {
 
 int main(int argc, char** argv) {
   bool verbose = false;
-  bool with_book = false;
+  Given given;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "-v") {
       verbose = true;
+    } else if (argument == "-c") {
+      given.check = true;
     } else if (argument == "-b") {
-      with_book = true;
+      given.book = true;
     } else {
-      const Result<Outcome> outcome = read_folder(argument, with_book, verbose);
+      const Result<Outcome> outcome = read_folder(argument, given, verbose);
       if (!outcome) {
         fmt::print(stderr, "{}\n", outcome.error().message);
         return 2;

@@ -93,7 +93,6 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   view.seed = seed;
   const View picture = render_view(camera, std::span(&plate, 1), view);
   ReadOptions options;
-  options.check = CheckDigit::gs1;
   if (conditions.book > 0) options.code_book = bench::book_with(code, conditions.book, random);
   Outcome outcome;
   const GrayView view_of_picture = picture.image.view();

@@ -53,11 +53,9 @@ bool is_astray(const Reading& reading, const Quad& corners) {
 
 Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
   const mass::Picture picture = mass::draw_troubled(trouble, number);
-  ReadOptions options;
-  options.check = CheckDigit::gs1;
   Outcome outcome;
   outcome.is_tag = picture.kind == mass::Kind::tag && !picture.odd_margins;
-  for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
+  for (const Reading& reading : read_tags(picture.image.view()).tags) {
     const bool right = mass::may_be_read(picture.kind) && reading.digits == picture.code;
     outcome.read = outcome.read || (right && outcome.is_tag);
     outcome.carefully = outcome.carefully || (right && outcome.is_tag && reading.method != "frame");
