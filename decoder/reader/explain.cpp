@@ -57,7 +57,8 @@ std::optional<ExplainedSymbol> explain_framed(const GrayView& image, const Frame
   DecodeOptions decode_options{options.check, options.code_book};
   if (digits) decode_options = {std::nullopt, std::span(&*digits, 1)};
   const auto decoding = decode_profile(profile.bins, start, decode_options);
-  if (!decoding) return std::nullopt;
+  // What is upside down from this corner on is upright from the opposite one.
+  if (!decoding || decoding->upside_down) return std::nullopt;
   ExplainedSymbol symbol;
   symbol.digits = decoding->digits;
   symbol.outline = frame->corners;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture that tells why a picture was read as it was.
+#include <algorithm>
+#include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -7,6 +10,10 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/reader/explain.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/render_view.hpp"
+#include "tagsmith/tag/drawing.hpp"
+#include "tests/support/corridor_template.hpp"
 
 using namespace tagsmith;
 
@@ -60,5 +67,32 @@ TEST_CASE("the number of a symbol leaves its corners' letters alone") {
     for (const std::size_t named : {0, 1, 3}) {
       CHECK(differing_at_letter(a, b, one.corners[named]) == 0);
     }
+  }
+}
+
+TEST_CASE("a refused symbol is explained the right way up, however it hangs") {
+  Camera camera;
+  camera.width = 400;
+  camera.height = 400;
+  camera.fx = camera.fy = 1600;
+  camera.cx = camera.cy = 199.5;
+  ScenePlate plate;
+  plate.drawing = draw_tag(test::corridor_template(), *parse_digits("019000800402"));
+  for (const double roll : {0.0, 0.5, 1.0, 1.5}) {
+    CAPTURE(roll);
+    plate.camera_from_plate = camera_from_turned_plate(
+        camera, plate.drawing, Eigen::Vector2d(200, 200), camera.fx * plate.drawing.module / 2, 0.3,
+        0.1, roll * std::numbers::pi);
+    const View view = render_view(camera, std::span(&plate, 1), ViewOptions{});
+    ReadOptions options;
+    options.min_confidence = 1.1;  // refuses all
+    const ReadResult result = read_tags(view.image.view(), options);
+    REQUIRE(result.tags.empty());
+    const Explanation explanation = explain(view.image.view(), options, result);
+    const auto right = std::ranges::find_if(explanation.symbols, [](const ExplainedSymbol& symbol) {
+      return to_string(symbol.digits) == "019000800402";
+    });
+    REQUIRE(right != explanation.symbols.end());
+    CHECK(std::ranges::min(right->margins) > 10);
   }
 }
