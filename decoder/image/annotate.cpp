@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "decoder/image/codecs.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/upright.hpp"
 
@@ -164,13 +165,15 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
     return fail(name + ": is no picture that can be marked");
   }
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
+  const Result<Codecs>& by = codecs();
+  if (!by) return fail(name + ": cannot be marked: " + by.error().message);
   try {
-    const cv::Mat stored = cv::imdecode(encoded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    const cv::Mat stored = by->decode(encoded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
     if (stored.empty()) return fail(name + ": cannot be decoded to be marked");
     const cv::Mat canvas = annotated(stored, exif_orientation(bytes).value_or(1), marks, caption);
     std::vector<std::uint8_t> copy;
     AnnotatedPicture picture{extension_for(bytes), {}};
-    cv::imencode(picture.extension, canvas, copy, {cv::IMWRITE_JPEG_QUALITY, 90});
+    by->encode(picture.extension, canvas, copy, {cv::IMWRITE_JPEG_QUALITY, 90});
     picture.bytes.assign(copy.begin(), copy.end());
     return picture;
   } catch (const cv::Exception& error) {

@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "decoder/image/codecs.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/jpeg.hpp"
 #include "tagsmith/base/file.hpp"
@@ -58,10 +59,12 @@ Result<void> check_header(const std::string& bytes) {
 Result<GrayImage> decode_by_opencv(const std::string& bytes) {
   const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U,
                         const_cast<char*>(bytes.data()));  // cv::Mat has no view of const data
+  const Result<Codecs>& by = codecs();
+  if (!by) return fail("cannot be decoded: " + by.error().message);
   try {
     constexpr int kFlags =
         cv::IMREAD_ANYDEPTH | cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
-    const cv::Mat image = cv::imdecode(encoded, kFlags);
+    const cv::Mat image = by->decode(encoded, kFlags);
     if (image.empty()) return fail("cannot be decoded: it is damaged or cut short");
     if (image.depth() != CV_8U && image.depth() != CV_16U) {
       return fail("has samples that are neither 8 nor 16 bits deep");
@@ -127,9 +130,11 @@ Result<std::string> encode_gray_image(const std::filesystem::path& name, const G
   const cv::Mat mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
                     static_cast<std::size_t>(image.stride));
   std::vector<std::uint8_t> encoded;
+  const Result<Codecs>& by = codecs();
+  if (!by) return fail(name.string() + ": cannot be encoded: " + by.error().message);
   try {
     const std::vector<int> parameters{cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
-    if (!cv::imencode(name.extension().string(), mat, encoded, parameters)) {
+    if (!by->encode(name.extension().string(), mat, encoded, parameters)) {
       return fail(name.string() + ": cannot be encoded");
     }
   } catch (const cv::Exception&) {

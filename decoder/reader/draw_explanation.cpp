@@ -6,9 +6,9 @@
 
 #include <fmt/core.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "decoder/image/codecs.hpp"
 #include "decoder/reader/explain.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -254,9 +254,11 @@ Result<std::string> draw_explanation(const GrayView& image, const Explanation& e
   if (image.height > kMostTimesHigher * image.width) {
     return fail("the image is too narrow and high to be drawn");
   }
+  const Result<Codecs>& by = codecs();
+  if (!by) return fail("the explanation cannot be drawn: " + by.error().message);
   try {
     std::vector<std::uint8_t> encoded;
-    cv::imencode(".png", drawn(image, explanation), encoded);
+    by->encode(".png", drawn(image, explanation), encoded, {});
     return std::string(encoded.begin(), encoded.end());
   } catch (const cv::Exception& error) {
     return fail("the explanation cannot be drawn: " + error.err);

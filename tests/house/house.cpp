@@ -55,7 +55,7 @@ constexpr std::array<ThirdParty, 15> kThirdParty{{
 // Folders that run programs or touch files below the C++ library may use the system's headers.
 constexpr std::string_view kSystemHeaders = "(sys/)?[a-z0-9_]+\\.h";
 constexpr std::string_view kSystemFolders =
-    "tagsmith/(base|survey|cli)|decoder/(verify|cli)|main.cpp";
+    "tagsmith/(base|survey|cli)|decoder/(image|verify|cli)|main.cpp";
 
 bool matches(std::string_view text, std::string_view pattern) {
   return std::regex_match(text.begin(), text.end(), std::regex(pattern.begin(), pattern.end()));

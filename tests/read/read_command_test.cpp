@@ -216,6 +216,13 @@ TEST_CASE("the program says its version") {
   CHECK_MESSAGE(output.out.find("tagsmith 0.") == 0, output.out);
 }
 
+TEST_CASE("the program starts without OpenCV's codecs and what they draw in") {
+  const auto libraries = run_shell("LD_TRACE_LOADED_OBJECTS=1 \"$TAGSMITH_PROGRAM\"");
+  CHECK(libraries.out.find("libopencv_core") != std::string::npos);
+  CHECK(libraries.out.find("imgcodecs") == std::string::npos);
+  CHECK(libraries.out.find("libgdal") == std::string::npos);
+}
+
 TEST_CASE("results that cannot be written are an error") {
   const ProgramOutput output =
       run_shell("\"$TAGSMITH_PROGRAM\" read " + kPhotos + "/corridor_01_left.jpg > /dev/full");

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenCV's codecs, loaded when the first picture needs them. Their library draws in some 140 others
+// (GDAL, DICOM and their kin), whose start costs as much as twenty photos; photos are JPEG, which
+// decode_jpeg() reads without it (decision record 73).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+
+namespace cv {
+class Mat;
+class _InputArray;
+}  // namespace cv
+
+namespace tagsmith {
+
+// Functions of opencv2/imgcodecs.hpp, whose flags and parameters they take; they throw
+// cv::Exception.
+struct Codecs {
+  cv::Mat (*decode)(const cv::_InputArray& bytes, int flags) = nullptr;  // cv::imdecode
+  bool (*encode)(const std::string& extension, const cv::_InputArray& image,
+                 std::vector<unsigned char>& bytes,
+                 const std::vector<int>& parameters) = nullptr;  // cv::imencode
+};
+
+// Loads them once, whichever threads ask. Fails when the library is not there.
+const Result<Codecs>& codecs();
+
+}  // namespace tagsmith
