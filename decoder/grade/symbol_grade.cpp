@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -18,15 +21,51 @@ constexpr double kScannedHeight = 0.8;  // of the bars, ISO/IEC 15416 5.1
 constexpr double kAperture = 0.5;       // modules
 constexpr int kSamplesPerModule = 10;
 
-double light_at(const GrayView& image, PixelPoint at) {
+// Places of a scan in the frame's unit square, at one offset within the aperture: place i is at
+// ((begin + step * i + offset) / length, v).
+struct ScanPlaces {
+  double begin = 0, step = 0, offset = 0, length = 0;  // modules
+  double v = 0;
+};
+
+// Adds the light at each place, between pixels, to `sums`. Loops are apart for vectors.
+TAGSMITH_WIDE void add_light(const GrayView& image, const Homography& image_from_unit,
+                             const ScanPlaces& places, std::span<double> sums) {
+  constexpr std::size_t kBlock = 64;
   const ToneCurve& tone = ToneCurve::srgb();
-  const int x = std::clamp(static_cast<int>(std::floor(at.x)), 0, image.width - 2);
-  const int y = std::clamp(static_cast<int>(std::floor(at.y)), 0, image.height - 2);
-  const double right = at.x - x;
-  const double down = at.y - y;
-  const auto light = [&](int dx, int dy) { return tone.light_of(image.at(x + dx, y + dy)); };
-  return (1 - down) * ((1 - right) * light(0, 0) + right * light(1, 0)) +
-         down * ((1 - right) * light(0, 1) + right * light(1, 1));
+  std::array<double, kBlock> right, down, upper_left, upper_right, lower_left, lower_right;
+  std::array<int, kBlock> left, top;
+  for (std::size_t first = 0; first < sums.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, sums.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto place = static_cast<double>(static_cast<int>(first + i));
+      const double u = (places.begin + places.step * place + places.offset) / places.length;
+      const PixelPoint at = image_from_unit(u, places.v);
+      right[i] = at.x;
+      down[i] = at.y;
+    }
+    // A place before the first pixel is cut to it, whether by truncation or by rounding down.
+    for (std::size_t i = 0; i < count; ++i) {
+      const int x = static_cast<int>(right[i]), y = static_cast<int>(down[i]);
+      left[i] = x < 0 ? 0 : x < image.width - 2 ? x : image.width - 2;
+      top[i] = y < 0 ? 0 : y < image.height - 2 ? y : image.height - 2;
+      right[i] -= left[i];
+      down[i] -= top[i];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t* upper = image.row(top[i]) + left[i];
+      const std::uint8_t* lower = upper + image.stride;
+      upper_left[i] = tone.light_of(upper[0]);
+      upper_right[i] = tone.light_of(upper[1]);
+      lower_left[i] = tone.light_of(lower[0]);
+      lower_right[i] = tone.light_of(lower[1]);
+    }
+    double* to = sums.data() + first;
+    for (std::size_t i = 0; i < count; ++i) {
+      to[i] += (1 - down[i]) * ((1 - right[i]) * upper_left[i] + right[i] * upper_right[i]) +
+               down[i] * ((1 - right[i]) * lower_left[i] + right[i] * lower_right[i]);
+    }
+  }
 }
 
 // The aperture's offsets in modules: about one a pixel.
@@ -48,19 +87,15 @@ std::vector<double> scan_at(const GrayView& image, const Homography& image_from_
                             const std::vector<PixelPoint>& aperture, double modules_long,
                             double modules_high, double v) {
   const auto samples = static_cast<std::size_t>(modules_long * kSamplesPerModule);
-  std::vector<double> light;
-  light.reserve(samples);
+  std::vector<double> light(samples, 0.0);
   // The aperture stays inside the frame's edge.
   const double begin = kAperture;
   const double step = (modules_long - 2 * kAperture) / static_cast<double>(samples - 1);
-  for (std::size_t i = 0; i < samples; ++i) {
-    double sum = 0;
-    for (const PixelPoint& offset : aperture) {
-      const double u = (begin + step * static_cast<double>(i) + offset.x) / modules_long;
-      sum += light_at(image, image_from_unit(u, v + offset.y / modules_high));
-    }
-    light.push_back(sum / static_cast<double>(aperture.size()));
+  for (const PixelPoint& offset : aperture) {
+    const double at_v = v + offset.y / modules_high;
+    add_light(image, image_from_unit, {begin, step, offset.x, modules_long, at_v}, light);
   }
+  for (double& sum : light) sum /= static_cast<double>(aperture.size());
   return light;
 }
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "decoder/feature_frame/quad.hpp"
-#include "decoder/image/bilinear.hpp"
+#include "decoder/image/line_levels.hpp"
 #include "decoder/image/pixel.hpp"
 
 namespace tagsmith {
@@ -35,23 +35,28 @@ FrameEdge side_of(const FrameCorners& corners, std::size_t i) {
 }
 
 // Where white turns to black on the way out through `at`, pixels from there; nothing without a
-// clear edge. White inside within `inside`, the stroke outside within `stroke`.
+// clear edge. White inside within `inside`, the stroke outside within `stroke`. `samples` is room
+// that is used again.
 std::optional<double> edge_at(const GrayView& image, PixelPoint at, PixelPoint out, double inside,
-                              double stroke) {
+                              double stroke, std::vector<double>& samples) {
   constexpr double kStep = 0.25;
   constexpr double kLeastContrast = 25;  // grey levels
   const int first = static_cast<int>(std::floor(-inside / kStep));
   const int last = static_cast<int>(std::ceil(stroke / kStep));
-  std::vector<double> samples;
-  for (int i = first; i <= last; ++i) {
-    const PixelPoint point = at + i * kStep * out;
-    const bool within =
-        point.x >= 0 && point.y >= 0 && point.x <= image.width - 1 && point.y <= image.height - 1;
-    if (!within) return std::nullopt;
-    samples.push_back(sample_bilinear(image, point));
+  const PlacesOnLine places{at, out, first, kStep};
+  const auto is_within = [&](PixelPoint point) {
+    return point.x >= 0 && point.y >= 0 && point.x <= image.width - 1 &&
+           point.y <= image.height - 1;
+  };
+  if (!is_within(places.at(0)) || !is_within(places.at(last - first))) return std::nullopt;
+  samples.resize(static_cast<std::size_t>(last - first + 1));
+  sample_line(image, places, samples);
+  double white = samples.front();
+  double black = white;
+  for (const double sample : samples) {
+    white = sample > white ? sample : white;
+    black = sample < black ? sample : black;
   }
-  const double white = *std::ranges::max_element(samples);
-  const double black = *std::ranges::min_element(samples);
   if (white - black < kLeastContrast) return std::nullopt;
   const double level = (white + black) / 2;
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -91,10 +96,11 @@ std::optional<double> fitted_bow(std::vector<Eigen::Vector2d> points) {
 std::optional<double> bow_of_side(const GrayView& image, const FrameEdge& side, double inside,
                                   double stroke) {
   std::vector<Eigen::Vector2d> points;
+  std::vector<double> samples;
   for (int i = 0; i < kPlaces; ++i) {
     const double t = 0.04 + 0.92 * i / (kPlaces - 1);  // clear of the corners
     const PixelPoint at = side.a + t * (side.b - side.a);
-    if (const auto edge = edge_at(image, at, side.out, inside, stroke)) {
+    if (const auto edge = edge_at(image, at, side.out, inside, stroke, samples)) {
       points.emplace_back(t, *edge);
     }
   }

@@ -16,9 +16,11 @@ struct FreeContext {
 using Checksum = std::unique_ptr<EVP_MD_CTX, FreeContext>;
 
 // libcrypto's default provider always has SHA-256: no call below can fail but for want of memory.
+// It is looked for once (OpenSSL's crypto(7), "Performance"), and kept to the end of the program.
 Checksum begin() {
+  static const EVP_MD* const kSha256 = EVP_MD_fetch(nullptr, "SHA256", nullptr);
   Checksum checksum(EVP_MD_CTX_new());
-  EVP_DigestInit_ex(checksum.get(), EVP_sha256(), nullptr);
+  EVP_DigestInit_ex2(checksum.get(), kSha256, nullptr);
   return checksum;
 }
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Grey levels between pixels, many along a line at a time.
+#pragma once
+
+#include <span>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/image/pixel.hpp"
+
+namespace tagsmith {
+
+// Evenly spaced places along a line: place i is at start + (first + i) * spacing * direction.
+struct PlacesOnLine {
+  PixelPoint start;
+  PixelPoint direction;
+  int first = 0;
+  double spacing = 1;
+
+  PixelPoint at(int i) const { return start + (first + i) * spacing * direction; }
+};
+
+// What sample_bilinear() gives at each place, to the last bit. All lie in the image.
+void sample_line(const GrayView& image, const PlacesOnLine& places, std::span<double> levels);
+
+}  // namespace tagsmith

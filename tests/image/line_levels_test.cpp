@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/image/line_levels.hpp"
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/image/bilinear.hpp"
+
+namespace tagsmith::test {
+
+TEST_CASE("levels along a line are those of the places one by one, to the last bit") {
+  std::mt19937 draw(7);
+  GrayImage image{97, 61, std::vector<std::uint8_t>(97 * 61)};
+  for (std::uint8_t& sample : image.samples) sample = static_cast<std::uint8_t>(draw());
+  const GrayView view = image.view();
+  struct Case {
+    const char* what;
+    PlacesOnLine places;
+    std::size_t count;
+  };
+  for (const Case& line :
+       {Case{"none", {{3, 3}, {1, 0}, 0, 1}, 0}, Case{"one", {{3.25, 4.5}, {1, 0}, 0, 1}, 1},
+        Case{"longer than a block", {{2.1, 3.7}, {0.8, 0.6}, 0, 0.5}, 170},
+        Case{"from before its start", {{40.3, 30.9}, {-0.6, 0.8}, -65, 0.25}, 150},
+        Case{"along the upper border", {{0, 0}, {1, 0}, 0, 1}, 96},
+        Case{"to the last pixel", {{90, 60}, {1, 0}, 0, 0.5}, 13}}) {
+    CAPTURE(line.what);
+    std::vector<double> levels(line.count);
+    sample_line(view, line.places, levels);
+    std::vector<double> one_by_one;
+    for (std::size_t i = 0; i < line.count; ++i) {
+      one_by_one.push_back(sample_bilinear(view, line.places.at(static_cast<int>(i))));
+    }
+    CHECK(levels == one_by_one);
+  }
+}
+
+}  // namespace tagsmith::test
