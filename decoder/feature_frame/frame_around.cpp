@@ -9,6 +9,7 @@
 
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/bilinear.hpp"
+#include "decoder/image/line_levels.hpp"
 
 namespace tagsmith {
 namespace {
@@ -36,18 +37,17 @@ int steps_inside(const GrayView& image, PixelPoint start, PixelPoint step, int c
 }
 
 // Adds where a scan line falls from white to dark: local maxima, not much less than the strongest.
-// `step` is one pixel of the scan line, which ends at the border of the image.
+// `step` is one pixel of the scan line, which ends at the border of the image;
+// `levels` is room that is used again.
 template <class ToFall>
 void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int count,
-               const ToFall& to_fall, std::vector<Fall>& falls) {
+               const ToFall& to_fall, std::vector<float>& levels, std::vector<Fall>& falls) {
   constexpr float kLeastFall = 6;       // grey levels over two pixels
   constexpr float kLeastShare = 0.35F;  // of the strongest
   const int inside = steps_inside(image, start, step, count - 1);
   if (inside < 3) return;
-  std::vector<float> levels(static_cast<std::size_t>(inside) + 1);
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    levels[i] = sample_inside(image, start + static_cast<double>(i) * step);
-  }
+  levels.resize(static_cast<std::size_t>(inside) + 1);
+  sample_line_inside(image, {start, step}, levels);
   const auto drop_at = [&](std::size_t i) { return levels[i - 1] - levels[i + 1]; };
   float strongest = 0;
   for (std::size_t i = 1; i + 1 < levels.size(); ++i) strongest = std::max(strongest, drop_at(i));
@@ -156,13 +156,14 @@ std::vector<Fall> falls_at_ends(const GrayView& image, const BarBlock& block, do
   const double reach = reach_at_ends(block);
   const PixelPoint step = direction * block.along;
   std::vector<Fall> falls;
+  std::vector<float> levels;
   for (int k = 0; k < kScanLines; ++k) {
     const double at = 0.7 * block.half_width * (2.0 * k / (kScanLines - 1) - 1);
     const PixelPoint start = block.centre + at * block.across;
     const auto to_fall = [&](PixelPoint point) {
       return Fall{at, dot(point - block.centre, step)};
     };
-    add_falls(image, start, step, static_cast<int>(reach), to_fall, falls);
+    add_falls(image, start, step, static_cast<int>(reach), to_fall, levels, falls);
   }
   return falls;
 }
@@ -178,6 +179,7 @@ std::optional<Line> side_beside(const GrayView& image, const BarBlock& block, co
   const double reach = 2.6 * block.half_width;
   const PixelPoint outward = direction * block.across;
   std::vector<Fall> falls;
+  std::vector<float> levels;
   for (int k = 0; k < kScanLines; ++k) {
     const double share = 0.03 + 0.1 * (k / 2) / (kScanLines / 2 - 1);
     const double v = k % 2 == 0 ? share : 1 - share;
@@ -190,7 +192,7 @@ std::optional<Line> side_beside(const GrayView& image, const BarBlock& block, co
     const auto to_fall = [&](PixelPoint point) {
       return Fall{dot(point - block.centre, block.along), dot(point - block.centre, outward)};
     };
-    add_falls(image, start, step, static_cast<int>(reach), to_fall, falls);
+    add_falls(image, start, step, static_cast<int>(reach), to_fall, levels, falls);
   }
   return nearest_line(falls, reach);
 }

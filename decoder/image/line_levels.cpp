@@ -14,50 +14,68 @@ namespace {
 
 constexpr std::size_t kBlock = 64;  // places at a time
 
-// Where the places fall between pixels.
+// Where places fall between pixels: the pixels before them, and how far beyond.
+template <class Level>
 struct Between {
-  std::array<std::int32_t, kBlock> x, y;
-  std::array<double, kBlock> right, down;
-};
-
-struct Corners {
-  std::array<double, kBlock> upper_left, upper_right, lower_left, lower_right;
+  std::array<std::int32_t, kBlock> pixel;
+  std::array<Level, kBlock> beyond;
 };
 
 // One coordinate of `count` places from place `from` on.
-inline void place(double start, double direction, double spacing, int from, std::size_t count,
-                  std::int32_t* __restrict pixel, double* __restrict beyond) {
+template <class Level>
+inline __attribute__((always_inline)) void find_between(double start, double direction,
+                                                        double spacing, int from, std::size_t count,
+                                                        Between<Level>& between) {
   for (std::size_t i = 0; i < count; ++i) {
     const double at = start + (from + static_cast<int>(i)) * spacing * direction;
-    pixel[i] = static_cast<std::int32_t>(at);
-    beyond[i] = at - pixel[i];
+    between.pixel[i] = static_cast<std::int32_t>(at);
+    between.beyond[i] = static_cast<Level>(at) - static_cast<Level>(between.pixel[i]);
   }
 }
 
 // All have pixels on all sides.
-TAGSMITH_WIDE void sample_block(const GrayView& image, const PlacesOnLine& places, int from,
-                                std::size_t count, double* __restrict levels) {
-  Between at;
-  Corners grey;
-  place(places.start.x, places.direction.x, places.spacing, from, count, at.x.data(),
-        at.right.data());
-  place(places.start.y, places.direction.y, places.spacing, from, count, at.y.data(),
-        at.down.data());
+template <class Level>
+inline __attribute__((always_inline)) void sample_block(const GrayView& image,
+                                                        const PlacesOnLine& places, int from,
+                                                        std::size_t count,
+                                                        Level* __restrict levels) {
+  Between<Level> across, down;
+  std::array<Level, kBlock> upper_left, upper_right, lower_left, lower_right;
+  find_between(places.start.x, places.direction.x, places.spacing, from, count, across);
+  find_between(places.start.y, places.direction.y, places.spacing, from, count, down);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* upper = image.row(at.y[i]) + at.x[i];
+    const std::uint8_t* upper = image.row(down.pixel[i]) + across.pixel[i];
     const std::uint8_t* lower = upper + image.stride;
-    grey.upper_left[i] = upper[0];
-    grey.upper_right[i] = upper[1];
-    grey.lower_left[i] = lower[0];
-    grey.lower_right[i] = lower[1];
+    upper_left[i] = upper[0];
+    upper_right[i] = upper[1];
+    lower_left[i] = lower[0];
+    lower_right[i] = lower[1];
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const double above =
-        grey.upper_left[i] + at.right[i] * (grey.upper_right[i] - grey.upper_left[i]);
-    const double below =
-        grey.lower_left[i] + at.right[i] * (grey.lower_right[i] - grey.lower_left[i]);
-    levels[i] = above + at.down[i] * (below - above);
+    const Level above = upper_left[i] + across.beyond[i] * (upper_right[i] - upper_left[i]);
+    const Level below = lower_left[i] + across.beyond[i] * (lower_right[i] - lower_left[i]);
+    levels[i] = above + down.beyond[i] * (below - above);
   }
+}
+
+template <class Level>
+inline __attribute__((always_inline)) void sample_blocks(const GrayView& image,
+                                                         const PlacesOnLine& places,
+                                                         std::span<Level> levels) {
+  for (std::size_t i = 0; i < levels.size(); i += kBlock) {
+    sample_block(image, places, places.first + static_cast<int>(i),
+                 std::min(kBlock, levels.size() - i), levels.data() + i);
+  }
+}
+
+TAGSMITH_WIDE void sample_doubles(const GrayView& image, const PlacesOnLine& places,
+                                  std::span<double> levels) {
+  sample_blocks(image, places, levels);
+}
+
+TAGSMITH_WIDE void sample_floats(const GrayView& image, const PlacesOnLine& places,
+                                 std::span<float> levels) {
+  sample_blocks(image, places, levels);
 }
 
 }  // namespace
@@ -71,10 +89,12 @@ void sample_line(const GrayView& image, const PlacesOnLine& places, std::span<do
     }
     return;
   }
-  for (std::size_t i = 0; i < levels.size(); i += kBlock) {
-    sample_block(image, places, places.first + static_cast<int>(i),
-                 std::min(kBlock, levels.size() - i), levels.data() + i);
-  }
+  sample_doubles(image, places, levels);
+}
+
+void sample_line_inside(const GrayView& image, const PlacesOnLine& places,
+                        std::span<float> levels) {
+  sample_floats(image, places, levels);
 }
 
 }  // namespace tagsmith

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `verify` costs beside decoding the JPEGs alone, on the same cores in the same run:
-// `./dev bench verify_rate [N] [SURVEY FOLDER]...`. N photos a round, the folder's over and over.
+// What `verify` costs beside decoding the JPEGs alone, by this program's loader and by OpenCV's, on
+// the same cores in the same run: `./dev bench verify_rate [N] [SURVEY FOLDER]...`. N photos a
+// round, the folder's over and over. And what starting the program costs.
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
@@ -11,6 +12,8 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <sys/resource.h>
 
 #include "decoder/cli/json.hpp"
@@ -50,11 +53,6 @@ void run_round(Cost& cost, std::size_t count, const std::function<void(std::size
       std::min(cost.processor, (seconds_of(CLOCK_PROCESS_CPUTIME_ID) - processor) / photos);
 }
 
-void print_row(const char* what, const Cost& cost, const Cost& decoding) {
-  fmt::print("| {} | {:.0f} | {:.2f} | {:.2f} | {:.2f} |\n", what, 1 / cost.wall,
-             1e3 * cost.processor, cost.wall / decoding.wall, cost.processor / decoding.processor);
-}
-
 double peak_megabytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -77,12 +75,20 @@ int measure(std::size_t count, const std::string& survey_file, const fs::path& f
   ManifestCache manifests;
   const VerifyRequest request{*survey, {}, false, &manifests};
   Cost decoding;
+  Cost colour;
+  Cost grey;
   Cost hashing;
   Cost reading;
   Cost verifying;
   for (int round = 0; round < kRounds; ++round) {
     run_round(decoding, count,
               [&](std::size_t i) { static_cast<void>(load_gray_image(photo(i))); });
+    run_round(colour, count, [&](std::size_t i) {
+      static_cast<void>(cv::imread(photo(i).string(), cv::IMREAD_COLOR));
+    });
+    run_round(grey, count, [&](std::size_t i) {
+      static_cast<void>(cv::imread(photo(i).string(), cv::IMREAD_GRAYSCALE));
+    });
     run_round(hashing, count, [&](std::size_t i) {
       const Result<InputFile> file = read_input_file(photo(i));
       if (file) static_cast<void>(decode_gray_image("", file->bytes));
@@ -98,13 +104,56 @@ int measure(std::size_t count, const std::string& survey_file, const fs::path& f
   }
   fmt::print("\n{}, {} photos a round, least of {} rounds, peak {:.0f} MB\n\n", folder.string(),
              count, kRounds, peak_megabytes());
-  fmt::print("| | photos/s | processor ms/photo | wall / decoding | processor / decoding |\n");
-  fmt::print("|---|---|---|---|---|\n");
-  print_row("decoding alone", decoding, decoding);
-  print_row("and hashing", hashing, decoding);
-  print_row("decoding and read_tags", reading, decoding);
-  print_row("verify", verifying, decoding);
+  fmt::print("| | photos/s | processor ms/photo | / decoding | / imread grey | / imread |\n");
+  fmt::print("|---|---|---|---|---|---|\n");
+  const auto print_row = [&](const char* what, const Cost& cost) {
+    fmt::print("| {} | {:.0f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", what, 1 / cost.wall,
+               1e3 * cost.processor, cost.processor / decoding.processor,
+               cost.processor / grey.processor, cost.processor / colour.processor);
+  };
+  print_row("decoding alone", decoding);
+  print_row("cv::imread, grey", grey);
+  print_row("cv::imread, colour", colour);
+  print_row("decoding and hashing", hashing);
+  print_row("decoding and read_tags", reading);
+  print_row("verify", verifying);
   return 0;
+}
+
+// Processor seconds of a shell command, the least of several runs.
+double seconds_of_command(const std::string& command) {
+  constexpr int kRuns = 15;
+  double least = std::numeric_limits<double>::infinity();
+  const auto of_children = [] {
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    const auto seconds = [](const timeval& time) {
+      return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  };
+  for (int run = 0; run < kRuns; ++run) {
+    const double before = of_children();
+    if (std::system(command.c_str()) != 0) return std::numeric_limits<double>::quiet_NaN();
+    least = std::min(least, of_children() - before);
+  }
+  return least;
+}
+
+// The program with all codecs loaded from the start is what it would be if it were linked to them.
+void print_start() {
+  const std::string program = TAGSMITH_PROGRAM;
+  const std::string codecs = "LD_PRELOAD=" TAGSMITH_CODECS " ";
+  const auto print = [&](const char* what, const std::string& arguments) {
+    const std::string command = program + " " + arguments + " > /dev/null";
+    fmt::print("| {} | {:.0f} | {:.0f} |\n", what, 1e3 * seconds_of_command(command),
+               1e3 * seconds_of_command(codecs + command));
+  };
+  fmt::print("\n| processor ms | | with all codecs loaded |\n|---|---|---|\n");
+  print("tagsmith --version", "--version");
+  print("tagsmith read, one photo", "read surveys/corridor/photos/corridor_01_left.jpg");
+  print("tagsmith verify, 20 photos",
+        "verify surveys/corridor/survey.yaml surveys/corridor/photos --json");
 }
 
 }  // namespace
@@ -125,5 +174,6 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < arguments.size(); i += 2) {
     worst = std::max(worst, tagsmith::measure(count, arguments[i], arguments[i + 1]));
   }
+  tagsmith::print_start();
   return worst;
 }

@@ -35,6 +35,13 @@ TEST_CASE("levels along a line are those of the places one by one, to the last b
       one_by_one.push_back(sample_bilinear(view, line.places.at(static_cast<int>(i))));
     }
     CHECK(levels == one_by_one);
+    const auto is_apart = [&](int i) { return is_inside(view, line.places.at(i)); };
+    if (line.count == 0 || !is_apart(0) || !is_apart(static_cast<int>(line.count) - 1)) continue;
+    std::vector<float> rounded(line.count);
+    sample_line_inside(view, line.places, rounded);
+    for (std::size_t i = 0; i < line.count; ++i) {
+      CHECK(rounded[i] == sample_inside(view, line.places.at(static_cast<int>(i))));
+    }
   }
 }
 
