@@ -9,6 +9,7 @@
 
 #include "decoder/image/bilinear.hpp"
 #include "decoder/reader/sorted_window.hpp"
+#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -379,11 +380,19 @@ bool reaches(const CoverStrip& strip, double v) {
   return top <= v && v <= bottom;
 }
 
-bool covers(const CoverStrip& strip, PixelPoint unit) {
-  for (std::size_t i = 0; i < strip.size(); ++i) {
-    if (cross(strip[(i + 1) % 4] - strip[i], unit - strip[i]) < 0) return false;
+TAGSMITH_WIDE void add_covered(const CoverStrip& strip, double v, std::span<const double> places,
+                               std::span<std::int64_t> covered) {
+  std::array<PixelPoint, 4> edge;
+  for (std::size_t i = 0; i < 4; ++i) edge[i] = strip[(i + 1) % 4] - strip[i];
+  const double* at = places.data();
+  std::int64_t* __restrict to = covered.data();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    std::int64_t is_outside = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      is_outside |= cross(edge[i], PixelPoint{at[k], v} - strip[i]) < 0 ? 1 : 0;
+    }
+    to[k] |= is_outside ^ 1;
   }
-  return true;
 }
 
 }  // namespace tagsmith

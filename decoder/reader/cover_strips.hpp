@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "decoder/feature_frame/lens_bend.hpp"
@@ -25,7 +27,10 @@ double stroke_share(const Quad& corners, double stroke_px);
 std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke);
 
-bool covers(const CoverStrip& strip, PixelPoint unit);
+// Which of these places along a row of the unit square, at height v, a strip covers: theirs are
+// set in `covered`, which is as long, the others left as they are.
+void add_covered(const CoverStrip& strip, double v, std::span<const double> places,
+                 std::span<std::int64_t> covered);
 
 // Whether a strip covers anything at a height of the unit square.
 bool reaches(const CoverStrip& strip, double v);

@@ -88,17 +88,19 @@ BarRows bar_rows(LightGrid grid, const SymbolLayout& layout, std::span<const Cov
                        static_cast<std::size_t>((kModuleCount + 2 * kBeyond) * grid.per_module));
   rows.grid = std::move(grid);
   rows.counts.resize(rows.rows * rows.bins);
-  std::vector<CoverStrip> here;
+  std::vector<double> places(rows.bins);
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    places[bin] = rows.grid.place_of(rows.first_bin + bin) / modules;
+  }
+  std::vector<std::int64_t> covered(rows.bins);
   for (std::size_t row = 0; row < rows.rows; ++row) {
     const double v = rows.grid.height_of(rows.first_row + row);
-    here.clear();
-    std::ranges::copy_if(strips, std::back_inserter(here),
-                         [v](const CoverStrip& strip) { return reaches(strip, v); });
+    std::ranges::fill(covered, 0);
+    for (const CoverStrip& strip : strips) {
+      if (reaches(strip, v)) add_covered(strip, v, places, covered);
+    }
     for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-      const PixelPoint at{rows.grid.place_of(rows.first_bin + bin) / modules, v};
-      const auto hides = [&](const CoverStrip& strip) { return covers(strip, at); };
-      if (std::ranges::any_of(here, hides)) continue;
-      rows.counts[row * rows.bins + bin] = rows.cell(row, bin).count;
+      if (covered[bin] == 0) rows.counts[row * rows.bins + bin] = rows.cell(row, bin).count;
     }
   }
   for (std::size_t bin = 0; bin < rows.bins; ++bin) rows.middles.push_back(middle_of(rows, bin));
