@@ -12,12 +12,6 @@
 namespace tagsmith {
 namespace {
 
-double tone(SensorTone curve, double light_share) {
-  if (curve == SensorTone::linear) return light_share;
-  if (light_share <= 0.0031308) return 12.92 * light_share;
-  return 1.055 * std::pow(light_share, 1.0 / 2.4) - 0.055;
-}
-
 double light_for(SensorTone curve, double level_share) {
   if (curve == SensorTone::linear) return level_share;
   if (level_share <= 0.04045) return level_share / 12.92;
@@ -77,11 +71,6 @@ double aperture(double x, double sigma) {
 }
 
 }  // namespace
-
-double grey_level(const SensorModel& sensor, double light_share) {
-  const double curve = tone(sensor.tone, std::min(light_share, 1.0));
-  return sensor.black_level + (sensor.white_level - sensor.black_level) * curve;
-}
 
 GrayImage expose(const LightImage& light, const SensorModel& sensor, std::uint64_t seed) {
   const MiddleGrey middle = middle_grey(sensor.tone);

@@ -30,12 +30,8 @@ struct SensorModel {
   double read_noise_share = 0.1;
 };
 
-// The grey level, unrounded, of a share of full light; clipped above 1. A share below 0, which only
-// noise brings about, lies below the black level.
-double grey_level(const SensorModel& sensor, double light_share);
-
-// Grey levels of every sample: exposure, noise, tone curve, rounding, in this order. The noise of a
-// sample depends on the seed and its place only.
+// Grey levels of every sample: exposure, noise, tone curve, rounding, in this order; clipped to 0
+// and the white level. The noise of a sample depends on the seed and its place only.
 GrayImage expose(const LightImage& light, const SensorModel& sensor, std::uint64_t seed);
 
 // A symmetric filter on cells of which `cells_per_px` make a pixel; the weights sum to 1.
