@@ -25,6 +25,7 @@
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -463,7 +464,7 @@ Command verify_command(CLI::App& parent) {
                   "Pictures are flat scans of prints with so many dots per inch, not photos: their "
                   "printed size is checked, too")
       ->type_name("DPI")
-      ->check(CLI::Range(10.0, 10000.0))
+      ->check(number_between(10, 10'000))
       ->excludes("--rig");
   app->footer(kExample);
   return {app, [options] { return run(*options); }};

@@ -11,6 +11,7 @@
 
 #include "decoder/verify/hanging_check.hpp"
 #include "decoder/verify/sighting_pick.hpp"
+#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/revision.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -118,7 +119,7 @@ void add_hanging_options(CLI::App& app, HangingOptions& options) {
                  "Farthest that a corner of a tag's frame may be from its place, in mm")
       ->type_name("MM")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0))
+      ->check(number_between(0.1, 1000))
       ->needs(rig);
 }
 

@@ -132,6 +132,11 @@ std::string check_line(std::string_view file, std::string_view line) {
   if (library && std::regex_search(code.begin(), code.end(), prints)) {
     return "libraries neither print nor end the program";
   }
+  static const std::regex fractions("CLI::(Range\\([^)]*\\.|PositiveNumber|NonNegativeNumber)");
+  if (!layer.empty() && std::regex_search(code.begin(), code.end(), fractions)) {
+    return "a check of CLI11 that lets nan through: use number_between or CLI::Range of whole "
+           "numbers";
+  }
   return {};
 }
 

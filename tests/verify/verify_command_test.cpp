@@ -549,7 +549,9 @@ TEST_CASE("two runs are merged into a report, and a third skips what they did") 
 TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
   for (const std::string& arguments :
        {std::string("verify"), "verify " + kSurvey, "verify no-such.yaml " + kPhotos,
-        "verify " + kSurvey + " docs", "verify --jobs 0 " + kSurvey + " docs"}) {
+        "verify " + kSurvey + " docs", "verify --jobs 0 " + kSurvey + " docs",
+        "verify --dpi nan " + kSurvey + " " + kPhotos,
+        "verify --tolerance nan --rig surveys/corridor/rig.yaml " + kSurvey + " " + kPhotos}) {
     CAPTURE(arguments);
     const ProgramOutput output = run_tagsmith(arguments);
     CHECK(output.exit_code == 2);
