@@ -9,6 +9,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/read_intrinsics.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
@@ -228,7 +229,8 @@ Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
 RigReading read_rig_text(const fs::path& path, std::string_view text) {
   FindingLog log(path.string());
   RigReading reading;
-  if (const std::optional<YamlNode> root = parse_yaml(text, log)) {
+  const std::optional<YamlNode> root = parse_yaml(text, log);
+  if (root && !is_other_kind(*root, "rig", log)) {
     reading.rig = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.rig.reset();

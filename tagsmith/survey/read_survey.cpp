@@ -12,6 +12,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/check_tags.hpp"
+#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/lint_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_placed.hpp"
@@ -302,7 +303,8 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
 SurveyReading read_survey_text(const fs::path& path, std::string_view text) {
   FindingLog log(path.string());
   SurveyReading reading;
-  if (const std::optional<YamlNode> root = parse_yaml(text, log)) {
+  const std::optional<YamlNode> root = parse_yaml(text, log);
+  if (root && !is_other_kind(*root, "survey", log)) {
     reading.survey = read_tree(*root, path, log);
   }
   if (log.has_errors()) reading.survey.reset();

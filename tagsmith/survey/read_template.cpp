@@ -10,6 +10,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -261,7 +262,8 @@ Result<TemplateReading> read_template(const fs::path& path) {
   if (!text) return tl::unexpected(text.error());
   FindingLog log(path.string());
   TemplateReading reading;
-  if (const std::optional<YamlNode> root = parse_yaml(*text, log)) {
+  const std::optional<YamlNode> root = parse_yaml(*text, log);
+  if (root && !is_other_kind(*root, "tag", log)) {
     reading.tag = read_tag(*root, log);
   }
   if (log.has_errors()) reading.tag.reset();

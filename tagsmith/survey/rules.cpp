@@ -230,6 +230,9 @@ constexpr std::array kRules{
     Rule{"wrong-check-digit", "a check digit that does not fit",
          "The twelfth digit follows from the other eleven, by code.check_digit. One "
          "digit is mistyped, or the plate follows the other scheme."},
+    Rule{"wrong-kind", "a survey, rig or template in the place of another",
+         "The file's first key says what it is: survey, rig or tag. The finding says where such a "
+         "file belongs."},
     Rule{"wrong-length", "a list or row of another length",
          "The finding says how many items are expected. A decimal comma makes two items "
          "of one."},

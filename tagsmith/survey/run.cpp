@@ -208,7 +208,9 @@ std::optional<std::vector<std::string>> read_line(std::string_view line, int num
     const bool control = std::ranges::any_of(field, [](unsigned char c) { return c < 0x20; });
     if (field.size() <= kLongestField && !control) continue;
     log.error({number, 0}, "bad-text", "a field that is no text or too long",
-              "save the table as CSV with UTF-8 text");
+              field.find('\t') != std::string::npos   ? "separate the columns by commas"
+              : field.find('\r') != std::string::npos ? "end lines with LF or CR LF"
+                                                      : "save the table as CSV with UTF-8 text");
     return std::nullopt;
   }
   return fields;
@@ -250,7 +252,7 @@ std::vector<Measurement> read_rows(std::string_view text, const fs::path& path, 
     }
     measurements.push_back(std::move(measurement));
   }
-  if (!columns)
+  if (!columns && !log.has_errors())
     log.error({1, 0}, "empty-file", "the file is empty, expected a line of column names");
   if (columns && measurements.empty() && !log.has_errors())
     log.error({}, "empty-file", "no rows after the column names");

@@ -89,6 +89,8 @@ TEST_CASE("every way to break a run is reported with its place") {
       {"did you mean", "id,lefft\n1,a\n", "did you mean `left`?"},
       {"column twice", "id,left,left\n1,a,b\n", "run.csv:1:3: error: the column `left` a second"},
       {"semicolons", "id;left;d\n1;a;1\n", "separate the columns by commas"},
+      {"tabs", "id\tleft\td\n1\ta\t1\n", "separate the columns by commas"},
+      {"carriage returns alone", "id,left\r1,a\r", "end lines with LF or CR LF"},
       {"tag alone", "id,left_tag\n1,000L\n", "the column `left_distance` is missing"},
       {"half a truth", "id,left,truth_x\n1,a,1\n", "the column `truth_y` is missing"},
       {"too few fields", "id,left,d\n1,a\n", "run.csv:2: error: 2 fields, expected 3"},
@@ -119,9 +121,13 @@ TEST_CASE("every way to break a run is reported with its place") {
 }
 
 TEST_CASE("rows that cannot be used are not called absent rows") {
-  const auto run = read_text_as_run("id,left,d\n1,a\n");
-  REQUIRE_FALSE(run.has_value());
-  CHECK_MESSAGE(run.error().message.find("no rows") == std::string::npos, run.error().message);
+  for (const char* text : {"id,left,d\n1,a\n", "id\tleft\n1\ta\n"}) {
+    const auto run = read_text_as_run(text);
+    REQUIRE_FALSE(run.has_value());
+    const std::string& message = run.error().message;
+    CHECK_MESSAGE(message.find("no rows") == std::string::npos, message);
+    CHECK_MESSAGE(message.find("is empty") == std::string::npos, message);
+  }
 }
 
 TEST_CASE("all faults of a run are reported together") {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sstream>
+#include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -79,6 +81,24 @@ TEST_CASE("validate reports every error of several files in one run") {
   CHECK(output.out.find("s.yaml:15:3: error: unknown key `spaceing` in tags") != std::string::npos);
   CHECK(output.out.find("r.yaml:7:5: error: unknown key `alfa`") != std::string::npos);
   CHECK(output.err.find("2 files: ") == 0);
+}
+
+TEST_CASE("a survey, rig or template in the place of another is named once, with its place") {
+  const std::string rig = "surveys/corridor/rig.yaml";
+  const std::string plate = "templates/tag-400x300.yaml";
+  const std::pair<std::string, std::string> cases[] = {
+      {rig, rig + ":3:1: error: the file is a rig, expected a survey [wrong-kind]"},
+      {plate, "error: the file is a template, expected a survey [wrong-kind]"},
+      {"--rig surveys/corridor/survey.yaml", "error: the file is a survey, expected a rig"},
+      {"--template " + rig, "error: the file is a rig, expected a template"},
+  };
+  for (const auto& [arguments, expected] : cases) {
+    CAPTURE(arguments);
+    const ProgramOutput output = run_tagsmith("validate " + arguments);
+    CHECK(output.exit_code == 1);
+    CHECK_MESSAGE(output.out.find(expected) != std::string::npos, output.out);
+    CHECK(output.err == "1 file: 1 error, 0 warnings\n");
+  }
 }
 
 TEST_CASE("validate --json prints the documented fields, one object a line") {

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/file_kind.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+namespace tagsmith {
+namespace {
+
+struct FileKind {
+  std::string_view key;
+  std::string_view name;
+  std::string_view where;  // it belongs
+};
+
+constexpr std::array kFileKinds{
+    FileKind{"survey", "a survey", "surveys are given by themselves: SURVEY"},
+    FileKind{"rig", "a rig", "rigs are given behind --rig"},
+    FileKind{"tag", "a template",
+             "templates are named in surveys, at tags.template; `validate --template` checks them"},
+};
+
+bool has_key(const YamlNode& map, std::string_view key) {
+  return std::ranges::find(map.keys, key, &YamlKey::text) != map.keys.end();
+}
+
+}  // namespace
+
+bool is_other_kind(const YamlNode& root, std::string_view key, FindingLog& log) {
+  if (root.kind != YamlNode::Kind::map || has_key(root, key)) return false;
+  const auto other = std::ranges::find_if(
+      kFileKinds, [&](const FileKind& kind) { return has_key(root, kind.key); });
+  if (other == kFileKinds.end()) return false;
+  const auto wanted = std::ranges::find(kFileKinds, key, &FileKind::key);
+  log.error(root.place, "wrong-kind",
+            "the file is " + std::string(other->name) + ", expected " + std::string(wanted->name),
+            std::string(other->where));
+  return true;
+}
+
+}  // namespace tagsmith
