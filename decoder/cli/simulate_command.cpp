@@ -418,6 +418,7 @@ void add_camera_options(CLI::App& app, SimulateOptions& options) {
       ->capture_default_str();
   app.add_flag("--linear", options.linear, "Grey levels in proportion to light (default: sRGB)");
   app.add_option("--seed", options.seed, "Of the noise and of the walls' texture")
+      ->check(number_between(0, 1e18))
       ->capture_default_str();
   app.add_option("--format", options.format, "Image format")
       ->check(CLI::IsMember({"png", "jpg"}))
