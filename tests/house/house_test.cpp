@@ -124,6 +124,21 @@ TEST_CASE("docs/architecture.md lists the layers in the order that is kept here"
   }
 }
 
+TEST_CASE("every decision record has its three parts, in this order") {
+  int records = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator("docs/decisions")) {
+    const std::string text = contents(entry.path());
+    CAPTURE(entry.path().string());
+    std::size_t place = 0;
+    for (const std::string part : {"Situation", "Decision", "Consequences"}) {
+      place = text.find("\n\n**" + part + ".**", place);
+      REQUIRE_MESSAGE(place != std::string::npos, part);
+    }
+    ++records;
+  }
+  CHECK(records > 50);
+}
+
 TEST_CASE("an include that breaks a wall between layers is found") {
   check_cases({
       {"a lower layer", "tagsmith/tag/a.cpp", "#include \"tagsmith/survey/survey.hpp\"\n",
