@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <chrono>
 #include <fcntl.h>
+#include <optional>
 #include <stdlib.h>
 #include <string>
 #include <system_error>
@@ -100,6 +101,16 @@ void remove_traces(const fs::path& staging, const std::vector<fs::path>& made_fo
   for (const fs::path& made : made_folders) fs::remove(made, ignored);  // only when empty
 }
 
+// What stands, and is no folder, where the folder or one that it lies in should be.
+std::optional<fs::path> file_in_the_way(fs::path folder) {
+  for (; folder.has_relative_path(); folder = folder.parent_path()) {
+    std::error_code error;
+    const fs::file_status status = fs::status(folder, error);
+    if (fs::exists(status) && !fs::is_directory(status)) return folder;
+  }
+  return std::nullopt;
+}
+
 // Threads that had begun to write a file may still make it, and its folder.
 void remove_while_written(const fs::path& staging, const std::vector<fs::path>& made_folders) {
   constexpr int kAttempts = 5;
@@ -118,8 +129,10 @@ Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
   files.folder_ = (folder / "").parent_path();  // without a trailing slash
   files.made_folders_ = missing_folders(files.folder_);
   fs::create_directories(files.folder_, error);
+  if (const auto file = file_in_the_way(files.folder_)) {
+    return fail(file->string() + ": is a file, expected a folder");
+  }
   if (error) return fail(folder.string() + ": cannot be made: " + error.message());
-  if (!fs::is_directory(files.folder_)) return fail(folder.string() + ": is not a folder");
   remove_abandoned(files.folder_);
   constexpr int kAttempts =
       10;  // another process may take the folder for abandoned before its lock

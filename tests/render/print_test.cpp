@@ -177,7 +177,7 @@ TEST_CASE("wrong use says what is wrong and writes nothing") {
       {"missing.yaml" + to_folder, "missing.yaml: no such file"},
       {survey + " -o /proc/none", "/proc/none"},
       {survey + " -o '" + (temporary.path() / "file").string() + "'",
-       "file: cannot be made: Not a directory"},
+       "file: is a file, expected a folder"},
       {survey, "--output"},
   };
   for (const Case& example : cases) {
