@@ -97,14 +97,15 @@ std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag
     };
     const auto white = sample(-module_width(tag) * tag.margin_modules / 2);
     if (!white) return std::nullopt;
-    const double module = module_width(tag);
-    double width = module;  // the stroke's blur
-    for (; width <= farthest; width += kStep) {
-      const auto level = sample(tag.frame_stroke + width);
+    const double first = module_width(tag);  // nearer is the stroke's blur
+    const int last = static_cast<int>(std::floor((farthest - first) / kStep));
+    int step = 0;
+    for (; step <= last; ++step) {
+      const auto level = sample(tag.frame_stroke + first + step * kStep);
       if (!level) return std::nullopt;
       if (*level < *white / 2) break;
     }
-    widths.push_back(width);
+    widths.push_back(first + step * kStep);
   }
   std::ranges::sort(widths);
   const double width = widths[widths.size() * 4 / 5];
