@@ -4,21 +4,6 @@
 #include <algorithm>
 
 namespace tagsmith {
-namespace {
-
-bool is_guard(std::span<const std::uint8_t> elements) {
-  return std::all_of(elements.begin(), elements.end(),
-                     [](std::uint8_t width) { return width == 1; });
-}
-
-std::optional<std::uint8_t> digit_of(std::span<const std::uint8_t> elements) {
-  for (std::uint8_t digit = 0; digit < 10; ++digit) {
-    if (std::ranges::equal(kDigitElements[digit], elements)) return digit;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 std::array<std::uint8_t, kElementCount> elements_of(const Digits& digits) {
   std::array<std::uint8_t, kElementCount> elements{};
@@ -39,22 +24,6 @@ std::array<std::uint8_t, kModuleCount> modules_of(const Digits& digits) {
     bar = bar == 1 ? 0 : 1;
   }
   return modules;
-}
-
-std::optional<Digits> digits_of_elements(std::span<const std::uint8_t, kElementCount> elements) {
-  constexpr int kCentreGuard = first_element_of_digit(6) - 5;
-  if (!is_guard(elements.first(3)) || !is_guard(elements.subspan(kCentreGuard, 5)) ||
-      !is_guard(elements.last(3))) {
-    return std::nullopt;
-  }
-  Digits digits{};
-  for (int i = 0; i < kDigitCount; ++i) {
-    const auto first = static_cast<std::size_t>(first_element_of_digit(i));
-    const std::optional<std::uint8_t> digit = digit_of(elements.subspan(first, kElementsPerDigit));
-    if (!digit) return std::nullopt;
-    digits[static_cast<std::size_t>(i)] = *digit;
-  }
-  return digits;
 }
 
 }  // namespace tagsmith

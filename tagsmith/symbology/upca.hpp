@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// UPC-A: twelve digits <-> 59 elements <-> 95 modules (ISO/IEC 15420; Xu et al. 2017, Table 1).
+// UPC-A: twelve digits -> 59 elements -> 95 modules (ISO/IEC 15420; Xu et al. 2017, Table 1).
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <optional>
-#include <span>
 
 #include "tagsmith/symbology/digits.hpp"
 
@@ -48,9 +46,5 @@ std::array<std::uint8_t, kElementCount> elements_of(const Digits& digits);
 
 // 1 = bar, 0 = space, left to right.
 std::array<std::uint8_t, kModuleCount> modules_of(const Digits& digits);
-
-// The digits whose element widths these are exactly; nothing when a guard pattern or a digit does
-// not match. The check digit is not looked at.
-std::optional<Digits> digits_of_elements(std::span<const std::uint8_t, kElementCount> elements);
 
 }  // namespace tagsmith
