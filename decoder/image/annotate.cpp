@@ -12,6 +12,8 @@
 
 #include "decoder/image/codecs.hpp"
 #include "decoder/image/image_header.hpp"
+#include "decoder/image/jpeg.hpp"
+#include "decoder/image/png_chunks.hpp"
 #include "decoder/image/upright.hpp"
 
 namespace tagsmith {
@@ -155,6 +157,24 @@ std::string extension_for(const std::string& bytes) {
   return bytes.starts_with("\xFF\xD8") || bytes.starts_with("RIFF") ? ".jpg" : ".png";
 }
 
+// The pixels as stored, in colour; empty when they cannot be decoded. What the decoders find odd
+// was told when the picture was read, and is not printed once more.
+cv::Mat decode_colour(const Codecs& by, const std::string& bytes) {
+  if (bytes.starts_with("\xFF\xD8\xFF")) {
+    Result<std::optional<ColourImage>> jpeg = decode_jpeg_colour(bytes, kMaxPixels);
+    if (!jpeg) return {};
+    if (*jpeg) {
+      ColourImage& image = **jpeg;
+      return cv::Mat(image.height, image.width, CV_8UC3, image.samples.data()).clone();
+    }
+  }
+  const Result<std::string> png = is_png(bytes) ? png_of_pixels(bytes) : Result<std::string>("");
+  if (!png) return {};
+  const std::string& rest = png->empty() ? bytes : *png;
+  const cv::Mat encoded(1, static_cast<int>(rest.size()), CV_8U, const_cast<char*>(rest.data()));
+  return by.decode(encoded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
 }  // namespace
 
 Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::string& bytes,
@@ -164,11 +184,10 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
   if (!header || static_cast<double>(header->width) * header->height > kMaxPixels) {
     return fail(name + ": is no picture that can be marked");
   }
-  const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const Result<Codecs>& by = codecs();
   if (!by) return fail(name + ": cannot be marked: " + by.error().message);
   try {
-    const cv::Mat stored = by->decode(encoded, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    const cv::Mat stored = decode_colour(*by, bytes);
     if (stored.empty()) return fail(name + ": cannot be decoded to be marked");
     const cv::Mat canvas = annotated(stored, exif_orientation(bytes).value_or(1), marks, caption);
     std::vector<std::uint8_t> copy;

@@ -46,13 +46,15 @@ class JpegDecoder {
     return true;
   }
 
-  bool read_rows(GrayImage& image) {
+  // `samples` has room for all pixels.
+  bool read_rows(J_COLOR_SPACE colours, std::uint8_t* samples) {
     if (setjmp(escape_) != 0) return false;
-    info_.out_color_space = JCS_GRAYSCALE;
+    info_.out_color_space = colours;
     jpeg_start_decompress(&info_);
+    const std::size_t row_bytes = static_cast<std::size_t>(info_.output_width) *
+                                  static_cast<std::size_t>(info_.output_components);
     while (info_.output_scanline < info_.output_height) {
-      JSAMPROW row = image.samples.data() + static_cast<std::size_t>(info_.output_scanline) *
-                                                static_cast<std::size_t>(image.width);
+      JSAMPROW row = samples + static_cast<std::size_t>(info_.output_scanline) * row_bytes;
       jpeg_read_scanlines(&info_, &row, 1);
     }
     jpeg_finish_decompress(&info_);
@@ -86,20 +88,43 @@ class JpegDecoder {
   bool is_made_ = false;
 };
 
-}  // namespace
-
-Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels) {
-  JpegDecoder decoder;
+// False when the file has components that are not decoded here.
+Result<bool> begin(JpegDecoder& decoder, std::string_view bytes, double most_pixels) {
   if (!decoder.read_header(bytes)) return fail(decoder.failure());
   // The decoder may find another header than who looked before.
   if (static_cast<double>(decoder.width()) * decoder.height() > most_pixels) {
     return fail("it has too many pixels");
   }
-  if (decoder.components() != 1 && decoder.components() != 3) return std::nullopt;
+  return decoder.components() == 1 || decoder.components() == 3;
+}
+
+std::size_t pixels_of(const JpegDecoder& decoder) {
+  return static_cast<std::size_t>(decoder.width()) * static_cast<std::size_t>(decoder.height());
+}
+
+}  // namespace
+
+Result<std::optional<ColourImage>> decode_jpeg_colour(std::string_view bytes, double most_pixels) {
+  JpegDecoder decoder;
+  const Result<bool> begun = begin(decoder, bytes, most_pixels);
+  if (!begun) return fail(begun.error().message);
+  if (!*begun) return std::nullopt;
+  ColourImage image{decoder.width(), decoder.height(), {}};
+  image.samples.resize(3 * pixels_of(decoder));
+  if (!decoder.read_rows(JCS_EXT_BGR, image.samples.data())) return fail(decoder.failure());
+  return std::optional(std::move(image));
+}
+
+Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels) {
+  JpegDecoder decoder;
+  const Result<bool> begun = begin(decoder, bytes, most_pixels);
+  if (!begun) return fail(begun.error().message);
+  if (!*begun) return std::nullopt;
   DecodedImage decoded{{decoder.width(), decoder.height(), {}}, ""};
-  decoded.image.samples.resize(static_cast<std::size_t>(decoder.width()) *
-                               static_cast<std::size_t>(decoder.height()));
-  if (!decoder.read_rows(decoded.image)) return fail(decoder.failure());
+  decoded.image.samples.resize(pixels_of(decoder));
+  if (!decoder.read_rows(JCS_GRAYSCALE, decoded.image.samples.data())) {
+    return fail(decoder.failure());
+  }
   decoded.warning = decoder.warning();
   return std::optional(std::move(decoded));
 }

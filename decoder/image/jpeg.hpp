@@ -2,9 +2,11 @@
 // JPEG files to grey images.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
@@ -26,5 +28,15 @@ inline std::string damaged_in_words(const std::string& warning) {
 // components, as CMYK has. Fails, with the decoder's words, where it gives up, and before memory is
 // taken for more than `most_pixels`.
 Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double most_pixels);
+
+// Rows of pixels, each blue, green, red.
+struct ColourImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> samples;
+};
+
+// The same in colour.
+Result<std::optional<ColourImage>> decode_jpeg_colour(std::string_view bytes, double most_pixels);
 
 }  // namespace tagsmith

@@ -14,6 +14,7 @@
 #include "decoder/image/codecs.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/jpeg.hpp"
+#include "decoder/image/png_chunks.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 
@@ -88,6 +89,15 @@ Result<DecodedImage> decode(const std::string& bytes) {
     } catch (const std::bad_alloc&) {
       return fail("is too large for the memory there is");
     }
+  }
+  if (is_png(bytes)) {
+    const Result<std::string> pixels = png_of_pixels(bytes);
+    if (!pixels) {
+      return fail("cannot be decoded, it is damaged or cut short: " + pixels.error().message);
+    }
+    Result<GrayImage> png = decode_by_opencv(*pixels);
+    if (!png) return fail(png.error().message);
+    return DecodedImage{std::move(*png), ""};
   }
   Result<GrayImage> image = decode_by_opencv(bytes);
   if (!image) return fail(image.error().message);

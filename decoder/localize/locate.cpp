@@ -174,11 +174,8 @@ Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, c
   for (const RigCamera& camera : rig.cameras) {
     const auto seen = measurement.cameras.find(camera.name);
     if (seen == measurement.cameras.end() || seen->second.image.empty()) continue;
-    auto image = load_gray_image(seen->second.image);
-    if (!image) {
-      observation.faults.push_back(image.error().message);
-      continue;
-    }
+    std::optional<GrayImage> image = load_observed(seen->second.image, observation);
+    if (!image) continue;
     loaded.push_back(std::move(*image));
     images.push_back({&camera, loaded.back().view(), seen->second.image.string()});
   }

@@ -158,6 +158,19 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
   add_result(observation, reader.read(image, *options), name, camera, surveys, reader);
 }
 
+std::optional<GrayImage> load_observed(const std::filesystem::path& file,
+                                       Observation& observation) {
+  Result<DecodedImage> loaded = load_image(file);
+  if (!loaded) {
+    observation.faults.push_back(loaded.error().message);
+    return std::nullopt;
+  }
+  if (!loaded->warning.empty()) {
+    observation.faults.push_back(file.string() + ": " + damaged_in_words(loaded->warning));
+  }
+  return std::move(loaded->image);
+}
+
 Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
                     const Rig& rig, const ReaderChoice& reader,
                     const std::optional<PosePrior>& prior) {
@@ -167,11 +180,9 @@ Observation observe(const Measurement& measurement, const std::vector<Survey>& s
     if (seen == measurement.cameras.end()) continue;
     const std::filesystem::path& file = seen->second.image;
     if (!file.empty()) {
-      const Result<GrayImage> image = load_gray_image(file);
+      const std::optional<GrayImage> image = load_observed(file, observation);
       if (image) {
         observe_image(observation, camera, image->view(), file.string(), surveys, reader, prior);
-      } else {
-        observation.faults.push_back(image.error().message);
       }
     }
     if (seen->second.tag && seen->second.distance) {

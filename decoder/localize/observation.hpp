@@ -2,6 +2,7 @@
 // What a vehicle saw at one moment, in terms of the survey: the input of every localization method.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -75,6 +76,10 @@ Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t pl
 Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
                     const Rig& rig, const ReaderChoice& reader,
                     const std::optional<PosePrior>& prior = std::nullopt);
+
+// The picture in the file. Damage that its decoder made good is a fault of the observation, and so
+// is a file that cannot be read; of that there is no picture.
+std::optional<GrayImage> load_observed(const std::filesystem::path& file, Observation& observation);
 
 // How to read a camera's image: with the surveys' codes as code book, and the tags that the prior
 // expects there. Fails when the image is not of the camera's size. `name` is for messages.

@@ -36,7 +36,7 @@ constexpr std::array<ThirdParty, 15> kThirdParty{{
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
-    {"zlib", "zlib\\.h", "tagsmith/render", true},
+    {"zlib", "zlib\\.h", "tagsmith/render|decoder/image", true},
     {"libpng", "png\\.h", "tagsmith/render", true},
     {"libjpeg", "jpeglib\\.h", "decoder/image", true},
     {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},

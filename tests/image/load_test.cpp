@@ -13,6 +13,8 @@
 #include <opencv2/imgproc.hpp>
 #include <sys/resource.h>
 
+#include "decoder/image/png_chunks.hpp"
+#include "decoder/image/shrink.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
@@ -117,6 +119,33 @@ TEST_CASE("A file cut short is refused, never half a picture") {
       CHECK(error_of(bytes->substr(0, size)) != "");
     }
   }
+}
+
+TEST_CASE(
+    "What a PNG holds besides its pixels is passed over, a wrong checksum of them is refused") {
+  const GrayImage image = ramp(200, 150);
+  const std::string png = encode_gray_image("a.png", image.view()).value();
+  constexpr std::size_t kAfterHeader = 33;
+  std::string odd = png;
+  odd.insert(kAfterHeader, std::string("\0\0\0\3iCCPabc\0\0\0\0", 15));  // no profile at all
+  CHECK(png_of_pixels(odd).value() == png_of_pixels(png).value());
+  CHECK(decode_gray_image("a.png", odd).value().samples == image.samples);
+  std::string spoilt = png;
+  spoilt[png.size() / 2] = static_cast<char>(spoilt[png.size() / 2] ^ 1);
+  CHECK(error_of(spoilt, "b.png")
+            .ends_with("b.png: cannot be decoded, it is damaged or cut short: the checksum of a "
+                       "chunk is wrong"));
+}
+
+TEST_CASE("A picture is made smaller by whole squares of pixels") {
+  const GrayImage wide{7, 3, {0, 2, 4, 6, 8, 10, 99, 2, 4, 6, 8, 10, 12, 99, 9, 9, 9, 9, 9, 9, 9}};
+  const GrayImage small = shrunk_to(wide.view(), 4);
+  CHECK(small.width == 3);
+  CHECK(small.height == 1);
+  CHECK(small.samples == std::vector<std::uint8_t>{2, 6, 10});
+  CHECK(shrunk_to(wide.view(), 7).samples == wide.samples);
+  const GrayImage line{9, 1, std::vector<std::uint8_t>(9, 5)};
+  CHECK(shrunk_to(line.view(), 4).samples == line.samples);  // a row has no square to lose
 }
 
 TEST_CASE("A header that asks for a huge picture is refused before memory is taken") {

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/file.hpp"
 #include "tests/localize/runs.hpp"
 #include "tests/support/program.hpp"
 
@@ -184,6 +185,29 @@ TEST_CASE("a missing or broken image costs its own row only") {
   CHECK(lines[4].at("status") == "ok");
   CHECK(lines[5].at("summary").at("located") == 1);
   CHECK_FALSE(lines[5].at("summary").contains("mean_error_plane"));
+}
+
+TEST_CASE("a position from a damaged image says so, by both methods and by name") {
+  const TemporaryFolder folder;
+  const fs::path photos = fs::absolute("surveys/corridor/photos");
+  std::string jpeg = *read_file(photos / "corridor_05_left.jpg");
+  jpeg.erase(jpeg.size() - 3'000, 2'000);
+  REQUIRE(write_file(folder.path() / "worn.jpg", jpeg).has_value());
+  const std::string run = file_with(
+      folder.path() / "run.csv",
+      "id,left,right,d\n5,worn.jpg," + (photos / "corridor_05_right.jpg").string() + ",0.894\n");
+  for (const char* method : {"joint", "paper"}) {
+    CAPTURE(method);
+    const ProgramOutput output = run_tagsmith(
+        "localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --run '" + run +
+        "' --json --method " + method);
+    const std::vector<json> lines = json_lines(output.out);
+    REQUIRE(lines.size() == 2);
+    const std::string told = lines[0].dump();
+    CHECK(told.find("worn.jpg: the file is damaged, and a part of the picture may be wrong: ") !=
+          std::string::npos);
+    CHECK(output.err.find("Corrupt JPEG") == std::string::npos);
+  }
 }
 
 TEST_CASE("wrong use and unreadable input are exit code 2, on standard error") {
