@@ -337,6 +337,7 @@ std::string to_json_line(const FileReport& report) {
   if (report.orientation) object["orientation"] = *report.orientation;
   if (!report.tags.empty()) object["up"] = to_string(report.up);
   if (!report.notes.empty()) object["notes"] = report.notes;
+  if (!report.picture_file.empty()) object["picture"] = report.picture_file;
   if (report.stale) object["stale"] = true;
   return line_of(object);
 }

@@ -73,9 +73,13 @@ Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::st
 // A fault that no crop was saved of, cut out of its photo, or why it cannot be.
 Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<std::string>& lines,
                                    CutPhoto& last) {
-  if (!fault.corners) return fail("no crop was saved of it: verify with --crops");
+  const bool is_in_photo = fault.corners || (fault.shows_whole && !fault.sha256.empty());
+  if (!is_in_photo) return fail("no crop was saved of it: verify with --crops");
   if (last.file != fault.file) last = {fault.file, load_photo(fault, lines)};
   if (!last.image) return fail(last.image.error().message);
+  if (fault.shows_whole) {
+    return report_picture(small_picture(last.image->view(), fault.orientation).view());
+  }
   TagFinding tag;
   tag.status = TagStatus::unreadable;  // any fault has a crop
   tag.corners = *fault.corners;
@@ -155,16 +159,15 @@ std::string report_picture(const GrayView& crop) {
 void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines) {
   CutPhoto last;
   for (FaultRecord& fault : merged.faults) {
-    if (!fault.jpeg.empty() || (fault.tag.empty() && !fault.corners && fault.crop.empty()))
-      continue;
-    if (merged.picture_bytes >= kMostPictureBytes) {
+    const bool is_of_tag = !fault.tag.empty() || fault.corners || !fault.crop.empty();
+    if (!fault.jpeg.empty() || (!is_of_tag && !fault.shows_whole)) continue;
+    if (constexpr std::size_t kUsual = 16'384; !has_room(merged, fault, kUsual)) {
       fault.no_picture = "a report holds no more pictures";
       continue;
     }
     Result<std::string> picture = picture_of(fault, lines, last);
     if (picture) {
-      fault.jpeg = std::move(*picture);
-      merged.picture_bytes += fault.jpeg.size();
+      take_picture(std::move(*picture), fault, merged);
     } else {
       fault.no_picture = picture.error().message;
     }

@@ -116,23 +116,32 @@ void print_up(const Survey& survey, const VerifyMerge& merged) {
   }
 }
 
-// Saves the crops of a report's faults as NAME-HASH-1.png ..., HASH being of the whole path: photos
-// of several folders often have one name.
+// Writes a picture of the report as NAME-HASH-`which`.png, HASH being of the whole path: photos of
+// several folders often have one name. Then the picture is let go, and `saved` is its file.
+Result<void> save_crop(const fs::path& folder, const FileReport& report, const std::string& which,
+                       std::optional<GrayImage>& picture, std::string& saved) {
+  const std::string hash = sha256(report.file.string()).substr(0, 8);
+  const fs::path file =
+      folder / fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, which);
+  const Result<std::string> bytes = encode_gray_image(file, picture->view());
+  if (!bytes) return fail(bytes.error().message);
+  if (const Result<void> written = write_file(file, *bytes); !written) return written;
+  saved = file.string();
+  picture.reset();
+  return {};
+}
+
+// The crops of a report's faults, numbered, and the picture of a file without a tag.
 Result<void> save_crops(const fs::path& folder, FileReport& report) {
   int number = 0;
-  const std::string hash = sha256(report.file.string()).substr(0, 8);
   for (TagFinding& tag : report.tags) {
     if (tag.crop || !tag.crop_file.empty()) ++number;
     if (!tag.crop) continue;
-    const fs::path file =
-        folder / fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, number);
-    const Result<std::string> bytes = encode_gray_image(file, tag.crop->view());
-    if (!bytes) return fail(bytes.error().message);
-    if (const Result<void> written = write_file(file, *bytes); !written) return written;
-    tag.crop_file = file.string();
-    tag.crop.reset();
+    const auto saved = save_crop(folder, report, std::to_string(number), tag.crop, tag.crop_file);
+    if (!saved) return saved;
   }
-  return {};
+  if (!report.picture) return {};
+  return save_crop(folder, report, "whole", report.picture, report.picture_file);
 }
 
 // A file that cannot be read is one finding, not the end.
@@ -149,27 +158,30 @@ FileReport broken(const fs::path& file, const Error& error) {
 // What became of one file.
 struct VerifiedOne {
   FileReport report;
-  std::vector<std::string> jpegs;  // of the tags' crops, for reports
-  std::optional<Error> problem;    // why it could not be read, or something not written
-  bool skipped = false;            // verified before
+  FilePictures pictures;         // for reports
+  std::optional<Error> problem;  // why it could not be read, or something not written
+  bool skipped = false;          // verified before
 };
 
 // The crops of the report, small.
-std::vector<std::string> pictures_of(const FileReport& report) {
-  std::vector<std::string> jpegs;
-  for (const TagFinding& tag : report.tags) {
-    jpegs.push_back(tag.crop ? report_picture(tag.crop->view()) : std::string());
-  }
-  return jpegs;
+FilePictures pictures_of(const FileReport& report) {
+  FilePictures pictures;
+  const auto small = [](const std::optional<GrayImage>& picture) {
+    return picture ? report_picture(picture->view()) : std::string();
+  };
+  for (const TagFinding& tag : report.tags) pictures.tags.push_back(small(tag.crop));
+  pictures.whole = small(report.picture);
+  return pictures;
 }
 
 // The crops, as files and as pictures of the report.
 Result<void> save_crop_pictures(const Options& options, VerifiedOne& one) {
-  if (options.report.shows_pictures()) one.jpegs = pictures_of(one.report);
+  if (options.report.shows_pictures()) one.pictures = pictures_of(one.report);
   if (!options.crops.empty()) {
     if (const Result<void> saved = save_crops(options.crops, one.report); !saved) return saved;
   }
   for (TagFinding& tag : one.report.tags) tag.crop.reset();
+  one.report.picture.reset();
   return {};
 }
 
@@ -250,7 +262,7 @@ bool prints_at_once(const Options& options) {
 
 void count(const VerifiedOne& one, Outcome& outcome) {
   outcome.tally.add(one.report);
-  merge(one.report.revision, verified_file(one.report), outcome.merged, one.jpegs);
+  merge(one.report.revision, verified_file(one.report), outcome.merged, one.pictures);
 }
 
 // Where tags hang takes all reports together: with --rig they wait to be counted.

@@ -120,6 +120,7 @@ std::optional<VerifiedFile> parse_line(const json& object) {
   }
   file.up = up_from(text_of(object, "up"));
   file.notes = texts_of(object, "notes");
+  file.picture = text_of(object, "picture");
   for (const json& tag : *tags) {
     if (!tag.is_object()) return std::nullopt;
     VerifiedTag found{text_of(tag, "tag"),    text_of(tag, "status"),
@@ -186,7 +187,8 @@ VerifiedFile verified_file(const FileReport& report) {
                     report.height,
                     report.orientation,
                     report.up,
-                    report.notes};
+                    report.notes,
+                    report.picture_file};
   for (const TagFinding& tag : report.tags) {
     VerifiedTag found{tag.tag, to_string(tag.status), tag.rule,     tag.message,
                       "",      tag.crop_file,         std::nullopt, ""};
@@ -215,6 +217,7 @@ FileReport report_of(const VerifiedFile& file) {
   report.orientation = file.orientation;
   report.up = file.up;
   report.notes = file.notes;
+  report.picture_file = file.picture;
   for (const VerifiedTag& tag : file.tags) {
     TagFinding finding;
     finding.status = status_from(tag.status);

@@ -43,6 +43,7 @@ struct VerifiedFile {
   std::optional<int> orientation{};  // of a photo (EXIF)
   UpSource up = UpSource::unknown;
   std::vector<std::string> notes{};
+  std::string picture{};  // file of the small picture of a photo, or a page, without a tag
 };
 
 struct VerifyLineCounts {

@@ -13,8 +13,9 @@ namespace {
 void add_fault(VerifyMerge& merged, FaultRecord fault) {
   ++merged.fault_count;
   if (merged.faults.size() >= kMostListedFaults) return;
-  if (merged.picture_bytes + fault.jpeg.size() > kMostPictureBytes) fault.jpeg.clear();
-  merged.picture_bytes += fault.jpeg.size();
+  if (std::string jpeg = std::move(fault.jpeg); !jpeg.empty()) {
+    take_picture(std::move(jpeg), fault, merged);
+  }
   merged.faults.push_back(std::move(fault));
 }
 
@@ -25,6 +26,17 @@ FaultRecord fault_of(const VerifiedFile& file, const VerifiedTag& tag, const std
   fault.orientation = file.orientation.value_or(1);
   fault.corners = tag.corners;
   fault.is_question = tag.status == "doubtful" && tag.rule == "upside-down";
+  return fault;
+}
+
+// Of what is wrong with a whole file, whose photo is the fault's picture.
+FaultRecord fault_of(const VerifiedFile& file, const std::string& rule, const std::string& words,
+                     const std::string& jpeg) {
+  FaultRecord fault{file.file, "", rule, words, file.picture, jpeg};
+  const bool is_photo = file.width > 0 && !file.sha256.empty();
+  fault.shows_whole = is_photo || !file.picture.empty() || !jpeg.empty();
+  if (is_photo) fault.sha256 = file.sha256;
+  fault.orientation = file.orientation.value_or(1);
   return fault;
 }
 
@@ -85,7 +97,7 @@ void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
 }  // namespace
 
 void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
-           const std::vector<std::string>& jpegs) {
+           const FilePictures& pictures) {
   const std::string identity = file.file + '\n' + file.sha256;
   if (!merged.known.insert(std::hash<std::string>{}(identity)).second) {
     ++merged.repeated;
@@ -110,11 +122,30 @@ void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& m
     }
     if (!tag.tag.empty()) ++merged.tags[tag.tag].faults;
     std::erase(rules, tag.rule);
-    add_fault(merged, fault_of(file, tag, i < jpegs.size() ? jpegs[i] : std::string()));
+    const bool has_picture = i < pictures.tags.size();
+    add_fault(merged, fault_of(file, tag, has_picture ? pictures.tags[i] : std::string()));
   }
   // What is left is wrong with the whole file.
   const std::string words = file_findings(file);
-  for (const std::string& rule : rules) add_fault(merged, {file.file, "", rule, words, ""});
+  for (const std::string& rule : rules) {
+    add_fault(merged, fault_of(file, rule, words, pictures.whole));
+  }
+}
+
+bool has_room(const VerifyMerge& merged, const FaultRecord& fault, std::size_t bytes) {
+  return merged.picture_bytes + bytes <= kMostPictureBytes &&
+         (!fault.shows_whole || merged.whole_bytes + bytes <= kMostWholeBytes);
+}
+
+void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged) {
+  if (!has_room(merged, fault, jpeg.size())) {
+    fault.no_picture = "a report holds no more pictures";
+    return;
+  }
+  merged.picture_bytes += jpeg.size();
+  if (fault.shows_whole) merged.whole_bytes += jpeg.size();
+  fault.jpeg = std::move(jpeg);
+  fault.no_picture.clear();
 }
 
 void sort_faults(VerifyMerge& merged) {

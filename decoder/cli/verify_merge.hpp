@@ -34,6 +34,7 @@ struct FaultRecord {
   std::string jpeg{};        // the picture itself, small; empty = not at hand
   std::string no_picture{};  // why it is not at hand
   bool is_question = false;  // whether it is a fault depends on an up that is in doubt
+  bool shows_whole = false;  // its picture is that of a whole photo or page
   // Of a photo, where in it the fault is: a picture can be had from there.
   std::string sha256{};
   int orientation = 1;
@@ -59,8 +60,10 @@ inline constexpr std::size_t kMostListedFaults = 20'000;
 // Notes that are listed.
 inline constexpr std::size_t kMostListedNotes = 1'000;
 
-// Bytes of the faults' pictures that a report holds.
+// Bytes of the faults' pictures that a report holds; and of those of whole photos and pages, so
+// that many photos without a tag leave room for the pictures of tags.
 inline constexpr std::size_t kMostPictureBytes = 12U << 20U;
+inline constexpr std::size_t kMostWholeBytes = 4U << 20U;
 
 struct VerifyMerge {
   std::size_t files = 0;
@@ -70,15 +73,27 @@ struct VerifyMerge {
   std::vector<FaultRecord> faults;
   std::size_t fault_count = 0;
   std::size_t picture_bytes = 0;
+  std::size_t whole_bytes = 0;  // of these, of whole photos and pages
   std::vector<NoteRecord> notes;
   std::size_t note_count = 0;
   NotedUp noted_up;
   std::unordered_set<std::uint64_t> known;  // of file and content
 };
 
-// `jpegs`: the pictures of the file's tags, by their place in the line; may be shorter.
+// The small pictures of one file's faults, JPEG; empty where there is none.
+struct FilePictures {
+  std::vector<std::string> tags{};  // by their place in the line; may be shorter
+  std::string whole{};              // of the photo, or the first page, without a tag
+};
+
 void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
-           const std::vector<std::string>& jpegs = {});
+           const FilePictures& pictures = {});
+
+// Whether the report holds a picture more of such a fault, of so many bytes.
+bool has_room(const VerifyMerge& merged, const FaultRecord& fault, std::size_t bytes);
+
+// Gives the fault its picture if there is room for it; else the fault says that there is none.
+void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged);
 
 // Puts the faults in one order, by file, tag, rule and words, and the notes, whatever order the
 // files came in.

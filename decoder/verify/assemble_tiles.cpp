@@ -43,7 +43,7 @@ Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePag
     paste(*tile, plate, pixels(column * plan.step_right, per_metre),
           pixels(row * plan.step_down, per_metre));
   }
-  return PageImage{std::move(plate), 1 / per_metre};
+  return PageImage{std::move(plate), 1 / per_metre, {}};
 }
 
 }  // namespace tagsmith

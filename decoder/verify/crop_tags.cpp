@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "decoder/image/half_size.hpp"
+#include "decoder/image/shrink.hpp"
 #include "decoder/image/upright.hpp"
 
 namespace tagsmith {
@@ -31,6 +32,12 @@ void crop_faults(const GrayView& image, std::vector<TagFinding>& tags, int orien
     while (crop.width > kMostCrop) crop = half_size(crop.view());
     tag.crop = orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);
   }
+}
+
+GrayImage small_picture(const GrayView& image, int orientation) {
+  constexpr int kMostSide = 480;
+  GrayImage small = shrunk_to(image, kMostSide);
+  return orientation == 1 ? small : turn_upright(small.view(), orientation);
 }
 
 }  // namespace tagsmith

@@ -13,4 +13,7 @@ namespace tagsmith {
 // of one keep it.
 void crop_faults(const GrayView& image, std::vector<TagFinding>& tags, int orientation = 1);
 
+// The whole picture, no side of it longer than 480 pixels, turned upright.
+GrayImage small_picture(const GrayView& image, int orientation = 1);
+
 }  // namespace tagsmith

@@ -84,6 +84,9 @@ struct FileReport {
   bool stale = false;                 // printed from another state of the survey: print it again
   UpSource up = UpSource::unknown;
   std::vector<std::string> notes{};  // what should be known of the file and is no fault
+  // The photo, or the first page, in which no tag was found, small and upright; when asked for.
+  std::optional<GrayImage> picture{};
+  std::string picture_file{};  // where it was saved
 };
 
 // All files together.

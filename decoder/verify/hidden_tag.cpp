@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/hidden_tag.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/grow_ink.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/diagnose.hpp"
+#include "decoder/verify/outline.hpp"
+#include "tagsmith/symbology/upca.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith {
@@ -40,13 +45,16 @@ std::optional<TagFinding> read_as(const Survey& survey, const GrayImage& image) 
   return finding_of(survey, result.tags.front().digits, result.tags.front().corners);
 }
 
+void call_inverted(const Survey& survey, TagFinding& finding) {
+  finding.status = TagStatus::misprinted;
+  finding.rule = "inverted";
+  finding.message = fmt::format("{} is white on black, expected black on white",
+                                name_of(survey, *finding.digits));
+}
+
 std::optional<TagFinding> find_inverted(const Survey& survey, const PageImage& page) {
   auto finding = read_as(survey, exchange_black_and_white(page.image.view()));
-  if (!finding) return std::nullopt;
-  finding->status = TagStatus::misprinted;
-  finding->rule = "inverted";
-  finding->message = fmt::format("{} is white on black, expected black on white",
-                                 name_of(survey, *finding->digits));
+  if (finding) call_inverted(survey, *finding);
   return finding;
 }
 
@@ -70,13 +78,17 @@ std::optional<TagFinding> find_grown(const Survey& survey, const PageImage& page
   return std::nullopt;
 }
 
-std::optional<TagFinding> find_frameless(const Survey& survey, const PageImage& page) {
+std::vector<FramelessReading> read_bars(const Survey& survey, const GrayView& image) {
   ReadOptions options = read_options_for(std::span(&survey, 1));
   options.search = Search::never;
   options.frameless = Frameless::always;
-  const ReadResult result = read_tags(page.image.view(), options);
-  if (result.frameless.read.empty()) return std::nullopt;
-  const FramelessReading& bars = result.frameless.read.front();
+  return read_tags(image, options).frameless.read;
+}
+
+std::optional<TagFinding> find_frameless(const Survey& survey, const PageImage& page) {
+  const std::vector<FramelessReading> read = read_bars(survey, page.image.view());
+  if (read.empty()) return std::nullopt;
+  const FramelessReading& bars = read.front();
   TagFinding finding = finding_of(survey, bars.digits, bars.bars);
   finding.status = TagStatus::unreadable;
   finding.rule = "no-frame";
@@ -85,7 +97,96 @@ std::optional<TagFinding> find_frameless(const Survey& survey, const PageImage& 
   return finding;
 }
 
+std::vector<TagFinding> inverted_in_photo(const Survey& survey, const GrayView& photo,
+                                          const Camera* camera) {
+  ReadOptions options = read_options_for(std::span(&survey, 1));
+  if (camera != nullptr && camera->width == photo.width && camera->height == photo.height) {
+    options.camera = *camera;
+  }
+  std::vector<TagFinding> findings;
+  for (const Reading& reading : read_tags(exchange_black_and_white(photo).view(), options).tags) {
+    TagFinding finding = finding_of(survey, reading.digits, reading.corners);
+    finding.module_px = reading.module_px;
+    finding.confidence = reading.confidence;
+    call_inverted(survey, finding);
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+// True when the feature frame around these bars would not be wholly in the photo.
+bool frame_may_leave(const GrayView& photo, const TagTemplate& tag, const FrameCorners& bars) {
+  const double module = module_width(tag);
+  const double stroke = tag.frame_stroke / module;
+  const double bar_height = tag.frame_inner_height / module - 2 * tag.margin_modules;
+  const double beside = (tag.quiet_zone_modules + stroke) / kModuleCount;
+  const double above = (tag.margin_modules + stroke) / bar_height;
+  const Homography image_from_unit = homography_to(bars);
+  for (const double right : {-beside, 1 + beside}) {
+    for (const double down : {-above, 1 + above}) {
+      const PixelPoint at = image_from_unit(right, down);
+      const bool inside =
+          at.x >= 0 && at.x <= photo.width - 1 && at.y >= 0 && at.y <= photo.height - 1;
+      if (!inside) return true;
+    }
+  }
+  return false;
+}
+
+TagFinding bars_in_photo(const Survey& survey, const FramelessReading& bars,
+                         const GrayView& photo) {
+  TagFinding finding = finding_of(survey, bars.digits, bars.bars);
+  finding.module_px = bars.module_px;
+  finding.confidence = bars.confidence;
+  const bool is_at_edge = frame_may_leave(photo, survey.tag_template, bars.bars);
+  finding.status = is_at_edge ? TagStatus::cut_off : TagStatus::unreadable;
+  finding.rule = is_at_edge ? "cut-off" : "no-frame";
+  const std::string name = name_of(survey, bars.digits);
+  finding.message =
+      is_at_edge
+          ? fmt::format("{} at the picture's edge, read by its bars without its whole frame", name)
+          : fmt::format(
+                "the bars of {} can be read, but no whole feature frame is to be seen "
+                "around them",
+                name);
+  return finding;
+}
+
+// What was refused there has a name now. One whose frame shows it to be covered or doubtful is not
+// believed by less, as in the reader: the name is a guess.
+void name_refused(const Survey& survey, const FramelessReading& bars, TagFinding& refused) {
+  const PlacedTag* tag = find_tag(survey, bars.digits);
+  if (tag == nullptr) return;
+  const bool is_doubted = refused.message.find(kDoubtfulReason) != std::string::npos ||
+                          refused.message.find(kCoveredReason) != std::string::npos;
+  refused.message +=
+      fmt::format("; {} {}", is_doubted ? "perhaps it is" : "by its bars it is", tag->name);
+  if (!is_doubted) refused.tag = tag->name;
+}
+
 }  // namespace
+
+void find_hidden_tags(const Survey& survey, const GrayView& photo, const Camera* camera,
+                      std::vector<TagFinding>& findings) {
+  if (survey.tags.empty()) return;
+  const std::vector<TagFinding> inverted = inverted_in_photo(survey, photo, camera);
+  for (const TagFinding& tag : inverted) {
+    std::erase_if(findings, [&](const TagFinding& other) {
+      return other.rule != "inverted" && overlap(tag.corners, other.corners);
+    });
+    findings.push_back(tag);
+  }
+  if (!inverted.empty()) return;
+  for (const FramelessReading& bars : read_bars(survey, photo)) {
+    const auto refused = std::ranges::find_if(
+        findings, [&](const TagFinding& other) { return overlap(other.corners, bars.bars); });
+    if (refused != findings.end()) {
+      name_refused(survey, bars, *refused);
+    } else {
+      findings.push_back(bars_in_photo(survey, bars, photo));
+    }
+  }
+}
 
 std::optional<TagFinding> find_hidden_tag(const Survey& survey, const PageImage& page) {
   if (auto inverted = find_inverted(survey, page)) return inverted;

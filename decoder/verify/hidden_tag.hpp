@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Why no tag is found on a page that should hold one.
+// Why no tag is found where there should be one.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "decoder/verify/finding.hpp"
 #include "decoder/verify/rasterize.hpp"
+#include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -15,5 +17,14 @@ namespace tagsmith {
 // follows (`bars-grown`), or if the feature frame is missing (`no-frame`). Nothing when it is none
 // of these. Reads the page up to four times.
 std::optional<TagFinding> find_hidden_tag(const Survey& survey, const PageImage& page);
+
+// For a photo in which no tag was read by its frame: the survey's tags in it that are printed white
+// on black (`inverted`), or, where there are none, whose bars read without a feature frame
+// (`no-frame`; `cut-off` where the frame may lie outside of the photo). Tags of no survey are left
+// out: a photo shows many things. Those that were found and refused at the same place give way to
+// an inverted one; to bars that read they are told by name. `camera`: as in read_for_survey. Reads
+// the photo up to three times.
+void find_hidden_tags(const Survey& survey, const GrayView& photo, const Camera* camera,
+                      std::vector<TagFinding>& findings);
 
 }  // namespace tagsmith

@@ -34,19 +34,27 @@ std::string first_line(const std::string& text) {
   return std::string(trim(std::string_view(text).substr(0, text.find('\n'))));
 }
 
-Result<std::string> run_poppler(const std::filesystem::path& path,
-                                const std::vector<std::string>& argv) {
+Result<ProcessOutput> run_poppler(const std::filesystem::path& path,
+                                  const std::vector<std::string>& argv) {
   Result<ProcessOutput> output = run_process(argv);
   if (!output) {
     return fail(path.string() + ": PDF files need poppler-utils: " + output.error().message);
   }
-  if (output->exit_code == 0) return std::move(output->out);
+  if (output->exit_code == 0) return output;
   const std::string reason = first_line(output->err);
   if (reason.find("Incorrect password") != std::string::npos) {
     return fail(path.string() + ": is protected by a password: save it without one");
   }
   return fail(path.string() +
               ": is no PDF that can be drawn: " + (reason.empty() ? argv[0] + " failed" : reason));
+}
+
+// The first error that poppler reports; its warnings are of what hurts nobody.
+std::string first_error(const std::string& messages) {
+  for (const std::string& line : split(messages, '\n')) {
+    if (line.find("Error") != std::string::npos) return std::string(trim(line));
+  }
+  return {};
 }
 
 // A line "Page    3 size:  1275.59 x 992.126 pts ..." or "Page    3 rot:  90" of pdfinfo.
@@ -128,11 +136,11 @@ bool is_pdf(std::string_view bytes) {
 
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
   const std::string last = std::to_string(kMaxPages + 1);
-  const Result<std::string> text =
+  const Result<ProcessOutput> text =
       run_poppler(path, {"pdfinfo", "-f", "1", "-l", last, argument_of(path)});
   if (!text) return fail(text.error().message);
   std::vector<PageSize> pages;
-  for (const std::string& line : split(*text, '\n')) {
+  for (const std::string& line : split(text->out, '\n')) {
     const std::optional<PageLine> parsed = parse_page_line(line);
     if (!parsed || parsed->number == 0) continue;
     if (parsed->key == "size:") {
@@ -155,25 +163,25 @@ Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
                                  const PageSize& size) {
   const double dpi = dots_per_inch(size);
   const std::string page = std::to_string(number);
-  const Result<std::string> bytes =
+  const Result<ProcessOutput> drawn =
       run_poppler(path, {"pdftoppm", "-gray", "-r", format_number(dpi, 3), "-f", page, "-l", page,
                          argument_of(path)});
-  if (!bytes) return fail(bytes.error().message);
-  std::optional<GrayImage> image = parse_pgm(*bytes);
+  if (!drawn) return fail(drawn.error().message);
+  std::optional<GrayImage> image = parse_pgm(drawn->out);
   if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
-  return PageImage{std::move(*image), kMetresPerInch / dpi};
+  return PageImage{std::move(*image), kMetresPerInch / dpi, first_error(drawn->err)};
 }
 
 Result<GrayImage> rasterize_region(const std::filesystem::path& path, int number,
                                    double dots_per_inch, const PixelRegion& region) {
   const std::string page = std::to_string(number);
-  const Result<std::string> bytes =
+  const Result<ProcessOutput> drawn =
       run_poppler(path, {"pdftoppm", "-gray", "-r", format_number(dots_per_inch, 6), "-x",
                          std::to_string(region.x), "-y", std::to_string(region.y), "-W",
                          std::to_string(region.width), "-H", std::to_string(region.height), "-f",
                          page, "-l", page, argument_of(path)});
-  if (!bytes) return fail(bytes.error().message);
-  std::optional<GrayImage> image = parse_pgm(*bytes);
+  if (!drawn) return fail(drawn.error().message);
+  std::optional<GrayImage> image = parse_pgm(drawn->out);
   if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
   return std::move(*image);
 }
@@ -192,7 +200,7 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
   }
   Result<GrayImage> image = decode_gray_image(path.string(), output->out);
   if (!image) return fail(image.error().message);
-  return PageImage{std::move(*image), kMetresPerInch / dots_per_inch};
+  return PageImage{std::move(*image), kMetresPerInch / dots_per_inch, {}};
 }
 
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct PageSize {
 struct PageImage {  // upright, as displayed
   GrayImage image;
   double metres_per_pixel = 0;
+  std::string error{};  // of a PDF that was drawn all the same: what poppler says; empty = nothing
 };
 
 // True when the file is called .pdf, in any case of letters.

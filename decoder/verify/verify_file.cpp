@@ -22,31 +22,12 @@
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/hidden_tag.hpp"
 #include "decoder/verify/manifest.hpp"
+#include "decoder/verify/outline.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith {
 namespace {
-
-// True when the point lies inside the corners' convex outline, whichever way it turns.
-bool lies_in(const FrameCorners& corners, const PixelPoint& point) {
-  int left = 0;
-  int right = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const PixelPoint& a = corners[i];
-    const PixelPoint& b = corners[(i + 1) % corners.size()];
-    ++(cross(b - a, point - a) < 0 ? left : right);
-  }
-  return left == 0 || right == 0;
-}
-
-PixelPoint middle_of(const FrameCorners& corners) {
-  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-}
-
-bool overlap(const FrameCorners& a, const FrameCorners& b) {
-  return lies_in(a, middle_of(b)) || lies_in(b, middle_of(a));
-}
 
 bool overlaps_any(const std::vector<Reading>& tags, const FrameCorners& corners) {
   return std::ranges::any_of(tags,
@@ -64,12 +45,15 @@ void describe_tags(FileReport& report) {
 }
 
 // `page` begins the words.
-void find_no_tag(FileReport& report, const GrayView& image, const std::string& page = "") {
+void find_no_tag(const VerifyRequest& request, FileReport& report, const GrayView& image,
+                 const std::string& page = "") {
   const std::optional<Diagnosis> light = diagnose_picture(image);
   // A blank page is no glare.
   const bool is_light = light && (report.width > 0 || light->rule == "too-dark");
   report.findings.push_back(page + "no tag was found" + (is_light ? ": " + light->measured : ""));
   report.rules.insert(is_light ? light->rule : "no-tag");
+  if (!request.crops || report.picture) return;
+  report.picture = small_picture(image, report.orientation.value_or(1));
 }
 
 // `up`: page, or unknown for a scan, which may lie on the glass any way.
@@ -158,6 +142,15 @@ void find_heads(const VerifyRequest& request, const Camera* camera, FileReport& 
   report.notes.push_back(fmt::format("all {} tags{}", before, kDoubtedUp));
 }
 
+// Which tags the photo would show, were it taken a little to the side.
+void name_cut_off(FileReport& photo) {
+  std::string names;
+  for (const TagFinding& tag : photo.tags) {
+    if (!tag.tag.empty()) names += (names.empty() ? "" : ", ") + tag.tag;
+  }
+  if (!names.empty()) photo.findings.back() += "; not wholly in view: " + names;
+}
+
 Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile& file) {
   const Result<DecodedImage> loaded = decode_image(file.path.string(), file.bytes);
   if (!loaded) return fail(loaded.error().message);
@@ -171,10 +164,11 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   report.height = image.height;
   report.orientation = exif_orientation(file.bytes);
   const Camera* camera = camera_of(request, file.path);
-  report.tags = check_tags(survey, read_for_survey(image, survey, camera),
-                           PictureSize{image.width, image.height}, request.also);
+  const ReadResult readings = read_for_survey(image, survey, camera);
+  report.tags = check_tags(survey, readings, PictureSize{image.width, image.height}, request.also);
   diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags,
                 report.orientation);
+  if (readings.tags.empty()) find_hidden_tags(survey, image, camera, report.tags);
   find_mirrored(image, survey.tag_template, report.tags);
   find_heads(request, camera, report);
   find_bent(image, survey.tag_template, camera, report.tags);
@@ -184,7 +178,8 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   if (request.crops) crop_faults(image, report.tags, report.orientation.value_or(1));
   const auto is_cut_off = [](const TagFinding& tag) { return tag.status == TagStatus::cut_off; };
   if (!std::ranges::all_of(report.tags, is_cut_off)) return report;
-  find_no_tag(report, image);
+  find_no_tag(request, report, image);
+  name_cut_off(report);
   return report;
 }
 
@@ -195,7 +190,7 @@ FileReport verify_print_picture(const VerifyRequest& request, const PageImage& i
   report.up = up;
   report.tags = verify_page(request, image, 0, up);
   note_dirt(image.image.view(), request.survey.tag_template, report);
-  if (report.tags.empty()) find_no_tag(report, image.image.view());
+  if (report.tags.empty()) find_no_tag(request, report, image.image.view());
   return report;
 }
 
@@ -210,7 +205,7 @@ Result<FileReport> verify_flat_picture(const VerifyRequest& request, const Input
                                        double dots_per_inch, UpSource up) {
   Result<GrayImage> image = decode_gray_image(file.path.string(), file.bytes);
   if (!image) return fail(image.error().message);
-  return verify_print_picture(request, {std::move(*image), kMetresPerInch / dots_per_inch}, up);
+  return verify_print_picture(request, {std::move(*image), kMetresPerInch / dots_per_inch, {}}, up);
 }
 
 Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesystem::path& path) {
@@ -223,8 +218,14 @@ Result<FileReport> verify_pdf(const VerifyRequest& request, const std::filesyste
     const PageSize& size = (*pages)[static_cast<std::size_t>(number - 1)];
     const Result<PageImage> page = rasterize_page(path, number, size);
     if (!page) return fail(page.error().message);
+    if (!page->error.empty()) {
+      report.notes.push_back(
+          fmt::format("page {}: the file is damaged, and others may draw it otherwise: {}", number,
+                      page->error));
+    }
     const std::vector<TagFinding> tags = verify_page(request, *page, number);
-    if (tags.empty()) find_no_tag(report, page->image.view(), fmt::format("page {}: ", number));
+    if (tags.empty())
+      find_no_tag(request, report, page->image.view(), fmt::format("page {}: ", number));
     std::ranges::copy(tags, std::back_inserter(report.tags));
   }
   find_repeats(report.tags);
@@ -275,7 +276,8 @@ Result<FileReport> verify_tiled_pdf(const VerifyRequest& request, const InputFil
     if (!plate) return fail(plate.error().message);
     const std::vector<TagFinding> found = verify_page(request, *plate, first);
     if (found.empty()) {
-      find_no_tag(report, plate->image.view(), fmt::format("the plate of page {}: ", first));
+      find_no_tag(request, report, plate->image.view(),
+                  fmt::format("the plate of page {}: ", first));
     }
     std::ranges::copy(found, std::back_inserter(report.tags));
   }

@@ -22,7 +22,7 @@ namespace tagsmith {
 struct VerifyRequest {
   const Survey& survey;
   std::span<const Survey> also{};      // other surveys, whose tags do not belong here
-  bool crops = false;                  // whether TagFinding::crop of faults is filled
+  bool crops = false;                  // whether faults get their pictures
   ManifestCache* manifests = nullptr;  // shared by the files; null = each one's is parsed anew
   // Of photos, where known: their cameras. Both or neither.
   const Rig* rig = nullptr;

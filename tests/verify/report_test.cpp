@@ -4,13 +4,16 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "decoder/image/load.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/browser.hpp"
+#include "tests/support/exif_jpeg.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::test {
@@ -179,6 +182,45 @@ TEST_CASE("the document has the summary, the map, the faults with pictures and t
   const ProgramOutput images = run_shell("pdfimages -list " + verified.quoted("report.pdf") +
                                          " | tail -n +3 | grep -c jpeg");
   CHECK(images.out == "1\n");
+}
+
+TEST_CASE("a photo in which no tag was read is shown in the report, small and upright") {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  const auto quoted = [&](const char* name) { return " '" + path(name).string() + "'"; };
+  GrayImage wall{1600, 1200, {}};
+  for (int i = 0; i < 1600 * 1200; ++i) {
+    wall.samples.push_back(static_cast<std::uint8_t>(i % 1600 / 8));
+  }
+  const std::string jpeg = encode_gray_image("a.jpg", wall.view()).value();
+  REQUIRE(write_file(path("wall.jpg"), with_orientation(jpeg, 6)).has_value());
+  const ProgramOutput direct =
+      run_tagsmith("verify --json " + kSurvey + quoted("wall.jpg") + " --crops" + quoted("crops") +
+                   " --html" + quoted("direct.html"));
+  CHECK(direct.exit_code == 1);
+  const json line = json::parse(direct.out.substr(0, direct.out.find('\n')));
+  CHECK(line["rules"] == json::array({"no-tag"}));
+  const GrayImage shown = load_gray_image(line["picture"].get<std::string>()).value();
+  CHECK(std::pair(shown.width, shown.height) == std::pair(300, 400));
+  CHECK(shown.view().at(5, 5) < shown.view().at(5, 390));  // the left of what was stored is the top
+
+  const auto page = [&](const std::string& lines) {
+    REQUIRE(write_file(path("lines.jsonl"), lines).has_value());
+    CHECK(run_tagsmith("report " + kSurvey + quoted("lines.jsonl") + " --html" + quoted("r.html") +
+                       " --pdf" + quoted("r.pdf"))
+              .exit_code == 1);
+    return *read_file(path("r.html"));
+  };
+  const std::string from_crop = page(direct.out);
+  CHECK(from_crop == *read_file(path("direct.html")));
+  CHECK(from_crop.find("data:image/jpeg") != std::string::npos);
+  CHECK(run_shell("pdfimages -list" + quoted("r.pdf") + " | grep -c jpeg").out == "1\n");
+  fs::remove_all(path("crops"));
+  CHECK(page(direct.out) == from_crop);  // from the photo itself
+  fs::remove(path("wall.jpg"));
+  const std::string without = page(direct.out);
+  CHECK(without.find("data:image/jpeg") == std::string::npos);
+  CHECK(without.find("No picture: the photo is not where the line says.") != std::string::npos);
 }
 
 TEST_CASE("verify writes the same report as report does of its lines") {

@@ -54,6 +54,17 @@ GrayImage cropped(const GrayView& image, int x, int width) {
   return part;
 }
 
+// Every sixteenth column left out: 93.75 % of its width.
+GrayImage narrowed(const GrayView& image) {
+  GrayImage narrow{image.width - image.width / 16, image.height, {}};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (x % 16 != 15) narrow.samples.push_back(image.at(x, y));
+    }
+  }
+  return narrow;
+}
+
 GrayImage darkened(GrayImage image, int divisor) {
   for (std::uint8_t& sample : image.samples) sample = static_cast<std::uint8_t>(sample / divisor);
   return image;
@@ -89,6 +100,8 @@ TEST_CASE("what is wrong with a scan of known resolution is named") {
       {"good", page, "150", "", ""},
       {"turned on the glass", turn_upright(page.view(), 3), "150", "", ""},
       {"fit to page", page, "159.6", "wrong-scale", "; 94.0 % of its size"},
+      {"stretched", narrowed(page.view()), "150", "wrong-scale",
+       "93.8 % of its width and 100.0 % of its height: stretched, or of another template"},
       {"mirrored", turn_upright(page.view(), 2), "150", "mirrored", "000L is mirrored"},
       {"inverted", exchange_black_and_white(page.view()), "150", "inverted",
        "000L is white on black, expected black on white"},
@@ -146,6 +159,14 @@ TEST_CASE("PDFs that cannot be read say why in words of their own") {
           .exit_code == 0);
   REQUIRE(write_file(at("text.pdf"), "hello").has_value());
   REQUIRE(write_file(at("mail.pdf"), "From: somebody\n\n" + pdf).has_value());
+  std::string spoilt = pdf;
+  spoilt.replace(spoilt.size() / 2, 400, 400, 'A');
+  REQUIRE(write_file(at("spoilt.pdf"), spoilt).has_value());
+  const json noted = verified(at("spoilt.pdf"));
+  CHECK(noted["findings"].empty());
+  CHECK(noted["notes"][0].get<std::string>().starts_with(
+      "page 1: the file is damaged, and others may draw it otherwise: Syntax Error"));
+  CHECK(!verified(at("plain.pdf")).contains("notes"));
   CHECK(words_of(verified(at("plain.pdf"))).empty());
   CHECK(words_of(verified(at("mail.pdf"))).empty());
   CHECK(words_of(verified(at("password.pdf"))) ==

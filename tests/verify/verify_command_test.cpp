@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <string>
@@ -34,6 +37,44 @@ void print_into(const fs::path& folder, const std::string& options) {
   REQUIRE_MESSAGE(output.exit_code == 0, output.err);
 }
 
+// Calls `change` for every sample of a tag's plate, with its place from the frame's middle: 1 is
+// the frame's inner edge to the right, and below.
+template <class Change>
+void for_plate(const json& corners, GrayImage& image, const Change& change) {
+  const auto mean = [&](std::size_t axis, std::array<double, 4> weights) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += weights[i] * corners[i][axis].get<double>() / 4;
+    return sum;
+  };
+  constexpr std::array<double, 4> kMiddle{1, 1, 1, 1};
+  constexpr std::array<double, 4> kRight{-1, 1, 1, -1};
+  constexpr std::array<double, 4> kDown{-1, -1, 1, 1};
+  const double ux = mean(0, kRight);
+  const double uy = mean(1, kRight);
+  const double vx = mean(0, kDown);
+  const double vy = mean(1, kDown);
+  const double area = ux * vy - uy * vx;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double dx = x - mean(0, kMiddle);
+      const double dy = y - mean(1, kMiddle);
+      const double right = (dx * vy - dy * vx) / area;
+      const double down = (ux * dy - uy * dx) / area;
+      if (std::abs(right) > 1.16 || std::abs(down) > 1.35) continue;
+      change(image.samples[static_cast<std::size_t>(y * image.width + x)], std::abs(right),
+             std::abs(down));
+    }
+  }
+}
+
+GrayImage without_left(const GrayView& image, int columns) {
+  GrayImage rest{image.width - columns, image.height, {}};
+  for (int y = 0; y < image.height; ++y) {
+    rest.samples.insert(rest.samples.end(), image.row(y) + columns, image.row(y) + image.width);
+  }
+  return rest;
+}
+
 }  // namespace
 
 TEST_CASE("the corridor's photos show tags of its survey and nothing else") {
@@ -50,6 +91,47 @@ TEST_CASE("the corridor's photos show tags of its survey and nothing else") {
   CHECK(summary["ok"] >= 20);
   CHECK(summary["unknown"] == 0);
   CHECK(summary["misprinted"] == 0);
+}
+
+TEST_CASE("a tag of reversed colours, without its frame, or cut off is named in a photo") {
+  const TemporaryFolder folder;
+  const GrayImage photo = load_gray_image(kPhotos + "/corridor_01_left.jpg").value();
+  const auto verified = [&](const GrayImage& image) {
+    const fs::path file = folder.path() / "photo.png";
+    REQUIRE(save_gray_image(file, image.view()).has_value());
+    return json_lines(run_tagsmith("verify --json " + kSurvey + " '" + file.string() + "'").out)[0];
+  };
+  const json corners = verified(photo)["tags"][0]["corners"];
+
+  GrayImage inverted = photo;
+  for_plate(corners, inverted, [](std::uint8_t& sample, double, double) { sample = 255 - sample; });
+  const json white_on_black = verified(inverted);
+  CAPTURE(white_on_black.dump());
+  REQUIRE(white_on_black["tags"].size() == 1);
+  CHECK(white_on_black["rules"] == json::array({"inverted"}));
+  CHECK(white_on_black["findings"][0] ==
+        "misprinted: 000L is white on black, expected black on white");
+  CHECK(white_on_black["tags"][0]["tag"] == "000L");
+
+  GrayImage bare = photo;
+  for_plate(corners, bare, [](std::uint8_t& sample, double right, double down) {
+    if (right > 0.92 || down > 0.85) sample = 190;
+  });
+  const json without_frame = verified(bare);
+  CAPTURE(without_frame.dump());
+  CHECK(without_frame["rules"] == json::array({"no-frame"}));
+  CHECK(without_frame["findings"][0] ==
+        "unreadable: the bars of 000L can be read, but no whole feature frame is to be seen around "
+        "them");
+
+  const double left = std::min(corners[0][0].get<double>(), corners[3][0].get<double>());
+  const json at_edge = verified(without_left(photo.view(), static_cast<int>(left) + 14));
+  CAPTURE(at_edge.dump());
+  REQUIRE(at_edge["tags"].size() == 1);
+  CHECK(at_edge["tags"][0]["status"] == "cut_off");
+  CHECK(at_edge["tags"][0]["tag"] == "000L");
+  CHECK(at_edge["rules"] == json::array({"no-tag"}));
+  CHECK(at_edge["findings"][0] == "no tag was found; not wholly in view: 000L");
 }
 
 TEST_CASE("missing tags are named, and a fault only with --complete") {
@@ -281,6 +363,23 @@ TEST_CASE("lines that could not be written are no success") {
                                          kPhotos + "/corridor_01_left.jpg > /dev/full");
   CHECK(output.exit_code == 2);
   CHECK(output.err.find("standard output cannot be written") != std::string::npos);
+}
+
+TEST_CASE("copies of damaged photos are made without a word that names no file") {
+  const TemporaryFolder folder;
+  std::string jpeg = *read_file(kPhotos + "/corridor_01_left.jpg");
+  jpeg.erase(jpeg.size() - 30'000, 20'000);
+  REQUIRE(write_file(folder.path() / "worn.jpg", jpeg).has_value());
+  const GrayImage photo = load_gray_image(kPhotos + "/corridor_01_left.jpg").value();
+  std::string png = encode_gray_image("a.png", photo.view()).value();
+  png.insert(33, std::string("\0\0\0\3iCCPabc\0\0\0\0", 15));  // behind the header: no profile
+  REQUIRE(write_file(folder.path() / "odd.png", png).has_value());
+  const std::string copies = (folder.path() / "copies").string();
+  const ProgramOutput output = run_tagsmith("verify " + kSurvey + " '" + folder.path().string() +
+                                            "' --annotate '" + copies + "'");
+  CHECK(output.exit_code == 0);
+  CHECK(output.err.empty());
+  CHECK(std::distance(fs::directory_iterator(copies), fs::directory_iterator()) == 2);
 }
 
 TEST_CASE("copies of photos are annotated, upright, in the format of the source") {
