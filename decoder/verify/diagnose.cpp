@@ -375,6 +375,10 @@ std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& ta
   return judge_cover(image, tag, shown, shape_of(tag, shown).module_px, seen_from(orientation));
 }
 
+std::optional<Diagnosis> diagnose_light(const GrayView& image, const FrameCorners& corners) {
+  return judge_light(image, corners, kPlate);
+}
+
 std::optional<Diagnosis> diagnose_picture(const GrayView& image) {
   const double right = image.width - 1;
   const double bottom = image.height - 1;

@@ -34,6 +34,9 @@ std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& ta
                                     const FrameCorners& corners,
                                     const std::optional<int>& orientation);
 
+// What is wrong with the light on a plate, within these corners; nothing when it could be read.
+std::optional<Diagnosis> diagnose_light(const GrayView& image, const FrameCorners& corners);
+
 // What is wrong with the light of a whole picture in which no tag was found; nothing when a tag
 // could have been seen in it.
 std::optional<Diagnosis> diagnose_picture(const GrayView& image);

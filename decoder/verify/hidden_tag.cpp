@@ -133,22 +133,27 @@ bool frame_may_leave(const GrayView& photo, const TagTemplate& tag, const FrameC
   return false;
 }
 
+// Bars at the photo's edge are no fault; in light that hides the frame the light is to blame.
 TagFinding bars_in_photo(const Survey& survey, const FramelessReading& bars,
                          const GrayView& photo) {
   TagFinding finding = finding_of(survey, bars.digits, bars.bars);
   finding.module_px = bars.module_px;
   finding.confidence = bars.confidence;
-  const bool is_at_edge = frame_may_leave(photo, survey.tag_template, bars.bars);
-  finding.status = is_at_edge ? TagStatus::cut_off : TagStatus::unreadable;
-  finding.rule = is_at_edge ? "cut-off" : "no-frame";
   const std::string name = name_of(survey, bars.digits);
-  finding.message =
-      is_at_edge
-          ? fmt::format("{} at the picture's edge, read by its bars without its whole frame", name)
-          : fmt::format(
-                "the bars of {} can be read, but no whole feature frame is to be seen "
-                "around them",
-                name);
+  if (frame_may_leave(photo, survey.tag_template, bars.bars)) {
+    finding.status = TagStatus::cut_off;
+    finding.rule = "cut-off";
+    finding.message =
+        name + " at the picture's edge, read by its bars without its whole feature frame";
+    return finding;
+  }
+  finding.status = TagStatus::unreadable;
+  const std::optional<Diagnosis> light = diagnose_light(photo, bars.bars);
+  finding.rule = light ? light->rule : "no-frame";
+  finding.message = fmt::format(
+      "the bars of {} can be read, but no whole feature frame is to be seen around "
+      "them{}",
+      name, light ? ": " + light->measured : "");
   return finding;
 }
 

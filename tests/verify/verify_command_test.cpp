@@ -124,6 +124,15 @@ TEST_CASE("a tag of reversed colours, without its frame, or cut off is named in 
         "unreadable: the bars of 000L can be read, but no whole feature frame is to be seen around "
         "them");
 
+  GrayImage dark = photo;
+  for (std::uint8_t& sample : dark.samples) sample = static_cast<std::uint8_t>(sample / 20);
+  const json too_dark = verified(dark);
+  CAPTURE(too_dark.dump());
+  CHECK(too_dark["rules"] == json::array({"too-dark"}));
+  CHECK(too_dark["findings"][0].get<std::string>().find(
+            "the bars of 000L can be read, but no whole feature frame is to be seen around them: "
+            "its white is ") != std::string::npos);
+
   const double left = std::min(corners[0][0].get<double>(), corners[3][0].get<double>());
   const json at_edge = verified(without_left(photo.view(), static_cast<int>(left) + 14));
   CAPTURE(at_edge.dump());
