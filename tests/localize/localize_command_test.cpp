@@ -190,9 +190,9 @@ TEST_CASE("a missing or broken image costs its own row only") {
 TEST_CASE("a position from a damaged image says so, by both methods and by name") {
   const TemporaryFolder folder;
   const fs::path photos = fs::absolute("surveys/corridor/photos");
-  std::string jpeg = *read_file(photos / "corridor_05_left.jpg");
+  std::string jpeg = *tagsmith::read_file(photos / "corridor_05_left.jpg");
   jpeg.erase(jpeg.size() - 3'000, 2'000);
-  REQUIRE(write_file(folder.path() / "worn.jpg", jpeg).has_value());
+  REQUIRE(tagsmith::write_file(folder.path() / "worn.jpg", jpeg).has_value());
   const std::string run = file_with(
       folder.path() / "run.csv",
       "id,left,right,d\n5,worn.jpg," + (photos / "corridor_05_right.jpg").string() + ",0.894\n");
