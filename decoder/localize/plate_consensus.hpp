@@ -18,6 +18,12 @@ enum class HangVerdict {
   doubtful,   // it or a rival hangs elsewhere: nothing seen tells which
 };
 
+// Of a frame that hangs as surveyed and was printed at another size.
+struct FrameScale {
+  double share = 1;  // of the template's size
+  double least = 0;  // difference from 1 that would have been seen in 95 of 100
+};
+
 struct PlateCheck {
   HangVerdict verdict = HangVerdict::unchecked;
   std::optional<PlateOffset> offset;  // of a doubtful plate: were it the one
@@ -25,9 +31,9 @@ struct PlateCheck {
   int stations = 0;                   // that saw it together with another
   // Of a plate that is off: each hangs where the other should, and `offset` is from there.
   std::optional<std::size_t> swapped_with;
-  // Of a plate that is off: that it hangs in its place and its frame is of this share of the
-  // template's size explains the pictures as well.
-  std::optional<double> scale;
+  // Of a plate that is off or doubtful: that it hangs in its place and its frame is of this size
+  // explains the pictures as well.
+  std::optional<FrameScale> scale;
 };
 
 struct Consensus {
@@ -47,7 +53,7 @@ double farthest_corner(const SightedPlate& plate, const PlateOffset& offset);
 
 // Exchanges two plates that contradict the rest and in each other's place do not. Then
 // tests each plate against all others (PlateOffset) and takes the one that disagrees most out of
-// the survey, until those left agree; a plate seldom disagrees by chance (once in 10 000). Where
+// the survey, until those left agree; a plate seldom disagrees by chance (once in 400). Where
 // taking out one of its neighbours instead explains the pictures nearly as well (odds of 400),
 // either may be the one, and both are doubtful. A plate that disagrees by less than the tolerance
 // fits.

@@ -163,6 +163,12 @@ bool is_on_other_wall(const Survey& survey, const PlacedTag& tag, const Pose& po
   return side * address.offset < -wall_distance(survey.tunnel, other, address.chainage) / 2;
 }
 
+std::string frame_of(const FrameScale& scale) {
+  return fmt::format(
+      "a frame of {:.1f} % of the template's size (here errors of {:.1f} % and more can be seen)",
+      100 * scale.share, 100 * scale.least);
+}
+
 // Names what is wrong with a plate that is off.
 void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCheck& check,
                   HungTag& tag) {
@@ -188,9 +194,9 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
   } else if (check.scale) {
     tag.rule = "wrong-scale";
     tag.message = fmt::format(
-        "{} in its surveyed place has a frame of {:.1f} % of the template's size (printed to fit a "
-        "page?), or it hangs elsewhere: measure the frame; if its size is right, {}",
-        tag.tag, 100 * *check.scale, instruction(tag));
+        "{} in its surveyed place has {} (printed to fit a page?), or it hangs elsewhere: measure "
+        "the frame; if its size is right, {}",
+        tag.tag, frame_of(*check.scale), instruction(tag));
   } else {
     tag.rule = "moved";
     tag.message = fmt::format("{} hangs {} from its surveyed place: {}", tag.tag,
@@ -219,6 +225,13 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
   return tag;
 }
 
+// What to do about a doubtful tag, were it the one.
+std::string cure(const HungTag& tag, const PlateCheck& check) {
+  const std::string cure = fmt::format("if it is {}, {}", tag.tag, instruction(tag));
+  if (!check.scale) return cure;
+  return fmt::format("{}, unless it has {}", cure, frame_of(*check.scale));
+}
+
 // Of tags one of which hangs wrong: what to do about each, were it the one. The rivals of a
 // doubtful tag are doubtful, too.
 void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
@@ -226,16 +239,19 @@ void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const PlateCheck& check = consensus.plates[i];
     if (check.verdict != HangVerdict::doubtful) continue;
-    std::string cures = fmt::format("if it is {}, {}", tags[i].tag, instruction(tags[i]));
+    std::string cures = cure(tags[i], check);
+    bool by_size = check.scale.has_value();
     for (const std::size_t rival : check.rivals) {
-      cures += fmt::format("; if it is {}, {}", tags[rival].tag, instruction(tags[rival]));
+      cures += "; " + cure(tags[rival], consensus.plates[rival]);
+      by_size = by_size || consensus.plates[rival].scale;
     }
     tags[i].rule = "contradiction";
     tags[i].message = fmt::format(
         "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
-        "tells which. Measure them: {}",
+        "tells which. Measure them{}: {}",
         tags[i].tag, fmt::join(tags[i].rivals, ", "),
-        millimetres(farthest_corner(problem.plates[i], *check.offset)), cures);
+        millimetres(farthest_corner(problem.plates[i], *check.offset)),
+        by_size ? ", and their frames" : "", cures);
   }
 }
 

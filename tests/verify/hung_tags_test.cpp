@@ -21,6 +21,8 @@ using Eigen::Vector3d;
 
 // Seen from three places, exactly.
 struct Corridor : test::WideCorridor {
+  std::string small;  // tag whose frame is printed at 97 %, about its middle
+
   Pose& at(std::string_view name) { return hung[index(name)]; }
 
   std::vector<SightedTag> seen() const {
@@ -33,6 +35,7 @@ struct Corridor : test::WideCorridor {
         for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
           SightedPlate plate = sighted_plate(survey.tags[i], survey);
           plate.world_from_plate = hung[i];
+          if (survey.tags[i].name == small) shrink(plate);
           const auto rows = sighting_rows(rig, calibration_layout(rig), {}, vehicle_frame(vehicle),
                                           plate, camera);
           if (!rows || !in_view(*rows)) continue;
@@ -47,6 +50,13 @@ struct Corridor : test::WideCorridor {
       }
     }
     return sighted;
+  }
+
+  static void shrink(SightedPlate& plate) {
+    const Vector3d corner(0.015 * plate.length, 0.015 * plate.height, 0);
+    plate.world_from_plate.translation += plate.world_from_plate.rotation * corner;
+    plate.length *= 0.97;
+    plate.height *= 0.97;
   }
 
   static bool in_view(const SightingRows& rows) {
@@ -160,6 +170,29 @@ TEST_CASE("of two tags that contradict each other each is told what to do if it 
     CHECK(tag.rule == "contradiction");
     CHECK(tag.message == (tag.tag == "001L" ? left : right));
   }
+}
+
+TEST_CASE("a frame of another size is told with the least error of size that could be seen") {
+  Corridor corridor;
+  corridor.survey.angle_sigma = radians(0.1);
+  corridor.small = "001L";
+  const auto tells = [](const HungTag& tag, const std::string& words) {
+    return tag.message.find(words) != std::string::npos;
+  };
+  const HungTag tag = corridor.judged("001L");
+  CAPTURE(tag.message);
+  CHECK(tag.rule == "wrong-scale");
+  CHECK(tells(tag, "has a frame of 97.0 % of the template's size (here errors of "));
+  CHECK(tells(tag, " % and more can be seen)"));
+  std::vector<SightedTag> picture = corridor.seen();
+  std::erase_if(picture, [](const SightedTag& seen) {
+    return seen.station != std::to_string(0.3) || (seen.tag != "001L" && seen.tag != "001R");
+  });
+  const HungTags pair = check_hung_tags(corridor.survey, corridor.rig, picture);
+  REQUIRE(pair.tags.size() == 2);
+  CAPTURE(pair.tags[0].message);
+  CHECK(pair.tags[0].rule == "contradiction");
+  CHECK(tells(pair.tags[0], "unless it has a frame of 97."));
 }
 
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
