@@ -23,10 +23,11 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/place_tags.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include "tests/bench/bench_site.hpp"
 #include "tests/support/draws.hpp"
 
 using namespace tagsmith;
+using bench::Site;
 using Eigen::Vector3d;
 using test::disturbed;
 using test::Draws;
@@ -37,11 +38,6 @@ namespace {
 constexpr double kWrongTag = 0.03;    // probability of each tag
 constexpr double kGrossRange = 0.05;  // of each range
 constexpr double kNoRange = 0.2;
-
-struct Site {
-  Survey survey;
-  Rig rig;
-};
 
 VehiclePose random_pose(const Site& site, Draws& draws) {
   const Centerline& line = site.survey.tunnel.centerline;
@@ -152,16 +148,14 @@ Draw draw_from(const Site& site, Draws& draws) {
   return draw;
 }
 
-Result<Site> load_site(const std::string& name) {
-  const std::string folder = "surveys/" + name;
-  auto survey = load_survey(folder + "/survey.yaml");
-  if (!survey) return fail(survey.error().message);
-  auto rig = load_rig(folder + "/rig.yaml");
-  if (!rig) return fail(rig.error().message);
-  survey->angle_sigma = radians(0.1);
-  for (RigCamera& camera : rig->cameras)
+Result<Site> uncertain_site(const std::string& name) {
+  Result<Site> site = bench::load_shipped_site(name);
+  if (!site) return site;
+  site->survey.angle_sigma = radians(0.1);
+  for (RigCamera& camera : site->rig.cameras) {
     camera.calibration_sigma = {0.001, radians(0.05), 5e-4, 0.5};
-  return Site{std::move(*survey), std::move(*rig)};
+  }
+  return site;
 }
 
 // What a kind of draws came to.
@@ -235,7 +229,7 @@ int main(int argc, char** argv) {
   const auto seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::vector<Site> sites;
   for (const char* name : {"corridor", "curved"}) {
-    Result<Site> site = load_site(name);
+    Result<Site> site = uncertain_site(name);
     if (!site) {
       fmt::print(stderr, "{}\n", site.error().message);
       return 2;

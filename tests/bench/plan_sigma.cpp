@@ -15,11 +15,12 @@
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "tagsmith/placement/expected_by_paper.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include "tests/bench/bench_site.hpp"
 #include "tests/support/plan_trial.hpp"
 
 using namespace tagsmith;
 using namespace tagsmith::test;
+using bench::Site;
 
 namespace {
 
@@ -159,20 +160,7 @@ Rig with_range_sigma(Rig rig, double sigma) {
   return rig;
 }
 
-struct Site {
-  Survey survey;
-  Rig rig;
-  TrialPoses poses;
-};
-
-Result<Site> load_site(const std::string& survey_file, const std::string& rig_file) {
-  Result<Survey> survey = load_survey(survey_file);
-  if (!survey) return fail(survey.error().message);
-  Result<Rig> rig = load_rig(rig_file);
-  if (!rig) return fail(rig.error().message);
-  const TrialPoses poses{0, survey->tunnel.centerline.length(), true};
-  return Site{std::move(*survey), std::move(*rig), poses};
-}
+TrialPoses all_along(const Survey& survey) { return {0, survey.tunnel.centerline.length(), true}; }
 
 }  // namespace
 
@@ -191,7 +179,7 @@ int main(int argc, char** argv) {
   }
   std::vector<Site> sites;
   for (std::size_t i = 0; i + 1 < files.size(); i += 2) {
-    Result<Site> site = load_site(files[i], files[i + 1]);
+    Result<Site> site = bench::load_site(files[i], files[i + 1]);
     if (!site) {
       fmt::print(stderr, "{}\n", site.error().message);
       return 2;
@@ -203,7 +191,7 @@ int main(int argc, char** argv) {
       "| survey | what was seen | located | along | across | z | heading | pitch | roll | NEES/3 | "
       "NEES/6 | in the 95 % ellipse |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Site& site : sites) {
-    print(site.survey.name, try_joint({site.survey, site.rig}, site.poses, poses));
+    print(site.survey.name, try_joint({site.survey, site.rig}, all_along(site.survey), poses));
   }
   fmt::print(
       "\nThe paper's method: observed / expected errors, mm, and measurements without solution\n\n"
@@ -213,7 +201,7 @@ int main(int argc, char** argv) {
     for (const double sigma : {0.001, 0.003, 0.01}) {
       const Rig rig = with_range_sigma(site.rig, sigma);
       print(site.survey.name, fmt::format("{:.0f} mm", 1000 * sigma),
-            try_paper({site.survey, rig}, site.poses, poses));
+            try_paper({site.survey, rig}, all_along(site.survey), poses));
     }
   }
   return 0;

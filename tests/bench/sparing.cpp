@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -16,8 +17,8 @@
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
-#include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
+#include "tests/bench/bench_site.hpp"
 #include "tests/support/draws.hpp"
 
 using namespace tagsmith;
@@ -25,22 +26,20 @@ using test::Draws;
 
 namespace {
 
-struct Site {
+// A shipped site with its photos.
+struct PhotoSite {
   std::vector<Survey> surveys;
   Rig rig;
   std::vector<std::vector<GrayImage>> images;  // of each measurement, in the order of the cameras
   std::vector<Eigen::Vector3d> truths;
 };
 
-Result<Site> load_site(const std::string& name) {
-  const std::string folder = "surveys/" + name;
-  auto survey = load_survey(folder + "/survey.yaml");
-  if (!survey) return fail(survey.error().message);
-  auto rig = load_rig(folder + "/rig.yaml");
-  if (!rig) return fail(rig.error().message);
-  const auto run = load_run(folder + "/run.csv", *rig);
+Result<PhotoSite> load_photos(const std::string& name) {
+  Result<bench::Site> drive = bench::load_shipped_site(name);
+  if (!drive) return fail(drive.error().message);
+  const auto run = load_run("surveys/" + name + "/run.csv", drive->rig);
   if (!run) return fail(run.error().message);
-  Site site{{std::move(*survey)}, std::move(*rig), {}, {}};
+  PhotoSite site{{std::move(drive->survey)}, std::move(drive->rig), {}, {}};
   for (const Measurement& measurement : run->measurements) {
     std::vector<GrayImage>& images = site.images.emplace_back();
     for (const RigCamera& camera : site.rig.cameras) {
@@ -126,7 +125,7 @@ void count(Tally& tally, const Fix& sparing, const Fix& full, const Eigen::Vecto
   tally.farthest = std::max(tally.farthest, most_sigmas(difference, full));
 }
 
-void draw(const Site& site, Draws& draws, Tally& tally) {
+void draw(const PhotoSite& site, Draws& draws, Tally& tally) {
   const std::size_t row = draws.index(site.images.size());
   std::vector<GrayImage> painted = site.images[row];
   std::vector<Survey> surveys = site.surveys;
@@ -154,7 +153,7 @@ int main(int argc, char** argv) {
       "looking at all | farthest apart, sigma | confirmed and off by 5 sigma: sparing | looking at "
       "all |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const char* name : {"corridor", "curved"}) {
-    const Result<Site> site = load_site(name);
+    const Result<PhotoSite> site = load_photos(name);
     if (!site) {
       fmt::print(stderr, "{}\n", site.error().message);
       return 2;
