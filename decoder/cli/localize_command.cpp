@@ -147,9 +147,10 @@ void print_json(const Located& located, const std::vector<Measurement>& measurem
 
 std::string tags_text(const Fix& fix) { return fmt::format("{}", fmt::join(fix.tags, " ")); }
 
+// In millimetres: many are smaller than the last digit of a position in metres.
 std::string sigma_text(const Fix& fix, int axis) {
   if (!fix.covariance_in_grid) return "-";
-  return fmt::format("{:.3f}", std::sqrt((*fix.covariance_in_grid)(axis, axis)));
+  return fmt::format("{:.1f}", 1000 * std::sqrt((*fix.covariance_in_grid)(axis, axis)));
 }
 
 std::string row_text(const Fix& fix, const Measurement& measurement) {
@@ -161,7 +162,7 @@ std::string row_text(const Fix& fix, const Measurement& measurement) {
       fmt::format("{:9.3f} {:9.3f} {:9.3f}  {:>6} {:>6} {:>6}", position.x(), position.y(),
                   position.z(), sigma_text(fix, 0), sigma_text(fix, 1), sigma_text(fix, 2));
   if (const auto error = error_of(fix, measurement)) {
-    row += fmt::format("  {:11.3f} {:7.3f}", error->plane, error->height);
+    row += fmt::format("  {:16.1f} {:7.1f}", 1000 * error->plane, 1000 * error->height);
   }
   return row;
 }
@@ -220,7 +221,8 @@ void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& 
   }
   const FixSummary summary = summarize(fixes, measurements);
   fmt::print("{:<{}}  {:<{}}  {:>9} {:>9} {:>9}  {:>20}{}\n", "id", id_width, "tags", tags_width,
-             "x", "y", "z", "sigma of x, y, z", summary.mean_error ? "  error plane       z" : "");
+             "x", "y", "z", "sigma of x, y, z, mm",
+             summary.mean_error ? "  error, mm: plane       z" : "");
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     fmt::print("{:<{}}  {:<{}}  {}\n", fixes[i].id, id_width, tags_text(fixes[i]), tags_width,
                row_text(fixes[i], measurements[i]));
