@@ -232,26 +232,42 @@ std::string cure(const HungTag& tag, const PlateCheck& check) {
   return fmt::format("{}, unless it has {}", cure, frame_of(*check.scale));
 }
 
-// Of tags one of which hangs wrong: what to do about each, were it the one. The rivals of a
-// doubtful tag are doubtful, too.
+// By how much the plate would be turned in its place, radians.
+double turn_of(const PlateCheck& check) { return check.offset->turn.norm(); }
+
+// Of tags one of which hangs wrong: what to do about each, were it the one; or what is likelier
+// where that is out of question. The rivals of a doubtful tag are doubtful, too.
 void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
                  std::vector<HungTag>& tags) {
+  constexpr double kMostTurned = 1;  // radians
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const PlateCheck& check = consensus.plates[i];
     if (check.verdict != HangVerdict::doubtful) continue;
+    double least_turn = turn_of(check);
+    for (const std::size_t rival : check.rivals) {
+      least_turn = std::min(least_turn, turn_of(consensus.plates[rival]));
+    }
+    tags[i].rule = "contradiction";
+    const std::string what = fmt::format(
+        "{} and {} do not fit together by {}", tags[i].tag, fmt::join(tags[i].rivals, ", "),
+        millimetres(farthest_corner(problem.plates[i], *check.offset)));
+    if (least_turn > kMostTurned) {
+      tags[i].message = fmt::format(
+          "{}: whichever hangs wrong would be turned by {:.0f} degrees and more, as no plate hangs "
+          "on a "
+          "wall. Are the photos of the cameras exchanged, or were they not taken together?",
+          what, degrees(least_turn));
+      continue;
+    }
     std::string cures = cure(tags[i], check);
     bool by_size = check.scale.has_value();
     for (const std::size_t rival : check.rivals) {
       cures += "; " + cure(tags[rival], consensus.plates[rival]);
       by_size = by_size || consensus.plates[rival].scale;
     }
-    tags[i].rule = "contradiction";
     tags[i].message = fmt::format(
-        "{} and {} do not fit together by {}: one of them hangs wrong, and no other tag in view "
-        "tells which. Measure them{}: {}",
-        tags[i].tag, fmt::join(tags[i].rivals, ", "),
-        millimetres(farthest_corner(problem.plates[i], *check.offset)),
-        by_size ? ", and their frames" : "", cures);
+        "{}: one of them hangs wrong, and no other tag in view tells which. Measure them{}: {}",
+        what, by_size ? ", and their frames" : "", cures);
   }
 }
 

@@ -172,6 +172,21 @@ TEST_CASE("of two tags that contradict each other each is told what to do if it 
   }
 }
 
+TEST_CASE("of exchanged photos nobody is told to turn a plate round") {
+  Corridor corridor;
+  std::vector<SightedTag> picture = corridor.seen();
+  std::erase_if(picture, [](const SightedTag& tag) {
+    return tag.station != std::to_string(0.3) || (tag.tag != "001L" && tag.tag != "001R");
+  });
+  REQUIRE(picture.size() == 2);
+  std::swap(picture[0].camera, picture[1].camera);
+  for (const HungTag& tag : check_hung_tags(corridor.survey, corridor.rig, picture).tags) {
+    CAPTURE(tag.message);
+    CHECK(tag.rule == "contradiction");
+    CHECK(tag.message.find("Are the photos of the cameras exchanged") != std::string::npos);
+  }
+}
+
 TEST_CASE("a frame of another size is told with the least error of size that could be seen") {
   Corridor corridor;
   corridor.survey.angle_sigma = radians(0.1);
