@@ -179,43 +179,46 @@ void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Lo
   }
 }
 
+constexpr int kPlacesPerModule = 2;
+
+// Places along the symbol, in the unit square, every half module and a little beyond the bars.
+std::vector<double> places_along(const SymbolLayout& layout) {
+  constexpr int kBeyond = 2;  // modules to either side of the bars
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  std::vector<double> places;
+  for (int k = -kBeyond * kPlacesPerModule; k < (kModuleCount + kBeyond) * kPlacesPerModule; ++k) {
+    places.push_back((layout.quiet_zone_modules + (k + 0.5) / kPlacesPerModule) / modules);
+  }
+  return places;
+}
+
+std::vector<double> levels_at(const GrayView& image, const FrameMap& image_from_unit,
+                              std::span<const double> u, double v) {
+  std::vector<double> levels;
+  for (const double at : u) levels.push_back(sample_bilinear(image, image_from_unit(at, v)));
+  return levels;
+}
+
 // What is beside the ends of the bars: there the plate is all white, or all ink.
 enum class Beside { quiet_zone, stroke };
 
-// The light beside the ends of the bars, every half module along the symbol.
+// The light beside the ends of the bars.
 struct Row {
   Beside beside = Beside::quiet_zone;
   double v = 0;               // in the unit square
-  std::vector<double> u;      // likewise
+  std::span<const double> u;  // likewise
   std::vector<double> level;  // grey
   double contrast = 0;        // of the bars
 };
 
-constexpr int kPlacesPerModule = 2;
-
-// The mean of the heights `v` less and more `spread`, and of the one in their middle.
-Row row_at(const GrayView& image, const FrameMap& image_from_unit, const SymbolLayout& layout,
-           Beside beside, double v, double spread) {
-  constexpr int kBeyond = 2;  // modules to either side of the bars
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  Row row;
-  row.beside = beside;
-  row.v = v;
-  std::vector<double> bars;
-  for (int k = -kBeyond * kPlacesPerModule; k < (kModuleCount + kBeyond) * kPlacesPerModule; ++k) {
-    const double u = (layout.quiet_zone_modules + (k + 0.5) / kPlacesPerModule) / modules;
-    row.u.push_back(u);
-    double level = sample_bilinear(image, image_from_unit(u, v));
-    if (spread > 0) {
-      level += sample_bilinear(image, image_from_unit(u, v - spread));
-      level += sample_bilinear(image, image_from_unit(u, v + spread));
-      level /= 3;
-    }
-    row.level.push_back(level);
-    bars.push_back(sample_bilinear(image, image_from_unit(u, 0.5)));
+// The means with the light `spread` above and below.
+void add_neighbours(Row& row, const GrayView& image, const FrameMap& image_from_unit,
+                    double spread) {
+  const std::vector<double> above = levels_at(image, image_from_unit, row.u, row.v - spread);
+  const std::vector<double> below = levels_at(image, image_from_unit, row.u, row.v + spread);
+  for (std::size_t i = 0; i < row.level.size(); ++i) {
+    row.level[i] = (row.level[i] + above[i] + below[i]) / 3;
   }
-  row.contrast = quantile(bars, 0.9) - quantile(bars, 0.1);
-  return row;
 }
 
 // By how much a place is not as it should be: white may be darker or glare, ink only lighter.
@@ -306,15 +309,29 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Row&
   return even >= kLeastEven * kPlaces;
 }
 
-// The strips from one row above the bars to another below.
+// Where to ask for strips along the bars: two rows, from above which to below which they lead.
+struct Between {
+  Beside beside;
+  double v_above, v_below;
+  double spread;  // of the lines that a row is the mean of; 0 = one line
+};
+
+// The strips from one row above the bars to another below. Seen along one line alone, a row that
+// shows less than half of what counts is clear.
 std::vector<CoverStrip> strips_between(const GrayView& image, const FrameMap& image_from_unit,
-                                       const SymbolLayout& layout, Beside beside, double v_above,
-                                       double v_below, double spread) {
-  const Row above = row_at(image, image_from_unit, layout, beside, v_above, spread);
+                                       const SymbolLayout& layout, std::span<const double> places,
+                                       double contrast, const Between& rows) {
+  const auto row_at = [&](double v) {
+    return Row{rows.beside, v, places, levels_at(image, image_from_unit, places, v), contrast};
+  };
+  Row above = row_at(rows.v_above);
   if (is_clear(above)) return {};
-  const Row below = row_at(image, image_from_unit, layout, beside, v_below, spread);
+  Row below = row_at(rows.v_below);
   if (is_clear(below)) return {};
-  const double bars_share = (layout.bars_bottom - layout.bars_top) / (v_below - v_above);
+  if (rows.spread > 0) {
+    for (Row* row : {&above, &below}) add_neighbours(*row, image, image_from_unit, rows.spread);
+  }
+  const double bars_share = (layout.bars_bottom - layout.bars_top) / (rows.v_below - rows.v_above);
   std::vector<CoverStrip> strips;
   const auto add = [&](const Crossing& begin, const Crossing& end) {
     if (!lies_along_bars(begin, end, bars_share)) return;
@@ -322,7 +339,7 @@ std::vector<CoverStrip> strips_between(const GrayView& image, const FrameMap& im
     strips.push_back({place_in(above, begin.begin - 1), place_in(above, begin.begin + begin.count),
                       place_in(below, end.begin + end.count), place_in(below, end.begin - 1)});
   };
-  const bool may_end_in_broad = beside == Beside::stroke;
+  const bool may_end_in_broad = rows.beside == Beside::stroke;
   const std::vector<Crossing> ends = crossings_of(below);
   for (const Crossing& begin : crossings_of(above)) {
     for (const Crossing& end : ends) {
@@ -347,11 +364,15 @@ double stroke_share(const Quad& corners, double stroke_px) {
 
 std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke) {
+  const std::vector<double> places = places_along(layout);
+  const std::vector<double> bars = levels_at(image, image_from_unit, places, 0.5);
+  const double contrast = quantile(bars, 0.9) - quantile(bars, 0.1);
   std::vector<CoverStrip> strips =
-      strips_between(image, image_from_unit, layout, Beside::quiet_zone, layout.bars_top / 2,
-                     (1 + layout.bars_bottom) / 2, 0);
-  const std::vector<CoverStrip> pale = strips_between(
-      image, image_from_unit, layout, Beside::stroke, -stroke / 2, 1 + stroke / 2, stroke / 4);
+      strips_between(image, image_from_unit, layout, places, contrast,
+                     {Beside::quiet_zone, layout.bars_top / 2, (1 + layout.bars_bottom) / 2, 0});
+  const std::vector<CoverStrip> pale =
+      strips_between(image, image_from_unit, layout, places, contrast,
+                     {Beside::stroke, -stroke / 2, 1 + stroke / 2, stroke / 4});
   strips.insert(strips.end(), pale.begin(), pale.end());
   return strips;
 }
