@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/pixel.hpp"
 
 namespace tagsmith {
@@ -20,14 +21,10 @@ bool lies_in(const FrameCorners& corners, const PixelPoint& point) {
   return left == 0 || right == 0;
 }
 
-PixelPoint middle_of(const FrameCorners& corners) {
-  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-}
-
 }  // namespace
 
 bool overlap(const FrameCorners& a, const FrameCorners& b) {
-  return lies_in(a, middle_of(b)) || lies_in(b, middle_of(a));
+  return lies_in(a, centre_of(b)) || lies_in(b, centre_of(a));
 }
 
 }  // namespace tagsmith

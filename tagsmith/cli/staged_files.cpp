@@ -129,10 +129,11 @@ Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
   files.folder_ = (folder / "").parent_path();  // without a trailing slash
   files.made_folders_ = missing_folders(files.folder_);
   fs::create_directories(files.folder_, error);
-  if (const auto file = file_in_the_way(files.folder_)) {
-    return fail(file->string() + ": is a file, expected a folder");
+  if (error || !fs::is_directory(files.folder_)) {
+    const auto file = file_in_the_way(files.folder_);
+    if (file) return fail(file->string() + ": is a file, expected a folder");
+    return fail(folder.string() + ": cannot be made: " + error.message());
   }
-  if (error) return fail(folder.string() + ": cannot be made: " + error.message());
   remove_abandoned(files.folder_);
   constexpr int kAttempts =
       10;  // another process may take the folder for abandoned before its lock
