@@ -49,6 +49,16 @@ Json dropped_json(const Fix& fix) {
   return all;
 }
 
+Json unchecked_json(const Fix& fix) {
+  Json all = Json::array();
+  for (const Unchecked& unchecked : fix.unchecked) {
+    all.push_back({{"kind", to_string(unchecked.kind)},
+                   {"name", json_or_null(unchecked.name)},
+                   {"metres", unchecked.metres}});
+  }
+  return all;
+}
+
 // Standard deviations, metres.
 Json budget_json(const ErrorBudget& budget) {
   Json parts;
@@ -96,9 +106,10 @@ Json summary_values(const FixSummary& summary) {
 }  // namespace
 
 std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget& budget) {
-  return {{"pixels", budget.pixels},           {"survey", budget.survey},
-          {"coding", budget.coding},           {"ranges", budget.ranges},
-          {"calibration", budget.calibration}, {"vehicle", budget.vehicle}};
+  return {{"pixels", budget.pixels},  {"edges", budget.edges},
+          {"survey", budget.survey},  {"coding", budget.coding},
+          {"ranges", budget.ranges},  {"calibration", budget.calibration},
+          {"vehicle", budget.vehicle}};
 }
 
 std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain) {
@@ -119,6 +130,8 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
   if (fix.degrees_of_freedom > 0) {
     line["chi_square"] = fix.chi_square;
     line["degrees_of_freedom"] = fix.degrees_of_freedom;
+    line["variance_factor"] = fix.variance_factor;
+    line["unchecked"] = unchecked_json(fix);
   }
   if (explain && fix.budget) line["budget"] = budget_json(*fix.budget);
   if (explain && fix.budget) line["residuals"] = residuals_json(fix);

@@ -17,6 +17,52 @@ double mean_of(const std::vector<double>& values) {
 
 }  // namespace
 
+const char* to_string(Unchecked::Kind kind) {
+  using enum Unchecked::Kind;
+  switch (kind) {
+    case plate_place:
+      return "plate_place";
+    case wall_places:
+      return "wall_places";
+    case plate_size:
+      return "plate_size";
+    case mounting:
+      return "mounting";
+    case lens:
+      return "lens";
+    case all_lenses:
+      return "all_lenses";
+    case range:
+      return "range";
+    case vehicle_height:
+      return "vehicle_height";
+  }
+  return "";
+}
+
+std::string to_string(const Unchecked& unchecked) {
+  using enum Unchecked::Kind;
+  switch (unchecked.kind) {
+    case plate_place:
+      return "the place of " + unchecked.name;
+    case wall_places:
+      return "the width of the tunnel or the spacing of the plates";
+    case plate_size:
+      return "the size of the plates";
+    case mounting:
+      return "the mounting of camera " + unchecked.name;
+    case lens:
+      return "the lens of camera " + unchecked.name;
+    case all_lenses:
+      return "the focal length of all cameras";
+    case range:
+      return "the range " + unchecked.name;
+    case vehicle_height:
+      return "the height of the vehicle";
+  }
+  return {};
+}
+
 std::string status_of(const Fix& fix) { return fix.position_in_grid ? "ok" : "no_position"; }
 
 Fix if_confirmed(Fix fix) {

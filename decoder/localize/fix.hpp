@@ -35,6 +35,7 @@ struct Dropped {
 // covariance.
 struct ErrorBudget {
   Eigen::Matrix3d pixels = Eigen::Matrix3d::Zero();       // where edges were found in the images
+  Eigen::Matrix3d edges = Eigen::Matrix3d::Zero();        // where the camera may have put them
   Eigen::Matrix3d survey = Eigen::Matrix3d::Zero();       // the plates' surveyed places
   Eigen::Matrix3d coding = Eigen::Matrix3d::Zero();       // rounding of coded positions
   Eigen::Matrix3d ranges = Eigen::Matrix3d::Zero();       // range sensors
@@ -50,6 +51,29 @@ struct FittedCorners {
   std::array<PixelPoint, 4> fitted{};
   bool used = true;
 };
+
+// A mistake that nothing in the measurement would reveal, were it made.
+struct Unchecked {
+  enum class Kind {
+    plate_place,     // a plate hangs elsewhere than surveyed; `name`: the tag
+    wall_places,     // the plates of a wall, or all of them along the drive
+    plate_size,      // plates are of another size than the template
+    mounting,        // a camera stands or looks otherwise; `name`: the camera
+    lens,            // a camera's focal length, centre or distortion; `name`: the camera
+    all_lenses,      // the same for all cameras
+    range,           // a range sensor measures something else; `name`: the range
+    vehicle_height,  // the vehicle is higher or lower than the rig says
+  };
+  Kind kind = Kind::plate_place;
+  std::string name;
+  double metres = 0;  // how far it could move the position at most
+};
+
+// The kind as JSON has it: "plate_place".
+const char* to_string(Unchecked::Kind kind);
+
+// "the place of 003L", "the lens of camera left".
+std::string to_string(const Unchecked& unchecked);
 
 // The note of a fix that rests on one tag: what moves the plate along its wall, or swaps it with
 // another of the same wall, moves the position with it, whatever ranges and priors say.
@@ -76,10 +100,17 @@ struct Fix {
   std::optional<ErrorBudget> budget;
   std::vector<FittedCorners> corners;  // with an attitude, of every tag that was looked at
   double chi_square = 0;               // of what the fix rests on, weighted residuals squared
-  int degrees_of_freedom = 0;          // expectation of chi_square; 0 = nothing to check it by
-  bool predicted = false;              // from the run's motion: nothing of its own was used
-  std::string reason;                  // why there is no position; empty with one
-  std::vector<std::string> notes;      // what a user of the position should know
+  // By how much the covariance is raised over what was stated because chi-square asks for it.
+  double variance_factor = 1;
+  // What would go unnoticed and move the position by more than four standard deviations. No single
+  // measurement can reveal that all cameras are displaced
+  // together, that all photos are of another moment, or that the survey is shifted as a whole;
+  // these are not listed.
+  std::vector<Unchecked> unchecked;
+  int degrees_of_freedom = 0;      // expectation of chi_square; 0 = nothing to check it by
+  bool predicted = false;          // from the run's motion: nothing of its own was used
+  std::string reason;              // why there is no position; empty with one
+  std::vector<std::string> notes;  // what a user of the position should know
 };
 
 // "ok" or "no_position".

@@ -146,7 +146,8 @@ class Linearisation {
         const auto rows = rows_of(problem_, layout_, state, frame, sighting);
         if (!rows) return false;
         by_plate.middleRows<kSightingRows>(row) = rows->by_plate;
-        covariance.block<kSightingRows, kSightingRows>(row, row) = sighting.covariance;
+        covariance.block<kSightingRows, kSightingRows>(row, row) =
+            problem_.edges_weigh ? sighting.covariance_with_edges() : sighting.covariance;
         row += kSightingRows;
       }
       const SightedPlate& plate = problem_.plates[group.plate];
@@ -229,6 +230,25 @@ class Linearisation {
   Index count_ = 0;
 };
 
+// A plate's part of a fit's rows.
+struct PlateRows {
+  VectorXd residual;
+  MatrixXd jacobian;
+  // Covariance of the residual at the solution, I - J P J^T. Its inverse turns the residual into
+  // that against a fit without the plate (Cook and Weisberg 1982, "Residuals and Influence in
+  // Regression", 2.2).
+  MatrixXd left;
+};
+
+PlateRows plate_rows(const JointFit& fit, std::size_t index) {
+  const WhitenedRows::Plate& group = fit.rows.plates[index];
+  const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
+  PlateRows rows{fit.rows.residual.segment(group.begin, size),
+                 fit.rows.jacobian.middleRows(group.begin, size), MatrixXd::Identity(size, size)};
+  rows.left.noalias() -= rows.jacobian * fit.covariance * rows.jacobian.transpose();
+  return rows;
+}
+
 Eigen::Matrix<double, 6, 1> variance_of(const SightedPlate& plate) {
   return plate.survey_variance + plate.coding_variance;
 }
@@ -269,7 +289,7 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
   const Eigen::Matrix<double, kSightingRows, 3> by_shift = rows->by_plate.leftCols<3>();
   const Eigen::Matrix<double, kSightingRows, 3> by_turn = rows->by_plate.rightCols<3>();
   const Eigen::Matrix<double, kSightingRows, 1> residual = rows->predicted - sighting.pixels;
-  CornerCovariance spread = sighting.covariance;
+  CornerCovariance spread = sighting.covariance_with_edges();
   spread.noalias() += jacobian * fit.covariance * jacobian.transpose();
   spread.noalias() += by_turn * variance.tail<3>().asDiagonal() * by_turn.transpose();
   const Eigen::LDLT<CornerCovariance> solver(spread);
@@ -286,16 +306,17 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
   return result;
 }
 
+Vector3d position_shift_without(const JointFit& fit, std::size_t index) {
+  const PlateRows rows = plate_rows(fit, index);
+  return fit.covariance.topRows<3>() * rows.jacobian.transpose() *
+         rows.left.ldlt().solve(rows.residual);
+}
+
 Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index) {
   const WhitenedRows::Plate& group = fit.rows.plates[index];
-  const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
-  const VectorXd residual = fit.rows.residual.segment(group.begin, size);
-  const MatrixXd jacobian = fit.rows.jacobian.middleRows(group.begin, size);
-  // Of the residual at the solution: I - J P J^T. Its inverse turns it into that against a fit
-  // without the plate (Cook and Weisberg 1982, "Residuals and Influence in Regression", 2.2).
-  const MatrixXd left =
-      MatrixXd::Identity(size, size) - jacobian * fit.covariance * jacobian.transpose();
+  const auto [residual, jacobian, left] = plate_rows(fit, index);
+  const Index size = residual.size();
   const CalibrationLayout layout = calibration_layout(*problem.rig);
   const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
   MatrixXd by_shift = MatrixXd::Zero(size, 3);
@@ -357,6 +378,8 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
       const Sighting& sighting = problem.sightings[index];
       const auto own = by_pixels.middleCols<kSightingRows>(column);
       budget.pixels += own * sighting.covariance * own.transpose();
+      const Eigen::Matrix<double, kVehicleCount, 1> by_edges = own * sighting.by_edges;
+      budget.edges += by_edges * by_edges.transpose();
       const auto seen = rows_of(problem, layout, fit.state, frame, sighting);
       if (seen) by_plate += own * seen->by_plate;
       column += kSightingRows;
@@ -372,6 +395,11 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
   budget.vehicle = part(rows.vehicle_begin, rows.calibration_begin);
   budget.calibration = part(rows.calibration_begin, rows.residual.size());
   return budget;
+}
+
+VehicleCovariance total(const VehicleBudget& budget) {
+  return budget.pixels + budget.edges + budget.survey + budget.coding + budget.ranges +
+         budget.calibration + budget.vehicle;
 }
 
 double chi_square_limit(int degrees_of_freedom, double z) {

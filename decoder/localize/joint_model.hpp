@@ -32,6 +32,7 @@ struct JointProblem {
   std::vector<SightedPlate> plates;
   std::vector<Sighting> sightings;
   std::vector<WallRange> ranges;
+  bool edges_weigh = true;  // pictures are weighed with the sightings' errors of edges
 };
 
 // What a fit rests on, by index.
@@ -97,6 +98,11 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
 Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
                                  std::size_t index);
 
+// How far the vehicle's position moves when a plate (index in fit.rows.plates) is taken out of the
+// fit, world frame, metres; linearly (Cook and Weisberg 1982, "Residuals and Influence in
+// Regression", 2.2).
+Eigen::Vector3d position_shift_without(const JointFit& fit, std::size_t index);
+
 // Difference of a range from the fit (which does not rest on it), in standard deviations of it.
 double range_disagreement(const JointProblem& problem, const JointFit& fit, std::size_t range);
 
@@ -105,15 +111,19 @@ std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& 
                                                             const JointState& state,
                                                             std::size_t sighting);
 
-// What of the vehicle's covariance comes from where; the parts add up to it.
+// What of the vehicle's covariance comes from where.
 struct VehicleBudget {
   VehicleCovariance pixels = VehicleCovariance::Zero();
+  VehicleCovariance edges = VehicleCovariance::Zero();
   VehicleCovariance survey = VehicleCovariance::Zero();
   VehicleCovariance coding = VehicleCovariance::Zero();
   VehicleCovariance ranges = VehicleCovariance::Zero();
   VehicleCovariance calibration = VehicleCovariance::Zero();
   VehicleCovariance vehicle = VehicleCovariance::Zero();
 };
+
+// The covariance itself: the sum of the parts.
+VehicleCovariance total(const VehicleBudget& budget);
 
 // Through the gain of the fit's rows, each group of measurements with its own covariance.
 VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit);

@@ -18,7 +18,7 @@ double shared_part(const Fix& fix) {
   if (!fix.budget) return 0;
   const ErrorBudget& budget = *fix.budget;
   const double shared =
-      (budget.survey + budget.coding + budget.calibration + budget.vehicle).trace();
+      (budget.edges + budget.survey + budget.coding + budget.calibration + budget.vehicle).trace();
   constexpr double kMost = 0.9;  // a fix keeps some noise of its own, for the filter to weigh it by
   return std::clamp(shared / fix.covariance_in_grid->trace(), 0.0, kMost);
 }

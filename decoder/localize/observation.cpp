@@ -103,7 +103,8 @@ SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey) {
   return plate;
 }
 
-Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t plate) {
+Sighting sighting_of(const SeenCorners& seen, const Rig& rig, std::size_t camera,
+                     std::size_t plate) {
   Sighting sighting;
   sighting.camera = camera;
   sighting.plate = plate;
@@ -112,6 +113,8 @@ Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t pl
         seen.corners[i].y;
   }
   sighting.covariance = seen.covariance;
+  const double edge = rig.cameras[camera].calibration_sigma.edge;
+  if (edge > 0) sighting.by_edges = edge * by_outward_edges(sighting.pixels);
   return sighting;
 }
 

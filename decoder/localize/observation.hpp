@@ -67,8 +67,9 @@ SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& co
 // A tag of the survey where it should hang, with how surely it does.
 SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey);
 
-// `camera` and `plate`: indices in the problem that it is for.
-Sighting sighting_of(const SeenCorners& seen, std::size_t camera, std::size_t plate);
+// `camera` (of the rig) and `plate`: indices in the problem that it is for.
+Sighting sighting_of(const SeenCorners& seen, const Rig& rig, std::size_t camera,
+                     std::size_t plate);
 
 // Loads and reads the measurement's images, one after the other, with the surveys' codes as code
 // book, and looks up the tags. With a prior they are looked for where they should be, and all over

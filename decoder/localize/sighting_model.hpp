@@ -34,6 +34,14 @@ struct Sighting {
   std::size_t plate = 0;   // of the problem
   Eigen::Matrix<double, 8, 1> pixels = Eigen::Matrix<double, 8, 1>::Zero();
   CornerCovariance covariance = CornerCovariance::Identity();
+  // How the corners move when all four edges move outward by one standard deviation of the camera's
+  // `edge`. Its share is kept apart from the covariance: it counts where pictures are compared and
+  // in a position's covariance, but it does not weigh them.
+  Eigen::Matrix<double, 8, 1> by_edges = Eigen::Matrix<double, 8, 1>::Zero();
+
+  CornerCovariance covariance_with_edges() const {
+    return covariance + by_edges * by_edges.transpose();
+  }
 };
 
 // A camera's calibration errors: its mounting (shift in vehicle axes, turn), the relative change of

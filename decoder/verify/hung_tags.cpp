@@ -47,7 +47,7 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
     const auto [station, is_new] = stations.emplace(seen.station, problem.stations.size());
     if (is_new) problem.stations.push_back({seen.station, {}});
     problem.stations[station->second].sightings.push_back(
-        sighting_of(seen.seen, seen.camera, plate->second));
+        sighting_of(seen.seen, rig, seen.camera, plate->second));
   }
   return problem;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/LU>
+
 #include "tagsmith/geometry/side_line.hpp"
 
 namespace tagsmith {
@@ -124,6 +126,20 @@ ObservedWall observe_wall(const Centerline& centerline, const ChainageProfile& w
   constexpr double kAtWall = 1e-9;
   if (length < kAtWall) return {sign * length, across};
   return {sign * length, Vector3d(sign * way.x() / length, sign * way.y() / length, 0)};
+}
+
+Eigen::Matrix<double, 8, 1> by_outward_edges(const Eigen::Matrix<double, 8, 1>& corners) {
+  Eigen::Matrix<double, 8, 1> shift;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const Eigen::Vector2d corner = corners.segment<2>(2 * i);
+    const Eigen::Vector2d before = corner - corners.segment<2>(2 * ((i + 3) % 4));
+    const Eigen::Vector2d after = corners.segment<2>(2 * ((i + 1) % 4)) - corner;
+    Eigen::Matrix2d normals;  // of both sides that meet here, outward of a clockwise outline
+    normals << before.y() / before.norm(), -before.x() / before.norm(), after.y() / after.norm(),
+        -after.x() / after.norm();
+    shift.segment<2>(2 * i) = normals.inverse() * Eigen::Vector2d(1, 1);
+  }
+  return shift;
 }
 
 }  // namespace tagsmith

@@ -71,6 +71,10 @@ std::optional<PointFromVehicle> observe_point_from_vehicle(const Camera& camera,
                                                            const VehicleFrame& vehicle,
                                                            const Eigen::Vector3d& point_in_world);
 
+// How the corners of a quadrilateral (clockwise in the image, as u, v, u, v, ...) move when each of
+// its sides moves outward by a pixel.
+Eigen::Matrix<double, 8, 1> by_outward_edges(const Eigen::Matrix<double, 8, 1>& corners);
+
 // A range to a wall.
 struct ObservedWall {
   double distance = 0;                                    // negative behind the wall

@@ -29,18 +29,20 @@ std::optional<Matrix3d> inverse_of_positive(const Matrix3d& matrix) {
 }
 
 bool is_exact(const CalibrationSigma& sigma) {
-  return sigma.position == 0 && sigma.angle == 0 && sigma.focal == 0 && sigma.center == 0;
+  return sigma.position == 0 && sigma.angle == 0 && sigma.focal == 0 && sigma.center == 0 &&
+         sigma.edge == 0;
 }
 
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
 constexpr Eigen::Index kCalibrationCount = 9;
 constexpr Eigen::Index kPlateRows = 8;
+constexpr Eigen::Index kPlateCount = 7;  // its place, its attitude, where its edges are seen
 
 // Derivatives of a plate's corners in one image, those by what is uncertain in units of its
 // standard deviations.
 struct CornerRows {
   Eigen::Matrix<double, kPlateRows, kVehicleCount> by_vehicle;
-  Eigen::Matrix<double, kPlateRows, 6> by_plate;
+  Eigen::Matrix<double, kPlateRows, kPlateCount> by_plate;
   Eigen::Matrix<double, kPlateRows, kCalibrationCount> by_calibration;
 };
 
@@ -55,23 +57,29 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
   rows.by_vehicle.setZero();
   rows.by_plate.setZero();
   rows.by_calibration.setZero();
+  const double length = tag.frame_inner_length;
+  const double height = tag.frame_inner_height;
+  const Vector3d corners[] = {{0, 0, 0}, {length, 0, 0}, {length, height, 0}, {0, height, 0}};
+  Eigen::Matrix<double, kPlateRows, 1> pixels;
+  bool all_seen = true;
   Eigen::Index row = 0;
-  for (const double x : {0.0, tag.frame_inner_length}) {
-    for (const double y : {0.0, tag.frame_inner_height}) {
-      const auto point = observe_point(camera.camera, camera.vehicle_from_camera, vehicle,
-                                       placed.world_from_plate, Vector3d(x, y, 0));
-      row += 2;
-      if (!point) continue;
-      rows.by_vehicle.middleRows<2>(row - 2) = point->by_vehicle;
-      rows.by_plate.middleRows<2>(row - 2) << placed.sigma * point->by_plate.leftCols<3>(),
-          survey.angle_sigma * point->by_plate.rightCols<3>();
-      rows.by_calibration.middleRows<2>(row - 2)
-          << sigma.position * point->by_mounting.leftCols<3>(),
-          sigma.angle * point->by_mounting.rightCols<3>(),
-          sigma.focal * point->by_intrinsics.leftCols<1>(),
-          sigma.center * point->by_intrinsics.rightCols<2>();
-    }
+  for (const Vector3d& corner : corners) {
+    const auto point = observe_point(camera.camera, camera.vehicle_from_camera, vehicle,
+                                     placed.world_from_plate, corner);
+    row += 2;
+    all_seen = all_seen && point;
+    if (!point) continue;
+    pixels.segment<2>(row - 2) = point->pixel;
+    rows.by_vehicle.middleRows<2>(row - 2) = point->by_vehicle;
+    rows.by_plate.middleRows<2>(row - 2).leftCols<6>()
+        << placed.sigma * point->by_plate.leftCols<3>(),
+        survey.angle_sigma * point->by_plate.rightCols<3>();
+    rows.by_calibration.middleRows<2>(row - 2) << sigma.position * point->by_mounting.leftCols<3>(),
+        sigma.angle * point->by_mounting.rightCols<3>(),
+        sigma.focal * point->by_intrinsics.leftCols<1>(),
+        sigma.center * point->by_intrinsics.rightCols<2>();
   }
+  if (all_seen) rows.by_plate.rightCols<1>() = sigma.edge * by_outward_edges(pixels);
   return rows;
 }
 
@@ -82,7 +90,7 @@ void add_tag(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
   const auto count = std::ranges::count(sights, tag, &PlateSight::tag);
   const Eigen::Index size = kPlateRows * static_cast<Eigen::Index>(count);
   Eigen::MatrixXd by_all = Eigen::MatrixXd::Zero(size, information.cols());
-  Eigen::MatrixXd by_plate(size, 6);
+  Eigen::MatrixXd by_plate(size, kPlateCount);
   Eigen::VectorXd variance(size);
   Eigen::Index row = 0;
   for (const PlateSight& sight : sights) {

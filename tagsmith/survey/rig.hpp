@@ -22,6 +22,9 @@ struct CalibrationSigma {
   double angle = 0;     // of its mounting about each axis, radians
   double focal = 0;     // relative, of both focal lengths together
   double center = 0;    // of each coordinate of the principal point, pixels
+  // Of how far sharpening and a tone curve move the edges of a frame in its image, all outward or
+  // all inward, pixels.
+  double edge = 0;
 };
 
 // Vehicle frame: origin O, x forward, y left, z up (REP-103).

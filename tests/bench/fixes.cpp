@@ -17,16 +17,16 @@
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
 
-#include "decoder/feature_frame/corner_covariance.hpp"
-#include "decoder/feature_frame/refine.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/place_tags.hpp"
-#include "tests/bench/bench_site.hpp"
+#include "tests/bench/fix_trial.hpp"
 #include "tests/support/draws.hpp"
 
 using namespace tagsmith;
+using bench::corners_in_image;
+using bench::noisy;
+using bench::PoseError;
 using bench::Site;
 using Eigen::Vector3d;
 using test::disturbed;
@@ -38,21 +38,6 @@ namespace {
 constexpr double kWrongTag = 0.03;    // probability of each tag
 constexpr double kGrossRange = 0.05;  // of each range
 constexpr double kNoRange = 0.2;
-
-VehiclePose random_pose(const Site& site, Draws& draws) {
-  const Centerline& line = site.survey.tunnel.centerline;
-  const double from = site.survey.tags.front().chainage - 1.5;
-  const double to = site.survey.tags.back().chainage;
-  const CenterlinePoint at = line.at(draws.uniform(from, to));
-  VehiclePose pose;
-  const double side = draws.uniform(-0.25, 0.25) * width_at(site.survey.tunnel, 0);
-  pose.position = at.position + side * right_of(at.heading);
-  pose.position.z() += site.rig.vehicle_height + draws.normal(site.rig.height_sigma);
-  pose.heading = at.heading + draws.normal(radians(5));
-  pose.pitch = draws.normal(site.rig.pitch_sigma);
-  pose.roll = draws.normal(site.rig.roll_sigma);
-  return pose;
-}
 
 // Where a plate with this code really hangs when something went wrong.
 Pose wrong_place(const Survey& survey, const PlacedTag& tag, Draws& draws) {
@@ -70,46 +55,6 @@ Pose wrong_place(const Survey& survey, const PlacedTag& tag, Draws& draws) {
   return pose;
 }
 
-// The plate's corners where the camera sees them; nothing when it does not see all of them well
-// enough to read.
-std::optional<FrameCorners> corners_in_image(const RigCamera& camera, const VehiclePose& vehicle,
-                                             const Pose& world_from_plate, const TagTemplate& tag) {
-  const double length = tag.frame_inner_length;
-  const double height = tag.frame_inner_height;
-  const Vector3d in_plate[] = {{0, 0, 0}, {length, 0, 0}, {length, height, 0}, {0, height, 0}};
-  const VehicleFrame frame = vehicle_frame(vehicle);
-  FrameCorners corners{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto seen = observe_point(camera.camera, camera.vehicle_from_camera, frame,
-                                    world_from_plate, in_plate[i]);
-    if (!seen || !in_image(camera.camera, seen->pixel)) return std::nullopt;
-    corners[i] = {seen->pixel.x(), seen->pixel.y()};
-  }
-  const double module_px = distance(corners[0], corners[1]) / (95 + 18);
-  if (module_px < 0.6 || !is_convex(corners)) return std::nullopt;
-  return corners;
-}
-
-SeenCorners noisy(const FrameCorners& corners, Draws& draws) {
-  RefinedFrame frame;
-  frame.corners = corners;
-  const double sigma = std::exp(draws.uniform(std::log(0.003), std::log(0.15)));
-  for (FrameSide& side : frame.sides) {
-    side.blur_px = draws.uniform(0.3, 1.0);
-    side.stroke_px = 10;
-    side.covariance = sigma * sigma * Eigen::Matrix2d{{1, -0.3}, {-0.3, 1}};
-  }
-  SeenCorners seen{corners, sigma, corner_covariance(frame)};
-  Eigen::Matrix<double, 8, 1> noise;
-  for (double& value : noise) value = draws.normal(1);
-  noise = seen.covariance.llt().matrixL() * noise;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    seen.corners[i] = corners[i] + PixelPoint{noise[row], noise[row + 1]};
-  }
-  return seen;
-}
-
 struct Draw {
   VehiclePose truth;
   Observation observation;
@@ -119,7 +64,7 @@ struct Draw {
 
 Draw draw_from(const Site& site, Draws& draws) {
   Draw draw;
-  draw.truth = random_pose(site, draws);
+  draw.truth = bench::random_pose(site, draws);
   const Rig rig = disturbed(site.rig, draws);
   for (const PlacedTag& tag : site.survey.tags) {
     const bool wrong = draws.chance(kWrongTag);
@@ -135,10 +80,8 @@ Draw draw_from(const Site& site, Draws& draws) {
   }
   for (const RigRange& range : site.rig.ranges) {
     if (draws.chance(kNoRange)) continue;
-    const double side = range.wall == Side::left ? -0.5 : 0.5;
-    const ObservedWall wall = observe_wall(
-        site.survey.tunnel.centerline, side * width_at(site.survey.tunnel, 0), draw.truth.position);
-    double distance = wall.distance + draws.normal(range.sigma);
+    double distance =
+        bench::true_range(site, range, draw.truth.position) + draws.normal(range.sigma);
     if (draws.chance(kGrossRange)) {
       distance = draws.uniform(range.min, range.max);
       draw.gross_range = true;
@@ -146,16 +89,6 @@ Draw draw_from(const Site& site, Draws& draws) {
     draw.observation.ranges[range.name] = distance;
   }
   return draw;
-}
-
-Result<Site> uncertain_site(const std::string& name) {
-  Result<Site> site = bench::load_shipped_site(name);
-  if (!site) return site;
-  site->survey.angle_sigma = radians(0.1);
-  for (RigCamera& camera : site->rig.cameras) {
-    camera.calibration_sigma = {0.001, radians(0.05), 5e-4, 0.5};
-  }
-  return site;
 }
 
 // What a kind of draws came to.
@@ -169,25 +102,11 @@ struct Tally {
   double greatest = 0;  // error in standard deviations, any coordinate
 };
 
-struct PoseError {
-  Eigen::Matrix<double, 6, 1> error;
-  PoseCovariance covariance;
-};
-
-PoseError error_of(const Fix& fix, const VehiclePose& truth, const Grid& grid) {
-  PoseError result{{}, *fix.pose_covariance_in_grid};
-  const Vector3d position = *fix.position_in_grid - grid_from_world(grid, truth.position);
-  const double heading = fix.attitude->heading - grid_heading_from_world(grid, truth.heading);
-  result.error << position, std::remainder(heading, 2 * 3.14159265358979323846),
-      fix.attitude->pitch - truth.pitch, fix.attitude->roll - truth.roll;
-  return result;
-}
-
 void count(Tally& tally, const Fix& fix, const VehiclePose& truth, const Grid& grid) {
   ++tally.draws;
   if (!fix.position_in_grid) return;
   ++tally.located;
-  const PoseError e = error_of(fix, truth, grid);
+  const PoseError e = bench::error_of(fix, truth, grid);
   const Vector3d position = e.error.head<3>();
   const Eigen::Matrix3d covariance = e.covariance.topLeftCorner<3, 3>();
   const Eigen::Vector2d plane = position.head<2>();
@@ -195,8 +114,7 @@ void count(Tally& tally, const Fix& fix, const VehiclePose& truth, const Grid& g
   if (d2 < 5.991) ++tally.in_ellipse;  // chi-square, 2 degrees, 95 %
   tally.nees_position += position.dot(covariance.ldlt().solve(position)) / 3;
   tally.nees_pose += e.error.dot(e.covariance.ldlt().solve(e.error)) / 6;
-  const Vector3d sigmas = covariance.diagonal().cwiseSqrt();
-  const double most = position.cwiseAbs().cwiseQuotient(sigmas).maxCoeff();
+  const double most = e.greatest_sigmas();
   tally.greatest = std::max(tally.greatest, most);
   if (most > 5) ++tally.beyond_five;
 }
@@ -229,7 +147,7 @@ int main(int argc, char** argv) {
   const auto seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   std::vector<Site> sites;
   for (const char* name : {"corridor", "curved"}) {
-    Result<Site> site = uncertain_site(name);
+    Result<Site> site = bench::calibrated_site(name);
     if (!site) {
       fmt::print(stderr, "{}\n", site.error().message);
       return 2;
