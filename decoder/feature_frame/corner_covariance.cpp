@@ -33,6 +33,7 @@ CornerCovariance corners_by_places(const Quad& corners) {
 
 // What a side's places are off by beyond what noise explains. The sizes are those seen on the
 // ray-traced photos of docs/accuracy.md.
+// Why: docs/decisions/0007-corner-covariance.md.
 Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i) {
   constexpr double kEnd = 0.005;    // pixels, either end by itself
   constexpr double kWhole = 0.006;  // the side as a whole

@@ -126,6 +126,7 @@ SideBows bows_of(const LensBend& lens, const Quad& corners) {
   return bows;
 }
 
+// Why: docs/decisions/0006-lens-and-tone.md.
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
                                         PixelPoint centre, double lambda) {
   constexpr double kClear = 4;  // standard deviations: straight lenses are left alone

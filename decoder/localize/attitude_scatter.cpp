@@ -128,6 +128,7 @@ double log_prior(double sigma) {
 
 }  // namespace
 
+// Why: docs/decisions/0011-as-built-deviations.md.
 double attitude_scatter(const AdjustmentProblem& problem) {
   constexpr std::size_t kSteps = 61;
   constexpr double kQuantile = 0.975;

@@ -22,6 +22,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Why: docs/decisions/0010-position-consensus-and-confirmation.md.
 // The likelihoods of two poses of the same tags must differ by this much of -2 log: odds of 20 000.
 constexpr double kClearlyBetter = 20;
 // Standard deviations may be understated by a factor of two. What needs larger ones is a mistake,

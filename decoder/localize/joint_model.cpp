@@ -249,6 +249,7 @@ PlateRows plate_rows(const JointFit& fit, std::size_t index) {
   return rows;
 }
 
+// Why: docs/decisions/0007-corner-covariance.md.
 Eigen::Matrix<double, 6, 1> variance_of(const SightedPlate& plate) {
   return plate.survey_variance + plate.coding_variance;
 }

@@ -65,6 +65,7 @@ bool is_no_echo(const Dropped& dropped, const std::map<std::string, double>& ran
 }
 
 // Whether everything measured agrees on a position by several tags.
+// Why: docs/decisions/0008-search-and-its-cost.md.
 bool is_settled(const Fix& fix, const std::vector<Look>& looks,
                 const std::map<std::string, double>& ranges, const Rig& rig) {
   const auto says_nothing = [&](const Dropped& dropped) {

@@ -14,6 +14,7 @@ namespace {
 // Chi-square of four degrees of freedom that one in 10,000 exceeds.
 constexpr double kGate = 23.51;
 
+// Why: docs/decisions/0012-smoothing.md.
 double shared_part(const Fix& fix) {
   if (!fix.budget) return 0;
   const ErrorBudget& budget = *fix.budget;
@@ -76,6 +77,7 @@ MotionEstimate predicted(const MotionEstimate& estimate, double dt, const Motion
   return later;
 }
 
+// Why: docs/decisions/0010-position-consensus-and-confirmation.md.
 bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdate& update,
              const Fix& fix) {
   constexpr double kLargestSigma = 0.025;  // metres, worst direction

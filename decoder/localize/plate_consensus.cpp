@@ -29,6 +29,7 @@ constexpr std::size_t kMostRivals = 6;
 
 // What is left of all six when the turn alone is counted belongs to the shift: of two tags that
 // turn alike, little of a shift can be the tilt of one of them.
+// Why: docs/decisions/0011-as-built-deviations.md.
 double excess(const PlateOffset& offset) {
   const double by_shift = offset.chi_square - offset.turn_chi_square;
   return std::max({by_shift / chi_square_limit(3, kShiftGate),

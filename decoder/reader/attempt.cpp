@@ -78,6 +78,7 @@ std::optional<std::string> objection(const Attempt& attempt, const ReadOptions& 
 // Whether the upper or the lower half of the bars' height shows another symbol clearly: something
 // lies on part of the height, and what shows beside it may be no digit. Symbols that are beyond
 // doubt by their whole height are not asked.
+// Why: docs/decisions/0004-occlusion.md.
 bool halves_contradict(const GrayView& image, const RefinedFrame& frame, const Attempt& attempt) {
   constexpr double kBeyondDoubt = 1e-8;
   constexpr double kClearly = 10;  // logarithm of the likelihood ratio

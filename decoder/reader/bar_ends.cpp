@@ -176,6 +176,7 @@ struct WindowEnd {
 };
 
 // The line that most of the ends are near, fitted to these.
+// Why: docs/decisions/0005-hidden-frame-sides.md.
 std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double pixels_per_v) {
   constexpr double kTolerancePx = 0.8;
   constexpr std::size_t kLeast = kWindows / 2;

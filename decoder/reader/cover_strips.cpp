@@ -275,6 +275,7 @@ Crossing part_in_line(const Crossing& broad, const Crossing& narrow) {
 // Whether what crosses a row here above and there below the bars may be one strip, broad enough to
 // hide some module over two thirds of the bars' height, and not so broad that no digit would be
 // left. `bars_share` is the bars' height over the rows' distance.
+// Why: docs/decisions/0004-occlusion.md.
 bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
   constexpr int kBroadest = 10 * kPlacesPerModule;
   constexpr double kMostWay = 1.2;  // over the bars' height, of its width

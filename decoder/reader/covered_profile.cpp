@@ -139,6 +139,7 @@ std::vector<float> unevenness_of(const BarRows& rows, std::size_t row, std::size
 
 // Leaves out what is plain where other rows show bars: no element is wider than four modules, so a
 // window of more shows bars and spaces or something in front of them, be it over most of the rows.
+// Why: docs/decisions/0004-occlusion.md.
 void leave_out_plain(BarRows& rows) {
   constexpr double kWindow = 5.5;    // modules
   constexpr double kOutline = 0.25;  // modules to both sides: a cover's blurred edge

@@ -20,6 +20,7 @@
 namespace tagsmith {
 namespace {
 
+// Why: docs/decisions/0005-hidden-frame-sides.md.
 constexpr double kHiddenSigma = 0.2;  // modules, of a side known by the bars beside it
 
 // A field of bars and the lines where the frame's inner edges should be, in pixels of a level; the

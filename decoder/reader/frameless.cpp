@@ -48,6 +48,7 @@ const std::vector<Shape>& shapes() {
 }
 
 // One line of a region that a symbol was read from.
+// Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct ReadLine {
   double offset = 0;  // along the bars, pixels
   ScanLine light;

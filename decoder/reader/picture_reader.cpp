@@ -105,6 +105,7 @@ void PictureReader::try_covered(const GrayView& half) {
   }
 }
 
+// Why: docs/decisions/0003-confidence-and-its-border.md.
 void PictureReader::try_doubtful() {
   const std::optional<CheckDigit> scheme = scheme_shown();
   if (!scheme || options_.check || !options_.code_book.empty()) return;

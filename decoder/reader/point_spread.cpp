@@ -13,6 +13,7 @@ namespace tagsmith {
 namespace {
 
 // Distance in the image between bars that are a unit apart, by which a module's width goes.
+// Why: docs/decisions/0002-likelihood-decoding.md.
 double width_across(const FrameMap& image_from_unit, double u) {
   constexpr double kStep = 1e-3;
   const PixelPoint by_u = image_from_unit(u + kStep, 0.5) - image_from_unit(u - kStep, 0.5);

@@ -97,6 +97,7 @@ void search_regions(PictureReader& reader, const PyramidLevel& level, const Tile
 
 // Searches all levels, the coarsest first, the others near bars alone. In the coarsest the bars of
 // a large tag are wider than a tile's texture shows; what it does not hold is smaller.
+// Why: docs/decisions/0008-search-and-its-cost.md.
 void search_near_bars(PictureReader& reader, const Pyramid& pyramid) {
   for (const SearchLevel& at : pyramid.levels()) {
     if (&at == &pyramid.levels().front()) {
@@ -280,6 +281,7 @@ std::vector<BarRegion> largest_of(const PictureReader& reader, SampledLight& ima
 
 // Whether covered tags are looked for around all bars that no reading explains: where nothing was
 // read, or something was in the way.
+// Why: docs/decisions/0008-search-and-its-cost.md.
 bool is_worth_care(const PictureReader& reader) {
   return !reader.has_read_any() || reader.has_met_covers();
 }

@@ -70,7 +70,8 @@ constexpr double kNearStranger = 5e-3;    // a symbol that differs from the book
 constexpr double kSpoiltStranger = 2e-3;  // a spoilt digit that makes it look like the book's
 constexpr double kStrangers = 0.5;        // all strangers to the book together
 // Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
-// the sums say. With a book they are right, and for spoilt digits too much (docs/decisions/0059).
+// the sums say. With a book they are right, and for spoilt digits too much.
+// Why: docs/decisions/0003-confidence-and-its-border.md.
 constexpr double kUnderstated = 3;
 
 // Other codes, and what is no code at all.
@@ -211,6 +212,7 @@ struct Cleaned {
   double kept = 1;
 };
 
+// Why: docs/decisions/0004-occlusion.md.
 Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding) {
   constexpr double kTolerance = 0.12;  // of the contrast, beside the noise
   constexpr double kAgreement = 0.85;

@@ -121,6 +121,7 @@ BestSymbol best_symbol(const CharacterCosts& costs, SymbolClass symbols) {
   return best;
 }
 
+// Why: docs/decisions/0002-likelihood-decoding.md.
 BestSymbol best_code(const CharacterCosts& costs, CheckDigit scheme) {
   const CheckedCosts least = least_checked_costs(costs, scheme);
   BestSymbol best;

@@ -249,6 +249,7 @@ void tell_odd_one(std::vector<StandingTag>& tags) {
 
 }  // namespace
 
+// Why: docs/decisions/0018-verification-lines.md.
 void find_mirrored(const GrayView& image, const TagTemplate& tag,
                    std::vector<TagFinding>& findings) {
   constexpr double kLeastModule = 4;  // pixels; letters are four modules high and more

@@ -28,6 +28,7 @@ void SightingPick::count(std::span<const SightedTag> sighted) {
   }
 }
 
+// Why: docs/decisions/0018-verification-lines.md.
 void SightingPick::choose() {
   std::ranges::sort(seen_);
   const auto [first_repeat, end] = std::ranges::unique(seen_);

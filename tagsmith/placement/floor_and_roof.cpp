@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Chainages within `reach` of one, where floor or roof do not go on as before.
+// Why: docs/decisions/0014-walls-and-grade.md.
 std::vector<double> breaks_of(const Tunnel& tunnel, double chainage, double reach) {
   std::vector<double> breaks = tunnel.height.is_constant()
                                    ? std::vector<double>{}

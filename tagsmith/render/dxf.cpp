@@ -34,6 +34,7 @@ constexpr std::array<DxfLayer, 7> kLayers{{{"CENTERLINE", 8},
                                            {"NAMES", 7}}};
 
 // Group codes and values, a line each (AutoCAD 2000 DXF Reference, "ASCII DXF Files").
+// Why: docs/decisions/0017-files-and-formats.md.
 class DxfWriter {
  public:
   void group(int code, std::string_view value) {

@@ -102,6 +102,7 @@ bool PrintSettingsFilter::take(std::string_view bytes) {
   }
 }
 
+// Why: docs/decisions/0016-printing-and-printer-dots.md.
 void PrintSettingsFilter::take_object(std::string_view object) {
   if (position_ == 0) put("%PDF-1.7\n%\xb5\xed\xae\xfb\n");
   while (object.starts_with('%')) object.remove_prefix(object.find('\n') + 1);

@@ -9,6 +9,7 @@ namespace tagsmith {
 namespace {
 
 // Part of the pitch by which a pair's stagger may differ from W_T tan(theta).
+// Why: docs/decisions/0015-closed-form-of-the-paper.md.
 constexpr double kStaggerMargin = 1.0 / 8;
 
 }  // namespace

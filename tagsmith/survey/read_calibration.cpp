@@ -378,6 +378,7 @@ std::string plain_yaml(std::string text) {
 
 }  // namespace
 
+// Why: docs/decisions/0017-files-and-formats.md.
 Result<CalibrationReading> read_calibration(const CalibrationRequest& request) {
   Result<std::string> text = read_file(request.file, kLargestFile);
   if (!text) return tl::unexpected(text.error());

@@ -108,6 +108,7 @@ void add_tag(Content& content, const PlacedTag& tag) {
 
 }  // namespace
 
+// Why: docs/decisions/0017-files-and-formats.md.
 std::string survey_revision(const Survey& survey) {
   constexpr std::size_t kShown = 12;
   Content content;

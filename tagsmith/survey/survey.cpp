@@ -20,6 +20,7 @@ const PlacedTag* find_if(const Survey& survey, const auto& matches) {
 
 }  // namespace
 
+// Why: docs/decisions/0001-frames-and-grids.md.
 Eigen::Vector3d world_from_grid(const Grid& grid, const Eigen::Vector3d& point_in_grid) {
   const double x = grid.x_axis_left ? 0.0 - point_in_grid.x() : point_in_grid.x();
   return {x, point_in_grid.y(), point_in_grid.z()};

@@ -204,6 +204,17 @@ std::vector<std::string> types_defined(std::string_view header) {
   return names;
 }
 
+std::vector<std::string> cited_decisions(std::string_view text) {
+  static const std::regex citation("decisions/(\\d{4}[\\w-]*\\.md)|\\bdecisions? (?:record )?\\d+",
+                                   std::regex::icase);
+  std::vector<std::string> cited;
+  using Citations = std::regex_iterator<std::string_view::const_iterator>;
+  for (Citations at(text.begin(), text.end(), citation), end; at != end; ++at) {
+    cited.push_back((*at)[1].matched ? (*at)[1].str() : at->str());
+  }
+  return cited;
+}
+
 std::vector<std::string> unlisted_sources(std::string_view cmake_list,
                                           std::span<const std::string> sources) {
   std::vector<std::string> unlisted;

@@ -26,6 +26,10 @@ std::vector<std::string> check_source(std::string_view file, std::string_view te
 // The names of the types that a header defines at its outermost level.
 std::vector<std::string> types_defined(std::string_view header);
 
+// The decision records that a text cites: "0004-occlusion.md" for `decisions/0004-occlusion.md`. A
+// record that is cited by its number alone ("decision 4") is given as it stands there.
+std::vector<std::string> cited_decisions(std::string_view text);
+
 // The source files among `sources` (names relative to their folder) that the folder's
 // CMakeLists.txt does not name.
 std::vector<std::string> unlisted_sources(std::string_view cmake_list,
