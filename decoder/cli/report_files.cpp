@@ -106,8 +106,7 @@ Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::
 void add_report_options(CLI::App& app, ReportFiles& files) {
   app.add_option("--html", files.html, "Write the report as a web page that needs nothing else")
       ->type_name("FILE");
-  app.add_option("--pdf", files.pdf, "Write the report as a document for the file")
-      ->type_name("FILE");
+  app.add_option("--pdf", files.pdf, "Write the report as PDF")->type_name("FILE");
   app.add_option("--csv", files.csv, "Write a table of the survey's tags")->type_name("FILE");
 }
 

@@ -190,16 +190,17 @@ std::string noted_up_in_words(const NotedUp& noted) {
   const std::size_t all = noted.upright + noted.on_head;
   if (noted.upright == 0 && all > 1) {
     return fmt::format(
-        "All {} tags in photos whose camera noted its up stand on their head by it: the camera was "
+        "All {} tags in photos with an EXIF orientation are upside down by it: the camera was "
         "mounted upside down, rather than all tags. Up is not known from these photos; give --rig",
         all);
   }
   return fmt::format(
-      "By the up that cameras noted in their photos, {} of {} tags stand on their head: {}",
-      noted.on_head, all,
+      "By the EXIF orientation of their photos, {} of {} tags are upside down: {}", noted.on_head,
+      all,
       noted.on_head < noted.upright
           ? "those plates hang wrong, or a camera was held upside down and did not note it"
-          : "a camera that is mounted upside down notes its up wrongly; its photos need --rig");
+          : "a camera that is mounted upside down notes a wrong orientation; its photos need "
+            "--rig");
 }
 
 Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {

@@ -58,7 +58,7 @@ struct StepModel {
   float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
 };
 
-// Four samples, those that are wanting with no weight.
+// Four samples; places beyond a side's last sample have weight zero.
 struct FourSamples {
   Four along{};
   Four across{};
@@ -147,7 +147,7 @@ struct Row {
 struct SideSamples {
   std::vector<EdgeSample> samples;
   std::vector<FourSamples> fours;
-  std::vector<Row> rows;  // of all samples and of those that are wanting
+  std::vector<Row> rows;  // of all samples, filled up to a multiple of four
 
   explicit SideSamples(std::vector<EdgeSample> of_side)
       : samples(std::move(of_side)), fours(by_four(samples)), rows(4 * fours.size()) {}

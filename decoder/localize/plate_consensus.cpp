@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 
 constexpr double kGate = 3.7;  // normal value that is exceeded once in 10 000
 // Of a shift where turns are as the survey's tilt allows: once in 400. A tilt that is not stated is
-// estimated on the safe side already, and who knows it well is guarded by the tolerance. Chosen of
-// 2.6, 2.8, 2.9 and 3.1 on `bench displaced 60`, seeds 1 and 2.
+// estimated on the safe side already; where it is stated, the tolerance prevents false alarms.
+// Chosen from 2.6, 2.8, 2.9 and 3.1 on `bench displaced 60`, seeds 1 and 2.
 constexpr double kShiftGate = 2.8;
 constexpr double kStationGate = 6;     // of pictures' corners, whose noise has heavier tails
 constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400

@@ -35,10 +35,10 @@ void add_covered(const CoverStrip& strip, double v, std::span<const double> plac
 // Whether a strip covers anything at a height of the unit square.
 bool reaches(const CoverStrip& strip, double v);
 
-// Whatever straight lies along the bars, so that most of a module's height shows nothing else: what
-// it makes of a digit looks alike in all rows, as a digit does. Told from the white above to the
-// white below; what is as light as the plate, from the frame's stroke above to that below. Quick
-// where white and stroke are clear. `stroke` as in find_cover_strips.
+// Straight objects along the bars that hide most of a module's height. Such an object changes a
+// digit alike in all rows, so the bars alone do not reveal it. It is found where it crosses the
+// white above and below the bars; one as light as the plate, where it crosses the frame's stroke
+// above and below. Quick where white and stroke are clear. `stroke` as in find_cover_strips.
 std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
                                           const SymbolLayout& layout, double stroke);
 

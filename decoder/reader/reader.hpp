@@ -34,9 +34,9 @@ enum class Frameless {
   always,
 };
 
-// The least sure reading that is believed is wrong once in so many, as docs/accuracy.md,
-// "Reliability", compares it: in a frame; in one where a book's code may differ from what stands
-// there in a single digit; without a frame.
+// Least confidence at which a reading is believed: in a frame; in a frame with a code book, whose
+// codes may differ from what is printed in a single digit; without a frame. docs/accuracy.md,
+// "Reliability", compares confidence with the observed share of wrong readings.
 inline constexpr double kSureInFrame = 1.0 - 1e-5;
 inline constexpr double kSureWithBook = 1.0 - 2e-6;
 inline constexpr double kSureWithoutFrame = 1.0 - 1e-6;

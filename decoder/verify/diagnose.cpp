@@ -132,15 +132,15 @@ struct Lit {
   const char* dark;
   const char* both;
 };
-constexpr Lit kPlate{"its white is", "its darkest bars are", "its bars and ground differ"};
+constexpr Lit kPlate{"its white is", "its darkest bars are", "contrast of bars and ground too low"};
 constexpr Lit kPicture{"the brightest parts of the picture are", "its darkest parts are",
-                       "its bright and dark parts differ"};
+                       "contrast too low"};
 
 std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& corners,
                                      const Lit& lit) {
   const Levels levels = levels_in(image, corners);
   if (levels.bright < kDarkestWhite) {
-    return Diagnosis{"too-dark", fmt::format("{} {:.0f} of 255, {:.0f} is needed", lit.bright,
+    return Diagnosis{"too-dark", fmt::format("{} {:.0f} of 255, {:.0f} needed", lit.bright,
                                              levels.bright, kDarkestWhite)};
   }
   if (levels.dark > kBrightestBars) {
@@ -148,7 +148,7 @@ std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& 
                                           kBrightestBars)};
   }
   if (levels.bright - levels.dark < kLeastContrast) {
-    return Diagnosis{"low-contrast", fmt::format("{} by {:.0f} of 255, {:.0f} is needed", lit.both,
+    return Diagnosis{"low-contrast", fmt::format("{}: {:.0f} grey levels, {:.0f} needed", lit.both,
                                                  levels.bright - levels.dark, kLeastContrast)};
   }
   return std::nullopt;

@@ -204,7 +204,7 @@ struct StandingTag {
 void tell(StandingTag& tag, TagStatus status, const std::string& how) {
   tag.finding->status = status;
   tag.finding->rule = "upside-down";
-  tag.finding->message = tag.finding->tag + " stands on its head" + how;
+  tag.finding->message = tag.finding->tag + " is upside down" + how;
 }
 
 bool is_told(const StandingTag& tag) { return tag.finding->status != TagStatus::ok; }
@@ -216,17 +216,16 @@ UpSource tell_heads(std::vector<StandingTag>& tags) {
   if (!tags.empty() && std::ranges::all_of(tags, on_head)) {
     if (tags.size() == 1) {
       tell(tags.front(), TagStatus::doubtful,
-           " by the up that the camera noted in the photo, and no other tag in it tells whether "
-           "that is so. Look where its arrow points: if down, the plate hangs upside down; if up, "
-           "the camera was upside down and noted otherwise, or the print is mirrored");
+           " by the photo's EXIF orientation, and no other tag in the photo shows whether that is "
+           "right. Look where its arrow points: if down, the plate hangs upside down; if up, the "
+           "camera was upside down and noted otherwise, or the print is mirrored");
     }
     return UpSource::doubted;
   }
   for (StandingTag& tag : tags) {
     if (!on_head(tag)) continue;
     tell(tag, TagStatus::misprinted,
-         ", by the up that the camera noted in the photo: it hangs upside down, or is a mirrored "
-         "print");
+         " by the photo's EXIF orientation: it hangs upside down, or is a mirrored print");
   }
   return UpSource::camera;
 }
@@ -241,8 +240,8 @@ void tell_odd_one(std::vector<StandingTag>& tags) {
     if (is_told(tag) || against < 2 || with > 1) continue;  // with itself
     tell(tag, TagStatus::misprinted,
          fmt::format(" against the {} other tags in the photo: it hangs upside down, or is a "
-                     "mirrored print (which way is up in the photo is not known: they may be the "
-                     "ones that hang wrong)",
+                     "mirrored print (which way is up in the photo is not known: the others may "
+                     "be the ones that hang wrong)",
                      against));
   }
 }
@@ -279,7 +278,7 @@ void find_upside_down(std::vector<TagFinding>& findings) {
     finding.status = TagStatus::misprinted;
     finding.rule = "upside-down";
     finding.message =
-        finding.tag + " stands on its head on the page: it is turned, or a mirrored print";
+        finding.tag + " is upside down on the page: it is turned, or a mirrored print";
   }
 }
 

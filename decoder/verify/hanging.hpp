@@ -29,8 +29,8 @@ bool hangs_upright(const Survey& survey, const TagFinding& finding);
 
 // What a note on a photo says after "all 3 tags" when it doubts the camera's up.
 inline constexpr std::string_view kDoubtedUp =
-    " stand on their head by the up that the camera noted in the photo: the camera was upside down "
-    "and noted otherwise, or all of them hang so; whether a single one does was not checked";
+    " are upside down by the photo's EXIF orientation: the camera was upside down and noted "
+    "otherwise, or all of them hang so; whether a single one does was not checked";
 
 // For photos, `ok` tags that the survey has upright; returns what is known of the photo's up. Where
 // the camera noted how it was held (EXIF, `camera_up`, of a picture as stored), those that stand on

@@ -159,8 +159,8 @@ void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const Phot
         changed.status = TagStatus::misprinted;
         changed.rule = "upside-down";
         changed.message = fmt::format(
-            "{} stands on its head, by the camera's stance on the vehicle: it hangs upside down, "
-            "or is a mirrored print",
+            "{} is upside down, by the camera's mounting on the vehicle: it hangs upside down, or "
+            "is a mirrored print",
             tag.tag);
       } else if (is_doubted_by_camera(tag)) {
         changed.status = TagStatus::ok;

@@ -90,7 +90,8 @@ constexpr std::array<Instruction, 3> kTurn{
      {"press its right edge back by", "press its left edge back by"},
      {"tilt its top back by", "tilt its foot back by"}}};
 
-// Everything that is surely off and worth a hand's turn; when nothing is by itself, the largest.
+// All corrections that are significant and large enough to be worth making; when none is
+// significant by itself, those that are large enough.
 std::string instruction(const HungTag& tag) {
   constexpr double kSurely = 3;         // standard deviations
   constexpr double kLeastMove = 0.002;  // metres

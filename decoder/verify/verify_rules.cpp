@@ -70,8 +70,8 @@ constexpr std::array kRules{
         "no-tag", "a picture or page without any tag",
         "If there is a plate in the picture: go nearer, hold still, light it, keep the whole "
         "frame in view. If it is sharp and whole: measure a bar, bars that ran together are "
-        "not found; `tagsmith read` tells bars of no survey. A print file without a tag "
-        "must be printed again."},
+        "not found; `tagsmith read` also shows codes outside the survey. A print file without "
+        "a tag must be printed again."},
     VerifyRule{"not-in-survey", "a good reading of a code that the survey does not have",
                "Is it the right survey? Otherwise the plate is of another drive or of an older "
                "survey: give that survey with --also to be told, and take the plate down."},

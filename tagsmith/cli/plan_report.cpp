@@ -31,12 +31,12 @@ std::string stretch(const Stretch& part) {
 
 std::string sigma_text(const std::optional<SigmaRange>& range) {
   if (!range) return "no position anywhere";
-  return fmt::format("{} in the middle, {} for 95 %, {} at worst", short_length(range->median),
+  return fmt::format("median {}, {} for 95 %, {} at worst", short_length(range->median),
                      short_length(range->high), short_length(range->worst));
 }
 
 std::string angle_text(const SigmaRange& range) {
-  return fmt::format("{:.3f} deg in the middle, {:.3f} deg at worst", degrees(range.median),
+  return fmt::format("median {:.3f} deg, {:.3f} deg at worst", degrees(range.median),
                      degrees(range.worst));
 }
 
@@ -55,9 +55,8 @@ std::string first_reading_text(const PlannedDrive& drive) {
   const PlanSummary& summary = drive.summary;
   std::string text =
       summary.first_reading
-          ? fmt::format("{} to {} from the camera, {} in the middle",
-                        metres(summary.first_reading->least), metres(summary.first_reading->most),
-                        metres(summary.first_reading->median))
+          ? fmt::format("{} to {} from the camera, median {}", metres(summary.first_reading->least),
+                        metres(summary.first_reading->most), metres(summary.first_reading->median))
           : "no tag comes into reach on the way";
   if (summary.unread_tags.empty()) return text;
   text += fmt::format("; never read from the center line: {}", summary.unread_tags.size());
@@ -69,16 +68,14 @@ std::string first_reading_text(const PlannedDrive& drive) {
 
 std::string one_lost_text(const PlannedDrive& drive) {
   const PlanSummary& summary = drive.summary;
-  const std::string share =
-      percent(summary.covered_share_one_lost) + " of the drive keeps a position";
+  const std::string share = percent(summary.covered_share_one_lost) +
+                            " of the drive keeps a position after the loss of any one tag";
   if (summary.critical_tags.empty()) {
-    return summary.covered_share_one_lost > 0
-               ? share + " whichever tag is lost: no tag is indispensable"
-               : share;
+    return summary.covered_share_one_lost > 0 ? share + ": no tag is indispensable" : share;
   }
   const CriticalTag& worst = summary.critical_tags.front();
   return fmt::format(
-      "{} whichever tag is lost; {} indispensable somewhere, most of all {}: without it "
+      "{}; {} indispensable somewhere, most of all {}: without it "
       "{} more has gaps, the longest {}",
       share,
       summary.critical_tags.size() == 1 ? "1 tag is"

@@ -96,9 +96,11 @@ void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
   }
   add_attitude_words(lines, survey);
   const auto surveyed = std::ranges::count_if(survey.tags, &PlacedTag::surveyed);
-  lines.push_back(
-      fmt::format("Tags: {}, of them {} from `placed`; a coordinate is surveyed to {} m",
-                  survey.tags.size(), surveyed, metres(survey.sigma)));
+  const std::string accuracy =
+      survey.sigma > 0 ? "standard deviation of a coordinate " + metres(survey.sigma) + " m"
+                       : "survey accuracy not stated";
+  lines.push_back(fmt::format("Tags: {}, of them {} from `placed`; {}", survey.tags.size(),
+                              surveyed, accuracy));
 }
 
 void add_code_words(std::vector<std::string>& lines, const Survey& survey) {

@@ -15,8 +15,8 @@ struct FileKind {
 };
 
 constexpr std::array kFileKinds{
-    FileKind{"survey", "a survey", "surveys are given by themselves: SURVEY"},
-    FileKind{"rig", "a rig", "rigs are given behind --rig"},
+    FileKind{"survey", "a survey", "pass surveys as the argument SURVEY"},
+    FileKind{"rig", "a rig", "pass rigs with --rig"},
     FileKind{"tag", "a template",
              "templates are named in surveys, at tags.template; `validate --template` checks them"},
 };

@@ -250,10 +250,9 @@ Error misfit_error(const std::vector<SurveyedPoint>& points, const PlanFit& fit,
   }
   std::ranges::sort(off, std::greater{}, [&](std::size_t i) { return std::abs(fit.residuals[i]); });
   std::string text = fmt::format(
-      "{} of {} points fit no tunnel of {} lines and arcs to {:.3f} m; the best fit, {:.3f} m "
-      "wide, "
-      "has them aside by:",
-      off.size(), points.size(), kMostFittedElements, tolerance, fit.width);
+      "{} of {} points are more than {:.3f} m off the best fit of at most {} lines and arcs, "
+      "a tunnel {:.3f} m wide:",
+      off.size(), points.size(), tolerance, kMostFittedElements, fit.width);
   for (std::size_t i = 0; i < std::min(kMostNamed, off.size()); ++i) {
     text += fmt::format("\n  {}: {:+.3f} m", point_text(points[off[i]]), fit.residuals[off[i]]);
   }

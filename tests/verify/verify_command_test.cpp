@@ -573,7 +573,7 @@ TEST_CASE("what up cannot be known of is said in the page, the table and the lin
   CHECK(covered["upright_unchecked"] == json::array({"001L"}));
   CHECK(covered["by_tag"][2]["upright"] == "unchecked");
   const std::string table = *read_file(path("r.csv"));
-  CHECK(table.find("left,,\"000L stands on its head by the up") != std::string::npos);
+  CHECK(table.find("left,,\"000L is upside down by the photo's EXIF") != std::string::npos);
   CHECK(table.find("left,unchecked,") != std::string::npos);
   const std::string page = *read_file(path("r.html"));
   CHECK(page.find("<h3>000L: upside-down?</h3>") != std::string::npos);

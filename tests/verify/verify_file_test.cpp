@@ -94,8 +94,8 @@ TEST_CASE("photos of a phone are verified however it was held, and shown upright
   CHECK(verified(photo_held(good, 3, false)).findings.empty());
   const FileReport head = verified(test::with_orientation(photo_held(good, 3, false), 1));
   CHECK(head.rules == std::set<std::string>{"upside-down"});
-  CHECK(head.findings.at(0).starts_with("doubtful: 000L stands on its head by the up that"));
-  CHECK(head.findings.at(0).find("no other tag in it tells") != std::string::npos);
+  CHECK(head.findings.at(0).starts_with("doubtful: 000L is upside down by the photo's EXIF"));
+  CHECK(head.findings.at(0).find("no other tag in the photo shows") != std::string::npos);
   CHECK(head.up == UpSource::doubted);
   CHECK(verified(photo_held(good, 1)).up == UpSource::camera);
   CHECK(verified(photo_held(good, 3, false)).up == UpSource::unknown);
