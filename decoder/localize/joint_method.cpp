@@ -321,6 +321,8 @@ ErrorBudget grid_budget(const Grid& grid, const VehicleBudget& budget, double fa
 // in the shipped corridor). It stays in the covariance (`total`), as a considered parameter does
 // (Jazwinski 1970, "Stochastic Processes and Filtering Theory", 8.4).
 JointFit weighed_without_edges(const JointProblem& problem, const JointFit& fit) {
+  const auto is_exact = [](const Sighting& sighting) { return sighting.by_edges.isZero(); };
+  if (std::ranges::all_of(problem.sightings, is_exact)) return fit;
   JointProblem exact = problem;
   exact.edges_weigh = false;
   auto refitted = fit_jointly(exact, fit.selection, fit.state.vehicle);

@@ -10,10 +10,11 @@ namespace tagsmith {
 namespace {
 
 constexpr std::array kRules{
-    VerifyRule{"bars-grown", "unreadable: the bars are wider or narrower than drawn",
-               "Ink spread or a wrong exposure of the plate. Print it again, with less ink or with "
-               "the printer's own resolution in the template (symbol.dpi), or take it away with "
-               "`tagsmith print --bar-adjust`."},
+    VerifyRule{
+        "bars-grown", "unreadable: the bars are wider or narrower than drawn",
+        "Ink spread or a wrong exposure of the plate. Print it again, with less ink, on whole "
+        "dots of the printer with `tagsmith print --dpi`, or with narrower bars with "
+        "`tagsmith print --bar-adjust`."},
     VerifyRule{"bent", "a plate that is not flat: the sides of its feature frame bow",
                "Screw or glue it down flat, or replace it: positions from a bent plate are off."},
     VerifyRule{"blurred", "unreadable: blur wider than the reader follows",

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What remedies tell people to type exists: options of commands, keys of files.
+#include <algorithm>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/rules.hpp"
+#include "tests/support/program.hpp"
+
+using namespace tagsmith;
+using nlohmann::json;
+using tagsmith::test::run_tagsmith;
+
+namespace {
+
+// What every rule tells, the remedies of `verify` among it.
+std::vector<std::string> all_remedies() {
+  std::vector<std::string> texts;
+  for (const VerifyRule& rule : verify_rules()) texts.emplace_back(rule.remedy);
+  for (const Rule& rule : rules()) texts.emplace_back(rule.explanation);
+  return texts;
+}
+
+std::vector<std::smatch> matches(const std::string& text, const std::regex& expression) {
+  return {std::sregex_iterator(text.begin(), text.end(), expression), std::sregex_iterator()};
+}
+
+// Whether a schema has the section, and the key in it or in what it refers to.
+bool has_key(const json& schema, const std::string& section, const std::string& key) {
+  return schema.at("properties").contains(section) &&
+         schema.dump().find("\"" + key + "\":") != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("every option that a remedy names is one of its command") {
+  const std::regex command(R"(tagsmith ([a-z]+)((?: --?[a-z-]+)+))");
+  int options = 0;
+  for (const std::string& text : all_remedies()) {
+    for (const std::smatch& found : matches(text, command)) {
+      const std::string help = run_tagsmith(found[1].str() + " --help").out;
+      const std::string named = found[2].str();
+      for (const std::smatch& option : matches(named, std::regex("--[a-z-]+"))) {
+        CAPTURE(text);
+        CHECK_MESSAGE(help.find(option.str()) != std::string::npos, option.str());
+        ++options;
+      }
+    }
+  }
+  CHECK(options >= 2);
+}
+
+TEST_CASE("every key of a file that a remedy names is in a schema") {
+  std::vector<json> schemas;
+  for (const char* name : {"survey", "rig", "template"}) {
+    const auto text = read_file("docs/schemas/" + std::string(name) + ".schema.json");
+    REQUIRE(text.has_value());
+    schemas.push_back(json::parse(*text));
+  }
+  const std::regex key(
+      R"(\b(tags|code|tunnel|grid|symbol|label|vehicle|plate|feature_frame|cameras|ranges)\.([a-z_]+))");
+  int keys = 0;
+  for (const std::string& text : all_remedies()) {
+    for (const std::smatch& found : matches(text, key)) {
+      CAPTURE(text);
+      const bool known = std::ranges::any_of(schemas, [&](const json& schema) {
+        return has_key(schema, found[1].str(), found[2].str());
+      });
+      CHECK_MESSAGE(known, found.str());
+      ++keys;
+    }
+  }
+  CHECK(keys >= 5);
+}
