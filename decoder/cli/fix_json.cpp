@@ -142,8 +142,10 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
   return text_of(line);
 }
 
-std::string summary_json_line(std::span<const FixSummary> summaries) {
+std::string summary_json_line(std::span<const FixSummary> summaries,
+                              const std::vector<std::string>& assumed) {
   Json values = summary_values(summaries.front());
+  values["assumed"] = assumed;
   if (summaries.size() > 1) values["paper"] = summary_values(summaries[1]);
   return text_of({{"summary", std::move(values)}});
 }

@@ -20,7 +20,9 @@ std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget&
 // `explain` adds the error budget and every corner's residual.
 std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain);
 
-// The summary of a run by the first method, and of each other under its name.
-std::string summary_json_line(std::span<const FixSummary> summaries);
+// The summary of a run by the first method, and of each other under its name; `assumed`: what
+// survey and rig leave unsaid (assumptions.hpp).
+std::string summary_json_line(std::span<const FixSummary> summaries,
+                              const std::vector<std::string>& assumed);
 
 }  // namespace tagsmith

@@ -202,6 +202,7 @@ void add_hanging(const std::optional<HungTags>& hung, Json& summary) {
   if (!hung) return;
   summary["hanging"] = to_json(*hung);
   summary["hanging_notes"] = hung->notes;
+  summary["assumed"] = hung->assumed;
 }
 
 Json to_json(const VerifySummary& summary) {

@@ -38,6 +38,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -129,8 +130,8 @@ std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> live_met
 
 // --- JSON ---
 
-void print_json(const Located& located, const std::vector<Measurement>& measurements,
-                bool explain) {
+void print_json(const Located& located, const LocalizeInput& input, bool explain) {
+  const std::vector<Measurement>& measurements = input.run.measurements;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     for (const std::vector<Fix>& fixes : located) {
       fmt::print("{}\n", fix_json_line(fixes[i], measurements[i], explain));
@@ -140,7 +141,7 @@ void print_json(const Located& located, const std::vector<Measurement>& measurem
   for (const std::vector<Fix>& fixes : located) {
     summaries.push_back(summarize(fixes, measurements));
   }
-  fmt::print("{}\n", summary_json_line(summaries));
+  fmt::print("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig)));
 }
 
 // --- table ---
@@ -326,11 +327,11 @@ int run_localize(const LocalizeOptions& options) {
   }
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
+  print_assumptions(kName, assumptions(input->surveys, input->rig));
   if (options.follow) {
     return follow({input->surveys, input->rig, live_method(*input, options),
                    options.method == "joint", options.confirmed, options.explain});
   }
-  const std::vector<Measurement>& measurements = input->run.measurements;
   if (options.smooth) {
     if (const auto usable = check_times(input->run); !usable) {
       return report_failure(kName, usable.error());
@@ -355,7 +356,7 @@ int run_localize(const LocalizeOptions& options) {
     if (!written) return report_failure(kName, written.error());
   }
   if (options.json) {
-    print_json(located, measurements, options.explain);
+    print_json(located, *input, options.explain);
   } else {
     print_tables(located, *input, options.explain);
   }

@@ -60,6 +60,7 @@ Result<std::optional<HungTags>> hung_tags(const Options& options, const Survey& 
       check_hanging_lines(survey, *setup, 1e-3 * options.hanging.tolerance_mm, options.files, none);
   if (!hung) return fail(hung.error().message);
   for (const std::string& note : hung->notes) fmt::print(stderr, "report: {}\n", note);
+  print_assumptions("report", hung->assumed);
   return std::optional(std::move(*hung));
 }
 

@@ -330,6 +330,7 @@ Result<void> finish_hanging(const Options& options, const VerifyRequest& request
   }
   outcome.waiting.clear();
   for (const std::string& note : outcome.hung->notes) fmt::print(stderr, "verify: {}\n", note);
+  print_assumptions("verify", outcome.hung->assumed);
   return {};
 }
 

@@ -14,6 +14,7 @@
 #include <tl/expected.hpp>
 
 #include "decoder/localize/pose_search.hpp"
+#include "decoder/localize/settled_fit.hpp"
 #include "decoder/localize/unchecked.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
@@ -282,10 +283,11 @@ void list_dropped(Fix& fix, const NamedProblem& named, const PoseSearch& search,
   }
 }
 
-void list_corners(Fix& fix, const NamedProblem& named, const JointFit& fit) {
+void list_corners(Fix& fix, const NamedProblem& named, const JointState& state,
+                  const Selection& selection) {
   const JointProblem& problem = named.problem;
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
-    const auto predicted = predicted_pixels(problem, fit.state, i);
+    const auto predicted = predicted_pixels(problem, state, i);
     if (!predicted) continue;
     FittedCorners corners{named.seen[i]->camera, named.seen[i]->tag.name, {}, {}, true};
     corners.seen = named.seen[i]->seen_corners->corners;
@@ -293,7 +295,7 @@ void list_corners(Fix& fix, const NamedProblem& named, const JointFit& fit) {
       const auto row = static_cast<Eigen::Index>(2 * c);
       corners.fitted[c] = {(*predicted)[row], (*predicted)[row + 1]};
     }
-    const std::vector<std::size_t>& used = fit.selection.sightings;
+    const std::vector<std::size_t>& used = selection.sightings;
     corners.used = std::ranges::find(used, i) != used.end();
     fix.corners.push_back(std::move(corners));
   }
@@ -313,20 +315,6 @@ ErrorBudget grid_budget(const Grid& grid, const VehicleBudget& budget, double fa
   };
   return {part(budget.pixels), part(budget.edges),       part(budget.survey), part(budget.coding),
           part(budget.ranges), part(budget.calibration), part(budget.vehicle)};
-}
-
-// The same measurements, weighed as if edges lay where they were found. An error that moves all
-// edges alike says nothing about which corner is the better one, and most cameras make none:
-// weighed with it, positions from clean pictures were two to three times worse (0.03 to 0.06 mm
-// in the shipped corridor). It stays in the covariance (`total`), as a considered parameter does
-// (Jazwinski 1970, "Stochastic Processes and Filtering Theory", 8.4).
-JointFit weighed_without_edges(const JointProblem& problem, const JointFit& fit) {
-  const auto is_exact = [](const Sighting& sighting) { return sighting.by_edges.isZero(); };
-  if (std::ranges::all_of(problem.sightings, is_exact)) return fit;
-  JointProblem exact = problem;
-  exact.edges_weigh = false;
-  auto refitted = fit_jointly(exact, fit.selection, fit.state.vehicle);
-  return refitted ? std::move(*refitted) : fit;
 }
 
 // The note of what would go unnoticed although it moves the position by a decimetre or more;
@@ -360,9 +348,10 @@ void add_notes(Fix& fix) {
 
 void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const Believed& believed,
           const Survey& survey) {
-  const JointFit fit = weighed_without_edges(named.problem, believed.fit);
+  const JointFit& fit = believed.fit;
+  const SettledFit settled_fit = settled(named.problem, fit);
   const Grid& grid = survey.grid;
-  const VehiclePose& vehicle = fit.state.vehicle;
+  const VehiclePose& vehicle = settled_fit.state.vehicle;
   fix.tags.clear();
   for (const auto& group : fit.rows.plates) {
     fix.tags.push_back(named.problem.plates[group.plate].name);
@@ -375,15 +364,14 @@ void fill(Fix& fix, const NamedProblem& named, const PoseSearch& search, const B
       Attitude{std::remainder(grid_heading_from_world(grid, vehicle.heading), 2 * std::numbers::pi),
                vehicle.pitch, vehicle.roll};
   fix.variance_factor = believed.variance_factor;
-  const VehicleBudget budget = budget_of(named.problem, fit);
-  fix.pose_covariance_in_grid = fix.variance_factor * grid_covariance(grid, total(budget));
+  fix.pose_covariance_in_grid = fix.variance_factor * grid_covariance(grid, settled_fit.covariance);
   fix.covariance_in_grid = fix.pose_covariance_in_grid->topLeftCorner<3, 3>();
-  fix.budget = grid_budget(grid, budget, fix.variance_factor);
-  fix.chi_square = believed.fit.chi_square;
-  fix.degrees_of_freedom = believed.fit.degrees_of_freedom;
-  fix.unchecked = unchecked_by(named.problem, believed.fit, fix.variance_factor);
+  fix.budget = grid_budget(grid, settled_fit.budget, fix.variance_factor);
+  fix.chi_square = settled_fit.chi_square;
+  fix.degrees_of_freedom = settled_fit.degrees_of_freedom;
+  fix.unchecked = unchecked_by(named.problem, fit, fix.variance_factor);
   list_dropped(fix, named, search, fit);
-  list_corners(fix, named, fit);
+  list_corners(fix, named, settled_fit.state, fit.selection);
   fix.confirmations = static_cast<int>(fix.tags.size()) - 1;
   add_notes(fix);
 }

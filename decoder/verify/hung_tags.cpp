@@ -14,6 +14,7 @@
 
 #include "decoder/localize/attitude_scatter.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith {
 namespace {
@@ -22,7 +23,8 @@ using Eigen::Vector3d;
 
 SightedPlate plate_for(const Survey& survey, const PlacedTag& tag) {
   SightedPlate plate = sighted_plate(tag, survey);
-  const double sigma = std::max({survey.sigma, tag.sigma, kLeastSurveySigma});
+  const double sigma =
+      std::max({survey.states_sigma ? survey.sigma : 0, tag.sigma, kLeastSurveySigma});
   const double angle_sigma = std::max(survey.angle_sigma, kLeastAngleSigma);
   plate.survey_variance.head<3>().setConstant(sigma * sigma);
   plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
@@ -54,7 +56,7 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
 
 // Where the survey does not say how plates are turned, their pictures do.
 void take_scatter(const Survey& survey, AdjustmentProblem& problem) {
-  if (survey.angle_sigma > 0) return;
+  if (survey.angle_sigma > 0 && survey.states_angle_sigma) return;
   const double sigma = std::max(attitude_scatter(problem), kLeastAngleSigma);
   for (SightedPlate& plate : problem.plates) {
     plate.survey_variance.tail<3>().setConstant(sigma * sigma);
@@ -281,6 +283,10 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   const Consensus consensus = find_consensus(problem, tolerance);
   HungTags result;
   result.nothing_fits = consensus.nothing_fits;
+  result.assumed = assumed_calibration(rig);
+  if (auto sigma = assumed_sigma(survey)) {
+    result.assumed.insert(result.assumed.begin(), std::move(*sigma));
+  }
   for (std::size_t i = 0; i < problem.plates.size(); ++i) {
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }

@@ -44,9 +44,10 @@ struct HungTag {
 };
 
 struct HungTags {
-  std::vector<HungTag> tags;       // of the survey that were seen, in its order
-  std::vector<std::string> notes;  // on pictures that could not be used
-  bool nothing_fits = false;       // rig, survey and pictures do not belong together
+  std::vector<HungTag> tags;         // of the survey that were seen, in its order
+  std::vector<std::string> notes;    // on pictures that could not be used
+  std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
+  bool nothing_fits = false;         // rig, survey and pictures do not belong together
 };
 
 // Least standard deviations that plates are taken to be surveyed with: a survey that states none

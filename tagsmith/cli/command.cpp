@@ -28,4 +28,10 @@ int report_failure(const std::string& command, const Error& error) {
   return kExitFailure;
 }
 
+void print_assumptions(const std::string& command, const std::vector<std::string>& assumed) {
+  for (const std::string& sentence : assumed) {
+    fmt::print(stderr, "tagsmith {}: {}\n", command, sentence);
+  }
+}
+
 }  // namespace tagsmith

@@ -33,4 +33,8 @@ std::string unknown_command(const std::vector<Command>& commands,
 // Prints `tagsmith COMMAND: message` to standard error; returns kExitFailure.
 int report_failure(const std::string& command, const Error& error);
 
+// Prints `tagsmith COMMAND: sentence` for each of the assumptions (assumptions.hpp) to standard
+// error.
+void print_assumptions(const std::string& command, const std::vector<std::string>& assumed);
+
 }  // namespace tagsmith

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -21,6 +22,7 @@
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith {
@@ -126,6 +128,7 @@ Result<bool> plan(const PlanCommandOptions& options) {
   if (auto kept = check_claim(*drive_plan, *subject, options); !kept) {
     return fail(kept.error().message);
   }
+  print_assumptions(kName, assumptions(std::span(&subject->survey, 1), subject->rig));
   const PlanSummary summary = summarize(*drive_plan);
   const PlannedDrive drive{subject->survey, subject->rig, *drive_plan, summary};
   if (auto written = write_files(drive, *subject, options); !written) {

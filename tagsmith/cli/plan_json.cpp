@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/cli/plan_report.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith {
 namespace {
@@ -129,6 +131,7 @@ std::string plan_json(const PlannedDrive& drive) {
                       {"roll_deg", degrees(envelope.roll)},
                       {"pitch_deg", degrees(envelope.pitch)}};
   json["speed"] = plan.speed;
+  json["assumed"] = assumptions(std::span(&drive.survey, 1), drive.rig);
   json["coverage"] = {{"seen", json_of(summary.seen)},
                       {"read_without_code_book", json_of(summary.read_plain)},
                       {"read", json_of(summary.read)}};

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/render/svg_elements.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith {
 namespace {
@@ -336,6 +338,9 @@ std::string plan_page(const PlannedDrive& drive) {
       svg_escaped(drive.survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
   page += "<h1>Plan of the drive " + svg_escaped(drive.survey.name) + "</h1>\n<p class=\"sub\">" +
           svg_escaped(plan_heading(drive)) + "</p>\n";
+  for (const std::string& assumed : assumptions(std::span(&drive.survey, 1), drive.rig)) {
+    page += "<p class=\"sub\">" + svg_escaped(assumed) + "</p>\n";
+  }
   page +=
       "<h2>Standard deviation in the plane along the chainage</h2>\n" +
       key({{"#0d4db3", "on the center line"},

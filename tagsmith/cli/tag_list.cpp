@@ -9,6 +9,7 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/revision.hpp"
 
@@ -111,6 +112,11 @@ Json tunnel_json(const Survey& survey) {
   return json;
 }
 
+Json assumed_json(const Survey& survey) {
+  const auto assumed = assumed_sigma(survey);
+  return assumed ? Json{*assumed} : Json::array();
+}
+
 std::string dump(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -130,9 +136,10 @@ std::string tags_csv(const Survey& survey) {
     const Address address = address_of(survey, tag);
     std::vector<std::string> row{tag.name, to_string(tag.side), to_string(tag.digits)};
     append(row, tag.p_in_grid);
-    for (const double length : {tag.chainage, address.offset, address.height, tag.sigma}) {
+    for (const double length : {tag.chainage, address.offset, address.height}) {
       row.push_back(format_number(length));
     }
+    row.push_back(states_sigma_of(survey, tag) ? format_number(tag.sigma) : "");
     row.push_back(tag.date);
     if (tag.design_in_grid) {
       append(row, *tag.design_in_grid);
@@ -161,6 +168,7 @@ std::string tags_json(const Survey& survey) {
   const PositionCode& code = survey.code;
   return dump({{"survey", survey.name},
                {"revision", survey_revision(survey)},
+               {"assumed", assumed_json(survey)},
                {"grid", {{"x_axis", x_axis(survey)}}},
                {"template",
                 {{"name", plate.name},

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
@@ -39,6 +41,7 @@ struct ValidateOptions {
 struct Findings {
   std::vector<Diagnostic> diagnostics;
   std::vector<Error> unreadable;
+  std::vector<std::string> assumed;  // what surveys and rigs leave unsaid of their uncertainty
 };
 
 // Takes over what a reading found; false when the file could not be read at all.
@@ -120,6 +123,9 @@ Findings validate(const ValidateOptions& options) {
     if (collect(reading, findings) && reading->rig) rigs.push_back(std::move(*reading->rig));
   }
   check_sight(surveys, rigs, findings);
+  findings.assumed = assumptions(surveys, Rig{});
+  for (const Rig& rig : rigs)
+    std::ranges::move(assumed_calibration(rig), std::back_inserter(findings.assumed));
   for (const std::string& path : options.templates) collect(read_template(path), findings);
   return findings;
 }
@@ -154,6 +160,7 @@ int report(const Findings& findings, const ValidateOptions& options) {
   }
   std::fflush(stdout);  // findings before what is said about them
   for (const Error& error : findings.unreadable) report_failure("validate", error);
+  print_assumptions("validate", findings.assumed);
   const auto errors = static_cast<std::size_t>(
       std::ranges::count(findings.diagnostics, Severity::error, &Diagnostic::severity));
   const std::size_t files = options.surveys.size() + options.rigs.size() + options.templates.size();

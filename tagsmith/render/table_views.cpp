@@ -10,6 +10,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith {
@@ -79,6 +80,17 @@ void add_attitude_words(std::vector<std::string>& lines, const Survey& survey) {
   }
 }
 
+// How well coordinates are surveyed; the worst counts.
+std::string accuracy_words(const Survey& survey) {
+  if (!states_every_sigma(survey)) {
+    return fmt::format("survey accuracy not stated: {} mm assumed",
+                       format_number(1000 * survey.sigma));
+  }
+  double worst = 0;
+  for (const PlacedTag& tag : survey.tags) worst = std::max(worst, tag.sigma);
+  return "a coordinate is surveyed to " + metres(worst) + " m";
+}
+
 void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
   lines.push_back("P: upper left inner corner of the feature frame, seen facing the plate;");
   lines.push_back("    the tag's position is the position of P");
@@ -96,11 +108,8 @@ void add_tag_words(std::vector<std::string>& lines, const Survey& survey) {
   }
   add_attitude_words(lines, survey);
   const auto surveyed = std::ranges::count_if(survey.tags, &PlacedTag::surveyed);
-  const std::string accuracy =
-      survey.sigma > 0 ? "standard deviation of a coordinate " + metres(survey.sigma) + " m"
-                       : "survey accuracy not stated";
   lines.push_back(fmt::format("Tags: {}, of them {} from `placed`; {}", survey.tags.size(),
-                              surveyed, accuracy));
+                              surveyed, accuracy_words(survey)));
 }
 
 void add_code_words(std::vector<std::string>& lines, const Survey& survey) {

@@ -96,6 +96,25 @@ std::string tunnel_text(const SurveyDraft& draft) {
   return text;
 }
 
+// The plate, and how well the points fit a tunnel of one width; walls that run through their points
+// do not tell.
+std::string tags_text(const SurveyDraft& draft) {
+  const Tunnel& tunnel = draft.fit.tunnel;
+  if (!tunnel.left.is_constant() || !tunnel.right.is_constant()) {
+    return "tags: { template: " + draft.template_name + " }\n";
+  }
+  const auto points = std::ranges::count_if(draft.fit.residuals, [](const PointResidual& residual) {
+    return residual.across.has_value();
+  });
+  const double mm = std::max(1.0, std::ceil(1000 * draft.fit.rms_across));
+  return fmt::format(
+      "tags:\n"
+      "  template: {}\n"
+      "  sigma: {}   # of a coordinate: {} points lie {:.1f} mm rms across from the fitted walls;\n"
+      "                 # rounded up to a millimetre. Your instrument may tell better.\n",
+      draft.template_name, format_number(mm / 1000), points, 1000 * draft.fit.rms_across);
+}
+
 // The keys of an attitude that the drafted wall does not say already.
 std::string attitude_keys(const SurveyDraft& draft, const SurveyedPoint& point) {
   constexpr double kSame = radians(0.02);
@@ -158,7 +177,9 @@ std::string survey_to_edit(const std::string& name) {
          "  first: 1.0              # chainage of the first left P\n"
          "  pairs: 10               # or to: CHAINAGE\n"
          "  # theta: 6.5            # leave out: plates then face each other exactly\n"
-         "  sigma: 0.005            # how well a coordinate is surveyed, one standard deviation\n"
+         "  sigma: 0.003            # how well a coordinate is surveyed, one standard deviation;\n"
+         "                          # 0 = exact\n"
+         "  angle_sigma: 0.3        # how far plates lean or turn, degrees; 0.3: hung by eye\n"
          "code:\n"
          "  check_digit: gs1        # gs1: any bar code scanner; sum10: that of Xu et al. 2017\n"
          "  resolution: 0.01        # metres of the last digit\n"
@@ -178,14 +199,22 @@ std::string rig_to_edit(const std::string& name) {
          "\n"
          "cameras:   # by name; alpha = degrees between the optical axis and the cross section, "
          "forward\n"
-         "  left:  { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: "
-         "35, side: left }\n"
-         "  right: { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: "
-         "35, side: right }\n"
+         "  left:\n"
+         "    { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, "
+         "side: left,\n"
+         "      sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }\n"
+         "  right:\n"
+         "    { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, "
+         "side: right,\n"
+         "      sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }\n"
+         "  # sigma, one standard deviation each: position (m) and angle (degrees) of the\n"
+         "  # mounting, focal length (0.02 = 2 %: a lens by its data sheet), center of the image\n"
+         "  # (pixels). sigma: 0 calls all of them exact.\n"
          "  # a calibrated camera, mounted anywhere:\n"
          "  # front: { image_size: [1280, 960], fx: 1600, fy: 1600, cx: 639.5, cy: 479.5,\n"
          "  #          distortion: [0, 0, 0, 0, 0], yaw: 0, pitch: 0, roll: 0, position: [0.5, 0, "
-         "0.2] }\n"
+         "0.2],\n"
+         "  #          sigma: { position: 0.002, angle: 0.1, focal: 0.001, center: 1 } }\n"
          "ranges:    # least horizontal distance from O to a wall\n"
          "  d: { wall: left, min: 0.25, max: 5.0, sigma: 0.01 }\n"
          "vehicle:\n"
@@ -252,7 +281,7 @@ std::string draft_survey(const SurveyDraft& draft) {
       draft.source, draft.points.size(), draft.fit.rms_across * 1000, draft.fit.rms_up * 1000,
       draft.name, draft.grid.x_axis_left ? "left" : "right");
   text += tunnel_text(draft);
-  text += "tags: { template: " + draft.template_name + " }\n";
+  text += tags_text(draft);
   text += fmt::format("code: {{ check_digit: {}, resolution: {}, digits: {}, origin: {} }}\n",
                       to_string(code.check), joined(code.resolution), joined(code.digit_counts),
                       joined(code.origin));

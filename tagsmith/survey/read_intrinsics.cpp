@@ -192,9 +192,16 @@ std::vector<std::string> intrinsics_keys() {
           "cy",         "distortion",      "model",     "calibration"};
 }
 
+IntrinsicsSource intrinsics_source(const MapReader& map) {
+  if (map.has("calibration")) return IntrinsicsSource::calibration_file;
+  const bool by_numbers = map.has("fx") || map.has("fy") || map.has("cx") || map.has("cy");
+  return by_numbers ? IntrinsicsSource::numbers : IntrinsicsSource::data_sheet;
+}
+
 std::optional<Camera> read_intrinsics(const MapReader& map, const fs::path& folder) {
   if (!map.is_map()) return std::nullopt;
-  const bool by_file = map.has("calibration");
+  const IntrinsicsSource source = intrinsics_source(map);
+  const bool by_file = source == IntrinsicsSource::calibration_file;
   if (!by_file) need_image_size(map);
   const std::optional<ImageSize> size = read_image_size(map);
   for (const char* key : {"fx", "distortion", "calibration"}) {
@@ -205,19 +212,19 @@ std::optional<Camera> read_intrinsics(const MapReader& map, const fs::path& fold
   }
   map.exclude_each_other({"sensor_mm", "fx"});
   std::optional<Camera> camera;
-  const char* source = "calibration";
+  const char* told_by = "calibration";
   if (by_file) {
     camera = read_calibration_file(map, size, folder);
   } else {
     const ImageSize used = size.value_or(ImageSize{1, 1});
     const LensModel model = read_model(map).value_or(LensModel::perspective);
-    const bool by_numbers = map.has("fx") || map.has("fy") || map.has("cx") || map.has("cy");
-    source = by_numbers ? "fx" : "focal_length_mm";
+    const bool by_numbers = source == IntrinsicsSource::numbers;
+    told_by = by_numbers ? "fx" : "focal_length_mm";
     camera = by_numbers ? read_numbers_of_lens(map, used, model) : read_lens(map, used);
     if (camera) camera->lens = model;
     if (!size) camera.reset();
   }
-  if (camera) warn_of_odd_lens(map, map.find(source)->place, *camera);
+  if (camera) warn_of_odd_lens(map, map.find(told_by)->place, *camera);
   return camera;
 }
 

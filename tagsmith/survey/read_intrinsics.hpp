@@ -8,12 +8,16 @@
 #include <vector>
 
 #include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith {
 
 // The keys of a camera that these functions read.
 std::vector<std::string> intrinsics_keys();
+
+// What the camera's keys say of it, whether or not they are right.
+IntrinsicsSource intrinsics_source(const MapReader& map);
 
 // By a data sheet, by numbers, or by a calibration file, which is looked for beside the rig in
 // `folder`. Nothing when errors were logged; those about the calibration file name that file.

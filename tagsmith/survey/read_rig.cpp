@@ -5,10 +5,14 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/read_intrinsics.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -56,15 +60,53 @@ std::optional<double> read_optional(const MapReader& map, const char* key,
   return read_number(map.find(key), map.name_of(key), range, map.log());
 }
 
-CalibrationSigma read_calibration_sigma(const YamlNode* node, const std::string& name,
-                                        FindingLog& log) {
-  const MapReader map(node, name, {"position", "angle", "focal", "center"}, log);
-  CalibrationSigma sigma;
-  sigma.position = map.number_or("position", 0, between(0, 1, "m"));
-  sigma.angle = radians(map.number_or("angle", 0, between(0, 10, "degrees")));
-  sigma.focal = map.number_or("focal", 0, between(0, 0.1, ""));
-  sigma.center = map.number_or("center", 0, between(0, 100, "pixels"));
-  return sigma;
+const char* source_text(IntrinsicsSource source) {
+  switch (source) {
+    case IntrinsicsSource::data_sheet:
+      return " (by data sheet)";
+    case IntrinsicsSource::numbers:
+      return " (by fx, fy, cx, cy)";
+    default:
+      return " (by calibration file)";
+  }
+}
+
+// `sigma: 0` of a camera calls all its parts exact; no other number stands for all of them.
+void check_exact(const YamlNode& node, const std::string& name, FindingLog& log) {
+  if (!node.quoted && parse_number(node.text) == 0) return;
+  log.error(node.place, "wrong-type",
+            name + " is `" + node.text.substr(0, 60) +
+                "`, expected 0 (all exact), or a map with position, angle, focal, center, edge");
+}
+
+// What the camera's `sigma` says; what it leaves out is taken as usual.
+void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
+  const YamlNode* node = keys.find("sigma");
+  if (node != nullptr && node->kind == YamlNode::Kind::scalar) {
+    return check_exact(*node, keys.name_of("sigma"), keys.log());
+  }
+  const IntrinsicsSource source = intrinsics_source(keys);
+  const CalibrationSigma usual = usual_calibration(source, camera.camera.width);
+  const MapReader map(node, keys.name_of("sigma"), {"position", "angle", "focal", "center", "edge"},
+                      keys.log());
+  std::vector<std::string> unsaid;
+  const auto part = [&](const char* key, double value, double most, const char* unit,
+                        const std::string& words) {
+    if (!map.has(key)) unsaid.push_back(std::string(key) + " " + words);
+    return map.number_or(key, value, between(0, most, unit));
+  };
+  const double angle = degrees(usual.angle);
+  const double edge = part("edge", usual.edge, 10, "pixels", format_number(usual.edge) + " pixels");
+  camera.calibration_sigma = {
+      .position =
+          part("position", usual.position, 1, "m", format_number(1000 * usual.position) + " mm"),
+      .angle = radians(part("angle", angle, 10, "degrees", format_number(angle) + " degrees")),
+      .focal = part("focal", usual.focal, 0.1, "", format_number(100 * usual.focal) + " %"),
+      .center =
+          part("center", usual.center, 100, "pixels", format_number(usual.center) + " pixels"),
+      .edge = edge};
+  camera.assumed_sigma = fmt::format("{}", fmt::join(unsaid, ", "));
+  if (!map.has("focal") || !map.has("center")) camera.assumed_sigma += source_text(source);
 }
 
 // Depth of field: a focus says nothing without the lens opening, nor the other way round.
@@ -90,9 +132,7 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   camera.vehicle_from_camera = read_mounting(map, camera.side);
   camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));
   camera.blur_px = read_optional(map, "blur_px", between(0, 100, "pixels"));
-  if (map.has("sigma")) {
-    camera.calibration_sigma = read_calibration_sigma(map.find("sigma"), map.name_of("sigma"), log);
-  }
+  read_calibration_sigma(map, camera);
   read_focus(map, camera);
   return camera;
 }

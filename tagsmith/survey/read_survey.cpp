@@ -11,6 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_tags.hpp"
 #include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/lint_tags.hpp"
@@ -267,8 +268,11 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
       log);
   const auto tag_template = read_named_template(tags, path.parent_path());
   survey.series = read_series(tags, file.has("placed"), tag_template);
-  survey.sigma = tags.number_or("sigma", 0, between(0, kWorstSigma, "m"));
-  survey.angle_sigma = radians(tags.number_or("angle_sigma", 0, between(0, 45, "degrees")));
+  survey.states_sigma = tags.has("sigma");
+  survey.sigma = tags.number_or("sigma", kUsualSigma, between(0, kWorstSigma, "m"));
+  survey.states_angle_sigma = tags.has("angle_sigma");
+  survey.angle_sigma =
+      radians(tags.number_or("angle_sigma", degrees(kUsualAngleSigma), between(0, 45, "degrees")));
 
   const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",
                        {"check_digit", "resolution", "digits", "origin"}, log);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/checksum.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith {
 namespace {
@@ -92,11 +93,11 @@ void add_code(Content& content, const PositionCode& code) {
   }
 }
 
-void add_tag(Content& content, const PlacedTag& tag) {
+void add_tag(Content& content, const Survey& survey, const PlacedTag& tag) {
   content.text(tag.name);
   content.text(to_string(tag.digits));
   content.point(tag.p_in_grid);
-  content.length(tag.sigma);
+  content.length(states_sigma_of(survey, tag) ? tag.sigma : 0);
   content.text(tag.date);
   if (tag.design_in_grid) content.point(*tag.design_in_grid);
   if (!tag.attitude) return;
@@ -115,10 +116,11 @@ std::string survey_revision(const Survey& survey) {
   content.text(survey.name);
   add_tunnel(content, survey);
   add_template(content, survey.tag_template);
-  content.length(survey.sigma);
-  if (survey.angle_sigma != 0) content.angle(survey.angle_sigma);
+  // What is assumed belongs to the program, not to the survey.
+  content.length(survey.states_sigma ? survey.sigma : 0);
+  if (survey.states_angle_sigma && survey.angle_sigma != 0) content.angle(survey.angle_sigma);
   add_code(content, survey.code);
-  for (const PlacedTag& tag : survey.tags) add_tag(content, tag);
+  for (const PlacedTag& tag : survey.tags) add_tag(content, survey, tag);
   return sha256(content.bytes()).substr(0, kShown);
 }
 

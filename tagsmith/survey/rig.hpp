@@ -36,6 +36,9 @@ struct RigCamera {
   std::optional<double> exposure;  // seconds
   std::optional<double> blur_px;   // standard deviation of its point spread, pixels
   CalibrationSigma calibration_sigma{};
+  // What of it the file does not say and the reader took as usual (assumptions.hpp), in words;
+  // empty = nothing.
+  std::string assumed_sigma{};
   // Depth of field; both or neither. Without them everything is in focus.
   std::optional<double> focus;     // distance of sharp focus, metres
   std::optional<double> aperture;  // diameter of the lens opening, metres

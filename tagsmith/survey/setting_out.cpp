@@ -7,7 +7,7 @@ namespace tagsmith {
 
 double usual_tolerance(const Survey& survey) {
   constexpr double kTapeAndLevel = 0.005;
-  return std::max(2 * survey.sigma, kTapeAndLevel);
+  return survey.states_sigma ? std::max(2 * survey.sigma, kTapeAndLevel) : kTapeAndLevel;
 }
 
 std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,

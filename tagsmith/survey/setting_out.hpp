@@ -19,7 +19,8 @@ struct SettingOut {
 };
 
 // How far a plate may hang from its place unless the user says otherwise: twice the standard
-// deviation of a surveyed coordinate, but no less than what a tape and a level can do.
+// deviation of a surveyed coordinate where the survey states it, but no less than what a tape and a
+// level can do.
 double usual_tolerance(const Survey& survey);
 
 std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,

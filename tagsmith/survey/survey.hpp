@@ -77,6 +77,9 @@ struct Survey {
   std::optional<TagSeries> series;
   double sigma = 0;        // standard deviation of a surveyed coordinate, metres
   double angle_sigma = 0;  // of a plate's attitude against its wall, about each axis, radians
+  // False where the file does not say it and the reader took what is usual (assumptions.hpp).
+  bool states_sigma = true;
+  bool states_angle_sigma = true;
   PositionCode code;
   std::vector<PlacedTag> tags;  // by pair, left before right
 };

@@ -20,6 +20,7 @@
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/dxf.hpp"
+#include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/program.hpp"
 
@@ -215,6 +216,35 @@ TEST_CASE("export and new --from lose nothing of any tag") {
   }
 }
 
+TEST_CASE("an assumed sigma is exported as none, and drawn as assumed") {
+  const TemporaryFolder folder;
+  std::string unstated = *read_file("surveys/curved/survey.yaml");
+  const std::string key = "  sigma: 0.002\n";
+  unstated.erase(unstated.find(key), key.size());
+  const fs::path file = folder.path() / "unstated.yaml";
+  write_text(file, unstated);
+  const Survey survey = load_survey(file).value();
+  CHECK(nlohmann::json::parse(tags_json(survey))["assumed"] ==
+        nlohmann::json::array({"survey curved states no sigma: 3 mm assumed"}));
+  const fs::path csv = folder.path() / "tags.csv";
+  write_text(csv, tags_csv(survey));
+  PointListOptions own;
+  own.order = "own";
+  const auto points = read_point_list(csv, own).value();
+  for (const SurveyedPoint& point : points.list.value().points) {
+    CHECK_FALSE(point.sigma.has_value());
+  }
+  const auto drawn = [&](const fs::path& of) {
+    const fs::path pdf = folder.path() / "drawing.pdf";
+    REQUIRE(run_tagsmith("draw " + quoted(of) + " -o " + quoted(pdf)).exit_code == 0);
+    return run_shell("pdftotext -layout " + quoted(pdf) + " -").out;
+  };
+  CHECK(drawn(file).find("survey accuracy not stated: 3 mm assumed") != std::string::npos);
+  const std::string words = drawn("surveys/curved/survey.yaml");
+  CHECK(words.find("a coordinate is surveyed to 0.002 m") != std::string::npos);
+  CHECK(words.find("assumed") == std::string::npos);
+}
+
 TEST_CASE("the center line of a list without noise is found again") {
   const TemporaryFolder folder;
   const fs::path csv = folder.path() / "c.csv";
@@ -247,6 +277,11 @@ TEST_CASE("points of walls, floor, roof and tags with 5 mm of noise become the t
     CHECK(std::abs(survey.tunnel.height.at(0) - 3.1) < 0.01);
     REQUIRE(survey.tags.size() == 6);
     CHECK(survey.tags[5].name == "002R");
+    // The noise of 5 mm, measured over 54 points and rounded up, stands in the draft.
+    CHECK(survey.states_sigma);
+    CHECK(survey.sigma >= 0.004);
+    CHECK(survey.sigma <= 0.006);
+    CHECK(survey.tags[0].sigma == survey.sigma);
     for (const CenterlineElement& element : survey.tunnel.centerline.elements()) {
       CHECK(element.grade == Approx(0.015).epsilon(0.1));
     }
@@ -273,6 +308,7 @@ TEST_CASE("walls that run through their points are drafted when they are asked f
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   CHECK(made.err.find("survey.yaml written: 0 errors") != std::string::npos);
   const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK_FALSE(survey.states_sigma);  // walls through their points measure nothing
   const Tunnel& tunnel = survey.tunnel;
   for (double chainage = 2; chainage < 65; chainage += 7) {
     CAPTURE(chainage);

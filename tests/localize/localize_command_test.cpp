@@ -262,6 +262,32 @@ TEST_CASE("the joint fit locates the shipped photos to fractions of a millimetre
   }
 }
 
+TEST_CASE(
+    "what survey and rig leave unsaid is assumed and said once, and right photos keep right") {
+  const TemporaryFolder folder;
+  std::string rig = contents("surveys/corridor/rig.yaml");
+  for (std::size_t at = 0; (at = rig.find(", sigma: 0 }")) != std::string::npos;) {
+    rig.erase(at, 10);
+  }
+  const std::string arguments = "localize surveys/corridor/survey.yaml --rig " +
+                                file_with(folder.path() / "rig.yaml", rig) +
+                                " --run surveys/corridor/run.csv";
+  const ProgramOutput output = run_tagsmith(arguments + " --json");
+  CHECK(output.exit_code == 0);
+  const std::string assumed =
+      "rig crawler states no sigma of camera left, right: edge 0.1 pixels, position 5 mm, angle "
+      "0.5 "
+      "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
+  CHECK(output.err == "tagsmith localize: " + assumed + "\n");
+  const json summary = json_lines(output.out).back().at("summary");
+  CHECK(summary.at("assumed") == json::array({assumed}));
+  CHECK(summary.at("located") == 10);
+  const ProgramOutput stated =
+      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --json");
+  CHECK(stated.err.empty());
+  CHECK(json_lines(stated.out).back().at("summary").at("assumed").empty());
+}
+
 TEST_CASE("one camera is enough, a gross range is dropped and said, no tag has its reason") {
   const TemporaryFolder folder;
   const fs::path photos = fs::absolute("surveys/corridor/photos");

@@ -42,6 +42,7 @@ TEST_CASE("plan --json is one object with the documented fields") {
                             "poses_per_step",
                             "envelope",
                             "speed",
+                            "assumed",
                             "coverage",
                             "covered_share",
                             "both_walls_share",
@@ -61,6 +62,34 @@ TEST_CASE("plan --json is one object with the documented fields") {
   CHECK(json["profile"]["chainage"].size() == 101);
   CHECK(json["tags"].size() == 16);
   CHECK(json["covered_share"] == 1.0);
+}
+
+TEST_CASE("plan says once what survey and rig leave unsaid, and promises less for it") {
+  const TemporaryFolder folder;
+  const auto without = [&](const char* name, const std::string& key) {
+    std::string text = contents(std::string("surveys/corridor/") + name);
+    for (std::size_t at = 0; (at = text.find(key)) != std::string::npos;) {
+      text.erase(at, key.size());
+    }
+    std::ofstream(folder.path() / name) << text;
+    return (folder.path() / name).string();
+  };
+  const std::string files = "plan " + without("survey.yaml", "  sigma: 0.002") + " --rig " +
+                            without("rig.yaml", ", sigma: 0 ") + " --from 2 --to 2.2 --json";
+  const ProgramOutput output = run_tagsmith(files);
+  const auto json = nlohmann::json::parse(output.out);
+  const std::string survey = "survey corridor states no sigma: 3 mm assumed";
+  const std::string rig =
+      "rig crawler states no sigma of camera left, right: edge 0.1 pixels, position 5 mm, angle "
+      "0.5 "
+      "degrees, focal 2 %, center 12.8 pixels (by data sheet) assumed";
+  CHECK(json["assumed"] == nlohmann::json::array({survey, rig}));
+  CHECK(output.err == "tagsmith plan: " + survey + "\ntagsmith plan: " + rig + "\n");
+  CHECK(json["accuracy"]["plane"]["median"] > 0.003);
+  const ProgramOutput stated = run_tagsmith(kCorridor + " --from 2 --to 2.2 --json");
+  CHECK(stated.err.empty());
+  CHECK(nlohmann::json::parse(stated.out)["assumed"].empty());
+  CHECK(nlohmann::json::parse(stated.out)["accuracy"]["plane"]["median"] < 0.0021);
 }
 
 TEST_CASE("plan -o writes drawings and a page that needs no network") {

@@ -85,7 +85,7 @@ const Json& good_rig() {
         "aperture_mm": 2.5, "model": "perspective",
         "sigma": { "position": 0.001, "angle": 0.05, "focal": 0.001, "center": 0.5 } },
       "rear": { "calibration": { "file": "none.yaml", "camera": "cam0" }, "model": "fisheye",
-        "yaw": 180.5 } },
+        "yaw": 180.5, "sigma": 0 } },
     "ranges": { "d": { "wall": "left", "min": 0.25, "max": 5.5, "sigma": 0.01 } },
     "vehicle": { "height": 0.24, "roll_sigma": 2.5, "pitch_sigma": 2.5, "height_sigma": 0.05,
       "envelope": { "lateral": 0.4, "yaw": 8.5, "speed": 1.5, "roll": 2.5, "pitch": 1.5 } } })");
@@ -269,6 +269,8 @@ TEST_CASE("schema and parser agree on keys that exclude or need each other") {
       {"rig", R"([{"op":"move","from":"/cameras/left","path":"/cameras/time"}])", false},
       {"rig", R"([{"op":"move","from":"/cameras/left","path":"/cameras/7th"}])", false},
       {"rig", R"([{"op":"remove","path":"/ranges"}])", true},
+      {"rig", R"([{"op":"replace","path":"/cameras/rear/sigma","value":0.5}])", false},
+      {"rig", R"([{"op":"replace","path":"/cameras/rear/sigma","value":{"focal":0}}])", true},
       {"rig", R"([{"op":"replace","path":"/cameras/rear/calibration","value":"none.yaml"}])", true},
       {"rig", R"([{"op":"add","path":"/cameras/rear/image_size","value":[1280,960]}])", true},
       {"rig", R"([{"op":"add","path":"/cameras/rear/fx","value":900.5}])", false},

@@ -172,6 +172,24 @@ TEST_CASE("of two tags that contradict each other each is told what to do if it 
   }
 }
 
+TEST_CASE("an assumed angle_sigma gives way to what the pictures say of plates' tilt") {
+  Corridor corridor;
+  const auto turn_sigma = [&] { return corridor.judged("001L").turn.sigma.maxCoeff(); };
+  const double estimated = turn_sigma();
+  corridor.survey.angle_sigma = radians(3);
+  CHECK(turn_sigma() > 1.01 * estimated);  // stated
+  corridor.survey.states_angle_sigma = false;
+  CHECK(turn_sigma() == doctest::Approx(estimated));
+}
+
+TEST_CASE("what survey and rig leave unsaid is among what the check of hung tags says") {
+  Corridor corridor;
+  CHECK(check_hung_tags(corridor.survey, corridor.rig, corridor.seen()).assumed.empty());
+  corridor.survey.states_sigma = false;
+  corridor.rig.cameras.front().assumed_sigma = "angle 0.5 degrees";
+  CHECK(check_hung_tags(corridor.survey, corridor.rig, corridor.seen()).assumed.size() == 2);
+}
+
 TEST_CASE("of exchanged photos nobody is told to turn a plate round") {
   Corridor corridor;
   std::vector<SightedTag> picture = corridor.seen();

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/assumptions.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tagsmith/base/text.hpp"
+
+namespace tagsmith {
+CalibrationSigma usual_calibration(IntrinsicsSource source, int image_width) {
+  CalibrationSigma sigma{.position = 0.005, .angle = radians(0.5), .edge = 0.1};
+  switch (source) {
+    case IntrinsicsSource::data_sheet:
+      sigma.focal = 0.02;
+      sigma.center = 0.01 * image_width;
+      break;
+    case IntrinsicsSource::numbers:
+      sigma.focal = 0.002;
+      sigma.center = 2;
+      break;
+    case IntrinsicsSource::calibration_file:
+      sigma.focal = 0.001;
+      sigma.center = 1;
+      break;
+  }
+  return sigma;
+}
+
+bool states_sigma_of(const Survey& survey, const PlacedTag& tag) {
+  return survey.states_sigma || tag.sigma != survey.sigma;
+}
+
+bool states_every_sigma(const Survey& survey) {
+  return std::ranges::all_of(survey.tags,
+                             [&](const PlacedTag& tag) { return states_sigma_of(survey, tag); });
+}
+
+std::optional<std::string> assumed_sigma(const Survey& survey) {
+  if (states_every_sigma(survey)) return std::nullopt;
+  return fmt::format("survey {} states no sigma: {} mm assumed", survey.name,
+                     format_number(1000 * survey.sigma));
+}
+
+// Cameras of which the same is assumed share a sentence.
+std::vector<std::string> assumed_calibration(const Rig& rig) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> cameras;
+  for (const RigCamera& camera : rig.cameras) {
+    if (camera.assumed_sigma.empty()) continue;
+    auto same =
+        std::ranges::find(cameras, camera.assumed_sigma, [](auto& entry) { return entry.first; });
+    if (same == cameras.end()) same = cameras.insert(same, {camera.assumed_sigma, {}});
+    same->second.push_back(camera.name);
+  }
+  std::vector<std::string> sentences;
+  for (const auto& [assumed, names] : cameras) {
+    sentences.push_back(fmt::format("rig {} states no sigma of camera {}: {} assumed", rig.name,
+                                    fmt::join(names, ", "), assumed));
+  }
+  return sentences;
+}
+
+std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig& rig) {
+  std::vector<std::string> all;
+  for (const Survey& survey : surveys) {
+    if (auto sigma = assumed_sigma(survey)) all.push_back(std::move(*sigma));
+    if (survey.states_angle_sigma) continue;
+    all.push_back(fmt::format("survey {} states no angle_sigma: {} degrees assumed", survey.name,
+                              format_number(degrees(survey.angle_sigma))));
+  }
+  std::ranges::move(assumed_calibration(rig), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace tagsmith
