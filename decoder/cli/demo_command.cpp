@@ -21,6 +21,7 @@
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/print_job.hpp"
 #include "tagsmith/cli/print_run.hpp"
@@ -136,16 +137,16 @@ std::vector<fs::path> photos_of(const Run& run) {
 // One line on the reports, and every finding. True when there is none.
 bool show(const Demo& demo, const std::string& step, const Verified& verified) {
   const VerifySummary summary = summarize(demo.survey, verified.reports);
-  fmt::print("{:<10} {} files read; tags: {} ok, {} unknown, {} misprinted, {} unreadable\n", step,
-             summary.files, summary.ok, summary.unknown, summary.misprinted, summary.unreadable);
-  for (const std::string& problem : verified.unreadable) fmt::print("{:<10} {}\n", "", problem);
+  to_stdout("{:<10} {} files read; tags: {} ok, {} unknown, {} misprinted, {} unreadable\n", step,
+            summary.files, summary.ok, summary.unknown, summary.misprinted, summary.unreadable);
+  for (const std::string& problem : verified.unreadable) to_stdout("{:<10} {}\n", "", problem);
   for (const FileReport& report : verified.reports) {
     for (const std::string& finding : report.findings) {
-      fmt::print("{:<10} {}: {}\n", "", report.file.filename().string(), finding);
+      to_stdout("{:<10} {}: {}\n", "", report.file.filename().string(), finding);
     }
   }
   if (!summary.missing.empty()) {
-    fmt::print("{:<10} not seen in them: {}\n", "", fmt::join(summary.missing, " "));
+    to_stdout("{:<10} not seen in them: {}\n", "", fmt::join(summary.missing, " "));
   }
   return summary.files_with_findings == 0 && verified.unreadable.empty();
 }
@@ -257,7 +258,7 @@ std::string reasons_of(const std::vector<Fix>& fixes) {
 
 void show_files(const Demo& demo) {
   const std::string corridor = demo.survey.file.parent_path().string();
-  fmt::print(
+  const std::string words = fmt::format(
       "\nFiles in {}:\n"
       "  print/           {} tags as PDF and SVG, true scale, manifest.json, and the\n"
       "                   installer's setting-out.csv and setting-out.pdf\n"
@@ -270,23 +271,25 @@ void show_files(const Demo& demo) {
       "  tagsmith verify {corridor}/survey.yaml print {corridor}/photos\n"
       "  tagsmith localize {corridor}/survey.yaml --rig {corridor}/rig.yaml --run "
       "{corridor}/run.csv\n",
-      demo.folder.string(), demo.survey.tags.size(), fmt::arg("corridor", corridor));
+      terminal_text(demo.folder.string()), demo.survey.tags.size(),
+      fmt::arg("corridor", terminal_text(corridor)));
+  to_stdout("{}", Lines{words});
 }
 
 Result<bool> run_steps(const Demo& demo) {
-  fmt::print("{:<10} {}: {} tags, no findings\n", "validate", demo.survey.file.string(),
-             demo.survey.tags.size());
+  to_stdout("{:<10} {}: {} tags, no findings\n", "validate", demo.survey.file.string(),
+            demo.survey.tags.size());
   const Result<std::vector<fs::path>> pdfs = print_tags(demo);
   if (!pdfs) return fail(pdfs.error().message);
-  fmt::print("{:<10} {} tags as PDF and SVG\n", "print", pdfs->size());
+  to_stdout("{:<10} {} tags as PDF and SVG\n", "print", pdfs->size());
   const Verified prints = verify_files(demo, *pdfs);
   const bool prints_are_well = show(demo, "prints", prints);
   const Verified photos = verify_files(demo, photos_of(demo.run));
   const bool photos_are_well = show(demo, "photos", photos);
   const Located located = localize(demo);
   const std::string table = table_of(demo, located);
-  fmt::print("{:<10} ten points by both methods, from the photos and the range d\n{}{}", "localize",
-             table, kAboutMethods);
+  to_stdout("{:<10} ten points by both methods, from the photos and the range d\n{}{}", "localize",
+            Lines{table}, Lines{kAboutMethods});
   for (const Result<void>& saved :
        {save_reports(demo.folder / "prints.jsonl", demo, prints),
         save_reports(demo.folder / "photos.jsonl", demo, photos),

@@ -6,25 +6,17 @@
 #include <cstddef>
 #include <iterator>
 #include <optional>
-#include <string_view>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "tagsmith/base/csv.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 
 namespace tagsmith {
 namespace {
-
-// RFC 4180, 2.5 to 2.7.
-std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
-}
 
 std::string csv_number(const std::optional<double>& value) {
   return value ? fmt::format("{}", *value) : std::string();

@@ -15,6 +15,7 @@
 #include "decoder/localize/live_track.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith {
@@ -116,7 +117,7 @@ int follow(const FollowInput& input) {
       all_located = false;
       answer = error_line(object, number, measurement.error().message);
     }
-    fmt::print("{}\n", answer);
+    to_stdout("{}\n", answer);
     std::fflush(stdout);
   }
   return all_located ? kExitOk : kExitFindings;

@@ -33,6 +33,7 @@
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -134,14 +135,14 @@ void print_json(const Located& located, const LocalizeInput& input, bool explain
   const std::vector<Measurement>& measurements = input.run.measurements;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     for (const std::vector<Fix>& fixes : located) {
-      fmt::print("{}\n", fix_json_line(fixes[i], measurements[i], explain));
+      to_stdout("{}\n", fix_json_line(fixes[i], measurements[i], explain));
     }
   }
   std::vector<FixSummary> summaries;
   for (const std::vector<Fix>& fixes : located) {
     summaries.push_back(summarize(fixes, measurements));
   }
-  fmt::print("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig)));
+  to_stdout("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig)));
 }
 
 // --- table ---
@@ -173,17 +174,17 @@ void print_budgets(const std::vector<Fix>& fixes) {
   for (const Fix& fix : fixes) {
     if (!fix.budget) continue;
     const Eigen::Matrix<double, 6, 1> sigmas = fix.pose_covariance_in_grid->diagonal().cwiseSqrt();
-    fmt::print(
+    to_stdout(
         "{}: heading {:.3f} deg, pitch {:.3f} deg, roll {:.3f} deg; sigma {:.3f}, {:.3f}, {:.3f}\n",
         fix.id, degrees(fix.attitude->heading), degrees(fix.attitude->pitch),
         degrees(fix.attitude->roll), degrees(sigmas[3]), degrees(sigmas[4]), degrees(sigmas[5]));
-    fmt::print("  {:<12} {:>8} {:>8} {:>8}\n", "sigma in mm", "x", "y", "z");
+    to_stdout("  {:<12} {:>8} {:>8} {:>8}\n", "sigma in mm", "x", "y", "z");
     for (const auto& [source, covariance] : parts_of(*fix.budget)) {
       const Eigen::Vector3d mm = 1000 * covariance.diagonal().cwiseMax(0).cwiseSqrt();
-      fmt::print("  {:<12} {:8.3f} {:8.3f} {:8.3f}\n", source, mm.x(), mm.y(), mm.z());
+      to_stdout("  {:<12} {:8.3f} {:8.3f} {:8.3f}\n", source, mm.x(), mm.y(), mm.z());
     }
-    fmt::print("  residuals: chi-square {:.1f}, expected {}\n", fix.chi_square,
-               fix.degrees_of_freedom);
+    to_stdout("  residuals: chi-square {:.1f}, expected {}\n", fix.chi_square,
+              fix.degrees_of_freedom);
   }
 }
 
@@ -194,22 +195,22 @@ void print_notes(const std::vector<Fix>& fixes) {
     for (const std::string& note : fix.notes) ids_of_note[note].push_back(fix.id);
   }
   for (const auto& [note, ids] : ids_of_note)
-    fmt::print("note {}: {}\n", fmt::join(ids, ", "), note);
+    to_stdout("note {}: {}\n", fmt::join(ids, ", "), note);
 }
 
 void print_summary(const FixSummary& summary, const PublishedErrors& published) {
-  fmt::print("{} measurement{}, {} located", summary.count, summary.count == 1 ? "" : "s",
-             summary.located);
+  to_stdout("{} measurement{}, {} located", summary.count, summary.count == 1 ? "" : "s",
+            summary.located);
   if (summary.mean_error && summary.error95 && summary.max_error) {
-    fmt::print(
+    to_stdout(
         "; mean error {:.4f} m in the plane, {:.4f} m in z; 95 % {:.4f} m, {:.4f} m; greatest "
         "{:.4f} m, {:.4f} m\n",
         summary.mean_error->plane, summary.mean_error->height, summary.error95->plane,
         summary.error95->height, summary.max_error->plane, summary.max_error->height);
-    fmt::print("Xu et al. 2017, {}: mean error {:.3f} m in the plane, {:.3f} m in z",
-               published.experiment, published.mean_plane, published.mean_height);
+    to_stdout("Xu et al. 2017, {}: mean error {:.3f} m in the plane, {:.3f} m in z",
+              published.experiment, published.mean_plane, published.mean_height);
   }
-  fmt::print("\n");
+  to_stdout("\n");
 }
 
 void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements,
@@ -221,12 +222,12 @@ void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& 
     tags_width = std::max(tags_width, tags_text(fix).size());
   }
   const FixSummary summary = summarize(fixes, measurements);
-  fmt::print("{:<{}}  {:<{}}  {:>9} {:>9} {:>9}  {:>20}{}\n", "id", id_width, "tags", tags_width,
-             "x", "y", "z", "sigma of x, y, z, mm",
-             summary.mean_error ? "  error, mm: plane       z" : "");
+  to_stdout("{:<{}}  {:<{}}  {:>9} {:>9} {:>9}  {:>20}{}\n", "id", id_width, "tags", tags_width,
+            "x", "y", "z", "sigma of x, y, z, mm",
+            summary.mean_error ? "  error, mm: plane       z" : "");
   for (std::size_t i = 0; i < fixes.size(); ++i) {
-    fmt::print("{:<{}}  {:<{}}  {}\n", fixes[i].id, id_width, tags_text(fixes[i]), tags_width,
-               row_text(fixes[i], measurements[i]));
+    to_stdout("{:<{}}  {:<{}}  {}\n", fixes[i].id, id_width, tags_text(fixes[i]), tags_width,
+              row_text(fixes[i], measurements[i]));
   }
   print_notes(fixes);
   print_summary(summary, published);
@@ -235,7 +236,7 @@ void print_table(const std::vector<Fix>& fixes, const std::vector<Measurement>& 
 void print_tables(const Located& located, const LocalizeInput& input, bool explain) {
   const PublishedErrors& published = published_errors_for(input.surveys.front().tunnel.centerline);
   for (const std::vector<Fix>& fixes : located) {
-    if (located.size() > 1 && !fixes.empty()) fmt::print("method {}:\n", fixes.front().method);
+    if (located.size() > 1 && !fixes.empty()) to_stdout("method {}:\n", fixes.front().method);
     print_table(fixes, input.run.measurements, published);
     if (explain) print_budgets(fixes);
   }

@@ -19,6 +19,7 @@
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
@@ -122,24 +123,24 @@ std::string name_in_words(const Digits& digits, const std::vector<Survey>& surve
 void print_in_words(const ImageReadings& readings, const std::vector<Survey>& surveys) {
   const ReadResult& result = readings.result;
   const std::size_t count = tag_count(result);
-  fmt::print("{}: {} {}\n", readings.image.string(), count, count == 1 ? "tag" : "tags");
+  to_stdout("{}: {} {}\n", readings.image.string(), count, count == 1 ? "tag" : "tags");
   for (const Reading& tag : result.tags) {
-    fmt::print("{}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}\n", code_in_words(tag, surveys),
-               tag.corners[0].x, tag.corners[0].y, tag.module_px,
-               name_in_words(tag.digits, surveys));
+    to_stdout("{}  P at ({:.1f}, {:.1f})  {:.1f} px/module{}\n", code_in_words(tag, surveys),
+              tag.corners[0].x, tag.corners[0].y, tag.module_px,
+              name_in_words(tag.digits, surveys));
   }
   for (const FramelessReading& tag : result.frameless.read) {
-    fmt::print("{}  no frame: bars at ({:.0f}, {:.0f})  {:.1f} px/module{}\n",
-               code_in_words(tag, surveys), tag.bars[0].x, tag.bars[0].y, tag.module_px,
-               name_in_words(tag.digits, surveys));
+    to_stdout("{}  no frame: bars at ({:.0f}, {:.0f})  {:.1f} px/module{}\n",
+              code_in_words(tag, surveys), tag.bars[0].x, tag.bars[0].y, tag.module_px,
+              name_in_words(tag.digits, surveys));
   }
   for (const Rejection& rejection : result.rejected) {
-    fmt::print("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x,
-               rejection.corners[0].y, rejection.reason);
+    to_stdout("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x, rejection.corners[0].y,
+              rejection.reason);
   }
   for (const FramelessRejection& rejection : result.frameless.rejected) {
-    fmt::print("  refused at ({:.0f}, {:.0f}): no frame: {}\n", rejection.bars[0].x,
-               rejection.bars[0].y, rejection.reason);
+    to_stdout("  refused at ({:.0f}, {:.0f}): no frame: {}\n", rejection.bars[0].x,
+              rejection.bars[0].y, rejection.reason);
   }
 }
 
@@ -161,11 +162,10 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
         }
         tally.tags += tag_count((*readings)->result);
         if (const std::string& warning = (*readings)->warning; !warning.empty()) {
-          fmt::print(stderr, "tagsmith read: {}: {}\n", files[i].string(),
-                     damaged_in_words(warning));
+          to_stderr("tagsmith read: {}: {}\n", files[i].string(), damaged_in_words(warning));
         }
         if (options.json) {
-          fmt::print("{}\n", to_json_line(**readings, surveys));
+          to_stdout("{}\n", to_json_line(**readings, surveys));
         } else {
           print_in_words(**readings, surveys);
         }
@@ -208,9 +208,7 @@ Command read_command(CLI::App& parent) {
       ->type_name("IMAGE");
   app->add_option("--survey", options->surveys,
                   "Read only the codes of this survey (repeatable); reaches smaller tags")
-      ->type_name("FILE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->type_name("FILE");
   app->add_option("--check", options->check, "Check digit that a tag must have (default: either)")
       ->check(CLI::IsMember({"sum10", "gs1"}));
   app->add_option("--reader", options->reader,

@@ -15,6 +15,7 @@
 #include "decoder/cli/verify_hanging.hpp"
 #include "decoder/cli/verify_lines.hpp"
 #include "decoder/cli/verify_merge.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
@@ -40,14 +41,14 @@ struct Options {
 void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   constexpr std::size_t kMostStretches = 40;
   constexpr std::size_t kMostNotes = 20;
-  fmt::print("{} file{}, {} of {} tags seen, {} fault{}\n", merged.files,
-             merged.files == 1 ? "" : "s", covered.seen, covered.tags, merged.fault_count,
-             merged.fault_count == 1 ? "" : "s");
+  to_stdout("{} file{}, {} of {} tags seen, {} fault{}\n", merged.files,
+            merged.files == 1 ? "" : "s", covered.seen, covered.tags, merged.fault_count,
+            merged.fault_count == 1 ? "" : "s");
   for (const std::string& line : completeness_words(covered, kMostStretches)) {
-    fmt::print("{}\n", line);
+    to_stdout("{}\n", line);
   }
   for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
-    fmt::print("{}\n", line);
+    to_stdout("{}\n", line);
   }
 }
 
@@ -59,7 +60,7 @@ Result<std::optional<HungTags>> hung_tags(const Options& options, const Survey& 
   Result<HungTags> hung =
       check_hanging_lines(survey, *setup, 1e-3 * options.hanging.tolerance_mm, options.files, none);
   if (!hung) return fail(hung.error().message);
-  for (const std::string& note : hung->notes) fmt::print(stderr, "report: {}\n", note);
+  for (const std::string& note : hung->notes) to_stderr("report: {}\n", note);
   print_assumptions("report", hung->assumed);
   return std::optional(std::move(*hung));
 }
@@ -84,9 +85,9 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
     tell_broken_lines(file, *counts);
   }
   if (merged.other_revisions > 0) {
-    fmt::print(stderr, "{} verified against another state of the survey\n",
-               merged.other_revisions == 1 ? "1 file was"
-                                           : fmt::format("{} files were", merged.other_revisions));
+    to_stderr("{} verified against another state of the survey\n",
+              merged.other_revisions == 1 ? "1 file was"
+                                          : fmt::format("{} files were", merged.other_revisions));
   }
   sort_faults(merged);
   if (options.report.shows_pictures()) load_pictures(merged, options.files);
@@ -107,7 +108,7 @@ int run(const Options& options) {
   }
   const Completeness covered = completeness_of(*survey, *merged);
   if (options.json) {
-    fmt::print("{}\n", report_json_line(*survey, *merged, *hung));
+    to_stdout("{}\n", report_json_line(*survey, *merged, *hung));
   } else {
     if (*hung) print_hanging(**hung);
     print_in_words(covered, *merged);

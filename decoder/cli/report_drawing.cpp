@@ -13,6 +13,7 @@
 #include "decoder/cli/report_map.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/text.hpp"

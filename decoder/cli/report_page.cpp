@@ -9,6 +9,7 @@
 #include "decoder/cli/report_files.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/base64.hpp"
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/svg_elements.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
@@ -149,19 +150,6 @@ document.addEventListener('keydown', event => {
 filter();
 )js";
 
-// For elements and for attributes in double quotes.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : svg_escaped(text)) {
-    if (c == '"') {
-      result += "&quot;";
-    } else {
-      result += c;
-    }
-  }
-  return result;
-}
-
 constexpr double kMapWidth = 1000;  // of a strip, units of its picture
 
 // A disc; faulty tags are diamonds and unseen ones rings, for who does not see the colours.
@@ -259,7 +247,7 @@ class StripPicture {
 
   std::string mark(const PlacedTag& tag, const VerifyMerge& merged, bool names) const {
     const std::string status = status_of(record_of(merged, tag.name));
-    const std::string name = escaped(tag.name);
+    const std::string name = markup_text(tag.name);
     const Vector2d at = on_picture(place(tag));
     std::string text = fmt::format(
         "<g class=\"tag {0}\" data-tag=\"{1}\" tabindex=\"0\" role=\"button\" aria-label=\"{1}, "
@@ -302,8 +290,8 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
         "<tr data-row=\"tag\" data-of=\"{1}\"><td>{0}</td><td class=\"{1}\">{1}</td>"
         "<td class=\"more\">{2:.2f}</td><td>{3}</td><td>{4}</td><td>{5}</td><td>{6}</td>"
         "<td class=\"more\">{7}</td><td class=\"more\">{8}</td></tr>\n",
-        escaped(tag.name), status, tag.chainage, record.seen, record.faults,
-        grade_text(record.best), grade_text(record.worst), escaped(record.blame),
+        markup_text(tag.name), status, tag.chainage, record.seen, record.faults,
+        grade_text(record.best), grade_text(record.worst), markup_text(record.blame),
         upright_of(record));
   }
   return rows;
@@ -311,9 +299,9 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
 
 std::string fault_card(const FaultRecord& fault) {
   const VerifyRule* rule = find_verify_rule(fault.rule);
-  const std::string heading = escaped((fault.tag.empty() ? "" : fault.tag + ": ") +
-                                      (fault.rule.empty() ? std::string("fault") : fault.rule) +
-                                      (fault.is_question ? "?" : ""));
+  const std::string heading = markup_text((fault.tag.empty() ? "" : fault.tag + ": ") +
+                                          (fault.rule.empty() ? std::string("fault") : fault.rule) +
+                                          (fault.is_question ? "?" : ""));
   std::string card =
       "<article class=\"card\" data-row=\"fault\" data-of=\"faulty\"><h3>" + heading + "</h3>";
   if (!fault.jpeg.empty()) {
@@ -322,11 +310,11 @@ std::string fault_card(const FaultRecord& fault) {
             "\"></button>";
   }
   if (!fault.no_picture.empty()) {
-    card += "<p class=\"sub\">No picture: " + escaped(fault.no_picture) + ".</p>";
+    card += "<p class=\"sub\">No picture: " + markup_text(fault.no_picture) + ".</p>";
   }
-  card += "<p>" + escaped(fault.message) + "</p>";
-  if (rule != nullptr) card += "<p>" + escaped(std::string(rule->remedy)) + "</p>";
-  return card + "<p class=\"sub\">" + escaped(fault.file) + "</p></article>\n";
+  card += "<p>" + markup_text(fault.message) + "</p>";
+  if (rule != nullptr) card += "<p>" + markup_text(std::string(rule->remedy)) + "</p>";
+  return card + "<p class=\"sub\">" + markup_text(fault.file) + "</p></article>\n";
 }
 
 std::string fault_cards(const VerifyMerge& merged) {
@@ -376,7 +364,7 @@ std::string completeness_text(const Completeness& covered, const VerifyMerge& me
       cover_bar("right wall", covered.seen - covered.left_seen, covered.tags - covered.left_tags) +
       "</div>\n";
   for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
-    text += "<p class=\"known\">" + escaped(line) + "</p>\n";
+    text += "<p class=\"known\">" + markup_text(line) + "</p>\n";
   }
   if (covered.unseen.empty()) return text;
   constexpr std::size_t kMostOpen = 8;
@@ -384,13 +372,13 @@ std::string completeness_text(const Completeness& covered, const VerifyMerge& me
                       covered.unseen.size() <= kMostOpen ? " open" : "", covered.unseen.size(),
                       covered.unseen.size() == 1 ? "" : "s");
   for (const UnseenStretch& stretch : covered.unseen) {
-    text += "<li>" + escaped(describe(stretch)) + "</li>\n";
+    text += "<li>" + markup_text(describe(stretch)) + "</li>\n";
   }
   return text + "</ul></details>\n";
 }
 
 std::string heading(const Survey& survey, const VerifyMerge& merged) {
-  std::string text = "<h1>Verification of " + escaped(survey.name) + "</h1>\n" +
+  std::string text = "<h1>Verification of " + markup_text(survey.name) + "</h1>\n" +
                      fmt::format("<p class=\"sub\">{} file{}, {} fault{}; survey revision {}",
                                  merged.files, merged.files == 1 ? "" : "s", merged.fault_count,
                                  merged.fault_count == 1 ? "" : "s", survey_revision(survey));
@@ -411,7 +399,7 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src "
          "data:; "
          "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n<title>Verification of " +
-         escaped(survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" +
+         markup_text(survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" +
          heading(survey, merged) + count_buttons(covered) + "<h2>Completeness</h2>\n" +
          completeness_text(covered, merged) + "<h2>Tunnel from above</h2>\n" +
          map_of(survey, merged) +

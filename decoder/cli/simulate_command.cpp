@@ -22,7 +22,9 @@
 #include "decoder/image/load.hpp"
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/survey_view.hpp"
+#include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
@@ -282,17 +284,17 @@ std::string truth_text(const Survey& survey, Json images) {
 std::string run_text(const SimulateInput& input, const std::vector<Station>& stations,
                      const std::string& format) {
   std::string text = "id";
-  for (const RigCamera& camera : input.rig.cameras) text += "," + camera.name;
-  for (const RigRange& range : input.rig.ranges) text += "," + range.name;
+  for (const RigCamera& camera : input.rig.cameras) text += "," + csv_field(camera.name);
+  for (const RigRange& range : input.rig.ranges) text += "," + csv_field(range.name);
   text += ",truth_x,truth_y,truth_z,truth_heading,time\n";
   for (const Station& station : stations) {
     const Measurement& measurement = *station.measurement;
     const Eigen::Vector3d forward = station.world_from_vehicle.rotation.col(0);
     const double heading =
         grid_heading_from_world(input.survey.grid, std::atan2(forward.x(), forward.y()));
-    text += measurement.id;
+    text += csv_field(measurement.id);
     for (const RigCamera& camera : input.rig.cameras) {
-      text += "," + image_name(measurement.id, camera.name, format);
+      text += "," + csv_field(image_name(measurement.id, camera.name, format));
     }
     for (const RigRange& range : input.rig.ranges) {
       const auto value = station.ranges.find(range.name);
@@ -331,7 +333,7 @@ ViewOptions view_options(const SimulateOptions& options, std::uint64_t shot) {
 }
 
 void print_line(const Json& line) {
-  fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  to_stdout("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void print_json(const Json& truths, const fs::path& folder) {
@@ -401,8 +403,7 @@ int run_simulate(const SimulateOptions& options) {
   if (options.json) {
     print_json(*truths, options.folder);
   } else {
-    fmt::print("{} images, run.csv and truth.json in {}\n", truths->size(),
-               options.folder.string());
+    to_stdout("{} images, run.csv and truth.json in {}\n", truths->size(), options.folder.string());
   }
   return kExitOk;
 }

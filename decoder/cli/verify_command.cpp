@@ -25,6 +25,7 @@
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -81,30 +82,30 @@ void print_in_words(const FileReport& report) {
   for (const TagFinding& tag : report.tags) {
     if (tag.status == TagStatus::ok) good.push_back(good_in_words(tag));
   }
-  fmt::print("{}: {}{}{}\n", report.file.string(), report.findings.empty() ? "ok" : "WRONG",
-             good.empty() ? "" : "  ", joined(good));
-  for (const std::string& finding : report.findings) fmt::print("  {}\n", finding);
+  to_stdout("{}: {}{}{}\n", report.file.string(), report.findings.empty() ? "ok" : "WRONG",
+            good.empty() ? "" : "  ", joined(good));
+  for (const std::string& finding : report.findings) to_stdout("  {}\n", finding);
   for (const std::string& code : report.rules) {
     if (const VerifyRule* rule = find_verify_rule(code)) {
-      fmt::print("  {}: {}\n", code, rule->remedy);
+      to_stdout("  {}: {}\n", code, rule->remedy);
     }
   }
-  for (const std::string& note : report.notes) fmt::print("  note: {}\n", note);
+  for (const std::string& note : report.notes) to_stdout("  note: {}\n", note);
 }
 
 void print_in_words(const VerifySummary& summary) {
-  fmt::print(
+  to_stdout(
       "{} {}, {} with findings; tags: {} ok, {} unknown, {} misprinted, {} unreadable, {} "
       "duplicate, {} cut off{}\n",
       summary.files, summary.files == 1 ? "file" : "files", summary.files_with_findings, summary.ok,
       summary.unknown, summary.misprinted, summary.unreadable, summary.duplicate, summary.cut_off,
       (summary.misplaced > 0 ? fmt::format(", {} misplaced", summary.misplaced) : "") +
           (summary.doubtful > 0 ? fmt::format(", {} doubtful", summary.doubtful) : ""));
-  if (!summary.stale.empty()) fmt::print("print again: {}\n", joined(summary.stale));
+  if (!summary.stale.empty()) to_stdout("print again: {}\n", joined(summary.stale));
   if (summary.missing.empty()) {
-    fmt::print("every tag of the survey was seen\n");
+    to_stdout("every tag of the survey was seen\n");
   } else {
-    fmt::print("not seen: {}\n", joined(summary.missing));
+    to_stdout("not seen: {}\n", joined(summary.missing));
   }
 }
 
@@ -112,7 +113,7 @@ void print_in_words(const VerifySummary& summary) {
 void print_up(const Survey& survey, const VerifyMerge& merged) {
   for (const std::string& words :
        {up_in_words(completeness_of(survey, merged)), noted_up_in_words(merged.noted_up)}) {
-    if (!words.empty()) fmt::print("{}\n", words);
+    if (!words.empty()) to_stdout("{}\n", words);
   }
 }
 
@@ -247,7 +248,7 @@ Result<VerifiedBefore> verified_before(const std::string& file, const std::strin
 
 void print(const Options& options, const FileReport& report) {
   if (options.json) {
-    fmt::print("{}\n", to_json_line(report));
+    to_stdout("{}\n", to_json_line(report));
     std::fflush(stdout);  // what is printed stays when the run is killed
   } else {
     print_in_words(report);
@@ -329,7 +330,7 @@ Result<void> finish_hanging(const Options& options, const VerifyRequest& request
     count(one, outcome);
   }
   outcome.waiting.clear();
-  for (const std::string& note : outcome.hung->notes) fmt::print(stderr, "verify: {}\n", note);
+  for (const std::string& note : outcome.hung->notes) to_stderr("verify: {}\n", note);
   print_assumptions("verify", outcome.hung->assumed);
   return {};
 }
@@ -388,10 +389,10 @@ Result<std::vector<Survey>> load_surveys(const std::vector<std::string>& names) 
 void print_summary(const Options& options, const Survey& survey, const VerifySummary& summary,
                    const Outcome& outcome) {
   if (outcome.skipped_files > 0) {
-    fmt::print(stderr, "skipped, verified before: {}\n", outcome.skipped_files);
+    to_stderr("skipped, verified before: {}\n", outcome.skipped_files);
   }
   if (options.json) {
-    fmt::print("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung));
+    to_stdout("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung));
   } else {
     if (outcome.hung) print_hanging(*outcome.hung);
     print_in_words(summary);
@@ -455,8 +456,7 @@ Command verify_command(CLI::App& parent) {
       ->type_name("FILE");
   app->add_option("--also", options->also,
                   "Another survey, whose tags are named when they turn up here")
-      ->type_name("SURVEY")
-      ->allow_extra_args(false);
+      ->type_name("SURVEY");
   app->add_option("--resume", options->resume,
                   "Skip files whose content an earlier --json run verified against this survey")
       ->type_name("FILE.jsonl");

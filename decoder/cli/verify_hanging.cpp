@@ -11,6 +11,7 @@
 
 #include "decoder/verify/hanging_check.hpp"
 #include "decoder/verify/sighting_pick.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -36,7 +37,7 @@ void print_in_words(const HungTag& tag) {
   const Measured3& offset = tag.offset;
   const Measured3& turn = tag.turn;
   const auto mm = [](double metres) { return 1e3 * metres; };
-  fmt::print(
+  to_stdout(
       "{:>8} {:+7.1f} ±{:4.1f} {:+7.1f} ±{:4.1f} {:+7.1f} ±{:4.1f} {:+6.2f} ±{:4.2f} {:+6.2f}"
       " ±{:4.2f} {:+6.2f} ±{:4.2f} {:4}  {}\n",
       tag.tag, mm(offset.value[0]), mm(offset.sigma[0]), mm(offset.value[1]), mm(offset.sigma[1]),
@@ -206,12 +207,12 @@ void judge_line(const Survey& survey, const HangingSetup& setup, const HungTags&
 void print_hanging(const HungTags& hung) {
   const auto is_checked = [](const HungTag& tag) { return tag.verdict != HangVerdict::unchecked; };
   const auto checked = std::ranges::count_if(hung.tags, is_checked);
-  fmt::print(
+  to_stdout(
       "where tags hang, against the survey and facing the wall: {} checked, {} never seen "
       "together with another\n",
       checked, static_cast<std::ptrdiff_t>(hung.tags.size()) - checked);
   if (checked == 0) return;
-  fmt::print(
+  to_stdout(
       "     tag    right, mm        up, mm       out, mm clockwise, deg right edge out     top "
       "out seen\n");
   for (const HungTag& tag : hung.tags) {

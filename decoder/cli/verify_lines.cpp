@@ -17,6 +17,7 @@
 #include "decoder/grade/symbol_grade.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/cli/console.hpp"
 
 namespace tagsmith {
 namespace {
@@ -293,8 +294,8 @@ Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
 
 void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts) {
   if (counts.broken == 0) return;
-  fmt::print(stderr, "{}: {} not of `verify --json` and left out\n", file,
-             counts.broken == 1 ? "1 line is" : fmt::format("{} lines are", counts.broken));
+  to_stderr("{}: {} not of `verify --json` and left out\n", file,
+            counts.broken == 1 ? "1 line is" : fmt::format("{} lines are", counts.broken));
 }
 
 Result<void> prepare_to_append(const std::filesystem::path& path) {

@@ -195,8 +195,8 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
     by->encode(picture.extension, canvas, copy, {cv::IMWRITE_JPEG_QUALITY, 90});
     picture.bytes.assign(copy.begin(), copy.end());
     return picture;
-  } catch (const cv::Exception& error) {
-    return fail(name + ": cannot be marked: " + error.err);
+  } catch (const cv::Exception&) {
+    return fail(name + ": cannot be marked: it is damaged or too large to be drawn");
   } catch (const std::bad_alloc&) {
     return fail(name + ": is too large for the memory there is");
   }

@@ -71,8 +71,8 @@ Result<GrayImage> decode_by_opencv(const std::string& bytes) {
       return fail("has samples that are neither 8 nor 16 bits deep");
     }
     return copy_of(to_gray_8bit(image));
-  } catch (const cv::Exception& error) {
-    return fail("cannot be decoded: " + error.err);
+  } catch (const cv::Exception&) {
+    return fail("cannot be decoded: it is damaged or cut short");
   } catch (const std::bad_alloc&) {
     return fail("is too large for the memory there is");
   }

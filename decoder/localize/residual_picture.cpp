@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/printable.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -27,22 +29,6 @@ double enlargement(const Fix& fix, int width) {
   return std::max(1.0, power * (first >= 5 ? 5 : first >= 2 ? 2 : 1));
 }
 
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&') {
-      safe += "&amp;";
-    } else if (c == '<') {
-      safe += "&lt;";
-    } else if (static_cast<unsigned char>(c) >= 0x20 && static_cast<unsigned char>(c) < 0x7f) {
-      safe += c;
-    } else {
-      safe += '?';
-    }
-  }
-  return safe;
-}
-
 std::string tag_drawing(const FittedCorners& tag, double factor) {
   const char* colour = tag.used ? "#b00020" : "#909090";
   std::string text = "<polygon fill='none' stroke='#404040' stroke-width='2' points='";
@@ -60,7 +46,7 @@ std::string tag_drawing(const FittedCorners& tag, double factor) {
   const PixelPoint middle = 0.25 * (tag.seen[0] + tag.seen[1] + tag.seen[2] + tag.seen[3]);
   text +=
       fmt::format("<text x='{:.1f}' y='{:.1f}' font-size='28' text-anchor='middle'>{}{}</text>\n",
-                  middle.x, middle.y, escaped(tag.tag), tag.used ? "" : " (not used)");
+                  middle.x, middle.y, markup_text(tag.tag), tag.used ? "" : " (not used)");
   return text;
 }
 
@@ -89,7 +75,7 @@ std::string residual_picture(const Fix& fix, const Rig& rig) {
     }
     svg += fmt::format(
         "</svg>\n<text x='{}' y='{}' font-size='28'>{}, camera {}: residuals x {:g}</text>\n",
-        left + 8, kCaption - 18, escaped(fix.id), escaped(camera.name), factor);
+        left + 8, kCaption - 18, markup_text(fix.id), markup_text(camera.name), factor);
     left += camera.camera.width + 20;
   }
   return svg + "</svg>\n";

@@ -260,8 +260,8 @@ Result<std::string> draw_explanation(const GrayView& image, const Explanation& e
     std::vector<std::uint8_t> encoded;
     by->encode(".png", drawn(image, explanation), encoded, {});
     return std::string(encoded.begin(), encoded.end());
-  } catch (const cv::Exception& error) {
-    return fail("the explanation cannot be drawn: " + error.err);
+  } catch (const cv::Exception&) {
+    return fail("the explanation cannot be drawn: the image is too large");
   }
 }
 

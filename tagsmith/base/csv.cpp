@@ -1,21 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/base/csv.hpp"
 
-#include <utility>
+#include <algorithm>
 
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith {
 namespace {
 
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char character : text) quoted += character == '"' ? "\"\"" : std::string(1, character);
-  return quoted + "\"";
+// What spreadsheets compute instead of showing it (OWASP, "CSV injection").
+bool is_formula(std::string_view text) {
+  return !text.empty() && std::string_view("=+-@\t\r").find(text.front()) != text.npos &&
+         !parse_number(text);
+}
+
+std::string_view without_apostrophes(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of('\''), text.size()));
+  return text;
+}
+
+std::string unmarked(std::string_view field) {
+  const bool marked = field.starts_with('\'') && is_formula(without_apostrophes(field));
+  return std::string(field.substr(marked ? 1 : 0));
 }
 
 }  // namespace
+
+std::string csv_field(const std::string& text) {
+  const std::string shown = (is_formula(without_apostrophes(text)) ? "'" : "") + text;
+  if (shown.find_first_of(",\"\t\r\n") == std::string::npos) return shown;
+  std::string quoted = "\"";
+  for (const char character : shown) {
+    quoted += character == '"' ? "\"\"" : std::string(1, character);
+  }
+  return quoted + "\"";
+}
 
 std::optional<std::vector<std::string>> split_csv(std::string_view line) {
   std::vector<std::string> fields;
@@ -25,7 +44,7 @@ std::optional<std::vector<std::string>> split_csv(std::string_view line) {
       const std::size_t end = line.find(',');
       const std::string_view field = trim(line.substr(0, end));
       if (field.find('"') != std::string_view::npos) return std::nullopt;
-      fields.emplace_back(field);
+      fields.push_back(unmarked(field));
       if (end == std::string_view::npos) return fields;
       line.remove_prefix(end + 1);
       continue;
@@ -41,7 +60,7 @@ std::optional<std::vector<std::string>> split_csv(std::string_view line) {
       field += '"';
       line.remove_prefix(1);
     }
-    fields.push_back(std::move(field));
+    fields.push_back(unmarked(field));
     const std::size_t end = line.find(',');
     if (!trim(line.substr(0, end)).empty()) return std::nullopt;
     if (end == std::string_view::npos) return fields;

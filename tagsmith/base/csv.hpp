@@ -9,11 +9,16 @@
 
 namespace tagsmith {
 
-// A line's fields, trimmed; a quoted field ends on its own line. Nothing when a quote is not closed
-// or stands in the middle of a field.
+// A line's fields, trimmed, without the apostrophe that csv_field puts before text; a quoted field
+// ends on its own line. Nothing when a quote is not closed or stands in the middle of a field.
 std::optional<std::vector<std::string>> split_csv(std::string_view line);
 
-// The fields joined by commas, quoted where they need it, and CR LF.
+// A field as it is written: in quotes where it needs them. Text that a spreadsheet would take for a
+// formula, because it begins with = + - @, a tab or CR after any apostrophes, gets an apostrophe in
+// front; numbers stay as they are.
+std::string csv_field(const std::string& text);
+
+// The fields as csv_field writes them, joined by commas, and CR LF.
 std::string csv_row(const std::vector<std::string>& fields);
 
 }  // namespace tagsmith

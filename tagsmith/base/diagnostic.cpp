@@ -3,11 +3,13 @@
 
 #include <algorithm>
 
+#include "tagsmith/base/printable.hpp"
+
 namespace tagsmith {
 namespace {
 
 std::string place(const Diagnostic& diagnostic) {
-  std::string text = diagnostic.file;
+  std::string text = terminal_text(diagnostic.file);
   if (diagnostic.line > 0) {
     text += ":" + std::to_string(diagnostic.line);
     if (diagnostic.column > 0) text += ":" + std::to_string(diagnostic.column);
@@ -23,8 +25,8 @@ std::string to_string(Severity severity) {
 
 std::string to_string(const Diagnostic& diagnostic) {
   std::string text = place(diagnostic) + ": " + to_string(diagnostic.severity) + ": " +
-                     diagnostic.message + " [" + diagnostic.code + "]";
-  if (!diagnostic.hint.empty()) text += "\n    " + diagnostic.hint;
+                     terminal_text(diagnostic.message) + " [" + diagnostic.code + "]";
+  if (!diagnostic.hint.empty()) text += "\n    " + terminal_text(diagnostic.hint);
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/console.hpp"
 
 namespace tagsmith {
 
@@ -24,13 +25,16 @@ std::string unknown_command(const std::vector<Command>& commands,
 }
 
 int report_failure(const std::string& command, const Error& error) {
-  fmt::print(stderr, "tagsmith {}: {}\n", command, error.message);
+  // Further lines are indented: a file's name may hold a line feed, and must not begin a line.
+  std::string message;
+  for (const char c : error.message) message += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  to_stderr("tagsmith {}: {}\n", command, Lines{message});
   return kExitFailure;
 }
 
 void print_assumptions(const std::string& command, const std::vector<std::string>& assumed) {
   for (const std::string& sentence : assumed) {
-    fmt::print(stderr, "tagsmith {}: {}\n", command, sentence);
+    to_stderr("tagsmith {}: {}\n", command, sentence);
   }
 }
 

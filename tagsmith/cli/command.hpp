@@ -30,7 +30,8 @@ struct Command {
 std::string unknown_command(const std::vector<Command>& commands,
                             const std::vector<std::string>& arguments);
 
-// Prints `tagsmith COMMAND: message` to standard error; returns kExitFailure.
+// Prints `tagsmith COMMAND: message` to standard error, further lines of the message indented;
+// returns kExitFailure.
 int report_failure(const std::string& command, const Error& error);
 
 // Prints `tagsmith COMMAND: sentence` for each of the assumptions (assumptions.hpp) to standard

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/compare.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -37,28 +38,28 @@ auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
 
 void print_json(const std::vector<TagDifference>& differences) {
   for (const TagDifference& difference : differences) {
-    fmt::print("{}\n", dump({{"tag", difference.tag},
-                             {"change", to_string(difference.change)},
-                             {"distance", std::round(difference.distance * 1e6) / 1e6},
-                             {"reason", difference.reason}}));
+    to_stdout("{}\n", dump({{"tag", difference.tag},
+                            {"change", to_string(difference.change)},
+                            {"distance", std::round(difference.distance * 1e6) / 1e6},
+                            {"reason", difference.reason}}));
   }
-  fmt::print("{}\n", dump({{"summary",
-                            {{"print", count_of(differences, TagChange::print)},
-                             {"reprint", count_of(differences, TagChange::reprint)},
-                             {"move", count_of(differences, TagChange::move)},
-                             {"remove", count_of(differences, TagChange::remove)}}}}));
+  to_stdout("{}\n", dump({{"summary",
+                           {{"print", count_of(differences, TagChange::print)},
+                            {"reprint", count_of(differences, TagChange::reprint)},
+                            {"move", count_of(differences, TagChange::move)},
+                            {"remove", count_of(differences, TagChange::remove)}}}}));
 }
 
 // Standard output is a list that `print --only` takes; the count goes to standard error.
 void print_words(const std::vector<TagDifference>& differences, const Survey& before,
                  const Survey& after) {
   for (const TagDifference& difference : differences) {
-    fmt::print("{:<7} {}  {}\n", to_string(difference.change), difference.tag, difference.reason);
+    to_stdout("{:<7} {}  {}\n", to_string(difference.change), difference.tag, difference.reason);
   }
-  fmt::print(stderr, "{} {} -> {}: {} to print, {} to reprint, {} to move, {} to remove\n",
-             after.name, survey_revision(before), survey_revision(after),
-             count_of(differences, TagChange::print), count_of(differences, TagChange::reprint),
-             count_of(differences, TagChange::move), count_of(differences, TagChange::remove));
+  to_stderr("{} {} -> {}: {} to print, {} to reprint, {} to move, {} to remove\n", after.name,
+            survey_revision(before), survey_revision(after),
+            count_of(differences, TagChange::print), count_of(differences, TagChange::reprint),
+            count_of(differences, TagChange::move), count_of(differences, TagChange::remove));
 }
 
 int diff(const DiffOptions& options) {

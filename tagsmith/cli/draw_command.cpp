@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/survey_drawing.hpp"
@@ -78,13 +79,13 @@ Result<void> draw(const DrawOptions& options) {
   const auto files = render_sheets(*sheets, options.output);
   if (!files) return fail(files.error().message);
   if (auto written = write_all(*files, options.output); !written) return written;
-  for (const SheetFile& file : *files) fmt::print("{}\n", file.path.string());
+  for (const SheetFile& file : *files) to_stdout("{}\n", file.path.string());
   for (const Survey& survey : *surveys) {
     if (survey.tags.size() <= kMostListedTags) continue;
-    fmt::print(stderr,
-               "tagsmith draw: {} tags are drawn but not listed; for a list: tagsmith export {} -o "
-               "tags.csv\n",
-               survey.tags.size(), survey.file.string());
+    to_stderr(
+        "tagsmith draw: {} tags are drawn but not listed; for a list: tagsmith export {} -o "
+        "tags.csv\n",
+        survey.tags.size(), survey.file.string());
   }
   return {};
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/render/dxf.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -46,11 +47,11 @@ Result<void> run_export(const ExportOptions& options) {
   if (!survey) return fail(survey.error().message);
   const std::string bytes = render(*survey, *format);
   if (options.output == "-") {
-    fmt::print("{}", bytes);
+    bytes_to_stdout(bytes);
     return {};
   }
   if (auto written = write_file(options.output, bytes); !written) return written;
-  fmt::print(stderr, "{} tags in {}\n", survey->tags.size(), options.output);
+  to_stderr("{} tags in {}\n", survey->tags.size(), options.output);
   return {};
 }
 

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
@@ -51,8 +52,8 @@ std::string survey_name(const NewOptions& options) {
 
 Result<void> check_name(const NewOptions& options) {
   const std::string name = survey_name(options);
-  const bool usable = !name.empty() &&
-                      name.find_first_of("\\,:\"'#{}[]&*!|>%@`\n\r\t") == std::string::npos &&
+  const bool usable = !name.empty() && is_plain_text(name) &&
+                      name.find_first_of("\\,:\"'#{}[]&*!|>%@`") == std::string::npos &&
                       name.front() != '.' && name.front() != '-' && name.front() != '?' &&
                       name.find_first_not_of("0123456789.+-eE") != std::string::npos &&
                       name != "true" && name != "false" && name != "null" && name.size() <= 100;
@@ -85,9 +86,9 @@ Result<void> write_to_edit(const NewOptions& options) {
     return written;
   }
   const fs::path folder = options.name;
-  fmt::print("{}\n{}\n", (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
-  fmt::print(stderr, "edit them, then: tagsmith validate {} --rig {}\n",
-             (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
+  to_stdout("{}\n{}\n", (folder / "survey.yaml").string(), (folder / "rig.yaml").string());
+  to_stderr("edit them, then: tagsmith validate {} --rig {}\n", (folder / "survey.yaml").string(),
+            (folder / "rig.yaml").string());
   return {};
 }
 
@@ -145,38 +146,38 @@ void print_json(const SurveyDraft& draft) {
   };
   for (std::size_t i = 0; i < draft.points.size(); ++i) {
     const PointResidual& residual = draft.fit.residuals[i];
-    fmt::print("{}\n", dump({{"line", draft.points[i].line},
-                             {"point", draft.points[i].name},
-                             {"name", point_name(draft.points[i])},
-                             {"kind", to_string(draft.points[i].kind)},
-                             {"chainage", length(residual.chainage)},
-                             {"across", length(residual.across)},
-                             {"up", length(residual.up)}}));
+    to_stdout("{}\n", dump({{"line", draft.points[i].line},
+                            {"point", draft.points[i].name},
+                            {"name", point_name(draft.points[i])},
+                            {"kind", to_string(draft.points[i].kind)},
+                            {"chainage", length(residual.chainage)},
+                            {"across", length(residual.across)},
+                            {"up", length(residual.up)}}));
   }
   const Tunnel& tunnel = draft.fit.tunnel;
-  fmt::print("{}\n", dump({{"summary",
-                            {{"points", draft.points.size()},
-                             {"width", length(width_at(tunnel, 0))},
-                             {"least_width", length(least_width(tunnel))},
-                             {"greatest_width", length(greatest_width(tunnel))},
-                             {"height", length(tunnel.height.at(0))},
-                             {"length", length(tunnel.centerline.length())},
-                             {"elements", tunnel.centerline.elements().size()},
-                             {"rms_across", length(draft.fit.rms_across)},
-                             {"rms_up", length(draft.fit.rms_up)}}}}));
+  to_stdout("{}\n", dump({{"summary",
+                           {{"points", draft.points.size()},
+                            {"width", length(width_at(tunnel, 0))},
+                            {"least_width", length(least_width(tunnel))},
+                            {"greatest_width", length(greatest_width(tunnel))},
+                            {"height", length(tunnel.height.at(0))},
+                            {"length", length(tunnel.centerline.length())},
+                            {"elements", tunnel.centerline.elements().size()},
+                            {"rms_across", length(draft.fit.rms_across)},
+                            {"rms_up", length(draft.fit.rms_up)}}}}));
 }
 
 void print_table(const SurveyDraft& draft) {
   const auto mm = [](const std::optional<double>& value) {
     return value ? fmt::format("{:+.1f}", *value * 1000 + 0.0) : std::string("-");
   };
-  fmt::print("{:>6}  {:<12}  {:<11}  {:>10}  {:>9}  {:>9}\n", "line", "point", "kind", "chainage",
-             "across mm", "up mm");
+  to_stdout("{:>6}  {:<12}  {:<11}  {:>10}  {:>9}  {:>9}\n", "line", "point", "kind", "chainage",
+            "across mm", "up mm");
   for (std::size_t i = 0; i < draft.points.size(); ++i) {
     const PointResidual& residual = draft.fit.residuals[i];
-    fmt::print("{:>6}  {:<12}  {:<11}  {:>10.3f}  {:>9}  {:>9}\n", draft.points[i].line,
-               point_name(draft.points[i]), to_string(draft.points[i].kind),
-               residual.chainage + 0.0, mm(residual.across), mm(residual.up));
+    to_stdout("{:>6}  {:<12}  {:<11}  {:>10.3f}  {:>9}  {:>9}\n", draft.points[i].line,
+              point_name(draft.points[i]), to_string(draft.points[i].kind), residual.chainage + 0.0,
+              mm(residual.across), mm(residual.up));
   }
   const Tunnel& tunnel = draft.fit.tunnel;
   const std::size_t elements = tunnel.centerline.elements().size();
@@ -184,12 +185,12 @@ void print_table(const SurveyDraft& draft) {
     return greatest - least < 5e-4 ? fmt::format("{:.3f}", least)
                                    : fmt::format("{:.3f} to {:.3f}", least, greatest);
   };
-  fmt::print("{} points: tunnel {} m wide, {} m high, {:.3f} m long, of {} element{}; ",
-             draft.points.size(), range(least_width(tunnel), greatest_width(tunnel)),
-             range(tunnel.height.least(), tunnel.height.greatest()), tunnel.centerline.length(),
-             elements, elements == 1 ? "" : "s");
-  fmt::print("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
-             draft.fit.rms_up * 1000);
+  to_stdout("{} points: tunnel {} m wide, {} m high, {:.3f} m long, of {} element{}; ",
+            draft.points.size(), range(least_width(tunnel), greatest_width(tunnel)),
+            range(tunnel.height.least(), tunnel.height.greatest()), tunnel.centerline.length(),
+            elements, elements == 1 ? "" : "s");
+  to_stdout("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
+            draft.fit.rms_up * 1000);
 }
 
 // What validate says of the file that was written: findings, then how many. Exit code.
@@ -199,15 +200,14 @@ Result<int> report_draft(const NewOptions& options) {
   if (!reading) return tl::unexpected(reading.error());
   FindingPrinter printer;
   for (const Diagnostic& finding : reading->diagnostics) {
-    fmt::print(stderr, "{}", printer.text_of(finding));
+    to_stderr("{}", Lines{printer.text_of(finding)});
   }
   const auto errors =
       std::ranges::count(reading->diagnostics, Severity::error, &Diagnostic::severity);
   const auto warnings = static_cast<std::ptrdiff_t>(reading->diagnostics.size()) - errors;
-  fmt::print(stderr,
-             "{} written: {} error{}, {} warning{}; look at it: tagsmith draw {} -o {}.pdf\n", file,
-             errors, errors == 1 ? "" : "s", warnings, warnings == 1 ? "" : "s", file,
-             survey_name(options));
+  to_stderr("{} written: {} error{}, {} warning{}; look at it: tagsmith draw {} -o {}.pdf\n", file,
+            errors, errors == 1 ? "" : "s", warnings, warnings == 1 ? "" : "s", file,
+            survey_name(options));
   return errors > 0 ? kExitFindings : kExitOk;
 }
 

@@ -11,6 +11,8 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 
+#include "tagsmith/cli/console.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -55,15 +57,15 @@ void ProgressBar::advance(const std::function<void()>& print) {
 }
 
 void ProgressBar::wipe() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) to_stderr("\r\033[K");
   drawn_ = false;
 }
 
 void ProgressBar::draw() {
   constexpr std::size_t kWidth = 30;
   const std::size_t filled = kWidth * done_ / total_;
-  fmt::print(stderr, "[{}{}] {}/{} {}", std::string(filled, '='), std::string(kWidth - filled, ' '),
-             done_, total_, what_);
+  to_stderr("[{}{}] {}/{} {}", std::string(filled, '='), std::string(kWidth - filled, ' '), done_,
+            total_, what_);
   std::fflush(stderr);
   drawn_ = true;
 }

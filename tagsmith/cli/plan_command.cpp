@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/plan_optimise.hpp"
 #include "tagsmith/cli/plan_page.hpp"
@@ -134,7 +135,8 @@ Result<bool> plan(const PlanCommandOptions& options) {
   if (auto written = write_files(drive, *subject, options); !written) {
     return fail(written.error().message);
   }
-  fmt::print("{}", options.json ? as_json(drive, *subject) : as_text(drive, *subject, options));
+  to_stdout("{}",
+            Lines{options.json ? as_json(drive, *subject) : as_text(drive, *subject, options)});
   return summary.gaps.empty();
 }
 

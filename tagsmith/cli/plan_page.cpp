@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/render/svg_elements.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -300,7 +301,7 @@ std::string share_row(const std::string& name, const WallShare& share) {
 std::string answers(const PlannedDrive& drive) {
   std::string list = "<dl>\n";
   for (const PlanAnswer& answer : plan_answers(drive)) {
-    list += "<div><dt>" + svg_escaped(answer.question) + "</dt><dd>" + svg_escaped(answer.answer) +
+    list += "<div><dt>" + markup_text(answer.question) + "</dt><dd>" + markup_text(answer.answer) +
             "</dd></div>\n";
   }
   return list + "</dl>\n";
@@ -335,11 +336,11 @@ std::string plan_page(const PlannedDrive& drive) {
   std::string page =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Plan of " +
-      svg_escaped(drive.survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
-  page += "<h1>Plan of the drive " + svg_escaped(drive.survey.name) + "</h1>\n<p class=\"sub\">" +
-          svg_escaped(plan_heading(drive)) + "</p>\n";
+      markup_text(drive.survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
+  page += "<h1>Plan of the drive " + markup_text(drive.survey.name) + "</h1>\n<p class=\"sub\">" +
+          markup_text(plan_heading(drive)) + "</p>\n";
   for (const std::string& assumed : assumptions(std::span(&drive.survey, 1), drive.rig)) {
-    page += "<p class=\"sub\">" + svg_escaped(assumed) + "</p>\n";
+    page += "<p class=\"sub\">" + markup_text(assumed) + "</p>\n";
   }
   page +=
       "<h2>Standard deviation in the plane along the chainage</h2>\n" +

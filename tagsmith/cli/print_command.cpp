@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
@@ -113,7 +114,7 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey) {
 // What the files lack, or readers must know, through no fault of the survey; on standard error.
 void warn(const PrintJob& job) {
   const auto say = [](const std::string& text) {
-    fmt::print(stderr, "tagsmith print: warning: {}\n", text);
+    to_stderr("tagsmith print: warning: {}\n", text);
   };
   const TagTemplate& tag = job.printed;
   if (tag.label.shown && printed_drawing(job, *job.units.front().tags.front()).label.empty()) {
@@ -125,7 +126,7 @@ void warn(const PrintJob& job) {
         ": install one, for example fonts-noto-cjk");
   }
   if (!job.rounding.empty()) {
-    fmt::print(stderr, "tagsmith print: {}\n", job.rounding);
+    to_stderr("tagsmith print: {}\n", job.rounding);
   }
 }
 
@@ -134,21 +135,21 @@ void report(const PrintRecord& record, const PrintOptions& options) {
   std::vector<std::string> others;
   std::set<std::string> shown;
   for (const PrintedTag& item : record.tags) {
-    if (options.json) fmt::print("{}\n", printed_tag_json(item, folder));
+    if (options.json) to_stdout("{}\n", printed_tag_json(item, folder));
     for (const std::string& file : item.files) {
       if (file == kSinglePdf && shown.insert(file).second) others.push_back(folder + file);
       if (options.json || !shown.insert(file).second) continue;
-      fmt::print("{}\n", folder + file);
+      to_stdout("{}\n", folder + file);
     }
   }
   for (const std::string& file : record.documents) others.push_back(folder + file);
   others.insert(others.end(), {folder + "manifest.json", folder + "manifest.csv"});
   if (!options.json) {
-    for (const std::string& file : others) fmt::print("{}\n", file);
+    for (const std::string& file : others) to_stdout("{}\n", file);
     return;
   }
   const nlohmann::json summary{{"summary", {{"count", record.tags.size()}, {"files", others}}}};
-  fmt::print("{}\n", summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  to_stdout("{}\n", summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 void report_problems(const PrintRecord& record) {
@@ -156,11 +157,10 @@ void report_problems(const PrintRecord& record) {
   for (const TagProof& proof : *record.proofs) {
     if (proof.problem.empty()) continue;
     ++problems;
-    fmt::print(stderr, "tagsmith print: proof: {} in {}: {}\n", proof.tag, proof.file,
-               proof.problem);
+    to_stderr("tagsmith print: proof: {} in {}: {}\n", proof.tag, proof.file, proof.problem);
   }
-  fmt::print(stderr, "tagsmith print: the proof found {} fault{}; nothing was written\n", problems,
-             problems == 1 ? "" : "s");
+  to_stderr("tagsmith print: the proof found {} fault{}; nothing was written\n", problems,
+            problems == 1 ? "" : "s");
 }
 
 void report_proof(const PrintRecord& record) {
@@ -170,11 +170,10 @@ void report_proof(const PrintRecord& record) {
     farthest = std::max(farthest, proof.corner_error);
     asked_zbar += proof.zbar.empty() ? 0 : 1;
   }
-  fmt::print(stderr,
-             "tagsmith print: proof: {} tags read as the survey has them{}, corners within {} mm\n",
-             record.proofs->size(),
-             asked_zbar > 0 ? fmt::format(", {} of them by zbar too", asked_zbar) : "",
-             format_number(farthest * 1000, 3));
+  to_stderr("tagsmith print: proof: {} tags read as the survey has them{}, corners within {} mm\n",
+            record.proofs->size(),
+            asked_zbar > 0 ? fmt::format(", {} of them by zbar too", asked_zbar) : "",
+            format_number(farthest * 1000, 3));
 }
 
 Result<int> print(const PrintOptions& options, const ProvePages& prove) {
@@ -186,7 +185,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   const auto tags = chosen_tags(*survey, options);
   if (!tags) return fail(tags.error().message);
   if (tags->empty() && !options.only.empty()) {
-    fmt::print(stderr, "tagsmith print: {} names no tag to print\n", options.only);
+    to_stderr("tagsmith print: {} names no tag to print\n", options.only);
     return kExitOk;
   }
   const Result<PrintJob> job = plan_print(*survey, *tags, *style);

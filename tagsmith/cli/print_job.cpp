@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/render/pdf.hpp"

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/printable.hpp"
 
 namespace tagsmith {
 namespace {
@@ -42,18 +43,16 @@ std::size_t token_length(std::string_view text) {
   return std::max<std::size_t>(1, std::min(text.find_first_of(" \t,:[]{}#"), text.size()));
 }
 
-bool printable(std::string_view line) {
-  return std::ranges::none_of(line,
-                              [](unsigned char c) { return (c < 0x20 && c != '\t') || c == 0x7F; });
-}
-
 }  // namespace
 
 std::string source_excerpt(const Diagnostic& diagnostic, std::string_view text) {
   if (diagnostic.line <= 0 || diagnostic.column <= 0 || diagnostic.code == "not-utf-8") return {};
   const std::optional<std::string_view> line = line_of(text, diagnostic.line);
   const auto column = static_cast<std::size_t>(diagnostic.column) - 1;
-  if (!line || column > line->size() || !printable(*line)) return {};
+  if (!line || column > line->size()) return {};
+  std::string untabbed(*line);
+  std::ranges::replace(untabbed, '\t', ' ');
+  if (!is_plain_text(untabbed)) return {};
   const bool fits = line->size() <= kLongestExcerpt;
   std::size_t begin = fits || column < kLongestExcerpt / 2 ? 0 : column - kLongestExcerpt / 2;
   while (begin > 0 && continues_character((*line)[begin])) --begin;
@@ -62,8 +61,7 @@ std::string source_excerpt(const Diagnostic& diagnostic, std::string_view text) 
   const std::size_t length =
       diagnostic.fix ? diagnostic.fix->found.size() : token_length(line->substr(column));
   const std::string_view marked = line->substr(column, std::min(length, end - column));
-  std::string shown(line->substr(begin, end - begin));
-  std::ranges::replace(shown, '\t', ' ');
+  const std::string shown = untabbed.substr(begin, end - begin);
   const std::size_t before = character_count(line->substr(begin, column - begin));
   const std::size_t under = std::max<std::size_t>(1, character_count(marked));
   return fmt::format("{:5} | {}\n      | {:>{}}{}\n", diagnostic.line, shown, "^", before + 1,
@@ -76,7 +74,7 @@ std::string FindingPrinter::text_of(const Diagnostic& diagnostic) {
   Diagnostic headline = diagnostic;
   headline.hint.clear();
   std::string text = to_string(headline) + "\n" + source_excerpt(diagnostic, entry->second);
-  if (!diagnostic.hint.empty()) text += "    " + diagnostic.hint + "\n";
+  if (!diagnostic.hint.empty()) text += "    " + terminal_text(diagnostic.hint) + "\n";
   return text;
 }
 

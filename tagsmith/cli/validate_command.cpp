@@ -15,6 +15,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/apply_fixes.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/survey/allowances.hpp"
@@ -156,7 +157,8 @@ std::string counted(std::size_t count, const std::string& noun) {
 int report(const Findings& findings, const ValidateOptions& options) {
   FindingPrinter printer;
   for (const Diagnostic& diagnostic : findings.diagnostics) {
-    fmt::print("{}", options.json ? json_line(diagnostic) + "\n" : printer.text_of(diagnostic));
+    to_stdout("{}",
+              Lines{options.json ? json_line(diagnostic) + "\n" : printer.text_of(diagnostic)});
   }
   std::fflush(stdout);  // findings before what is said about them
   for (const Error& error : findings.unreadable) report_failure("validate", error);
@@ -164,25 +166,25 @@ int report(const Findings& findings, const ValidateOptions& options) {
   const auto errors = static_cast<std::size_t>(
       std::ranges::count(findings.diagnostics, Severity::error, &Diagnostic::severity));
   const std::size_t files = options.surveys.size() + options.rigs.size() + options.templates.size();
-  fmt::print(stderr, "{}: {}, {}{}\n", counted(files, "file"), counted(errors, "error"),
-             counted(findings.diagnostics.size() - errors, "warning"),
-             findings.unreadable.empty()
-                 ? ""
-                 : fmt::format(", {} unreadable", findings.unreadable.size()));
+  to_stderr("{}: {}, {}{}\n", counted(files, "file"), counted(errors, "error"),
+            counted(findings.diagnostics.size() - errors, "warning"),
+            findings.unreadable.empty()
+                ? ""
+                : fmt::format(", {} unreadable", findings.unreadable.size()));
   if (!findings.unreadable.empty()) return kExitFailure;
   return errors > 0 ? kExitFindings : kExitOk;
 }
 
 void show(const std::string& file, const FixedLine& line, bool json) {
   if (json) {
-    fmt::print("{}\n", dump({{"file", file},
-                             {"line", line.line},
-                             {"fixed", line.codes},
-                             {"before", line.before},
-                             {"after", line.after}}));
+    to_stdout("{}\n", dump({{"file", file},
+                            {"line", line.line},
+                            {"fixed", line.codes},
+                            {"before", line.before},
+                            {"after", line.after}}));
   } else {
-    fmt::print("{}:{}: mended [{}]\n  - {}\n  + {}\n", file, line.line,
-               fmt::join(line.codes, "] ["), trim(line.before), trim(line.after));
+    to_stdout("{}:{}: mended [{}]\n  - {}\n  + {}\n", file, line.line, fmt::join(line.codes, "] ["),
+              trim(line.before), trim(line.after));
   }
 }
 
@@ -222,14 +224,14 @@ int explain(const std::string& code) {
         "validate", {fmt::format("--explain: no rule {}{}", code,
                                  near ? ", did you mean " + *near + "?" : "; --rules lists them")});
   }
-  fmt::print("{}: {}\n{}\n", rule->code, rule->title, rule->explanation);
+  to_stdout("{}: {}\n{}\n", rule->code, rule->title, rule->explanation);
   return kExitOk;
 }
 
 int list_rules() {
-  fmt::print("| rule | finds | why, and what to do |\n|---|---|---|\n");
+  to_stdout("| rule | finds | why, and what to do |\n|---|---|---|\n");
   for (const Rule& rule : rules()) {
-    fmt::print("| `{}` | {} | {} |\n", rule.code, rule.title, rule.explanation);
+    to_stdout("| `{}` | {} | {} |\n", rule.code, rule.title, rule.explanation);
   }
   return kExitOk;
 }
@@ -255,12 +257,8 @@ Command validate_command(CLI::App& parent) {
                   "Survey files (YAML); several are checked against each other too");
   app->add_option("--rig", options->rigs,
                   "Rig file to check as well, and whether its cameras can see the surveys' tags; "
-                  "repeatable")
-      ->take_all()
-      ->expected(1);
-  app->add_option("--template", options->templates, "Template file to check as well; repeatable")
-      ->take_all()
-      ->expected(1);
+                  "repeatable");
+  app->add_option("--template", options->templates, "Template file to check as well; repeatable");
   app->add_flag("--fix", options->fix,
                 "Write the mechanical remedies into the files (misspelt keys, decimal commas, "
                 "quotes), show them, and report what is left");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -34,6 +35,38 @@ bool acts_as_pinhole(const Camera& camera) {
     }
   }
   return true;
+}
+
+// The most pixels that a radian takes in this direction from the camera.
+double px_per_radian(const Camera& camera, const Vector3d& direction) {
+  const std::optional<Projection> projection =
+      project_with_derivative(camera, direction.normalized());
+  if (!projection) return 0;
+  const Eigen::Matrix2d square = projection->by_point * projection->by_point.transpose();
+  const double half_trace = square.trace() / 2;  // of a symmetric matrix: its greatest eigenvalue
+  return std::sqrt(half_trace + std::hypot((square(0, 0) - square(1, 1)) / 2, square(0, 1)));
+}
+
+// The same over the image and, where the lens shows less than the image, over the lens's rim.
+double greatest_px_per_radian(const Camera& camera) {
+  constexpr int kSteps = 16;
+  double most = 0;
+  for (int y = 0; y <= kSteps; ++y) {
+    for (int x = 0; x <= kSteps; ++x) {
+      const Vector2d pixel((camera.width - 1) * x / static_cast<double>(kSteps),
+                           (camera.height - 1) * y / static_cast<double>(kSteps));
+      const std::optional<Vector3d> ray = ray_through(camera, pixel);
+      if (ray) most = std::max(most, px_per_radian(camera, *ray));
+    }
+  }
+  const double rim = reach(camera);
+  for (int i = 0; std::isfinite(rim) && i < kSteps; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSteps;
+    const Vector3d ray(rim * std::cos(angle), rim * std::sin(angle), 1);
+    const std::optional<Vector2d> pixel = project(camera, ray);
+    if (pixel && in_image(camera, *pixel)) most = std::max(most, px_per_radian(camera, ray));
+  }
+  return most;
 }
 
 // How the picture of a point moves with it, pixels a metre.
@@ -85,6 +118,7 @@ SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
     lenses_.push_back(make_lens(camera));
     reach_ = std::max(reach_, lenses_.back().magnification * module_ / book_.least_module_px());
   }
+  reach_ = std::min(reach_, kFarthestSight);
 }
 
 SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
@@ -96,6 +130,8 @@ SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
   lens.vehicle_in_camera = camera_from_vehicle.translation;
   lens.forward_in_camera = camera_from_vehicle.rotation.col(0);
   lens.blur_px = rig_camera.blur_px.value_or(kUsualBlurPx);
+  // A pinhole has its greatest in a corner; for other lenses 10 % more than was found.
+  lens.magnification = greatest_px_per_radian(camera) * (lens.is_pinhole ? 1 : 1.1);
   lens.left = lens.top = 1e9;
   lens.right = lens.bottom = -1e9;
   constexpr int kSteps = 16;
@@ -112,10 +148,6 @@ SightModel::Lens SightModel::make_lens(const RigCamera& rig_camera) const {
       lens.right = std::max(lens.right, ray.x());
       lens.top = std::min(lens.top, found ? ray.y() : -kFar);
       lens.bottom = std::max(lens.bottom, ray.y());
-      // A pinhole's pixels grow by 1/cos^2 off the axis; 10 % more for lenses that are none.
-      lens.magnification =
-          std::max(lens.magnification, std::max(camera.fx, camera.fy) * ray.squaredNorm() *
-                                           (lens.is_pinhole ? 1 : 1.1));
     }
   }
   return lens;

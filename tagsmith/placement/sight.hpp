@@ -25,6 +25,10 @@ inline constexpr double kUsualBlurPx = 0.7;
 // image's border: the reader does not need the whole stroke. Agreement: `./dev bench plan`.
 inline constexpr double kBorderPx = 3;
 
+// No plate further from the camera than this is looked for, whatever the lens: dust, dark and bends
+// of the drive hide it long before.
+inline constexpr double kFarthestSight = 200;  // metres
+
 // A camera at one moment.
 struct CameraStand {
   Pose camera_from_world;
@@ -76,7 +80,7 @@ class SightModel {
   std::optional<PlateSight> look(std::size_t camera, const CameraStand& stand, std::size_t tag,
                                  const Surroundings& around) const;
 
-  // No plate further from the camera than this can be read, metres.
+  // No plate further from the camera than this can be read, metres; at most kFarthestSight.
   double reach() const { return reach_; }
 
   // Indices in survey.tags by chainage.

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/render/page_on_cairo.hpp"
 #include "tagsmith/render/print_settings.hpp"
 #include "tagsmith/render/text.hpp"

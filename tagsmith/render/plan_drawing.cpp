@@ -12,6 +12,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
@@ -50,17 +51,16 @@ std::vector<Run> runs(const DrivePlan& plan, double from, double to) {
 
 void draw_coverage(const Survey& survey, const DrivePlan& plan, const PlanStrip& strip,
                    Sketch& sketch) {
-  constexpr double kSpan = 0.25;  // metres between points of a bend
+  constexpr double kSag = 0.001;  // metres that straight pieces miss a bend by
   for (const Run& run : runs(plan, strip.from, strip.to)) {
     Polyline line;
     line.line = {colour_of(run.service), kCoverageWidth, {}};
     const double from = plan.columns[run.first].chainage;
     const double to = plan.columns[run.last].chainage;
-    const int spans = std::max(1, static_cast<int>(std::ceil((to - from) / kSpan)));
-    for (int i = 0; i <= spans; ++i) {
-      const auto point = survey.tunnel.centerline.at(from + (to - from) * i / spans);
+    for (const SidePoint& point : side_points(survey.tunnel.centerline, 0, from, to, kSag)) {
       line.points.emplace_back(strip.view_from_world * Vector2d(point.position.head<2>()));
     }
+    if (line.points.size() < 2) continue;
     sketch.layer("coverage").add(std::move(line));
   }
 }

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/render/page_on_cairo.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"

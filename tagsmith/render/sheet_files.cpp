@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "tagsmith/base/base64.hpp"
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/print_settings.hpp"
@@ -182,7 +183,7 @@ std::string svg_item(const SheetText& text) {
       text.angle == 0 ? "" : " rotate(" + format_number(-degrees(text.angle), 6) + ")";
   return "<path fill=\"" + hex(text.colour) + "\" transform=\"translate(" + coarse_mm(text.at.x()) +
          " " + coarse_mm(text.at.y()) + ")" + turn + "\" d=\"" + svg_outline(at_origin(text)) +
-         "\"><title>" + svg_escaped(text.text) + "</title></path>\n";
+         "\"><title>" + markup_text(text.text) + "</title></path>\n";
 }
 
 std::string svg_item(const SheetPicture& picture) {
@@ -255,10 +256,10 @@ std::string render_sheet_svg(const Sheet& sheet) {
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" +
       width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height +
-      "\">\n<title>" + svg_escaped(sheet.title) + "</title>\n<desc>" + svg_escaped(sheet.subject) +
+      "\">\n<title>" + markup_text(sheet.title) + "</title>\n<desc>" + markup_text(sheet.subject) +
       "</desc>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#ffffff\"/>\n";
   for (const SheetLayer& layer : sheet.layers) {
-    svg += "<g id=\"" + svg_escaped(layer.name) + "\">\n";
+    svg += "<g id=\"" + markup_text(layer.name) + "\">\n";
     for (const SheetItem& item : layer.items) {
       svg += std::visit([](const auto& value) { return svg_item(value); }, item);
     }

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/render/svg_elements.hpp"
 
 namespace tagsmith {
@@ -31,7 +32,7 @@ std::string element(const std::string& id, const std::string& path) {
 std::string text_group(const std::string& id, std::span<const TextItem> items) {
   std::string group = "<g id=\"" + id + "\">\n";
   for (const TextItem& item : items) {
-    group += "<path d=\"" + svg_outline(item) + "\"><title>" + svg_escaped(item.text) +
+    group += "<path d=\"" + svg_outline(item) + "\"><title>" + markup_text(item.text) +
              "</title></path>\n";
   }
   return group + "</g>\n";
@@ -119,7 +120,7 @@ std::string tags_elements(const Page& page) {
          at = parts.find(" id=\"", at + 1)) {
       parts.insert(at + 5, "tag-" + number + "-");
     }
-    elements += "<g id=\"tag-" + number + "\"" + clip + ">\n<title>" + svg_escaped(tag.name) +
+    elements += "<g id=\"tag-" + number + "\"" + clip + ">\n<title>" + markup_text(tag.name) +
                 "</title>\n" + parts + "</g>\n";
   }
   return elements;
@@ -149,8 +150,8 @@ std::string render_svg(const Page& page) {
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" +
          width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height +
-         "\" fill=\"#000000\">\n<title>" + svg_escaped(page.notes.title) + "</title>\n<desc>" +
-         svg_escaped(page.notes.subject +
+         "\" fill=\"#000000\">\n<title>" + markup_text(page.notes.title) + "</title>\n<desc>" +
+         markup_text(page.notes.subject +
                      (page.notes.keywords.empty() ? "" : "; " + page.notes.keywords)) +
          "</desc>\n<rect id=\"page\" width=\"" + width + "\" height=\"" + height +
          "\" fill=\"#ffffff\"/>\n" + tags_elements(page) + mark_elements(page) + "</svg>\n";

@@ -8,26 +8,6 @@ namespace tagsmith {
 
 std::string svg_mm(double metres) { return format_number(metres * 1000, 6); }
 
-std::string svg_escaped(std::string_view text) {
-  std::string result;
-  for (const char character : printable_text(text)) {
-    switch (character) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      default:
-        result += character;
-    }
-  }
-  return result;
-}
-
 std::string svg_outline(const TextItem& item) {
   // Finer than a printer's dot by far; nanometres would only swell the file.
   const auto coarse = [](const PlatePoint& p) {

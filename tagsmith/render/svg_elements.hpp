@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "tagsmith/tag/drawing.hpp"
 
@@ -11,9 +10,6 @@ namespace tagsmith {
 
 // Metres as millimetres, to the nanometre.
 std::string svg_mm(double metres);
-
-// Text between elements: printable, with < > & escaped.
-std::string svg_escaped(std::string_view text);
 
 // The text's glyphs as path data, in the item's frame.
 std::string svg_outline(const TextItem& item);

@@ -10,6 +10,8 @@
 
 #include <pango/pangocairo.h>
 
+#include "tagsmith/base/printable.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -17,8 +19,6 @@ namespace {
 // depend on the size.
 constexpr double kFontSize = 100;
 constexpr double kLeastShrink = 0.6;
-// Longer texts would overflow Pango's 32-bit lengths, and fit nowhere.
-constexpr glong kMostCharacters = 500;
 
 struct Unref {
   void operator()(void* object) const { g_object_unref(object); }
@@ -175,22 +175,6 @@ PathSegment segment_of(const cairo_path_data_t* data, const cairo_matrix_t& item
 }
 
 }  // namespace
-
-std::string printable_text(std::string_view text) {
-  const std::unique_ptr<char, decltype(&g_free)> valid(
-      g_utf8_make_valid(text.data(), static_cast<gssize>(text.size())), &g_free);
-  std::string printable;
-  glong count = 0;
-  for (const char* at = valid.get(); *at != '\0' && count < kMostCharacters; ++count) {
-    const char* next = g_utf8_next_char(at);
-    const gunichar character = g_utf8_get_char(at);
-    const bool shown = !g_unichar_iscntrl(character) && character != 0x2028 &&
-                       character != 0x2029 && (character & 0xfffe) != 0xfffe;
-    printable.append(shown ? std::string_view(at, static_cast<std::size_t>(next - at)) : " ");
-    at = next;
-  }
-  return printable;
-}
 
 bool has_glyphs(const std::string& text) {
   const Context context = make_context();

@@ -14,9 +14,6 @@ typedef struct _cairo cairo_t;  // NOLINT(bugprone-reserved-identifier): as cair
 
 namespace tagsmith {
 
-// Valid UTF-8 without line ends and other control characters, whatever the bytes were.
-std::string printable_text(std::string_view text);
-
 // True when the machine's fonts have every character of the text; what none has prints as a box.
 bool has_glyphs(const std::string& text);
 

@@ -122,7 +122,9 @@ std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std
   // With errors some rules were not looked at.
   const bool complete = !has_errors(diagnostics);
   for (const Allowance& allowance : allowances) {
-    if (allowance.used || !complete || allowance.rule == kUnseenTagRule) continue;
+    const bool needs_other_file =
+        allowance.rule == kUnseenTagRule || allowance.rule == kExchangedCodeRule;
+    if (allowance.used || !complete || needs_other_file) continue;
     faults.push_back(fault(file, allowance, "unused-allow",
                            "nothing here is warned of by " + allowance.rule,
                            "remove the comment; errors cannot be allowed"));

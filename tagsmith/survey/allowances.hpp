@@ -10,9 +10,10 @@
 
 namespace tagsmith {
 
-// The rule whose findings come from survey and rig together: a comment that allows it is no idle
-// one where no rig was given.
+// Rules whose findings may come from the survey and another file together, a rig or a second
+// survey: a comment that allows one is no idle one where that file was not given.
 inline constexpr std::string_view kUnseenTagRule = "unseen-tag";
+inline constexpr std::string_view kExchangedCodeRule = "exchanged-code";
 
 // Removes the warnings about `file` that a comment `# tagsmith: allow RULE: REASON` in its text
 // allows: on the line of the finding, on a line of its own before it, or anywhere for a finding

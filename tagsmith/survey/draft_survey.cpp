@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
@@ -278,8 +279,8 @@ std::string draft_survey(const SurveyDraft& draft) {
       "# Check it with `tagsmith validate`, look at it with `tagsmith draw`.\n"
       "survey: {}\n"
       "grid: {{ x_axis: {} }}\n",
-      draft.source, draft.points.size(), draft.fit.rms_across * 1000, draft.fit.rms_up * 1000,
-      draft.name, draft.grid.x_axis_left ? "left" : "right");
+      terminal_text(draft.source), draft.points.size(), draft.fit.rms_across * 1000,
+      draft.fit.rms_up * 1000, draft.name, draft.grid.x_axis_left ? "left" : "right");
   text += tunnel_text(draft);
   text += tags_text(draft);
   text += fmt::format("code: {{ check_digit: {}, resolution: {}, digits: {}, origin: {} }}\n",

@@ -2,29 +2,12 @@
 #include "tagsmith/survey/finding_log.hpp"
 
 #include <algorithm>
-#include <string_view>
 #include <tuple>
 
 namespace tagsmith {
 namespace {
 
 constexpr int kMostOfOneRule = 100;
-
-// Control characters written as \xNN: a file's text neither breaks a message's line nor moves the
-// terminal's cursor.
-std::string printable(const std::string& text) {
-  constexpr std::string_view kHex = "0123456789abcdef";
-  std::string shown;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte != 0x7F) {
-      shown += c;
-    } else {
-      shown += {'\\', 'x', kHex[byte >> 4U], kHex[byte & 0xFU]};
-    }
-  }
-  return shown;
-}
 
 }  // namespace
 
@@ -59,7 +42,6 @@ std::vector<Diagnostic> FindingLog::sorted() const {
 
 void FindingLog::add(Diagnostic diagnostic) {
   if (++counts_[{diagnostic.code, diagnostic.severity}] > kMostOfOneRule) return;
-  diagnostic.message = printable(diagnostic.message);
   diagnostics_.push_back(std::move(diagnostic));
 }
 

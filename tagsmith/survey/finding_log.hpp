@@ -19,8 +19,7 @@ struct Place {
 };
 
 // The findings of one file. Of one rule the first hundred are kept and the others counted, so that
-// a file with a million equal faults stays readable. Control characters of a message are written as
-// \xNN.
+// a file with a million equal faults stays readable.
 class FindingLog {
  public:
   explicit FindingLog(std::string file) : file_(std::move(file)) {}

@@ -13,6 +13,7 @@
 #include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_tags.hpp"
+#include "tagsmith/survey/exchanged_codes.hpp"
 #include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/lint_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"
@@ -299,6 +300,7 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
   lint_series(survey, tags.place(), log);
   survey.tags.reserve(placed_tags.size());
   for (const SourcedTag& entry : placed_tags) survey.tags.push_back(entry.tag);
+  if (!log.has_errors()) lint_exchanged_codes(survey, {&survey, 1}, log);
   return survey;
 }
 
@@ -373,7 +375,8 @@ std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
                     std::to_string(other.line),
                 "give the surveys different code.origin or different check digits");
     }
-    const std::vector<Diagnostic> found = log.sorted();
+    if (surveys.size() > 1) lint_exchanged_codes(survey, surveys, log);
+    const std::vector<Diagnostic> found = allowed_removed(log.sorted(), survey.file);
     diagnostics.insert(diagnostics.end(), found.begin(), found.end());
   }
   return diagnostics;

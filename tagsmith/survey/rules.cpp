@@ -47,7 +47,9 @@ constexpr std::array kRules{
          "Tags are named by the pair in at least three digits and L or R of the drive: "
          "000L, 012R, 1234L."},
     Rule{"bad-text", "text that is empty, too long or has control characters",
-         "Text is one line of at most 200 bytes of UTF-8."},
+         "Text is one line of at most 200 bytes of UTF-8, without control characters and "
+         "without those that turn the direction of writing, which make a name look like "
+         "another."},
     Rule{"calibration-file", "a calibration file that cannot be read",
          "The path is relative to the rig file; the file is at most some megabytes."},
     Rule{"calibration-size", "a calibration of another image size",
@@ -92,6 +94,12 @@ constexpr std::array kRules{
     Rule{"exchanged-axes", "x and y of the placed tags are exchanged",
          "Hardly any tag lies at its wall, but nearly all do with x and y exchanged. "
          "Many instruments list north (y) before east (x)."},
+    Rule{"exchanged-code", "digits that say where another tag hangs",
+         "The code identifies a tag and says roughly where it hangs. Digits that say the "
+         "place of another tag, of this survey or of one given together with it, mostly "
+         "come from two plates or two lines that were exchanged; without the survey such "
+         "a tag gives a wrong place. Silent where the code's resolution cannot tell the "
+         "two places apart."},
     Rule{"faces-rock", "a plate with an attitude of its own that looks at a wall",
          "Nobody can see a plate that faces the rock. facing is the direction that its face looks "
          "to, from +y towards +x of the grid; the reading of an instrument sighted at the plate is "

@@ -10,6 +10,7 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
@@ -205,8 +206,7 @@ std::optional<std::vector<std::string>> read_line(std::string_view line, int num
     return std::nullopt;
   }
   for (const std::string& field : *fields) {
-    const bool control = std::ranges::any_of(field, [](unsigned char c) { return c < 0x20; });
-    if (field.size() <= kLongestField && !control) continue;
+    if (field.size() <= kLongestField && is_plain_text(field)) continue;
     log.error({number, 0}, "bad-text", "a field that is no text or too long",
               field.find('\t') != std::string::npos   ? "separate the columns by commas"
               : field.find('\r') != std::string::npos ? "end lines with LF or CR LF"

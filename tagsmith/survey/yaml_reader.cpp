@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith {
@@ -199,9 +200,7 @@ std::optional<std::string> read_text(const YamlNode* node, const std::string& na
                rewritten(*node, "\"" + node->text + "\""));
     return std::nullopt;
   }
-  const bool control =
-      std::ranges::any_of(node->text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
-  if (trim(node->text).empty() || node->text.size() > kLongestText || control) {
+  if (trim(node->text).empty() || node->text.size() > kLongestText || !is_plain_text(node->text)) {
     log.error(node->place, "bad-text",
               name + " is " + describe(*node) + ", expected 1 to " + std::to_string(kLongestText) +
                   " bytes of text on one line");

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <set>
 
 #include <doctest/doctest.h>
 
 #include "tagsmith/base/file.hpp"
 #include "tests/support/contents.hpp"
+#include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
 
@@ -226,8 +228,10 @@ TEST_CASE("a line or a file against the rules of the house is found") {
        "libraries neither print"},
       {"a library that exits", "decoder/scan/a.cpp", "void f() { std::exit(1); }\n",
        "libraries neither print"},
+      {"a command that prints past the console", "decoder/cli/a.cpp",
+       "void f() { fmt::print(stderr, \"x\"); }\n", "show text by tagsmith/cli/console.hpp"},
       {"a word about printing", "decoder/scan/a.cpp", "// not std::cout\n", ""},
-      {"a command that prints", "decoder/cli/a.cpp", "void f() { std::puts(\"\"); }\n", ""},
+      {"a command that prints", "decoder/cli/a.cpp", "void f() { to_stdout(\"\"); }\n", ""},
       {"an option's check that takes nan", "decoder/cli/a.cpp", "->check(CLI::Range(0.1, 5.0));\n",
        "use number_between"},
       {"an option's check of whole numbers", "decoder/cli/a.cpp", "->check(CLI::Range(1, 5));\n",
@@ -261,6 +265,24 @@ TEST_CASE("a source that no CMakeLists.txt names is found") {
   const std::vector<std::string> sources{"code.cpp", "position_code.cpp", "a.cpp"};
   const std::string list = "tagsmith_module(x SOURCES position_code.cpp a.cpp)\n";
   CHECK(unlisted_sources(list, sources) == std::vector<std::string>{"code.cpp"});
+}
+
+// Without programs on the PATH no command goes further than to look for the packages it needs.
+TEST_CASE("every command that ./dev help lists is one") {
+  const test::ProgramOutput help = test::run_shell("./dev help");
+  CHECK(help.exit_code == 0);
+  const std::regex entry("\n  ([a-z]+) ");
+  int commands = 0;
+  for (std::sregex_iterator match(help.out.begin(), help.out.end(), entry), end; match != end;
+       ++match, ++commands) {
+    const std::string command = (*match)[1];
+    CAPTURE(command);
+    const test::ProgramOutput output =
+        test::run_shell("PATH=/nowhere /bin/bash ./dev " + command + " 2>&1");
+    CHECK_MESSAGE(output.out.find("no command") == std::string::npos, output.out);
+  }
+  CHECK(commands >= 10);
+  CHECK(test::run_shell("./dev nothing").exit_code == 2);
 }
 
 }  // namespace tagsmith::house

@@ -160,7 +160,7 @@ TEST_CASE("no page and pages larger than PDF can say are errors") {
 TEST_CASE("the SVG's unit is the millimetre and its names are escaped") {
   const std::string svg = render(sample_page(small_template(), "<a> & \"b\"\n\x01\xff")).svg;
   CHECK(svg.find("width=\"450mm\" height=\"350mm\" viewBox=\"0 0 450 350\"") != std::string::npos);
-  CHECK(svg.find("<title>&lt;a&gt; &amp; \"b\"  \ufffd 000L</title>") != std::string::npos);
+  CHECK(svg.find("<title>&lt;a&gt; &amp; &quot;b&quot;  \ufffd 000L</title>") != std::string::npos);
   CHECK(svg.find("<text") == std::string::npos);
   CHECK(svg.find("<image") == std::string::npos);
 }

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/base/printable.hpp"
+
 using namespace tagsmith;
 using doctest::Approx;
 

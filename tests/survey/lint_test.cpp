@@ -221,3 +221,70 @@ TEST_CASE("a comment that allows must name a rule and a reason, and errors stay"
   const auto error = findings_of_comment(" # tagsmith: allow off-wall: a niche");
   CHECK(count_findings(error, "off-wall", kFirstTagLine + 40) == 1);
 }
+
+TEST_CASE("digits that say another tag's place are told, with the tag") {
+  std::vector<Placed> tags = surveyed_tags();
+  const auto digits_of = [&](int pair, const std::string& resolution) {
+    const TemporaryFolder folder;
+    const std::string text = replaced(survey_of(tags), "resolution: 0.01", resolution);
+    const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
+    return to_string(reading->survey->tags[static_cast<std::size_t>(2 * pair)].digits);
+  };
+  const auto exchange = [&](const std::string& resolution) {
+    std::string text = replaced(survey_of(tags), "resolution: 0.01", resolution);
+    for (const auto& [pair, other] : {std::pair{10, 12}, std::pair{12, 10}}) {
+      const std::string name = fmt::format("{{ tag: {:03}L, ", pair);
+      text = replaced(text, name, name + "digits: \"" + digits_of(other, resolution) + "\", ");
+    }
+    return findings_of(text);
+  };
+  const auto findings = exchange("resolution: 0.01");
+  CHECK(count_findings(findings, "exchanged-code") == 2);
+  CHECK(count_findings(findings, "exchanged-code", kFirstTagLine + 20) == 1);
+  for (const Diagnostic& finding : findings) {
+    if (finding.line != kFirstTagLine + 20) continue;
+    CHECK(finding.message.find("tag 010L") != std::string::npos);
+    CHECK(finding.message.find("the place of tag 012L") != std::string::npos);
+  }
+  CHECK(count_findings(findings_of(survey_of(tags)), "exchanged-code") == 0);
+  // 1.6 m apart: codes of 1 m cannot tell.
+  const auto coarse = exchange("resolution: [0.5, 1.0, 0.5]");
+  CHECK(count_findings(coarse, "exchanged-code") == 0);
+}
+
+TEST_CASE("digits that say the place of another survey's tag are told") {
+  const TemporaryFolder folder;
+  const auto tags_from = [](int first) {
+    std::vector<Placed> tags = surveyed_tags();
+    std::erase_if(tags,
+                  [&](const Placed& tag) { return tag.pair < first || tag.pair >= first + 20; });
+    return tags;
+  };
+  const auto digits_of = [&](const Survey& survey, const std::string& name) {
+    for (const PlacedTag& tag : survey.tags) {
+      if (tag.name == name) return to_string(tag.digits);
+    }
+    return std::string();
+  };
+  const std::string low = replaced(survey_of(tags_from(0)), "survey: drawn", "survey: low");
+  const std::string high = replaced(survey_of(tags_from(30)), "survey: drawn", "survey: high");
+  const auto loaded = [&](const std::string& file, const std::string& text) {
+    return *read_survey(write_text(folder.path() / file, text))->survey;
+  };
+  const Survey below = loaded("low.yaml", low);
+  const Survey above = loaded("high.yaml", high);
+  CHECK(check_together({below, above}).empty());
+  const auto with = [&](const std::string& text, const std::string& name, const std::string& digits,
+                        const std::string& comment) {
+    const std::string head = "{ tag: " + name + ", ";
+    return replaced(replaced(text, head, head + "digits: \"" + digits + "\", "), "  - " + head,
+                    comment + "  - " + head);
+  };
+  const Survey wrong = loaded("low.yaml", with(low, "003L", digits_of(above, "035L"), ""));
+  const Survey other = loaded("high.yaml", with(high, "035L", digits_of(below, "003L"), ""));
+  CHECK(count_findings(check_together({wrong, other}), "exchanged-code") == 2);
+  const Survey allowed =
+      loaded("low.yaml", with(low, "003L", digits_of(above, "035L"),
+                              "  # tagsmith: allow exchanged-code: hung so on purpose\n"));
+  CHECK(count_findings(check_together({allowed, other}), "exchanged-code") == 1);
+}
