@@ -21,7 +21,9 @@
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/print_job.hpp"
 #include "tagsmith/cli/print_run.hpp"
@@ -56,6 +58,10 @@ constexpr const char* kAboutMethods =
     "  the paper from D1, D2 and d, which magnifies an error of d by 1/tan(theta) = 5.6 along the\n"
     "  drive and with d a centimetre off often has no real solution; with true d: what the photos\n"
     "  alone allow it. published: Table 4 of Xu et al. 2017, from pictures of a real corridor.\n";
+
+constexpr const char* kPrintLines = "prints.jsonl";
+constexpr const char* kPhotoLines = "photos.jsonl";
+constexpr const char* kPositions = "positions.txt";
 
 struct Demo {
   fs::path folder;  // of the output
@@ -97,7 +103,9 @@ Result<std::vector<fs::path>> print_tags(const Demo& demo) {
   style.jobs = demo.jobs;
   const Result<PrintJob> job = plan_print(demo.survey, tags, style);
   if (!job) return fail(job.error().message);
-  const Result<PrintRecord> record = run_print(*job, folder);
+  PrintExtras extras;
+  extras.files.reads(demo.survey);
+  const Result<PrintRecord> record = run_print(*job, folder, extras);
   if (!record) return fail(record.error().message);
   return pdfs;
 }
@@ -276,7 +284,19 @@ void show_files(const Demo& demo) {
   to_stdout("{}", Lines{words});
 }
 
+Result<void> check_files(const Demo& demo) {
+  CommandFiles files;
+  files.reads(demo.survey);
+  files.reads(demo.rig);
+  files.reads(demo.run);
+  for (const char* name : {kPrintLines, kPhotoLines, kPositions}) {
+    files.writes(demo.folder / name, "--output");
+  }
+  return files.check();
+}
+
 Result<bool> run_steps(const Demo& demo) {
+  if (auto usable = check_files(demo); !usable) return fail(usable.error().message);
   to_stdout("{:<10} {}: {} tags, no findings\n", "validate", demo.survey.file.string(),
             demo.survey.tags.size());
   const Result<std::vector<fs::path>> pdfs = print_tags(demo);
@@ -291,9 +311,9 @@ Result<bool> run_steps(const Demo& demo) {
   to_stdout("{:<10} ten points by both methods, from the photos and the range d\n{}{}", "localize",
             Lines{table}, Lines{kAboutMethods});
   for (const Result<void>& saved :
-       {save_reports(demo.folder / "prints.jsonl", demo, prints),
-        save_reports(demo.folder / "photos.jsonl", demo, photos),
-        write_file(demo.folder / "positions.txt",
+       {save_reports(demo.folder / kPrintLines, demo, prints),
+        save_reports(demo.folder / kPhotoLines, demo, photos),
+        write_file(demo.folder / kPositions,
                    table + reasons_of(located.jointly) + reasons_of(located.by_paper))}) {
     if (!saved) return fail(saved.error().message);
   }
@@ -322,9 +342,7 @@ Command demo_command(CLI::App& parent) {
   app->add_option("-o,--output", options->output, "Folder for the files; made if missing")
       ->type_name("DIR")
       ->capture_default_str();
-  app->add_option("--jobs", options->jobs, "Files read at once (default: all cores)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+  add_jobs_option(*app, options->jobs, "Files read at once");
   app->footer(
       "Exit: 0 all went well, 1 a print or a photo has a finding, 2 the files could not be "
       "made.\n\n"

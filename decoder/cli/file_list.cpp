@@ -6,21 +6,26 @@
 #include <cctype>
 #include <istream>
 #include <iterator>
+#include <optional>
+
+#include "decoder/image/heif.hpp"
+#include "tagsmith/base/stream.hpp"
 
 namespace tagsmith {
 namespace fs = std::filesystem;
 namespace {
 
 // Print files first, so that the pictures alone are the rest.
-constexpr std::array<std::string_view, 13> kExtensions{".pdf",  ".svg", ".jpg",  ".jpeg", ".png",
-                                                       ".webp", ".tif", ".tiff", ".bmp",  ".pgm",
-                                                       ".ppm",  ".pnm", ".jp2"};
+constexpr std::array<std::string_view, 16> kExtensions{
+    ".pdf",  ".svg", ".jpg",  ".jpeg", ".heic", ".heif", ".hif", ".png",
+    ".webp", ".tif", ".tiff", ".bmp",  ".pgm",  ".ppm",  ".pnm", ".jp2"};
 
-bool has_extension(const fs::path& path, std::span<const std::string_view> extensions) {
+// In small letters, with its point.
+std::string extension_of(const fs::path& path) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(extensions, extension) != extensions.end();
+  return extension;
 }
 
 std::string joined(std::span<const std::string_view> words) {
@@ -29,23 +34,39 @@ std::string joined(std::span<const std::string_view> words) {
   return text;
 }
 
-Result<std::vector<fs::path>> files_in(const fs::path& folder,
-                                       std::span<const std::string_view> extensions) {
+// What a file is that is not read; nothing for those that are. A name that leads nowhere is read,
+// which tells so.
+std::optional<std::string> skipped_kind(const fs::directory_entry& entry,
+                                        std::span<const std::string_view> extensions) {
+  std::error_code ignored;
+  const fs::file_status status = entry.status(ignored);
+  const std::string type = file_type(status);
+  if (type != "file") return type;
+  const std::string extension = extension_of(entry.path());
+  if (std::ranges::find(extensions, extension) != extensions.end()) return std::nullopt;
+  return extension.size() > 1 ? extension.substr(1) : "file without extension";
+}
+
+Result<void> add_files_in(const fs::path& folder, std::span<const std::string_view> extensions,
+                          FileList& list) {
   std::error_code error;
   std::vector<fs::path> files;
+  SkippedFiles skipped;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    std::error_code ignored;
-    if (has_extension(entry->path(), extensions) && !entry->is_directory(ignored)) {
-      files.push_back(entry->path());
-    }
+    const std::optional<std::string> kind = skipped_kind(*entry, extensions);
+    if (!kind) files.push_back(entry->path());
+    if (kind) ++skipped[*kind];
   }
   if (error) return fail(folder.string() + ": cannot be listed: " + error.message());
   if (files.empty()) {
-    return fail(folder.string() + ": holds no file to read, expected " + joined(extensions));
+    return fail(folder.string() + ": holds no file to read, expected " + joined(extensions) +
+                (skipped.empty() ? "" : "; found " + skipped_in_words(skipped)));
   }
   std::ranges::sort(files);
-  return files;
+  std::ranges::move(files, std::back_inserter(list.files));
+  for (const auto& [kind, count] : skipped) list.skipped[kind] += count;
+  return {};
 }
 
 Result<std::vector<fs::path>> files_from(std::istream& stream) {
@@ -63,22 +84,37 @@ Result<std::vector<fs::path>> files_from(std::istream& stream) {
 std::span<const std::string_view> image_extensions() { return std::span(kExtensions).subspan<2>(); }
 std::span<const std::string_view> image_and_pdf_extensions() { return kExtensions; }
 
-Result<std::vector<fs::path>> list_files(const std::vector<std::string>& arguments,
-                                         std::span<const std::string_view> extensions,
-                                         std::istream& standard_input) {
-  std::vector<fs::path> files;
+Result<FileList> list_files(const std::vector<std::string>& arguments,
+                            std::span<const std::string_view> extensions,
+                            std::istream& standard_input) {
+  FileList list;
   for (const std::string& argument : arguments) {
     std::error_code ignored;
-    if (argument != "-" && !fs::is_directory(argument, ignored)) {
-      files.emplace_back(argument);
-      continue;
+    if (argument == "-") {
+      Result<std::vector<fs::path>> more = files_from(standard_input);
+      if (!more) return fail(more.error().message);
+      std::ranges::move(*more, std::back_inserter(list.files));
+    } else if (fs::is_directory(argument, ignored)) {
+      if (auto added = add_files_in(argument, extensions, list); !added) {
+        return fail(added.error().message);
+      }
+    } else {
+      list.files.emplace_back(argument);
     }
-    Result<std::vector<fs::path>> more =
-        argument == "-" ? files_from(standard_input) : files_in(argument, extensions);
-    if (!more) return fail(more.error().message);
-    std::ranges::move(*more, std::back_inserter(files));
   }
-  return files;
+  return list;
+}
+
+std::string skipped_in_words(const SkippedFiles& skipped) {
+  constexpr std::array<std::string_view, 9> kVideos{"mp4", "mov",  "m4v", "avi", "mkv",
+                                                    "mts", "webm", "3gp", "mpg"};
+  std::string text;
+  bool video = false;
+  for (const auto& [kind, count] : skipped) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
+    video = video || std::ranges::find(kVideos, kind) != kVideos.end();
+  }
+  return text + (video ? "; " + std::string(kFramesOfVideo) : "");
 }
 
 }  // namespace tagsmith

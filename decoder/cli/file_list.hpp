@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,12 +18,24 @@ namespace tagsmith {
 std::span<const std::string_view> image_extensions();
 std::span<const std::string_view> image_and_pdf_extensions();
 
+// How many files of each kind were passed over: "mp4", "pipe", "folder".
+using SkippedFiles = std::map<std::string, std::size_t>;
+
+// What a command line means, and what its folders hold besides.
+struct FileList {
+  std::vector<std::filesystem::path> files;
+  SkippedFiles skipped;
+};
+
 // Each argument in turn: a file is itself (there or not: reading it tells), a folder is the files
 // directly in it with one of the extensions (in any case), sorted by name, and "-" is the lines of
-// `standard_input`, one file each. Fails when a folder holds no such file or cannot be listed, and
-// when "-" names nothing.
-Result<std::vector<std::filesystem::path>> list_files(const std::vector<std::string>& arguments,
-                                                      std::span<const std::string_view> extensions,
-                                                      std::istream& standard_input);
+// `standard_input`, one file each. Whatever else a folder holds is counted as skipped. Fails when a
+// folder holds no such file or cannot be listed, and when "-" names nothing.
+Result<FileList> list_files(const std::vector<std::string>& arguments,
+                            std::span<const std::string_view> extensions,
+                            std::istream& standard_input);
+
+// "2 mp4, 1 pipe", with what to do about videos.
+std::string skipped_in_words(const SkippedFiles& skipped);
 
 }  // namespace tagsmith

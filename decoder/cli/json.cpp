@@ -348,8 +348,10 @@ std::string to_json_line(const VerifySummary& summary) {
 }
 
 std::string to_json_line(const VerifySummary& summary, const Survey& survey,
-                         const VerifyMerge& merged, const std::optional<HungTags>& hung) {
+                         const VerifyMerge& merged, const std::optional<HungTags>& hung,
+                         const SkippedFiles& skipped) {
   Json object = to_json(summary);
+  object["skipped"] = skipped;
   object["completeness"] = completeness_json(survey, merged);
   add_hanging(hung, object);
   return line_of({{"summary", object}});

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "decoder/cli/file_list.hpp"
 #include "decoder/cli/verify_merge.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
@@ -39,9 +40,10 @@ std::string to_json_line(const FileReport& report);
 std::string to_json_line(const VerifySummary& summary);
 
 // The summary with `completeness`: what the files, and those of earlier runs, cover of the survey.
-// `hung`: where tags hang, when that was asked for.
+// `hung`: where tags hang, when that was asked for. `skipped`: what folders hold besides.
 std::string to_json_line(const VerifySummary& summary, const Survey& survey,
-                         const VerifyMerge& merged, const std::optional<HungTags>& hung);
+                         const VerifyMerge& merged, const std::optional<HungTags>& hung,
+                         const SkippedFiles& skipped);
 
 // The summary of `report`.
 std::string report_json_line(const Survey& survey, const VerifyMerge& merged,

@@ -31,9 +31,10 @@
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -244,10 +245,44 @@ void print_tables(const Located& located, const LocalizeInput& input, bool expla
 
 // --- files ---
 
-// Writes each file whole or not at all; none when one cannot be made.
+// NUMBER-ID.svg in the folder of residuals.
+std::filesystem::path picture_name(std::size_t number, const std::string& id) {
+  std::string name = fmt::format("{:03}-{}.svg", number, id.substr(0, 60));
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '.' && c != '-'; }, '_');
+  return name;
+}
+
+// `drawing`: its sheets, when they are counted; before, its file alone stands for them.
+Result<void> check_files(const LocalizeOptions& options, const LocalizeInput& input,
+                         const std::vector<SheetFile>& drawing) {
+  CommandFiles files;
+  for (const Survey& survey : input.surveys) files.reads(survey);
+  files.reads(input.rig);
+  files.reads(input.run);
+  files.writes(options.csv, "--csv");
+  files.writes(options.tum, "--tum");
+  if (drawing.empty()) files.writes(options.drawing, "--drawing");
+  for (const SheetFile& sheet : drawing) files.writes(sheet.path, "--drawing");
+  const std::vector<Measurement>& measurements = input.run.measurements;
+  for (std::size_t i = 0; i < measurements.size() && !options.pictures.empty(); ++i) {
+    files.writes(options.pictures / picture_name(i + 1, measurements[i].id), "--residuals");
+  }
+  return files.check();
+}
+
+// Writes all files or none.
 Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& input,
                          const std::vector<Fix>& fixes) {
   std::vector<SheetFile> files;
+  if (!options.drawing.empty()) {
+    const auto sheets = draw_run(input.surveys.front(), input.rig, input.run, fixes);
+    if (!sheets) return tl::unexpected(sheets.error());
+    auto pages = render_sheets(*sheets, options.drawing);
+    if (!pages) return tl::unexpected(pages.error());
+    files = std::move(*pages);
+    if (auto usable = check_files(options, input, files); !usable) return usable;
+  }
   if (!options.csv.empty()) {
     files.push_back({options.csv, fixes_csv(fixes, input.run.measurements)});
   }
@@ -256,17 +291,7 @@ Result<void> write_files(const LocalizeOptions& options, const LocalizeInput& in
     if (!text) return tl::unexpected(text.error());
     files.push_back({options.tum, std::move(*text)});
   }
-  if (!options.drawing.empty()) {
-    const auto sheets = draw_run(input.surveys.front(), input.rig, input.run, fixes);
-    if (!sheets) return tl::unexpected(sheets.error());
-    auto pages = render_sheets(*sheets, options.drawing);
-    if (!pages) return tl::unexpected(pages.error());
-    files.insert(files.end(), pages->begin(), pages->end());
-  }
-  for (const SheetFile& file : files) {
-    if (auto written = write_file(file.path, file.bytes); !written) return written;
-  }
-  return {};
+  return publish_files(files);
 }
 
 // A picture of each measurement's residuals: NUMBER-ID.svg, all or none.
@@ -276,10 +301,8 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
   if (!files) return fail(files.error().message);
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     if (fixes[i].corners.empty()) continue;
-    std::string name = fmt::format("{:03}-{}.svg", i + 1, fixes[i].id.substr(0, 60));
-    std::ranges::replace_if(
-        name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '.' && c != '-'; }, '_');
-    const auto added = files->add(name, residual_picture(fixes[i], rig));
+    const auto added =
+        files->add(picture_name(i + 1, fixes[i].id), residual_picture(fixes[i], rig));
     if (!added) return added;
   }
   return files->publish();
@@ -332,6 +355,9 @@ int run_localize(const LocalizeOptions& options) {
   if (options.follow) {
     return follow({input->surveys, input->rig, live_method(*input, options),
                    options.method == "joint", options.confirmed, options.explain});
+  }
+  if (const auto usable = check_files(options, *input, {}); !usable) {
+    return report_failure(kName, usable.error());
   }
   if (options.smooth) {
     if (const auto usable = check_times(input->run); !usable) {
@@ -412,9 +438,7 @@ Command localize_command(CLI::App& parent) {
   app->add_option("--drawing", options->drawing,
                   "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg or .png")
       ->type_name("FILE");
-  app->add_option("--jobs", options->jobs, "Images read at the same time (0 = all processors)")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_jobs_option(*app, options->jobs, "Images read at the same time");
   app->footer(
       "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: some "
       "have no\nposition, each with its reason; 2: a survey, rig or run could not be used.\n\n"

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -19,7 +20,9 @@
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
@@ -68,13 +71,19 @@ Result<ReadOptions> read_options(const Options& options, const std::vector<Surve
   return read;
 }
 
-// The picture's own name and its folder's where two pictures have one name.
-fs::path explanation_path(const fs::path& folder, const std::vector<fs::path>& files,
-                          std::size_t i) {
-  const auto same = [&](const fs::path& other) { return other.stem() == files[i].stem(); };
-  const std::string number =
-      std::ranges::count_if(files, same) > 1 ? fmt::format("_{}", i + 1) : "";
-  return folder / (files[i].stem().string() + number + ".explained.png");
+// The drawing of each picture, by its own name; by its number too where two pictures have one name.
+// None without a folder.
+std::vector<fs::path> explanation_paths(const fs::path& folder,
+                                        const std::vector<fs::path>& files) {
+  if (folder.empty()) return {};
+  std::map<fs::path, int> count;
+  for (const fs::path& file : files) ++count[file.stem()];
+  std::vector<fs::path> paths;
+  for (const fs::path& file : files) {
+    const std::string number = count[file.stem()] > 1 ? fmt::format("_{}", paths.size() + 1) : "";
+    paths.push_back(folder / (file.stem().string() + number + ".explained.png"));
+  }
+  return paths;
 }
 
 Result<void> write_explanation(const GrayView& image, const ReadOptions& options,
@@ -145,12 +154,13 @@ void print_in_words(const ImageReadings& readings, const std::vector<Survey>& su
 }
 
 Tally read_all(const Options& options, const std::vector<fs::path>& files,
-               const std::vector<Survey>& surveys, const ReadOptions& read) {
+               const std::vector<fs::path>& explanations, const std::vector<Survey>& surveys,
+               const ReadOptions& read) {
   Tally tally;
   ProgressBar bar("images", files.size());
   run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
     std::optional<fs::path> explanation;
-    if (!options.explain.empty()) explanation = explanation_path(options.explain, files, i);
+    if (!explanations.empty()) explanation = explanations[i];
     auto readings = std::make_shared<Result<ImageReadings>>(
         read_image(files[i], options.reader, read, explanation));
     return [&, i, readings] {
@@ -175,24 +185,31 @@ Tally read_all(const Options& options, const std::vector<fs::path>& files,
   return tally;
 }
 
+Result<void> check_files(const std::vector<Survey>& surveys, const std::vector<fs::path>& images,
+                         const std::vector<fs::path>& explanations) {
+  CommandFiles files;
+  for (const Survey& survey : surveys) files.reads(survey);
+  for (const fs::path& image : images) files.reads(image, "the picture");
+  for (const fs::path& path : explanations) files.writes(path, "--explain");
+  return files.check();
+}
+
 int run(const Options& options) {
   const Result<std::vector<Survey>> surveys =
       load_surveys({options.surveys.begin(), options.surveys.end()});
   if (!surveys) return report_failure("read", surveys.error());
   const Result<ReadOptions> read = read_options(options, *surveys);
   if (!read) return report_failure("read", read.error());
-  const Result<std::vector<fs::path>> files =
-      list_files(options.images, image_extensions(), std::cin);
-  if (!files) return report_failure("read", files.error());
-  if (!options.explain.empty()) {
-    std::error_code error;
-    fs::create_directories(options.explain, error);
-    if (error) {
-      return report_failure("read",
-                            {options.explain + ": cannot be made a folder: " + error.message()});
-    }
+  const Result<FileList> list = list_files(options.images, image_extensions(), std::cin);
+  if (!list) return report_failure("read", list.error());
+  const std::vector<fs::path> explanations = explanation_paths(options.explain, list->files);
+  if (auto usable = check_files(*surveys, list->files, explanations); !usable) {
+    return report_failure("read", usable.error());
   }
-  const Tally tally = read_all(options, *files, *surveys, *read);
+  const Tally tally = read_all(options, list->files, explanations, *surveys, *read);
+  if (!list->skipped.empty()) {
+    to_stderr("tagsmith read: skipped, no pictures: {}\n", skipped_in_words(list->skipped));
+  }
   if (tally.unreadable_file) return kExitFailure;
   return tally.tags > 0 ? kExitOk : kExitFindings;
 }
@@ -225,9 +242,7 @@ Command read_command(CLI::App& parent) {
                   "their margins, what was refused and why")
       ->type_name("DIR");
   app->add_flag("--json", options->json, "One JSON object an image");
-  app->add_option("--jobs", options->jobs, "Pictures read at once (default: all cores)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+  add_jobs_option(*app, options->jobs, "Pictures read at once");
   app->footer(kExample);
   return {app, [options] { return run(*options); }};
 }

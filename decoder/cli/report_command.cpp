@@ -15,6 +15,7 @@
 #include "decoder/cli/verify_hanging.hpp"
 #include "decoder/cli/verify_lines.hpp"
 #include "decoder/cli/verify_merge.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -67,7 +68,7 @@ Result<std::optional<HungTags>> hung_tags(const Options& options, const Survey& 
 
 Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
                               const std::optional<HangingSetup>& setup,
-                              const std::optional<HungTags>& hung) {
+                              const std::optional<HungTags>& hung, CommandFiles& files) {
   const std::string revision = survey_revision(survey);
   VerifyMerge merged;
   for (const std::string& file : options.files) {
@@ -90,8 +91,18 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
                                           : fmt::format("{} files were", merged.other_revisions));
   }
   sort_faults(merged);
-  if (options.report.shows_pictures()) load_pictures(merged, options.files);
+  if (options.report.shows_pictures()) load_pictures(merged, options.files, files);
   return merged;
+}
+
+CommandFiles files_of(const Options& options, const Survey& survey,
+                      const std::optional<HangingSetup>& setup) {
+  CommandFiles files;
+  files.reads(survey);
+  if (setup) add_hanging_files(options.hanging, *setup, files);
+  for (const std::string& file : options.files) files.reads(file, "the lines");
+  add_report_files(options.report, files);
+  return files;
 }
 
 int run(const Options& options) {
@@ -99,11 +110,13 @@ int run(const Options& options) {
   if (!survey) return report_failure("report", survey.error());
   const Result<std::optional<HangingSetup>> setup = load_hanging(options.hanging);
   if (!setup) return report_failure("report", setup.error());
+  CommandFiles files = files_of(options, *survey, *setup);
+  if (const auto usable = files.check(); !usable) return report_failure("report", usable.error());
   const Result<std::optional<HungTags>> hung = hung_tags(options, *survey, *setup);
   if (!hung) return report_failure("report", hung.error());
-  const Result<VerifyMerge> merged = merge_all(options, *survey, *setup, *hung);
+  const Result<VerifyMerge> merged = merge_all(options, *survey, *setup, *hung, files);
   if (!merged) return report_failure("report", merged.error());
-  if (const Result<void> written = write_report(options.report, *survey, *merged); !written) {
+  if (const auto written = write_report(options.report, *survey, *merged, files); !written) {
     return report_failure("report", written.error());
   }
   const Completeness covered = completeness_of(*survey, *merged);

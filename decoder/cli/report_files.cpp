@@ -15,8 +15,8 @@
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/input_file.hpp"
 #include "tagsmith/base/csv.hpp"
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 
 namespace tagsmith {
@@ -61,9 +61,11 @@ struct CutPhoto {
   Result<GrayImage> image = fail("");
 };
 
-Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::string>& lines) {
+Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::string>& lines,
+                             CommandFiles& files) {
   const std::optional<fs::path> path = find_beside(fault.file, "photos", lines);
   if (!path) return fail("the photo is not where the line says");
+  files.reads(*path, "a photo of the lines");
   const Result<InputFile> input = read_input_file(*path);
   if (!input) return fail("the photo cannot be read");
   if (input->sha256 != fault.sha256) return fail("the photo was changed since it was verified");
@@ -72,10 +74,10 @@ Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::st
 
 // A fault that no crop was saved of, cut out of its photo, or why it cannot be.
 Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<std::string>& lines,
-                                   CutPhoto& last) {
+                                   CutPhoto& last, CommandFiles& files) {
   const bool is_in_photo = fault.corners || (fault.shows_whole && !fault.sha256.empty());
   if (!is_in_photo) return fail("no crop was saved of it: verify with --crops");
-  if (last.file != fault.file) last = {fault.file, load_photo(fault, lines)};
+  if (last.file != fault.file) last = {fault.file, load_photo(fault, lines, files)};
   if (!last.image) return fail(last.image.error().message);
   if (fault.shows_whole) {
     return report_picture(small_picture(last.image->view(), fault.orientation).view());
@@ -91,14 +93,15 @@ Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<s
 
 // The picture that was saved of a fault, or else a new one.
 Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::string>& lines,
-                               CutPhoto& last) {
+                               CutPhoto& last, CommandFiles& files) {
   if (!fault.crop.empty()) {
     const std::optional<fs::path> path = find_beside(fault.crop, "crops", lines);
+    if (path) files.reads(*path, "a crop of the lines");
     const Result<GrayImage> crop =
         path ? load_gray_image(*path) : Result<GrayImage>(fail("not found"));
     if (crop) return report_picture(crop->view());
   }
-  return cut_from_photo(fault, lines, last);
+  return cut_from_photo(fault, lines, last, files);
 }
 
 }  // namespace
@@ -110,22 +113,26 @@ void add_report_options(CLI::App& app, ReportFiles& files) {
   app.add_option("--csv", files.csv, "Write a table of the survey's tags")->type_name("FILE");
 }
 
-Result<void> write_report(const ReportFiles& files, const Survey& survey,
-                          const VerifyMerge& merged) {
-  if (!files.csv.empty()) {
-    const Result<void> written = write_file(files.csv, report_csv(survey, merged));
-    if (!written) return written;
+void add_report_files(const ReportFiles& report, CommandFiles& files) {
+  files.writes(report.html, "--html");
+  files.writes(report.pdf, "--pdf");
+  files.writes(report.csv, "--csv");
+}
+
+Result<void> write_report(const ReportFiles& report, const Survey& survey,
+                          const VerifyMerge& merged, const CommandFiles& files) {
+  if (auto usable = files.check(); !usable) return usable;
+  std::vector<SheetFile> written;
+  if (!report.csv.empty()) written.push_back({report.csv, report_csv(survey, merged)});
+  if (!report.html.empty()) written.push_back({report.html, report_page(survey, merged)});
+  if (!report.pdf.empty()) {
+    const Result<std::vector<Sheet>> sheets = draw_report(survey, merged);
+    if (!sheets) return fail(sheets.error().message);
+    Result<std::string> pdf = render_sheets_pdf(*sheets);
+    if (!pdf) return fail(pdf.error().message);
+    written.push_back({report.pdf, std::move(*pdf)});
   }
-  if (!files.html.empty()) {
-    const Result<void> written = write_file(files.html, report_page(survey, merged));
-    if (!written) return written;
-  }
-  if (files.pdf.empty()) return {};
-  const Result<std::vector<Sheet>> sheets = draw_report(survey, merged);
-  if (!sheets) return fail(sheets.error().message);
-  const Result<std::string> pdf = render_sheets_pdf(*sheets);
-  if (!pdf) return fail(pdf.error().message);
-  return write_file(files.pdf, *pdf);
+  return publish_files(written);
 }
 
 std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
@@ -155,7 +162,8 @@ std::string report_picture(const GrayView& crop) {
   return encode_gray_image("crop.jpg", view, kQuality).value_or("");
 }
 
-void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines) {
+void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines,
+                   CommandFiles& files) {
   CutPhoto last;
   for (FaultRecord& fault : merged.faults) {
     const bool is_of_tag = !fault.tag.empty() || fault.corners || !fault.crop.empty();
@@ -164,7 +172,7 @@ void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines) {
       fault.no_picture = "a report holds no more pictures";
       continue;
     }
-    Result<std::string> picture = picture_of(fault, lines, last);
+    Result<std::string> picture = picture_of(fault, lines, last, files);
     if (picture) {
       take_picture(std::move(*picture), fault, merged);
     } else {

@@ -16,6 +16,8 @@ class App;
 
 namespace tagsmith {
 
+class CommandFiles;
+
 // Files to write; empty = none.
 struct ReportFiles {
   std::string html;
@@ -28,9 +30,12 @@ struct ReportFiles {
 // --html, --pdf and --csv.
 void add_report_options(CLI::App& app, ReportFiles& files);
 
-// Writes what is asked for, each file whole or not at all.
-Result<void> write_report(const ReportFiles& files, const Survey& survey,
-                          const VerifyMerge& merged);
+// Names them as outputs of the command.
+void add_report_files(const ReportFiles& report, CommandFiles& files);
+
+// Writes what is asked for, all files or none. Fails when one would replace a file that was read.
+Result<void> write_report(const ReportFiles& report, const Survey& survey,
+                          const VerifyMerge& merged, const CommandFiles& files);
 
 // A line a tag of the survey: tag, digits, chainage_m, status, seen, faults, best_grade,
 // worst_grade, blame, side, upright ("checked", "unchecked", or nothing when never in order),
@@ -50,8 +55,8 @@ std::string report_picture(const GrayView& crop);
 // Fills the pictures of faults of tags that have none yet: from the crop that was saved, at the
 // path as written, or in that folder or its `crops` beside `lines`, the files of JSON lines; else
 // cut out of the photo, if it is the one that was verified. All beyond kMostPictureBytes, and those
-// that cannot be had, say why in `no_picture`.
-void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines);
+// that cannot be had, say why in `no_picture`. What is read is named to `files`.
+void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines, CommandFiles& files);
 
 // In words: "14 of 16 tags seen (88 %), ..." and one line for each stretch that was not, at most
 // `most` of them.

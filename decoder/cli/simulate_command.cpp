@@ -24,7 +24,9 @@
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
@@ -40,6 +42,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kName = "simulate";
+constexpr const char* kTruth = "truth.json";
+constexpr const char* kRun = "run.csv";
 
 struct SimulateOptions {
   fs::path survey;
@@ -372,6 +376,17 @@ Result<Json> render_shots(const SimulateOptions& options, const SimulateInput& i
   return truths;
 }
 
+Result<void> check_files(const SimulateOptions& options, const SimulateInput& input,
+                         const std::vector<Shot>& shots) {
+  CommandFiles files;
+  files.reads(input.survey);
+  files.reads(input.rig);
+  files.reads(input.run);
+  for (const char* name : {kTruth, kRun}) files.writes(options.folder / name, "--output");
+  for (const Shot& shot : shots) files.writes(options.folder / shot.file, "--output");
+  return files.check();
+}
+
 Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input) {
   if (const auto sizes = check_image_sizes(input.rig); !sizes) return tl::unexpected(sizes.error());
   const auto names = check_file_names(input, options.format);
@@ -380,13 +395,16 @@ Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input
   if (!stations) return tl::unexpected(stations.error());
   const auto folder = check_folder(options);
   if (!folder) return tl::unexpected(folder.error());
+  const std::vector<Shot> shots = shots_of(input, *stations, options.format);
+  if (const auto usable = check_files(options, input, shots); !usable) {
+    return tl::unexpected(usable.error());
+  }
   auto files = StagedFiles::begin(options.folder);
   if (!files) return tl::unexpected(files.error());
-  auto truths = render_shots(options, input, shots_of(input, *stations, options.format), *files);
+  auto truths = render_shots(options, input, shots, *files);
   if (!truths) return truths;
-  for (const auto& [name, text] :
-       {std::pair{"truth.json", truth_text(input.survey, *truths)},
-        std::pair{"run.csv", run_text(input, *stations, options.format)}}) {
+  for (const auto& [name, text] : {std::pair{kTruth, truth_text(input.survey, *truths)},
+                                   std::pair{kRun, run_text(input, *stations, options.format)}}) {
     if (const auto added = files->add(name, text); !added) return tl::unexpected(added.error());
   }
   if (const auto published = files->publish(); !published) {
@@ -450,9 +468,7 @@ Command simulate_command(CLI::App& parent) {
   add_camera_options(*app, *options);
   app->add_flag("--force", options->force, "Write into a folder that is not empty");
   app->add_flag("--json", options->json, "One JSON object an image, the summary last");
-  app->add_option("--jobs", options->jobs, "Images made at the same time (0 = all processors)")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  add_jobs_option(*app, options->jobs, "Images made at the same time");
   app->footer(
       "For each row and camera DIR/ID_CAMERA.png; DIR/run.csv with the ranges measured and the "
       "truth, for localize;\nDIR/truth.json with each plate's corners in pixels. Without "

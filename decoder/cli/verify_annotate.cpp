@@ -13,7 +13,6 @@
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/checksum.hpp"
-#include "tagsmith/base/file.hpp"
 
 namespace tagsmith {
 namespace {
@@ -63,9 +62,9 @@ std::vector<std::string> words_of(const TagFinding& tag) {
 
 }  // namespace
 
-Result<void> save_annotated(const std::filesystem::path& folder, const InputFile& file,
-                            const FileReport& report) {
-  if (is_pdf(file.bytes) || is_svg(file.path)) return {};
+Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& folder,
+                                                const InputFile& file, const FileReport& report) {
+  if (is_pdf(file.bytes) || is_svg(file.path)) return std::nullopt;
   std::vector<PictureMark> marks;
   for (const TagFinding& tag : report.tags) {
     marks.push_back({tag.corners, colour_of(tag), words_of(tag)});
@@ -78,9 +77,9 @@ Result<void> save_annotated(const std::filesystem::path& folder, const InputFile
       annotate_picture(file.path.string(), file.bytes, marks, caption);
   if (!copy) return fail(copy.error().message);
   const std::string hash = sha256(file.path.string()).substr(0, 8);
-  return write_file(
+  return SheetFile{
       folder / fmt::format("{}-{}{}", file.path.stem().string(), hash, copy->extension),
-      copy->bytes);
+      copy->bytes};
 }
 
 }  // namespace tagsmith

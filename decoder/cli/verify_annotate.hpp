@@ -3,18 +3,20 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "decoder/verify/finding.hpp"
 #include "decoder/verify/input_file.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/render/sheet_files.hpp"
 
 namespace tagsmith {
 
-// Saves NAME-HASH.jpg (of lossless pictures .png), HASH being of the whole path: photos of several
-// folders often have one name. Each tag is outlined in the colour of its status, with its name,
-// status, grade and what is wrong. Print files (PDF, SVG) have no copy. Fails when the picture
-// cannot be decoded or the file cannot be written.
-Result<void> save_annotated(const std::filesystem::path& folder, const InputFile& file,
-                            const FileReport& report);
+// NAME-HASH.jpg (of lossless pictures .png) in the folder, HASH being of the whole path: photos of
+// several folders often have one name. Each tag is outlined in the colour of its status, with its
+// name, status, grade and what is wrong. Print files (PDF, SVG) have no copy. Fails when the
+// picture cannot be decoded.
+Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& folder,
+                                                const InputFile& file, const FileReport& report);
 
 }  // namespace tagsmith

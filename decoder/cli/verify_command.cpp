@@ -25,7 +25,9 @@
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -61,6 +63,7 @@ struct Options {
   int jobs = 0;
   std::optional<double> scan_dpi;
   HangingOptions hanging;
+  CommandFiles* named = nullptr;  // what is read and written, when it is known
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -117,32 +120,39 @@ void print_up(const Survey& survey, const VerifyMerge& merged) {
   }
 }
 
+// Crops and copies have names that come with the work.
+Result<void> save_late(const Options& options, const std::string& role, const fs::path& file,
+                       std::string_view bytes) {
+  if (auto usable = options.named->check_no_input(file, role); !usable) return usable;
+  return write_file(file, bytes);
+}
+
 // Writes a picture of the report as NAME-HASH-`which`.png, HASH being of the whole path: photos of
 // several folders often have one name. Then the picture is let go, and `saved` is its file.
-Result<void> save_crop(const fs::path& folder, const FileReport& report, const std::string& which,
+Result<void> save_crop(const Options& options, const FileReport& report, const std::string& which,
                        std::optional<GrayImage>& picture, std::string& saved) {
   const std::string hash = sha256(report.file.string()).substr(0, 8);
-  const fs::path file =
-      folder / fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, which);
+  const fs::path file = fs::path(options.crops) /
+                        fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, which);
   const Result<std::string> bytes = encode_gray_image(file, picture->view());
   if (!bytes) return fail(bytes.error().message);
-  if (const Result<void> written = write_file(file, *bytes); !written) return written;
+  if (auto written = save_late(options, "--crops", file, *bytes); !written) return written;
   saved = file.string();
   picture.reset();
   return {};
 }
 
 // The crops of a report's faults, numbered, and the picture of a file without a tag.
-Result<void> save_crops(const fs::path& folder, FileReport& report) {
+Result<void> save_crops(const Options& options, FileReport& report) {
   int number = 0;
   for (TagFinding& tag : report.tags) {
     if (tag.crop || !tag.crop_file.empty()) ++number;
     if (!tag.crop) continue;
-    const auto saved = save_crop(folder, report, std::to_string(number), tag.crop, tag.crop_file);
+    const auto saved = save_crop(options, report, std::to_string(number), tag.crop, tag.crop_file);
     if (!saved) return saved;
   }
   if (!report.picture) return {};
-  return save_crop(folder, report, "whole", report.picture, report.picture_file);
+  return save_crop(options, report, "whole", report.picture, report.picture_file);
 }
 
 // A file that cannot be read is one finding, not the end.
@@ -179,11 +189,18 @@ FilePictures pictures_of(const FileReport& report) {
 Result<void> save_crop_pictures(const Options& options, VerifiedOne& one) {
   if (options.report.shows_pictures()) one.pictures = pictures_of(one.report);
   if (!options.crops.empty()) {
-    if (const Result<void> saved = save_crops(options.crops, one.report); !saved) return saved;
+    if (const Result<void> saved = save_crops(options, one.report); !saved) return saved;
   }
   for (TagFinding& tag : one.report.tags) tag.crop.reset();
   one.report.picture.reset();
   return {};
+}
+
+Result<void> save_annotated(const Options& options, const InputFile& input,
+                            const FileReport& report) {
+  const Result<std::optional<SheetFile>> copy = annotated_copy(options.annotate, input, report);
+  if (!copy) return fail(copy.error().message);
+  return *copy ? save_late(options, "--annotate", (*copy)->path, (*copy)->bytes) : Result<void>{};
 }
 
 // What was asked for besides the lines.
@@ -191,7 +208,7 @@ Result<void> save_pictures(const Options& options, const InputFile& input, Verif
   if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
   // With --rig what is wrong is known later.
   if (options.annotate.empty() || !options.hanging.rig.empty()) return {};
-  return save_annotated(options.annotate, input, one.report);
+  return save_annotated(options, input, one.report);
 }
 
 // Content hashes of what earlier runs verified against this state of the survey.
@@ -302,7 +319,7 @@ Result<void> save_late_pictures(const Options& options, VerifiedOne& one) {
     if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
   }
   if (options.annotate.empty()) return {};
-  return save_annotated(options.annotate, *input, one.report);
+  return save_annotated(options, *input, one.report);
 }
 
 // Where tags hang is known when every photo has been read.
@@ -372,7 +389,8 @@ Result<Outcome> verify_all(const Options& options, const VerifyRequest& request,
     return fail(added.error().message);
   }
   sort_faults(outcome.merged);
-  if (options.report.shows_pictures()) load_pictures(outcome.merged, {options.resume});
+  if (options.report.shows_pictures())
+    load_pictures(outcome.merged, {options.resume}, *options.named);
   return outcome;
 }
 
@@ -387,12 +405,15 @@ Result<std::vector<Survey>> load_surveys(const std::vector<std::string>& names) 
 }
 
 void print_summary(const Options& options, const Survey& survey, const VerifySummary& summary,
-                   const Outcome& outcome) {
+                   const Outcome& outcome, const SkippedFiles& skipped) {
   if (outcome.skipped_files > 0) {
     to_stderr("skipped, verified before: {}\n", outcome.skipped_files);
   }
+  if (!skipped.empty()) {
+    to_stderr("skipped, no pictures or print files: {}\n", skipped_in_words(skipped));
+  }
   if (options.json) {
-    to_stdout("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung));
+    to_stdout("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung, skipped));
   } else {
     if (outcome.hung) print_hanging(*outcome.hung);
     print_in_words(summary);
@@ -400,7 +421,30 @@ void print_summary(const Options& options, const Survey& survey, const VerifySum
   }
 }
 
-int run(const Options& options) {
+// Inputs and outputs; `listed` are the files to verify.
+CommandFiles files_of(const Options& options, const Survey& survey, const std::vector<Survey>& also,
+                      const std::optional<HangingSetup>& hanging,
+                      const std::vector<fs::path>& listed) {
+  CommandFiles files;
+  files.reads(survey);
+  for (const Survey& other : also) files.reads(other);
+  if (hanging) add_hanging_files(options.hanging, *hanging, files);
+  files.reads(options.resume, "the lines of --resume");
+  if (std::ranges::count(options.files, "-") > 0) files.reads("/dev/stdin", "the list of files");
+  std::set<fs::path> folders;
+  for (const fs::path& file : listed) {
+    files.reads(file, "the file");
+    if (folders.insert(file.parent_path()).second) {
+      files.reads(file.parent_path() / "manifest.json", "the manifest of print files");
+    }
+  }
+  add_report_files(options.report, files);
+  files.writes_into(options.crops, "--crops");
+  files.writes_into(options.annotate, "--annotate");
+  return files;
+}
+
+int run(Options options) {
   if (options.files.empty() && options.hanging.run.empty()) {
     return report_failure("verify", {"FILE is required: photos, print files, folders of them"});
   }
@@ -409,11 +453,14 @@ int run(const Options& options) {
   const Result<std::optional<HangingSetup>> hanging = load_hanging(options.hanging);
   if (!hanging) return report_failure("verify", hanging.error());
   const bool of_run = options.files.empty() && *hanging;
-  const Result<std::vector<fs::path>> files =
+  const Result<FileList> list =
       list_files(of_run ? (*hanging)->photos : options.files, image_and_pdf_extensions(), std::cin);
-  if (!files) return report_failure("verify", files.error());
+  if (!list) return report_failure("verify", list.error());
   const Result<std::vector<Survey>> also = load_surveys(options.also);
   if (!also) return report_failure("verify", also.error());
+  CommandFiles files = files_of(options, *survey, *also, *hanging, list->files);
+  if (const auto usable = files.check(); !usable) return report_failure("verify", usable.error());
+  options.named = &files;
   if (!options.resume.empty()) {
     const Result<void> ready = prepare_to_append(options.resume);
     if (!ready) return report_failure("verify", ready.error());
@@ -428,11 +475,11 @@ int run(const Options& options) {
     request.cameras = &(*hanging)->cameras;
   }
   const Result<Outcome> outcome =
-      verify_all(options, request, *hanging ? &**hanging : nullptr, *files);
+      verify_all(options, request, *hanging ? &**hanging : nullptr, list->files);
   if (!outcome) return report_failure("verify", outcome.error());
   const VerifySummary summary = outcome->tally.summary(*survey);
-  print_summary(options, *survey, summary, *outcome);
-  const Result<void> written = write_report(options.report, *survey, outcome->merged);
+  print_summary(options, *survey, summary, *outcome, list->skipped);
+  const Result<void> written = write_report(options.report, *survey, outcome->merged, files);
   if (!written) return report_failure("verify", written.error());
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     return report_failure("verify", {"standard output cannot be written, is the disk full?"});
@@ -469,9 +516,7 @@ Command verify_command(CLI::App& parent) {
   app->add_flag("--complete", options->complete,
                 "Tags of the survey that no file shows are wrong too");
   app->add_flag("--json", options->json, "One JSON object a file, then the summary");
-  app->add_option("--jobs", options->jobs, "Files read at once (default: all cores)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+  add_jobs_option(*app, options->jobs, "Files read at once");
   add_hanging_options(*app, options->hanging);
   app->add_option("--dpi", options->scan_dpi,
                   "Pictures are flat scans of prints with so many dots per inch, not photos: their "

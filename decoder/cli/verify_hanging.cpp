@@ -11,6 +11,7 @@
 
 #include "decoder/verify/hanging_check.hpp"
 #include "decoder/verify/sighting_pick.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -146,6 +147,13 @@ Result<std::optional<HangingSetup>> load_hanging(const HangingOptions& options) 
     setup.cameras = PhotoCameras::by_names(setup.rig);
   }
   return std::optional(std::move(setup));
+}
+
+void add_hanging_files(const HangingOptions& options, const HangingSetup& setup,
+                       CommandFiles& files) {
+  files.reads(setup.rig);
+  files.reads(options.run, "the run");
+  for (const std::string& photo : setup.photos) files.reads(photo, "a photo of the run");
 }
 
 HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double tolerance,

@@ -20,6 +20,8 @@ class App;
 
 namespace tagsmith {
 
+class CommandFiles;
+
 struct HangingOptions {
   std::string rig;     // empty = where tags hang is not checked
   std::string camera;  // of the rig, that took all photos
@@ -38,6 +40,10 @@ struct HangingSetup {
 
 // Nothing without --rig.
 Result<std::optional<HangingSetup>> load_hanging(const HangingOptions& options);
+
+// Names what it was loaded from as inputs of the command.
+void add_hanging_files(const HangingOptions& options, const HangingSetup& setup,
+                       CommandFiles& files);
 
 // Checks all reports together and writes what is found into them.
 HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double tolerance,

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "decoder/image/codecs.hpp"
+#include "decoder/image/heif.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/jpeg.hpp"
 #include "decoder/image/png_chunks.hpp"
@@ -154,19 +155,24 @@ cv::Mat annotated(const cv::Mat& stored, int orientation, const std::vector<Pict
 
 // What the bytes begin with says the format.
 std::string extension_for(const std::string& bytes) {
-  return bytes.starts_with("\xFF\xD8") || bytes.starts_with("RIFF") ? ".jpg" : ".png";
+  const bool loses = bytes.starts_with("\xFF\xD8") || bytes.starts_with("RIFF") || is_heif(bytes);
+  return loses ? ".jpg" : ".png";
 }
 
 // The pixels as stored, in colour; empty when they cannot be decoded. What the decoders find odd
 // was told when the picture was read, and is not printed once more.
 cv::Mat decode_colour(const Codecs& by, const std::string& bytes) {
+  const auto copy_of = [](ColourImage& image) {
+    return cv::Mat(image.height, image.width, CV_8UC3, image.samples.data()).clone();
+  };
+  if (is_heif(bytes)) {
+    Result<ColourImage> image = decode_heif_colour(bytes, kMaxPixels);
+    return image ? copy_of(*image) : cv::Mat();
+  }
   if (bytes.starts_with("\xFF\xD8\xFF")) {
     Result<std::optional<ColourImage>> jpeg = decode_jpeg_colour(bytes, kMaxPixels);
     if (!jpeg) return {};
-    if (*jpeg) {
-      ColourImage& image = **jpeg;
-      return cv::Mat(image.height, image.width, CV_8UC3, image.samples.data()).clone();
-    }
+    if (*jpeg) return copy_of(**jpeg);
   }
   const Result<std::string> png = is_png(bytes) ? png_of_pixels(bytes) : Result<std::string>("");
   if (!png) return {};
@@ -181,7 +187,8 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
                                           const std::vector<PictureMark>& marks,
                                           const std::vector<std::string>& caption) {
   const std::optional<ImageHeader> header = read_image_header(bytes);
-  if (!header || static_cast<double>(header->width) * header->height > kMaxPixels) {
+  const bool fits = header && static_cast<double>(header->width) * header->height <= kMaxPixels;
+  if (!fits && !is_heif(bytes)) {
     return fail(name + ": is no picture that can be marked");
   }
   const Result<Codecs>& by = codecs();
@@ -189,7 +196,7 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
   try {
     const cv::Mat stored = decode_colour(*by, bytes);
     if (stored.empty()) return fail(name + ": cannot be decoded to be marked");
-    const cv::Mat canvas = annotated(stored, exif_orientation(bytes).value_or(1), marks, caption);
+    const cv::Mat canvas = annotated(stored, shown_orientation(bytes).value_or(1), marks, caption);
     std::vector<std::uint8_t> copy;
     AnnotatedPicture picture{extension_for(bytes), {}};
     by->encode(picture.extension, canvas, copy, {cv::IMWRITE_JPEG_QUALITY, 90});

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "decoder/image/heif.hpp"
+
 namespace tagsmith {
 namespace {
 
@@ -168,6 +170,10 @@ std::optional<ImageHeader> read_image_header(std::string_view bytes) {
   }
   if (bytes.starts_with("BM"sv)) return read_bmp(bytes);
   return std::nullopt;
+}
+
+std::optional<int> shown_orientation(std::string_view bytes) {
+  return is_heif(bytes) ? heif_orientation(bytes) : exif_orientation(bytes);
 }
 
 std::optional<int> exif_orientation(std::string_view bytes) {

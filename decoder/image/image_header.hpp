@@ -22,4 +22,7 @@ std::optional<ImageHeader> read_image_header(std::string_view bytes);
 // nothing for all others and where it is not said.
 std::optional<int> exif_orientation(std::string_view bytes);
 
+// The same of any format that says it: JPEG by its EXIF, HEIF by its own properties.
+std::optional<int> shown_orientation(std::string_view bytes);
+
 }  // namespace tagsmith

@@ -12,10 +12,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "decoder/image/codecs.hpp"
+#include "decoder/image/heif.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/jpeg.hpp"
 #include "decoder/image/png_chunks.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/stream.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith {
@@ -44,7 +46,8 @@ GrayImage copy_of(const cv::Mat& mat) {
 Result<void> check_header(const std::string& bytes) {
   const std::optional<ImageHeader> header = read_image_header(bytes);
   if (!header) {
-    return fail("is no image this program can read, expected JPEG, PNG, WebP, TIFF, PNM or BMP");
+    return fail(
+        "is no image this program can read, expected JPEG, HEIC, PNG, WebP, TIFF, PNM or BMP");
   }
   const double pixels = static_cast<double>(header->width) * header->height;
   if (pixels > kMaxPixels) {
@@ -104,10 +107,20 @@ Result<DecodedImage> decode(const std::string& bytes) {
   return DecodedImage{std::move(*image), ""};
 }
 
+Result<DecodedImage> decode_still(const std::string& name, const std::string& bytes) {
+  try {
+    Result<GrayImage> image = decode_heif(bytes, kMaxPixels);
+    if (image) return DecodedImage{std::move(*image), ""};
+    return fail(name + ": cannot be decoded: " + image.error().message);
+  } catch (const std::bad_alloc&) {
+    return fail(name + ": is too large for the memory there is");
+  }
+}
+
 }  // namespace
 
 Result<DecodedImage> load_image(const std::filesystem::path& path) {
-  const Result<std::string> bytes = read_file(path, kMaxFileBytes);
+  const Result<std::string> bytes = read_regular_file(path, kMaxFileBytes);
   if (!bytes) return fail(bytes.error().message);
   return decode_image(path.string(), *bytes);
 }
@@ -120,6 +133,10 @@ Result<GrayImage> load_gray_image(const std::filesystem::path& path) {
 
 Result<DecodedImage> decode_image(const std::string& name, const std::string& bytes) {
   if (bytes.empty()) return fail(name + ": is empty, expected an image");
+  if (is_video(bytes)) {
+    return fail(name + ": is a video, expected pictures; " + kFramesOfVideo);
+  }
+  if (is_heif(bytes)) return decode_still(name, bytes);
   if (const auto header = check_header(bytes); !header) {
     return fail(name + ": " + header.error().message);
   }

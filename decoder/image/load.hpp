@@ -12,8 +12,8 @@
 namespace tagsmith {
 
 // The pixels as stored: EXIF orientation is ignored, because calibration and corners refer to the
-// sensor. Colour becomes luma; 16-bit samples are scaled to 8. Fails on files that are no image,
-// are truncated, or have more than 200 million pixels.
+// sensor. Colour becomes luma; deeper samples are scaled to 8 bits. Fails on files that are no
+// image or no regular file, are truncated, or have more than 200 million pixels.
 Result<GrayImage> load_gray_image(const std::filesystem::path& path);
 
 // The same, with what its decoder warned of (JPEG alone).

@@ -15,7 +15,7 @@ struct InputFile {
   std::string sha256;
 };
 
-// Fails when the file cannot be read or has more than 512 MiB.
+// Fails when the file cannot be read, is no regular file, or has more than 512 MiB.
 Result<InputFile> read_input_file(const std::filesystem::path& path);
 
 }  // namespace tagsmith

@@ -162,7 +162,7 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   }
   report.width = image.width;
   report.height = image.height;
-  report.orientation = exif_orientation(file.bytes);
+  report.orientation = shown_orientation(file.bytes);
   const Camera* camera = camera_of(request, file.path);
   const ReadResult readings = read_for_survey(image, survey, camera);
   report.tags = check_tags(survey, readings, PictureSize{image.width, image.height}, request.also);

@@ -5,8 +5,22 @@
 #include <system_error>
 #include <unistd.h>
 
+#include "tagsmith/base/stream.hpp"
+
 namespace tagsmith {
 namespace fs = std::filesystem;
+namespace {
+
+// Appends, because a shell's `>> FILE` may stand behind /dev/stdout.
+Result<void> write_stream(const fs::path& path, std::string_view bytes) {
+  std::ofstream stream(path, std::ios::binary | std::ios::app);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) return fail(path.string() + ": cannot be written");
+  return {};
+}
+
+}  // namespace
 
 Result<std::string> read_file(const fs::path& path, std::uintmax_t max_bytes) {
   std::error_code error;
@@ -30,10 +44,16 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t max_bytes) {
 
 Result<void> write_file(const fs::path& path, std::string_view bytes) {
   std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
+  const fs::path target = behind_links(path);
+  if (is_stream(target)) return write_stream(target, bytes);
+  if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
   if (error) return fail(path.string() + ": its folder cannot be made: " + error.message());
-  if (fs::is_directory(path)) return fail(path.string() + ": is a directory, expected a file");
-  fs::path temporary = path;
+  if (fs::is_directory(target, error)) {
+    return fail(path.string() + ": is a directory, expected a file");
+  }
+  if (fs::is_symlink(target, error))
+    return fail(path.string() + ": is a link that leads to itself");
+  fs::path temporary = target;
   temporary += ".tmp" + std::to_string(::getpid());
   std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -42,7 +62,7 @@ Result<void> write_file(const fs::path& path, std::string_view bytes) {
     fs::remove(temporary, error);
     return fail(path.string() + ": cannot be written");
   }
-  fs::rename(temporary, path, error);
+  fs::rename(temporary, target, error);
   if (error) {
     std::error_code ignored;
     fs::remove(temporary, ignored);

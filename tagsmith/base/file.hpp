@@ -15,8 +15,8 @@ namespace tagsmith {
 Result<std::string> read_file(const std::filesystem::path& path,
                               std::uintmax_t max_bytes = 64U << 20U);
 
-// Writes beside the target under a temporary name, then renames, so that a reader sees either the
-// old file or the whole new one. Missing parent folders are made.
+// Writes beside the target, then renames: a reader sees the old file or the whole new one. Missing
+// folders are made. A link stays, its target is replaced; a stream (stream.hpp) is written to.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace tagsmith

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/sheet_files.hpp"
@@ -33,14 +33,14 @@ struct DrawOptions {
   std::string paper = "a3";
 };
 
-Result<void> write_all(const std::vector<SheetFile>& files, const std::string& output) {
-  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
-  Result<StagedFiles> staged = StagedFiles::begin(folder.empty() ? "." : folder);
-  if (!staged) return fail(staged.error().message);
-  for (const SheetFile& file : files) {
-    if (auto added = staged->add(file.path.filename(), file.bytes); !added) return added;
-  }
-  return staged->publish();
+// The files of the drawing are named when its sheets are counted, and written last.
+Result<void> check_files(const std::vector<Survey>& surveys, const std::optional<Rig>& rig,
+                         const std::vector<SheetFile>& drawing) {
+  CommandFiles files;
+  for (const Survey& survey : surveys) files.reads(survey);
+  if (rig) files.reads(*rig);
+  for (const SheetFile& sheet : drawing) files.writes(sheet.path, "--output");
+  return files.check();
 }
 
 // Of several surveys first the plan of all, then the sheets of each.
@@ -78,7 +78,8 @@ Result<void> draw(const DrawOptions& options) {
   if (!sheets) return fail(sheets.error().message);
   const auto files = render_sheets(*sheets, options.output);
   if (!files) return fail(files.error().message);
-  if (auto written = write_all(*files, options.output); !written) return written;
+  if (auto usable = check_files(*surveys, rig, *files); !usable) return usable;
+  if (auto written = publish_files(*files); !written) return written;
   for (const SheetFile& file : *files) to_stdout("{}\n", file.path.string());
   for (const Survey& survey : *surveys) {
     if (survey.tags.size() <= kMostListedTags) continue;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/render/dxf.hpp"
@@ -45,12 +46,17 @@ Result<void> run_export(const ExportOptions& options) {
   if (!format) return fail(format.error().message);
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
-  const std::string bytes = render(*survey, *format);
   if (options.output == "-") {
-    bytes_to_stdout(bytes);
+    bytes_to_stdout(render(*survey, *format));
     return {};
   }
-  if (auto written = write_file(options.output, bytes); !written) return written;
+  CommandFiles files;
+  files.reads(*survey);
+  files.writes(options.output, "--output");
+  if (auto usable = files.check(); !usable) return usable;
+  if (auto written = publish_files({{options.output, render(*survey, *format)}}); !written) {
+    return written;
+  }
   to_stderr("{} tags in {}\n", survey->tags.size(), options.output);
   return {};
 }

@@ -3,22 +3,25 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/plan_optimise.hpp"
 #include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
-#include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
@@ -27,6 +30,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith {
+namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kName = "plan";
@@ -48,11 +52,27 @@ struct Subject {
   std::optional<OptimisedDrive> better;
 };
 
+// The files that are known before the plan is: a drawing of several sheets has more.
+CommandFiles files_of(const PlanCommandOptions& options, const Survey& survey, const Rig& rig) {
+  CommandFiles files;
+  files.reads(survey);
+  files.reads(rig);
+  if (options.folder.empty()) return files;
+  std::vector<fs::path> names{"plan.json", "plan.html", "plan.pdf", "plan.svg"};
+  if (options.optimise) {
+    names.insert(names.end(), {survey.file.filename(), rig.file.filename()});
+  }
+  for (const fs::path& name : names) files.writes(options.folder / name, "--output");
+  return files;
+}
+
 Result<Subject> load(const PlanCommandOptions& options) {
   Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
   Result<Rig> rig = load_rig(options.rig);
   if (!rig) return fail(rig.error().message);
+  const auto usable = files_of(options, *survey, *rig).check();
+  if (!usable) return fail(usable.error().message);
   Subject subject{std::move(*survey), std::move(*rig), std::nullopt};
   if (!options.optimise) return subject;
   auto better = optimise_drive(subject.survey, subject.rig, options.optimisation, options.plan);
@@ -91,33 +111,30 @@ Result<void> check_claim(const DrivePlan& plan, const Subject& subject,
       subject.better->optimisation.chosen.name, 100 * share));
 }
 
-Result<void> add_drawings(const PlannedDrive& drive, const StagedFiles& files) {
-  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan);
-  if (!sheets) return fail(sheets.error().message);
-  for (const char* name : {"plan.pdf", "plan.svg"}) {
-    const auto rendered = render_sheets(*sheets, name);
-    if (!rendered) return fail(rendered.error().message);
-    for (const SheetFile& file : *rendered) {
-      if (auto added = files.add(file.path, file.bytes); !added) return added;
-    }
-  }
-  return {};
-}
-
 Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
                          const PlanCommandOptions& options) {
   if (options.folder.empty()) return {};
-  Result<StagedFiles> files = StagedFiles::begin(options.folder);
-  if (!files) return fail(files.error().message);
+  const fs::path folder = options.folder;
+  std::vector<SheetFile> files{{folder / "plan.json", as_json(drive, subject)},
+                               {folder / "plan.html", plan_page(drive)}};
   if (subject.better) {
     for (const LayoutFile& file : subject.better->files) {
-      if (auto added = files->add(file.name, file.bytes); !added) return added;
+      files.push_back({folder / file.name, file.bytes});
     }
   }
-  if (auto added = files->add("plan.json", as_json(drive, subject)); !added) return added;
-  if (auto added = files->add("plan.html", plan_page(drive)); !added) return added;
-  if (auto added = add_drawings(drive, *files); !added) return added;
-  return files->publish();
+  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan);
+  if (!sheets) return fail(sheets.error().message);
+  for (const char* name : {"plan.pdf", "plan.svg"}) {
+    const auto rendered = render_sheets(*sheets, folder / name);
+    if (!rendered) return fail(rendered.error().message);
+    files.insert(files.end(), rendered->begin(), rendered->end());
+  }
+  CommandFiles named;
+  named.reads(drive.survey);
+  named.reads(drive.rig);
+  for (const SheetFile& file : files) named.writes(file.path, "--output");
+  if (auto usable = named.check(); !usable) return usable;
+  return publish_files(files);
 }
 
 // True when every pose has a position.
@@ -170,8 +187,7 @@ void add_drive_options(CLI::App& app, PlanOptions& options) {
   app.add_option("--corner-sigma", options.corner_sigma_px,
                  "Standard deviation of a corner's coordinate, pixels (default: as measured)")
       ->check(number_between(1e-4, 100.0));
-  app.add_option("--jobs", options.jobs, "Cores to use at most (default: all)")
-      ->check(CLI::Range(1, 1024));
+  add_jobs_option(app, options.jobs, "Cores to use at most");
 }
 
 void add_optimise_options(CLI::App& app, PlanCommandOptions& options) {

@@ -18,6 +18,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
@@ -195,6 +196,8 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   extras.tolerance = options.tolerance_mm / 1000;
   extras.northing_first = options.point_order == "PNEZD";
   if (options.proof) extras.prove = prove;
+  extras.files.reads(*survey);
+  extras.files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
   const Result<PrintRecord> record = run_print(*job, options.folder, extras);
   if (!record) return fail(record.error().message);
   warn(*job);
@@ -273,8 +276,7 @@ Command print_command(CLI::App& parent, const ProvePages& prove) {
   add_paper_options(*app, *options);
   add_printer_options(*app, *options);
   add_installer_options(*app, *options);
-  app->add_option("--jobs", options->jobs, "Cores to use at most (default: all)")
-      ->check(CLI::Range(1, 1024));
+  add_jobs_option(*app, options->jobs, "Cores to use at most");
   app->add_flag("--json", options->json, "One JSON object a printed tag, then a summary");
   app->footer(
       "Every page is at true scale, with a 100 mm scale bar in both directions: print at 100 %,\n"

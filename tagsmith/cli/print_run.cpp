@@ -24,6 +24,8 @@ namespace {
 
 constexpr const char* kSettingOutList = "setting-out.csv";
 constexpr const char* kSettingOutPdf = "setting-out.pdf";
+constexpr const char* kManifestJson = "manifest.json";
+constexpr const char* kManifestCsv = "manifest.csv";
 
 std::string coordinate(double metres) { return fmt::format("{:.4f}", metres + 0.0); }
 
@@ -137,6 +139,19 @@ Result<void> add_checksums(const StagedFiles& files, PrintRecord& record) {
   return {};
 }
 
+// Each name once: a page in tags.pdf is of many tags.
+Result<void> check_files(const PrintRecord& record, const std::filesystem::path& folder,
+                         const PrintExtras& extras) {
+  std::set<std::string> names{kManifestJson, kManifestCsv};
+  if (extras.setting_out) names.insert({kSettingOutList, kSettingOutPdf});
+  for (const PrintedTag& printed : record.tags) {
+    names.insert(printed.files.begin(), printed.files.end());
+  }
+  CommandFiles files = extras.files;
+  for (const std::string& name : names) files.writes(folder / name, "--output");
+  return files.check();
+}
+
 }  // namespace
 
 bool has_problems(const PrintRecord& record) {
@@ -147,9 +162,12 @@ bool has_problems(const PrintRecord& record) {
 
 Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& folder,
                               const PrintExtras& extras) {
+  PrintRecord record{printed_tags(job), {}};
+  if (auto usable = check_files(record, folder, extras); !usable) {
+    return fail(usable.error().message);
+  }
   Result<StagedFiles> files = StagedFiles::begin(folder);
   if (!files) return fail(files.error().message);
-  PrintRecord record{printed_tags(job), {}};
   {
     ProgressBar bar("printed", job.units.size());
     const auto written = write_print(job, *files, [&] { bar.advance([] {}); });
@@ -163,8 +181,8 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
   }
   if (has_problems(record)) return record;
   if (auto added = add_checksums(*files, record); !added) return fail(added.error().message);
-  for (const auto& [name, bytes] : {std::pair{"manifest.json", print_manifest_json(job, record)},
-                                    std::pair{"manifest.csv", print_manifest_csv(job, record)}}) {
+  for (const auto& [name, bytes] : {std::pair{kManifestJson, print_manifest_json(job, record)},
+                                    std::pair{kManifestCsv, print_manifest_csv(job, record)}}) {
     if (auto added = files->add(name, bytes); !added) return fail(added.error().message);
   }
   if (auto published = files->publish(); !published) return fail(published.error().message);

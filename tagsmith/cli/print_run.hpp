@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/print_manifest.hpp"
 #include "tagsmith/cli/print_proof.hpp"
 
@@ -14,6 +15,7 @@ struct PrintExtras {
   double tolerance = 0;         // of a plate's place, metres; 0 = usual_tolerance
   bool northing_first = false;  // y before x in the list (PNEZD instead of PENZD)
   ProvePages prove{};           // none = no proof
+  CommandFiles files{};         // what was read for it, which no file of the print replaces
 };
 
 // Makes everything in the folder, or nothing when something fails. A proof that finds a fault

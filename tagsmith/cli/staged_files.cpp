@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <fcntl.h>
+#include <limits>
 #include <optional>
 #include <stdlib.h>
 #include <string>
@@ -15,6 +17,7 @@
 #include <sys/file.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/stream.hpp"
 
 namespace tagsmith {
 namespace fs = std::filesystem;
@@ -52,22 +55,54 @@ std::vector<fs::path> files_in(const fs::path& folder, std::error_code& error) {
   return files;
 }
 
-Result<Move> move_to(const fs::path& target, const fs::path& file) {
+// The file, or a copy of it beside the target of a link that leads elsewhere: that may be on
+// another file system, which no rename reaches.
+Result<fs::path> within_reach(const fs::path& target, const fs::path& file) {
+  if (target.parent_path() == file.parent_path().parent_path()) return file;
   std::error_code error;
+  fs::path copy = target;
+  copy += ".tmp" + std::to_string(::getpid());
+  fs::copy_file(file, copy, fs::copy_options::overwrite_existing, error);
+  if (!error) return copy;
+  std::error_code ignored;
+  fs::remove(copy, ignored);
+  return fail(target.string() + ": cannot be written: " + error.message());
+}
+
+Result<Move> move_to(const fs::path& target, const fs::path& staged) {
+  std::error_code error;
+  std::error_code ignored;
   Move move{target, {}};
-  if (fs::is_directory(target, error)) {
+  if (fs::is_directory(target, ignored)) {
     return fail(target.string() + ": is a folder, expected a file or nothing");
   }
-  if (fs::exists(fs::symlink_status(target, error))) {
-    move.replaced = file;
+  const Result<fs::path> file = within_reach(target, staged);
+  if (!file) return fail(file.error().message);
+  if (fs::exists(fs::symlink_status(target, ignored))) {
+    move.replaced = *file;
     move.replaced += ".replaced";
     fs::rename(target, move.replaced, error);
-    if (error) return fail(target.string() + ": cannot be replaced: " + error.message());
+    if (error) move.replaced.clear();
   }
-  fs::rename(file, target, error);
+  if (!error) fs::rename(*file, target, error);
   if (!error) return move;
-  undo({move});
+  if (!move.replaced.empty()) fs::rename(move.replaced, target, ignored);
+  fs::remove(*file, ignored);
   return fail(target.string() + ": cannot be written: " + error.message());
+}
+
+// Files whose names stand for streams go into these, and are gone from the set.
+Result<void> write_streams(const fs::path& folder, const fs::path& staging) {
+  std::error_code error;
+  for (const fs::path& file : files_in(staging, error)) {
+    const fs::path name = folder / file.filename();
+    if (!is_stream(name)) continue;
+    const Result<std::string> bytes = read_file(file, std::numeric_limits<std::uintmax_t>::max());
+    if (!bytes) return fail(bytes.error().message);
+    if (auto written = write_file(name, *bytes); !written) return written;
+    fs::remove(file, error);
+  }
+  return {};
 }
 
 constexpr std::string_view kStagingPrefix = ".tagsmith-";
@@ -167,11 +202,13 @@ Result<void> StagedFiles::add(const fs::path& name, std::string_view bytes) cons
 }
 
 Result<void> StagedFiles::publish() {
+  // Before interrupts are held off: a pipe waits for its reader.
+  if (auto written = write_streams(folder_, staging_); !written) return written;
   const auto whole = InterruptGuard::hold_off();
   std::error_code error;
   std::vector<Move> moves;
   for (const fs::path& file : files_in(staging_, error)) {
-    const Result<Move> move = move_to(folder_ / file.filename(), file);
+    const Result<Move> move = move_to(behind_links(folder_ / file.filename()), file);
     if (!move) {
       undo(moves);
       return fail(move.error().message);
@@ -182,6 +219,7 @@ Result<void> StagedFiles::publish() {
     undo(moves);
     return fail(folder_.string() + ": cannot be written: " + error.message());
   }
+  for (const Move& move : moves) fs::remove(move.replaced, error);
   made_folders_.clear();
   return {};
 }

@@ -41,7 +41,8 @@ class StagedFiles {
   // Where a file stands until it is published.
   std::filesystem::path staged(const std::filesystem::path& name) const { return staging_ / name; }
 
-  // Replaces files of the same names.
+  // Replaces files of the same names. Of a link what it leads to is replaced; what goes to a stream
+  // (is_stream) is written first, and cannot be taken back.
   Result<void> publish();
 
  private:

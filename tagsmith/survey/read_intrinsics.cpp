@@ -137,9 +137,9 @@ bool settle_size(const MapReader& map, const std::optional<ImageSize>& size, con
   return false;
 }
 
-std::optional<Camera> read_calibration_file(const MapReader& map,
-                                            const std::optional<ImageSize>& size,
-                                            const fs::path& folder) {
+std::optional<Intrinsics> read_calibration_file(const MapReader& map,
+                                                const std::optional<ImageSize>& size,
+                                                const fs::path& folder) {
   const auto request = read_request(map, folder);
   if (!request) return std::nullopt;
   Result<CalibrationReading> reading = read_calibration(*request);
@@ -152,7 +152,7 @@ std::optional<Camera> read_calibration_file(const MapReader& map,
   map.log().append(reading->diagnostics);
   if (!reading->camera || (map.has("image_size") && !size)) return std::nullopt;
   if (!settle_size(map, size, request->file, *reading->camera)) return std::nullopt;
-  return reading->camera;
+  return Intrinsics{*reading->camera, request->file};
 }
 
 // --- plausibility ---
@@ -198,7 +198,7 @@ IntrinsicsSource intrinsics_source(const MapReader& map) {
   return by_numbers ? IntrinsicsSource::numbers : IntrinsicsSource::data_sheet;
 }
 
-std::optional<Camera> read_intrinsics(const MapReader& map, const fs::path& folder) {
+std::optional<Intrinsics> read_intrinsics(const MapReader& map, const fs::path& folder) {
   if (!map.is_map()) return std::nullopt;
   const IntrinsicsSource source = intrinsics_source(map);
   const bool by_file = source == IntrinsicsSource::calibration_file;
@@ -211,21 +211,21 @@ std::optional<Camera> read_intrinsics(const MapReader& map, const fs::path& fold
     map.exclude_each_other({"calibration", key});
   }
   map.exclude_each_other({"sensor_mm", "fx"});
-  std::optional<Camera> camera;
+  std::optional<Intrinsics> intrinsics;
   const char* told_by = "calibration";
   if (by_file) {
-    camera = read_calibration_file(map, size, folder);
+    intrinsics = read_calibration_file(map, size, folder);
   } else {
     const ImageSize used = size.value_or(ImageSize{1, 1});
     const LensModel model = read_model(map).value_or(LensModel::perspective);
     const bool by_numbers = source == IntrinsicsSource::numbers;
     told_by = by_numbers ? "fx" : "focal_length_mm";
-    camera = by_numbers ? read_numbers_of_lens(map, used, model) : read_lens(map, used);
+    auto camera = by_numbers ? read_numbers_of_lens(map, used, model) : read_lens(map, used);
     if (camera) camera->lens = model;
-    if (!size) camera.reset();
+    if (camera && size) intrinsics = Intrinsics{*camera, {}};
   }
-  if (camera) warn_of_odd_lens(map, map.find(told_by)->place, *camera);
-  return camera;
+  if (intrinsics) warn_of_odd_lens(map, map.find(told_by)->place, intrinsics->camera);
+  return intrinsics;
 }
 
 }  // namespace tagsmith

@@ -19,8 +19,14 @@ std::vector<std::string> intrinsics_keys();
 // What the camera's keys say of it, whether or not they are right.
 IntrinsicsSource intrinsics_source(const MapReader& map);
 
+struct Intrinsics {
+  Camera camera;
+  std::filesystem::path calibration;  // the file that says them; empty = the rig does
+};
+
 // By a data sheet, by numbers, or by a calibration file, which is looked for beside the rig in
 // `folder`. Nothing when errors were logged; those about the calibration file name that file.
-std::optional<Camera> read_intrinsics(const MapReader& map, const std::filesystem::path& folder);
+std::optional<Intrinsics> read_intrinsics(const MapReader& map,
+                                          const std::filesystem::path& folder);
 
 }  // namespace tagsmith

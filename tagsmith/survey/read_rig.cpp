@@ -127,7 +127,9 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   const MapReader map(&node, "cameras." + name, keys, log);
   RigCamera camera;
   camera.name = name;
-  camera.camera = read_intrinsics(map, folder).value_or(Camera{});
+  const Intrinsics intrinsics = read_intrinsics(map, folder).value_or(Intrinsics{});
+  camera.camera = intrinsics.camera;
+  camera.calibration = intrinsics.calibration;
   camera.side = read_side(map.find("side"), map.name_of("side"), log);
   camera.vehicle_from_camera = read_mounting(map, camera.side);
   camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));

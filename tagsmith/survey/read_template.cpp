@@ -265,6 +265,7 @@ Result<TemplateReading> read_template(const fs::path& path) {
   const std::optional<YamlNode> root = parse_yaml(*text, log);
   if (root && !is_other_kind(*root, "tag", log)) {
     reading.tag = read_tag(*root, log);
+    if (reading.tag) reading.tag->file = path;
   }
   if (log.has_errors()) reading.tag.reset();
   reading.diagnostics = without_allowed(log.sorted(), *text, path.string());

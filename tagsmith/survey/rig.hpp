@@ -40,8 +40,9 @@ struct RigCamera {
   // empty = nothing.
   std::string assumed_sigma{};
   // Depth of field; both or neither. Without them everything is in focus.
-  std::optional<double> focus;     // distance of sharp focus, metres
-  std::optional<double> aperture;  // diameter of the lens opening, metres
+  std::optional<double> focus;          // distance of sharp focus, metres
+  std::optional<double> aperture;       // diameter of the lens opening, metres
+  std::filesystem::path calibration{};  // file that says the intrinsics; empty = the rig does
 };
 
 struct RigRange {

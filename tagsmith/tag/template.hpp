@@ -2,6 +2,7 @@
 // The physical geometry of a plate: what templates/*.yaml says, in metres.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,8 @@ struct TagTemplate {
   double patch_size = 0;  // side of the white and of the black reference patch; 0 = none
   std::vector<DrillHole> holes{};
   CutStyle cut{};
-  std::string material{};  // what the plate is made of, for who makes it
+  std::string material{};        // what the plate is made of, for who makes it
+  std::filesystem::path file{};  // it was read from; empty = from none
 };
 
 // Width of one module: inner length / (95 + 2 quiet zones).

@@ -31,7 +31,7 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 15> kThirdParty{{
+constexpr std::array<ThirdParty, 16> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
@@ -39,6 +39,7 @@ constexpr std::array<ThirdParty, 15> kThirdParty{{
     {"zlib", "zlib\\.h", "tagsmith/render|decoder/image", true},
     {"libpng", "png\\.h", "tagsmith/render", true},
     {"libjpeg", "jpeglib\\.h", "decoder/image", true},
+    {"libheif", "libheif/heif\\.h", "decoder/image", true},
     {"CLI11", "CLI/.*", "(tagsmith|decoder)/cli|main.cpp", true},
     {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",
      "decoder/(image|simulate|feature_frame|reader|paper|localize|grade)", true},

@@ -20,12 +20,13 @@ TEST_CASE("files stay as given, folders become their pictures in order, - the li
   const auto files =
       list_files({"no such file.jpg", folder.string(), "-"}, image_extensions(), input);
   REQUIRE(files.has_value());
-  CHECK(*files == std::vector<std::filesystem::path>{"no such file.jpg", folder / "a.JPG",
-                                                     folder / "b.png", "first image.jpg",
-                                                     "second.jpg"});
+  CHECK(files->files == std::vector<std::filesystem::path>{"no such file.jpg", folder / "a.JPG",
+                                                           folder / "b.png", "first image.jpg",
+                                                           "second.jpg"});
   const auto with_pdf = list_files({folder.string()}, image_and_pdf_extensions(), input);
   REQUIRE(with_pdf.has_value());
-  CHECK(with_pdf->size() == 3);
+  CHECK(with_pdf->files.size() == 3);
+  CHECK(files->skipped == SkippedFiles{{"pdf", 1}, {"txt", 1}, {"folder", 1}});
 }
 
 TEST_CASE("a folder without pictures and an empty list are errors") {

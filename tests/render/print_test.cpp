@@ -173,7 +173,7 @@ TEST_CASE("wrong use says what is wrong and writes nothing") {
       {survey + to_folder + "--tags xyzxyz", "has no tag \"xyzxyz\""},
       {survey + to_folder + "--format gif", "--format"},
       {survey + to_folder + "--format svg --single", "--single"},
-      {survey + to_folder + "--jobs 0", "--jobs"},
+      {survey + to_folder + "--jobs -1", "--jobs"},
       {"missing.yaml" + to_folder, "missing.yaml: no such file"},
       {survey + " -o /proc/none", "/proc/none"},
       {survey + " -o '" + (temporary.path() / "file").string() + "'",
