@@ -137,6 +137,7 @@ std::string name_of(HangVerdict verdict) {
 
 Json to_json(const HungTag& hung) {
   Json object{{"verdict", name_of(hung.verdict)}, {"stations", hung.stations}};
+  if (!hung.rivals.empty()) object["rivals"] = hung.rivals;
   const bool measured = hung.verdict != HangVerdict::unchecked && hung.offset.sigma.norm() > 0;
   if (!measured) return object;
   const auto triple = [](const Eigen::Vector3d& values, double unit, int decimals) {
@@ -149,13 +150,12 @@ Json to_json(const HungTag& hung) {
   object["offset_sigma_mm"] = triple(hung.offset.sigma, 1e3, 2);
   object["turn_deg"] = triple(hung.turn.value, to_degrees, 3);
   object["turn_sigma_deg"] = triple(hung.turn.sigma, to_degrees, 3);
-  if (!hung.rivals.empty()) object["rivals"] = hung.rivals;
   return object;
 }
 
-Json to_json(const HungTags& hung) {
+Json to_json(const std::vector<HungTag>& tags) {
   Json list = Json::array();
-  for (const HungTag& tag : hung.tags) {
+  for (const HungTag& tag : tags) {
     Json object{{"tag", tag.tag}};
     object.update(to_json(tag));
     if (!tag.message.empty()) object["message"] = tag.message;
@@ -200,7 +200,12 @@ Json to_json(const TagFinding& tag) {
 
 void add_hanging(const std::optional<HungTags>& hung, Json& summary) {
   if (!hung) return;
-  summary["hanging"] = to_json(*hung);
+  summary["hanging"] = to_json(hung->tags);
+  Json unplaced = Json::array();
+  for (const UnplacedTags& photos : hung->unplaced) {
+    unplaced.push_back({{"station", photos.station}, {"tags", to_json(photos.tags)}});
+  }
+  summary["hanging_unplaced"] = std::move(unplaced);
   summary["hanging_notes"] = hung->notes;
   summary["assumed"] = hung->assumed;
 }
@@ -248,6 +253,9 @@ Json completeness_json(const Survey& survey, const VerifyMerge& merged) {
     if (const std::string upright = upright_of(record); !upright.empty()) {
       object["upright"] = upright;
     }
+    if (const std::string placement = placement_of(record); !placement.empty()) {
+      object["placement"] = placement;
+    }
     tags.push_back(std::move(object));
   }
   return {
@@ -261,6 +269,8 @@ Json completeness_json(const Survey& survey, const VerifyMerge& merged) {
       {"poor", covered.poor},
       {"faulty", covered.faulty},
       {"upright_unchecked", covered.upright_unchecked},
+      {"placement_checked", covered.placement_checked},
+      {"placement_unchecked", covered.placement_unchecked},
       {"unseen", unseen},
       {"by_tag", tags}};
 }
@@ -353,15 +363,20 @@ std::string to_json_line(const VerifySummary& summary, const Survey& survey,
   Json object = to_json(summary);
   object["skipped"] = skipped;
   object["completeness"] = completeness_json(survey, merged);
+  object["placement"] = placement_checked(completeness_of(survey, merged));
   add_hanging(hung, object);
   return line_of({{"summary", object}});
 }
 
 std::string report_json_line(const Survey& survey, const VerifyMerge& merged,
                              const std::optional<HungTags>& hung) {
-  Json object{{"files", merged.files},       {"faults", merged.fault_count},
-              {"repeated", merged.repeated}, {"other_revisions", merged.other_revisions},
-              {"notes", notes_json(merged)}, {"completeness", completeness_json(survey, merged)}};
+  Json object{{"files", merged.files},
+              {"faults", merged.fault_count},
+              {"repeated", merged.repeated},
+              {"other_revisions", merged.other_revisions},
+              {"notes", notes_json(merged)},
+              {"completeness", completeness_json(survey, merged)},
+              {"placement", placement_checked(completeness_of(survey, merged))}};
   add_hanging(hung, object);
   return line_of({{"summary", object}});
 }

@@ -48,7 +48,7 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   for (const std::string& line : completeness_words(covered, kMostStretches)) {
     to_stdout("{}\n", line);
   }
-  for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
+  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostNotes)) {
     to_stdout("{}\n", line);
   }
 }

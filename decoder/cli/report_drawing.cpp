@@ -100,7 +100,7 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));
   }
-  for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
+  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostNotes)) {
     lines.push_back(line);
   }
   for (const std::string& line : lines)

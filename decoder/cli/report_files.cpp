@@ -136,16 +136,18 @@ Result<void> write_report(const ReportFiles& report, const Survey& survey,
 }
 
 std::string report_csv(const Survey& survey, const VerifyMerge& merged) {
-  std::string csv = csv_row({"tag", "digits", "chainage_m", "status", "seen", "faults",
-                             "best_grade", "worst_grade", "blame", "side", "upright", "finding"});
+  std::string csv =
+      csv_row({"tag", "digits", "chainage_m", "status", "seen", "faults", "best_grade",
+               "worst_grade", "blame", "side", "upright", "finding", "placement"});
   const std::map<std::string, std::string> findings = findings_by_tag(merged);
   for (const PlacedTag& tag : survey.tags) {
     const TagRecord record = record_of(merged, tag.name);
     const auto finding = findings.find(tag.name);
-    csv += csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3),
-                    status_of(record), std::to_string(record.seen), std::to_string(record.faults),
-                    number(record.best), number(record.worst), record.blame, to_string(tag.side),
-                    upright_of(record), finding == findings.end() ? "" : finding->second});
+    csv +=
+        csv_row({tag.name, to_string(tag.digits), format_number(tag.chainage, 3), status_of(record),
+                 std::to_string(record.seen), std::to_string(record.faults), number(record.best),
+                 number(record.worst), record.blame, to_string(tag.side), upright_of(record),
+                 finding == findings.end() ? "" : finding->second, placement_of(record)});
   }
   return csv;
 }
@@ -196,10 +198,11 @@ std::vector<std::string> completeness_words(const Completeness& covered, std::si
   return lines;
 }
 
-std::vector<std::string> up_and_notes_words(const Completeness& covered, const VerifyMerge& merged,
-                                            std::size_t most) {
+std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,
+                                                   const VerifyMerge& merged, std::size_t most) {
   std::vector<std::string> lines;
-  for (std::string words : {up_in_words(covered), noted_up_in_words(merged.noted_up)}) {
+  for (std::string words :
+       {placement_in_words(covered), up_in_words(covered), noted_up_in_words(merged.noted_up)}) {
     if (!words.empty()) lines.push_back(std::move(words));
   }
   for (std::size_t i = 0; i < std::min(merged.notes.size(), most); ++i) {

@@ -39,7 +39,7 @@ Result<void> write_report(const ReportFiles& report, const Survey& survey,
 
 // A line a tag of the survey: tag, digits, chainage_m, status, seen, faults, best_grade,
 // worst_grade, blame, side, upright ("checked", "unchecked", or nothing when never in order),
-// finding: what is wrong with it, in words.
+// finding: what is wrong with it, in words, placement ("checked", "unchecked", or nothing).
 std::string report_csv(const Survey& survey, const VerifyMerge& merged);
 
 // The report as one web page that needs nothing else.
@@ -62,8 +62,8 @@ void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines, C
 // `most` of them.
 std::vector<std::string> completeness_words(const Completeness& covered, std::size_t most);
 
-// What is not known of up, and notes on files, at most `most` of these.
-std::vector<std::string> up_and_notes_words(const Completeness& covered, const VerifyMerge& merged,
-                                            std::size_t most);
+// What was not checked, and notes on files, at most `most` of these.
+std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,
+                                                   const VerifyMerge& merged, std::size_t most);
 
 }  // namespace tagsmith

@@ -363,7 +363,7 @@ std::string completeness_text(const Completeness& covered, const VerifyMerge& me
       cover_bar("left wall", covered.left_seen, covered.left_tags) +
       cover_bar("right wall", covered.seen - covered.left_seen, covered.tags - covered.left_tags) +
       "</div>\n";
-  for (const std::string& line : up_and_notes_words(covered, merged, kMostNotes)) {
+  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostNotes)) {
     text += "<p class=\"known\">" + markup_text(line) + "</p>\n";
   }
   if (covered.unseen.empty()) return text;

@@ -112,10 +112,11 @@ void print_in_words(const VerifySummary& summary) {
   }
 }
 
-// What is not known of up.
-void print_up(const Survey& survey, const VerifyMerge& merged) {
+// What was not checked.
+void print_unchecked(const Survey& survey, const VerifyMerge& merged) {
+  const Completeness covered = completeness_of(survey, merged);
   for (const std::string& words :
-       {up_in_words(completeness_of(survey, merged)), noted_up_in_words(merged.noted_up)}) {
+       {placement_in_words(covered), up_in_words(covered), noted_up_in_words(merged.noted_up)}) {
     if (!words.empty()) to_stdout("{}\n", words);
   }
 }
@@ -417,7 +418,7 @@ void print_summary(const Options& options, const Survey& survey, const VerifySum
   } else {
     if (outcome.hung) print_hanging(*outcome.hung);
     print_in_words(summary);
-    print_up(survey, outcome.merged);
+    print_unchecked(survey, outcome.merged);
   }
 }
 

@@ -26,7 +26,7 @@ std::string verdict_in_words(const HungTag& tag) {
     case HangVerdict::off:
       return tag.rule;
     case HangVerdict::doubtful:
-      return "this one or " + tag.rivals.front();
+      return tag.rivals.empty() ? tag.rule + "?" : "this one or " + tag.rivals.front();
     case HangVerdict::fits:
     case HangVerdict::unchecked:
       break;
@@ -64,7 +64,7 @@ HungTags checked(const Survey& survey, const HangingSetup& setup, double toleran
 
 void write_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
                    std::vector<FileReport>& reports) {
-  report_hung_tags(hung, reports);
+  report_hung_tags(hung, setup.cameras, reports);
   find_upside_down_in_photos(survey, setup.rig, setup.cameras, reports);
 }
 

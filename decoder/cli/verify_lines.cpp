@@ -89,12 +89,19 @@ CornerCovariance covariance_of(const json& tag) {
   return root.info() == Eigen::Success ? covariance : CornerCovariance::Zero();
 }
 
-// True when the tag's status is what was found of where it hangs.
-bool is_judged_hanging(const json& tag) {
+// What the line says of where the tag hangs.
+void read_hanging(const json& tag, VerifiedTag& found) {
   const auto hanging = tag.find("hanging");
-  if (hanging == tag.end() || !hanging->is_object()) return false;
+  if (hanging == tag.end() || !hanging->is_object()) return;
   const std::string verdict = text_of(*hanging, "verdict");
-  return verdict == "off" || verdict == "doubtful";
+  found.of_hanging = verdict == "off" || verdict == "doubtful";
+  found.fits = verdict == "fits";
+  found.is_placed = found.of_hanging || found.fits;
+}
+
+void take_hanging(const TagFinding& tag, VerifiedTag& found) {
+  found.fits = tag.hung && tag.hung->verdict == HangVerdict::fits;
+  found.is_placed = tag.hung && tag.hung->verdict != HangVerdict::unchecked;
 }
 
 UpSource up_from(const std::string& name) {
@@ -130,7 +137,7 @@ std::optional<VerifiedFile> parse_line(const json& object) {
                       std::nullopt,           text_of(tag, "grade_blame")};
     const auto grade = tag.find("grade");
     if (grade != tag.end() && grade->is_number()) found.grade = grade->get<double>();
-    found.of_hanging = is_judged_hanging(tag);
+    read_hanging(tag, found);
     found.is_read = !text_of(tag, "digits").empty();
     if (file.width > 0) found.corners = corners_of(tag);
     if (found.corners && found.is_read) found.covariance = covariance_of(tag);
@@ -196,7 +203,7 @@ VerifiedFile verified_file(const FileReport& report) {
     if (const VerifyRule* rule = find_verify_rule(tag.rule)) found.remedy = rule->remedy;
     if (tag.grade) found.grade = tag.grade->grade;
     if (tag.grade && tag.grade->grade < 4) found.blame = to_string(tag.grade->worst);
-    found.fits = tag.hung && tag.hung->verdict == HangVerdict::fits;
+    take_hanging(tag, found);
     found.is_read = tag.digits.has_value();
     if (report.width > 0) found.corners = tag.corners;
     if (found.corners && found.is_read) found.covariance = tag.corner_covariance;
@@ -243,7 +250,7 @@ void take_findings(const FileReport& report, VerifiedFile& file) {
     tag.status = to_string(report.tags[i].status);
     tag.rule = report.tags[i].rule;
     tag.message = report.tags[i].message;
-    tag.fits = report.tags[i].hung && report.tags[i].hung->verdict == HangVerdict::fits;
+    take_hanging(report.tags[i], tag);
     const VerifyRule* rule = find_verify_rule(tag.rule);
     tag.remedy = rule == nullptr ? "" : rule->remedy;
   }

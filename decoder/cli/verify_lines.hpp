@@ -23,7 +23,8 @@ struct VerifiedTag {
   std::optional<double> grade;
   std::string blame;
   bool of_hanging = false;  // status and message are of where it hangs
-  bool fits = false;        // it was checked against other tags and hangs as surveyed
+  bool is_placed = false;   // it was judged for where it hangs
+  bool fits = false;        // so it was, and hangs as surveyed
   bool is_read = false;
   std::optional<FrameCorners> corners{};                   // in photos; pixels as stored
   CornerCovariance covariance = CornerCovariance::Zero();  // zero = not estimated

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace tagsmith {
 namespace {
@@ -117,10 +118,14 @@ void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& m
       const bool is_photo = file.width > 0;
       record.photos += is_photo ? 1 : 0;
       record.upright += is_photo && (tells_up(file.up) || tag.fits) ? 1 : 0;
+      record.placed += tag.is_placed ? 1 : 0;
       add_grade(record, tag);
       continue;
     }
-    if (!tag.tag.empty()) ++merged.tags[tag.tag].faults;
+    if (!tag.tag.empty()) {
+      ++merged.tags[tag.tag].faults;
+      merged.tags[tag.tag].placed += tag.is_placed ? 1 : 0;
+    }
     std::erase(rules, tag.rule);
     const bool has_picture = i < pictures.tags.size();
     add_fault(merged, fault_of(file, tag, has_picture ? pictures.tags[i] : std::string()));
@@ -173,6 +178,29 @@ std::string upright_of(const TagRecord& record) {
   return record.upright > 0 ? "checked" : "unchecked";
 }
 
+std::string placement_of(const TagRecord& record) {
+  if (record.placed > 0) return "checked";
+  return record.photos > 0 ? "unchecked" : "";
+}
+
+std::string placement_checked(const Completeness& covered) {
+  if (covered.placement_checked == 0) return "not_checked";
+  return covered.placement_unchecked.empty() ? "checked" : "partly";
+}
+
+std::string placement_in_words(const Completeness& covered) {
+  const std::size_t count = covered.placement_unchecked.size();
+  if (count == 0) return {};
+  if (covered.placement_checked == 0) {
+    return "Placement not checked: whether the tags in the photos hang where the survey has them, "
+           "or were exchanged, is not known; give --rig";
+  }
+  return fmt::format(
+      "Placement not checked of {} of {} tags in the photos: never seen together with tags that "
+      "judge them: {}",
+      count, count + covered.placement_checked, fmt::join(covered.placement_unchecked, " "));
+}
+
 std::string up_in_words(const Completeness& covered) {
   if (covered.upright_unchecked.empty()) return {};
   const std::size_t count = covered.upright_unchecked.size();
@@ -215,6 +243,9 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
     result.poor += status == "poor" ? 1 : 0;
     result.faulty += status == "faulty" ? 1 : 0;
     result.photographed += record.photos > 0 ? 1 : 0;
+    const std::string placement = placement_of(record);
+    result.placement_checked += placement == "checked" ? 1 : 0;
+    if (placement == "unchecked") result.placement_unchecked.push_back(tag.name);
     if (upright_of(record) == "unchecked") result.upright_unchecked.push_back(tag.name);
     if (tag.side != Side::left) continue;
     ++result.left_tags;

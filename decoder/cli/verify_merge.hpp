@@ -20,6 +20,7 @@ struct TagRecord {
   std::size_t faults = 0;
   std::size_t photos = 0;      // of these, times in a photo
   std::size_t upright = 0;     // and of these, times that one on its head would have been told
+  std::size_t placed = 0;      // times it was judged for where it hangs
   std::optional<double> best;  // grades
   std::optional<double> worst;
   std::string blame;  // of the worst
@@ -108,6 +109,10 @@ std::string status_of(const TagRecord& record);
 // "unchecked", or nothing for a tag that was never in order in a photo.
 std::string upright_of(const TagRecord& record);
 
+// Whether a tag that was seen in photos was judged for where it hangs: "checked", "unchecked", or
+// nothing for a tag that was not.
+std::string placement_of(const TagRecord& record);
+
 // What all files together say of the cameras' notes on their up, when some photo doubts it; else
 // nothing.
 std::string noted_up_in_words(const NotedUp& noted);
@@ -129,9 +134,11 @@ struct Completeness {
   std::size_t ok = 0;  // by status
   std::size_t poor = 0;
   std::size_t faulty = 0;
-  std::size_t photographed = 0;                // seen in order in a photo
-  std::vector<std::string> upright_unchecked;  // of these, those never in one whose up is known
-  std::vector<UnseenStretch> unseen;           // along the drive, the left wall first
+  std::size_t photographed = 0;                  // seen in order in a photo
+  std::vector<std::string> upright_unchecked;    // of these, those never in one whose up is known
+  std::size_t placement_checked = 0;             // judged for where they hang
+  std::vector<std::string> placement_unchecked;  // seen in order in a photo and not judged
+  std::vector<UnseenStretch> unseen;             // along the drive, the left wall first
 
   double share() const {
     return tags == 0 ? 1 : static_cast<double>(seen) / static_cast<double>(tags);
@@ -143,6 +150,12 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged);
 // What was left unchecked because up is not known, in words for who takes the photos; nothing when
 // all was checked.
 std::string up_in_words(const Completeness& covered);
+
+// Whether tags in photos were judged for where they hang: "checked", "partly" or "not_checked".
+std::string placement_checked(const Completeness& covered);
+
+// What was not judged for where it hangs, in words; nothing when all was, or nothing photographed.
+std::string placement_in_words(const Completeness& covered);
 
 // "left 12.40 to 18.20 m: 3 tags, 004L to 006L".
 std::string describe(const UnseenStretch& stretch);

@@ -21,15 +21,38 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+using PlateVector = Eigen::Matrix<double, 7, 1>;
 
+constexpr Index kPlateCount = 7;        // parameters of a plate: shift, turn, size
 constexpr double kFreeSigma = 10;       // metres and radians, of a plate that hangs anywhere
+constexpr double kFreeSize = 0.3;       // relative, of a frame of any size
+constexpr double kExactSize = 1e-6;     // so small that it is none, and large enough to invert
 constexpr double kMostMismatch = 0.25;  // frame diagonals; beyond, a start is no worse
+
+bool hangs_anywhere(Freedom freedom) {
+  return freedom == Freedom::place || freedom == Freedom::any;
+}
+
+bool has_any_size(Freedom freedom) { return freedom == Freedom::size || freedom == Freedom::any; }
+
+// The rig's, and last that of the frames' common size when it is not exact.
+CalibrationLayout layout_of(const AdjustmentProblem& problem) {
+  CalibrationLayout layout = calibration_layout(*problem.rig);
+  if (problem.frame_sigma > 0) layout.sigmas.push_back(problem.frame_sigma);
+  return layout;
+}
 
 struct AdjustmentState {
   std::vector<Pose> world_from_plate;
+  VectorXd size_error;  // of each frame by itself, relative
   std::vector<VehiclePose> vehicles;
   VectorXd calibration;
 };
+
+// From P of the frame as drawn to P of one that is larger by this, about the same middle.
+Vector3d corner_of_larger(const SightedPlate& plate, double size_error) {
+  return -size_error / 2 * Vector3d(plate.length, plate.height, 0);
+}
 
 SightedPlate at(SightedPlate plate, const Pose& world_from_plate) {
   plate.world_from_plate = world_from_plate;
@@ -125,11 +148,12 @@ std::optional<Pose> start_plate(const AdjustmentProblem& problem, std::size_t pl
 }
 
 // Vehicles from the plates that hang as surveyed, freed plates from those vehicles, and so on.
-std::optional<AdjustmentState> start_state(const AdjustmentProblem& problem,
-                                           const std::vector<bool>& freed) {
+// Stations that cannot be placed are flagged in `idle`, and of no account.
+AdjustmentState start_state(const AdjustmentProblem& problem, const std::vector<Freedom>& freed,
+                            std::vector<bool>& idle) {
   std::vector<std::optional<Pose>> plates(problem.plates.size());
   for (std::size_t i = 0; i < plates.size(); ++i) {
-    if (!freed[i]) plates[i] = problem.plates[i].world_from_plate;
+    if (!hangs_anywhere(freed[i])) plates[i] = problem.plates[i].world_from_plate;
   }
   std::vector<std::optional<VehiclePose>> vehicles(problem.stations.size());
   for (bool changed = true; changed;) {
@@ -147,21 +171,21 @@ std::optional<AdjustmentState> start_state(const AdjustmentProblem& problem,
   }
   AdjustmentState state;
   for (const auto& vehicle : vehicles) {
-    if (!vehicle) return std::nullopt;
-    state.vehicles.push_back(*vehicle);
+    idle.push_back(!vehicle);
+    state.vehicles.push_back(vehicle.value_or(VehiclePose{}));
   }
   for (std::size_t i = 0; i < plates.size(); ++i) {
     state.world_from_plate.push_back(plates[i].value_or(problem.plates[i].world_from_plate));
   }
-  const auto uncertain = calibration_layout(*problem.rig).sigmas.size();
-  state.calibration = VectorXd::Zero(static_cast<Index>(uncertain));
+  state.size_error = VectorXd::Zero(static_cast<Index>(problem.plates.size()));
+  state.calibration = VectorXd::Zero(static_cast<Index>(layout_of(problem).sigmas.size()));
   return state;
 }
 
 // --- one linearisation ---
 
-// A station's normal equations with its vehicle's pose eliminated. Columns: six of each plate it
-// sees, then the calibration's.
+// A station's normal equations with its vehicle's pose eliminated. Columns: those of each plate
+// it sees, then the calibration's.
 struct ReducedStation {
   std::vector<std::size_t> plates;
   MatrixXd information;
@@ -174,18 +198,19 @@ struct ReducedStation {
 
 class Network {
  public:
-  Network(const AdjustmentProblem& problem, const std::vector<bool>& freed)
-      : problem_(problem), layout_(calibration_layout(*problem.rig)) {
+  Network(const AdjustmentProblem& problem, const std::vector<Freedom>& freed,
+          std::vector<bool> idle)
+      : problem_(problem), layout_(layout_of(problem)), idle_(std::move(idle)) {
     for (std::size_t i = 0; i < problem.plates.size(); ++i) {
-      Vector6 variance = problem.plates[i].survey_variance;
-      if (freed[i]) variance.setConstant(kFreeSigma * kFreeSigma);
+      PlateVector variance;
+      variance << problem.plates[i].survey_variance, kExactSize * kExactSize;
+      if (hangs_anywhere(freed[i])) variance.head<6>().setConstant(kFreeSigma * kFreeSigma);
+      if (has_any_size(freed[i])) variance[6] = kFreeSize * kFreeSize;
       variances_.push_back(variance);
     }
   }
 
-  Index size() const {
-    return static_cast<Index>(6 * problem_.plates.size() + layout_.sigmas.size());
-  }
+  Index size() const { return of_plates() + static_cast<Index>(layout_.sigmas.size()); }
 
   // Of all corners and priors; infinite when a corner cannot be seen.
   double chi_square(const AdjustmentState& state) const {
@@ -228,9 +253,10 @@ class Network {
                              double share) const {
     AdjustmentState next = state;
     for (std::size_t i = 0; i < next.world_from_plate.size(); ++i) {
-      const Vector6 own = share * step.segment<6>(static_cast<Index>(6 * i));
+      const PlateVector own = share * step.segment<kPlateCount>(column_of(i));
       next.world_from_plate[i].translation += own.head<3>();
-      next.world_from_plate[i].rotation *= rotation_of(own.tail<3>());
+      next.world_from_plate[i].rotation *= rotation_of(own.segment<3>(3));
+      next.size_error[static_cast<Index>(i)] += own[6];
     }
     next.calibration += share * step.tail(next.calibration.size());
     for (std::size_t s = 0; s < stations_.size(); ++s) {
@@ -249,36 +275,39 @@ class Network {
 
   VectorXd full_step() const { return -solver_.solve(gradient_); }
 
-  // Of a plate's six parameters, everything else taken along.
-  Matrix6 covariance_of(std::size_t plate) const {
-    const auto column = static_cast<Index>(6 * plate);
-    MatrixXd unit = MatrixXd::Zero(size(), 6);
-    unit.block<6, 6>(column, 0).setIdentity();
+  // Of a plate's parameters, everything else taken along.
+  Eigen::Matrix<double, 7, 7> covariance_of(std::size_t plate) const {
+    MatrixXd unit = MatrixXd::Zero(size(), kPlateCount);
+    unit.middleRows<kPlateCount>(column_of(plate)).setIdentity();
     const MatrixXd solved = solver_.solve(unit);
-    return solved.block<6, 6>(column, 0);
+    return solved.middleRows<kPlateCount>(column_of(plate));
   }
 
-  const Vector6& variance_of(std::size_t plate) const { return variances_[plate]; }
+  const PlateVector& variance_of(std::size_t plate) const { return variances_[plate]; }
   const std::vector<ReducedStation>& stations() const { return stations_; }
 
-  // Shift and turn of a plate from its surveyed place.
-  Vector6 moved_by(const AdjustmentState& state, std::size_t plate) const {
+  // Shift and turn of a plate from its surveyed place, and its size from the template's.
+  PlateVector moved_by(const AdjustmentState& state, std::size_t plate) const {
     const Pose& surveyed = problem_.plates[plate].world_from_plate;
     const Pose& pose = state.world_from_plate[plate];
-    Vector6 moved;
+    PlateVector moved;
     moved << pose.translation - surveyed.translation,
-        turn_of(surveyed.rotation.transpose() * pose.rotation);
+        turn_of(surveyed.rotation.transpose() * pose.rotation),
+        state.size_error[static_cast<Index>(plate)];
     return moved;
   }
 
  private:
+  Index of_plates() const { return column_of(problem_.plates.size()); }
+
+  static Index column_of(std::size_t plate) { return kPlateCount * static_cast<Index>(plate); }
+
   std::vector<Index> columns_of(const ReducedStation& station) const {
     std::vector<Index> columns;
     for (const std::size_t plate : station.plates) {
-      for (std::size_t i = 0; i < 6; ++i) columns.push_back(static_cast<Index>(6 * plate + i));
+      for (Index i = 0; i < kPlateCount; ++i) columns.push_back(column_of(plate) + i);
     }
-    const auto first = static_cast<Index>(6 * problem_.plates.size());
-    for (Index i = first; i < size(); ++i) columns.push_back(i);
+    for (Index i = of_plates(); i < size(); ++i) columns.push_back(i);
     return columns;
   }
 
@@ -299,21 +328,54 @@ class Network {
       gradient_[i] += value / variance;
     };
     for (std::size_t plate = 0; plate < problem_.plates.size(); ++plate) {
-      const Vector6 moved = moved_by(state, plate);
-      for (Index i = 0; i < 6; ++i) {
-        add(static_cast<Index>(6 * plate) + i, moved[i], variances_[plate][i]);
+      const PlateVector moved = moved_by(state, plate);
+      for (Index i = 0; i < kPlateCount; ++i) {
+        add(column_of(plate) + i, moved[i], variances_[plate][i]);
       }
     }
-    const auto first = static_cast<Index>(6 * problem_.plates.size());
     for (Index i = 0; i < state.calibration.size(); ++i) {
       const double sigma = layout_.sigmas[static_cast<std::size_t>(i)];
-      add(first + i, state.calibration[i], sigma * sigma);
+      add(of_plates() + i, state.calibration[i], sigma * sigma);
     }
+  }
+
+  struct SizedRows : SightingRows {
+    Eigen::Matrix<double, kSightingRows, 1> by_size;
+  };
+
+  // Of a frame of the size that it has in this state, by the plate's pose and by that size.
+  std::optional<SizedRows> rows_of(const AdjustmentState& state, const VehicleFrame& frame,
+                                   const Sighting& sighting) const {
+    const SightedPlate& drawn = problem_.plates[sighting.plate];
+    double size_error = state.size_error[static_cast<Index>(sighting.plate)];
+    if (problem_.frame_sigma > 0) size_error += state.calibration[state.calibration.size() - 1];
+    SightedPlate plate = at(drawn, state.world_from_plate[sighting.plate]);
+    const Eigen::Matrix3d& rotation = plate.world_from_plate.rotation;
+    const Vector3d corner = corner_of_larger(drawn, size_error);
+    plate.world_from_plate.translation += rotation * corner;
+    plate.length *= 1 + size_error;
+    plate.height *= 1 + size_error;
+    const auto rows =
+        sighting_rows(*problem_.rig, layout_, state.calibration, frame, plate, sighting.camera);
+    if (!rows) return std::nullopt;
+    SizedRows sized{*rows, {}};
+    // A turn about P of the frame as drawn moves the P that is seen.
+    Eigen::Matrix3d across;
+    across << 0, -corner.z(), corner.y(), corner.z(), 0, -corner.x(), -corner.y(), corner.x(), 0;
+    sized.by_plate.rightCols<3>() -= rows->by_plate.leftCols<3>() * rotation * across;
+    for (Index i = 0; i < 4; ++i) {
+      const Vector3d from_middle((i == 1 || i == 2 ? 0.5 : -0.5) * drawn.length,
+                                 (i >= 2 ? 0.5 : -0.5) * drawn.height, 0);
+      sized.by_size.segment<2>(2 * i) =
+          rows->by_plate.block<2, 3>(2 * i, 0) * rotation * from_middle;
+    }
+    return sized;
   }
 
   // Without derivatives only chi_square is filled.
   std::optional<ReducedStation> reduced(const AdjustmentState& state, std::size_t index,
                                         bool derivatives) const {
+    if (idle_[index]) return idle_station();
     const Station& station = problem_.stations[index];
     const VehicleFrame frame = vehicle_frame(state.vehicles[index]);
     ReducedStation result;
@@ -323,28 +385,30 @@ class Network {
       }
     }
     const auto count = kSightingRows * static_cast<Index>(station.sightings.size());
-    const auto of_plates = static_cast<Index>(6 * result.plates.size());
+    const Index calibration = column_of(result.plates.size());
     VectorXd residual(count);
     MatrixXd by_pose = MatrixXd::Zero(count, 6);
-    MatrixXd by_rest = MatrixXd::Zero(count, of_plates + state.calibration.size());
+    MatrixXd by_rest = MatrixXd::Zero(count, calibration + state.calibration.size());
     Index row = 0;
     for (const Sighting& sighting : station.sightings) {
-      const auto rows =
-          sighting_rows(*problem_.rig, layout_, state.calibration, frame,
-                        at(problem_.plates[sighting.plate], state.world_from_plate[sighting.plate]),
-                        sighting.camera);
+      const auto rows = rows_of(state, frame, sighting);
       if (!rows) return std::nullopt;
       residual.segment<kSightingRows>(row) = rows->predicted - sighting.pixels;
       by_pose.middleRows<kSightingRows>(row) = rows->by_vehicle;
       const auto place = std::ranges::find(result.plates, sighting.plate) - result.plates.begin();
-      by_rest.block<kSightingRows, 6>(row, 6 * static_cast<Index>(place)) = rows->by_plate;
+      const Index own = kPlateCount * static_cast<Index>(place);
+      by_rest.block<kSightingRows, 6>(row, own) = rows->by_plate;
+      by_rest.block<kSightingRows, 1>(row, own + 6) = rows->by_size;
+      if (problem_.frame_sigma > 0) {
+        by_rest.block<kSightingRows, 1>(row, by_rest.cols() - 1) = rows->by_size;
+      }
       for (std::size_t i = 0; i < kCalibrationCount; ++i) {
         const int column = layout_.places[sighting.camera][i];
         if (column < 0) continue;
-        by_rest.block<kSightingRows, 1>(row, of_plates + column) =
+        by_rest.block<kSightingRows, 1>(row, calibration + column) =
             rows->by_calibration.col(static_cast<Index>(i));
       }
-      const Eigen::LLT<CornerCovariance> root(sighting.covariance);
+      const Eigen::LLT<CornerCovariance> root(sighting.covariance_with_edges());
       if (root.info() != Eigen::Success) return std::nullopt;
       const auto whiten = [&](auto&& block) { root.matrixL().solveInPlace(block); };
       whiten(residual.segment<kSightingRows>(row));
@@ -366,9 +430,22 @@ class Network {
     return result;
   }
 
+  // Of which nothing is known, and that moves nothing.
+  ReducedStation idle_station() const {
+    ReducedStation station;
+    const Index columns = static_cast<Index>(layout_.sigmas.size());
+    station.information = MatrixXd::Zero(columns, columns);
+    station.gradient = VectorXd::Zero(columns);
+    station.pose_covariance.setZero();
+    station.pose_by_rest.setZero(6, columns);
+    station.pose_gradient.setZero();
+    return station;
+  }
+
   const AdjustmentProblem& problem_;
   CalibrationLayout layout_;
-  std::vector<Vector6> variances_;
+  std::vector<bool> idle_;
+  std::vector<PlateVector> variances_;
   std::vector<ReducedStation> stations_;
   VectorXd gradient_;
   Eigen::SparseMatrix<double> information_;
@@ -443,8 +520,9 @@ std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sig
   if (!starts) return poses;
   const auto uncertain = static_cast<Index>(calibration_layout(*problem.rig).sigmas.size());
   for (const VehiclePose& start : *starts) {
-    AdjustmentState state{{alone.plates[0].world_from_plate}, {start}, VectorXd::Zero(uncertain)};
-    Network network(alone, {false});
+    AdjustmentState state{
+        {alone.plates[0].world_from_plate}, VectorXd::Zero(1), {start}, VectorXd::Zero(uncertain)};
+    Network network(alone, {Freedom::none}, {false});
     if (!converge(network, state)) continue;
     const ReducedStation& station = network.stations()[0];
     const Eigen::Matrix3d axes = vehicle_frame(state.vehicles[0]).turn_axes;
@@ -456,22 +534,28 @@ std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sig
 }
 
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
-                                        const std::vector<bool>& freed) {
-  std::optional<AdjustmentState> state = start_state(problem, freed);
-  if (!state) return std::nullopt;
-  Network network(problem, freed);
-  if (!converge(network, *state)) return std::nullopt;
+                                        const std::vector<Freedom>& freed) {
+  std::vector<bool> idle;
+  AdjustmentState state = start_state(problem, freed, idle);
+  Network network(problem, freed, std::move(idle));
+  if (!converge(network, state)) return std::nullopt;
   Adjustment result;
-  result.world_from_plate = state->world_from_plate;
-  result.chi_square = network.chi_square(*state);
+  result.world_from_plate = state.world_from_plate;
+  result.chi_square = network.chi_square(state);
   result.offsets.resize(problem.plates.size());
+  result.size.resize(problem.plates.size(), 1);
+  result.size_sigma.resize(problem.plates.size(), 0);
   for (const ReducedStation& station : network.stations()) {
     result.station_chi_square.push_back(station.chi_square);
     for (const std::size_t plate : station.plates) {
       if (result.offsets[plate]) continue;
+      const auto covariance = network.covariance_of(plate);
+      const PlateVector moved = network.moved_by(state, plate);
       result.offsets[plate] =
-          offset_of(network.moved_by(*state, plate), network.covariance_of(plate),
-                    network.variance_of(plate), problem.plates[plate].survey_variance);
+          offset_of(moved.head<6>(), covariance.topLeftCorner<6, 6>(),
+                    network.variance_of(plate).head<6>(), problem.plates[plate].survey_variance);
+      result.size[plate] += moved[6];
+      if (has_any_size(freed[plate])) result.size_sigma[plate] = std::sqrt(covariance(6, 6));
     }
   }
   return result;

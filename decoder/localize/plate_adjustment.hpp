@@ -27,6 +27,15 @@ struct AdjustmentProblem {
   const Rig* rig = nullptr;
   std::vector<SightedPlate> plates;
   std::vector<Station> stations;
+  double frame_sigma = 0;  // relative, of the size that all frames have in common; 0 = exact
+};
+
+// What is not taken from the survey and the template of a plate.
+enum class Freedom {
+  none,   // it hangs as surveyed, within the survey's variance
+  size,   // so it does, and its frame is of any size about its middle
+  place,  // it hangs anywhere
+  any,    // it hangs anywhere and is of any size
 };
 
 // Where the pictures and all other plates say that a plate hangs, less where the survey has it. Its
@@ -44,6 +53,8 @@ struct PlateOffset {
 
 struct Adjustment {
   std::vector<Pose> world_from_plate;
+  std::vector<double> size;                         // of each frame, as a share of the template's
+  std::vector<double> size_sigma;                   // 0 of a size that is taken from the template
   double chi_square = 0;                            // of everything
   std::vector<double> station_chi_square;           // of the corners, by station
   std::vector<std::optional<PlateOffset>> offsets;  // by plate; none of plates in no station
@@ -51,11 +62,11 @@ struct Adjustment {
 
 // Gauss-Newton over all plates, the calibration and one vehicle pose a station; the poses are
 // eliminated station by station (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis", 6.1)
-// and the rest is solved sparse. `freed`, a flag a plate: taken to hang anywhere. Plates that are
-// not freed must hang within half a frame of their place. Nothing when some station can not be
-// placed.
+// and the rest is solved sparse. `freed`, one a plate. Plates that do not hang anywhere must hang
+// within half a frame of their place. A station that shows only plates of unknown places tells
+// nothing: its chi-square is 0. Nothing when the fit does not converge.
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
-                                        const std::vector<bool>& freed);
+                                        const std::vector<Freedom>& freed);
 
 // How far the corners of b are from where a's picture says that they are when both hang as
 // surveyed, in frame diagonals of b; of the poses that a allows, the better. Infinite when a allows

@@ -3,407 +3,439 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
 
-#include "decoder/localize/joint_model.hpp"
+#include "decoder/localize/plate_search.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGate = 3.7;  // normal value that is exceeded once in 10 000
-// Of a shift where turns are as the survey's tilt allows: once in 400. A tilt that is not stated is
-// estimated on the safe side already; where it is stated, the tolerance prevents false alarms.
-// Chosen from 2.6, 2.8, 2.9 and 3.1 on `bench displaced 60`, seeds 1 and 2.
-constexpr double kShiftGate = 2.8;
-constexpr double kStationGate = 6;     // of pictures' corners, whose noise has heavier tails
-constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400
-constexpr double kGross = 0.5;         // frame diagonals: beyond, no linear test is needed
-constexpr std::size_t kMostRivals = 6;
-
-// What is left of all six when the turn alone is counted belongs to the shift: of two tags that
-// turn alike, little of a shift can be the tilt of one of them.
 // Why: docs/decisions/0011-as-built-deviations.md.
-double excess(const PlateOffset& offset) {
-  const double by_shift = offset.chi_square - offset.turn_chi_square;
-  return std::max({by_shift / chi_square_limit(3, kShiftGate),
-                   offset.shift_chi_square / chi_square_limit(3, kGate),
-                   offset.turn_chi_square / chi_square_limit(3, kGate),
-                   offset.chi_square / chi_square_limit(6, kGate)});
-}
+// What another explanation with one fault less may be worse by: parameters of a plate, and its
+// odds.
+constexpr double kOfFault = 7 + kClearlyBetter;
 
-int corner_degrees(const Station& station) {
-  return static_cast<int>(kSightingRows * station.sightings.size()) - 6;
-}
-
-std::set<std::size_t> plates_of(const Station& station) {
-  std::set<std::size_t> plates;
-  for (const Sighting& sighting : station.sightings) plates.insert(sighting.plate);
-  return plates;
-}
-
-// Only what can be compared: sightings that a rectangle explains, stations with two plates.
-void keep_comparable(AdjustmentProblem& problem) {
-  for (Station& station : problem.stations) {
-    std::erase_if(station.sightings,
-                  [&](Sighting& sighting) { return !make_consistent(problem, sighting); });
+// A rig whose calibration is not known, and frames that are all of another size.
+Rig any_calibration(Rig rig) {
+  for (RigCamera& camera : rig.cameras) {
+    CalibrationSigma& sigma = camera.calibration_sigma;
+    sigma = {std::max(sigma.position, 0.03), std::max(sigma.angle, radians(5)),
+             std::max(sigma.focal, 0.1), std::max(sigma.center, 20.0)};
   }
-  std::erase_if(problem.stations,
-                [](const Station& station) { return plates_of(station).size() < 2; });
+  return rig;
+}
+constexpr double kAnyFrame = 0.1;
+
+bool shows(const Station& station, std::size_t plate) { return plates_of(station).contains(plate); }
+
+bool is_of_one_camera(const Station& station) {
+  return std::ranges::all_of(station.sightings, [&](const Sighting& sighting) {
+    return sighting.camera == station.sightings.front().camera;
+  });
 }
 
-class Search {
+class Judge {
  public:
-  Search(AdjustmentProblem problem, double tolerance)
-      : problem_(std::move(problem)),
-        tolerance_(tolerance),
-        freed_(problem_.plates.size(), false),
-        swapped_with_(problem_.plates.size()) {}
+  Judge(AdjustmentProblem problem, double tolerance)
+      : tolerance_(tolerance), original_(std::move(problem)), found_(explain(original_)) {
+    if (faults_of(found_) == 0) return;
+    any_rig_ = any_calibration(*original_.rig);
+    AdjustmentProblem any = original_;
+    any.rig = &any_rig_;
+    any.frame_sigma = kAnyFrame;
+    of_another_rig_ = explain(std::move(any));
+    take_simpler(of_another_rig_);
+  }
+
+  Judge(const Judge&) = delete;  // any_rig_ is pointed to
+  Judge& operator=(const Judge&) = delete;
 
   Consensus run() {
-    keep_comparable(problem_);
-    exchange_swapped();
-    take_out_gross();
-    take_out_worst();
-    return judged();
+    result_.plates.resize(original_.plates.size());
+    std::set<std::string> told;
+    for (const Station& station : found_.left_out) {
+      if (told.insert(station.name).second) result_.left_out.push_back(suspected(station));
+    }
+    if (!found_.adjustment) {
+      result_.nothing_fits = !found_.problem.stations.empty();
+      return std::move(result_);
+    }
+    take_fitting();
+    int accused = 0;
+    for (std::size_t i = 0; i < result_.plates.size(); ++i) accused += accuse(i) ? 1 : 0;
+    doubt_those_judged_by_doubtful();
+    constexpr int kFew = 4;
+    const auto checked = std::ranges::count_if(result_.plates, [](const PlateCheck& check) {
+      return check.verdict != HangVerdict::unchecked;
+    });
+    if (is_of_another_rig() || (checked >= kFew && 2 * accused > checked)) {
+      result_.nothing_fits = true;
+      for (PlateCheck& check : result_.plates) check = PlateCheck{};
+    }
+    return std::move(result_);
   }
 
  private:
-  // --- gross disagreement ---
-
-  struct Pair {
-    std::size_t station = 0;
-    std::size_t a = 0;
-    std::size_t b = 0;
-    bool agrees = true;
-  };
-
-  std::vector<Pair> compare_pairs() const {
-    std::vector<Pair> pairs;
-    for (std::size_t s = 0; s < problem_.stations.size(); ++s) {
-      const std::vector<Sighting>& sightings = problem_.stations[s].sightings;
-      for (std::size_t i = 0; i < sightings.size(); ++i) {
-        for (std::size_t j = i + 1; j < sightings.size(); ++j) {
-          if (sightings[i].plate == sightings[j].plate) continue;
-          const double apart = std::min(mismatch(problem_, sightings[i], sightings[j]),
-                                        mismatch(problem_, sightings[j], sightings[i]));
-          pairs.push_back({s, sightings[i].plate, sightings[j].plate, apart < kGross});
-        }
-      }
-    }
-    return pairs;
-  }
-
-  void exchange(std::size_t a, std::size_t b) {
-    std::swap(problem_.plates[a].world_from_plate, problem_.plates[b].world_from_plate);
-  }
-
-  // Of the pairs with one of these plates, those that contradict each other.
-  static std::ptrdiff_t contradictions(const std::vector<Pair>& pairs, std::size_t a,
-                                       std::size_t b) {
-    return std::ranges::count_if(pairs, [&](const Pair& pair) {
-      return !pair.agrees && (pair.a == a || pair.a == b || pair.b == a || pair.b == b);
-    });
-  }
-
-  void exchange_swapped() {
-    constexpr std::size_t kMost =
-        24;  // plates that contradict others; with more, no swap is at fault
-    std::set<std::size_t> contradicted;
-    for (const Pair& pair : compare_pairs()) {
-      if (!pair.agrees) contradicted.insert({pair.a, pair.b});
-    }
-    if (contradicted.size() > kMost) return;
-    for (const std::size_t a : contradicted) {
-      for (const std::size_t b : contradicted) {
-        if (b <= a || swapped_with_[a] || swapped_with_[b]) continue;
-        if (contradictions(compare_pairs(), a, b) == 0) continue;
-        exchange(a, b);
-        if (contradictions(compare_pairs(), a, b) == 0) {
-          swapped_with_[a] = b;
-          swapped_with_[b] = a;
-        } else {
-          exchange(a, b);
-        }
-      }
-    }
-  }
-
-  // Takes out plates that contradict more others than they agree with; when there is none, a
-  // station whose pictures contradict each other.
-  void take_out_gross() {
-    std::vector<Pair> pairs = compare_pairs();
-    for (;;) {
-      std::map<std::size_t, int> agreed;
-      std::map<std::size_t, int> contradicted;
-      std::map<std::size_t, int> by_station;
-      for (const Pair& pair : pairs) {
-        for (const std::size_t plate : {pair.a, pair.b}) {
-          ++(pair.agrees ? agreed : contradicted)[plate];
-        }
-        if (!pair.agrees) ++by_station[pair.station];
-      }
-      if (by_station.empty()) break;
-      const auto weight = [&](const auto& entry) { return entry.second - agreed[entry.first]; };
-      const auto plate = std::ranges::max_element(contradicted, {}, weight);
-      const std::size_t worst = plate->first;
-      if (weight(*plate) > 0) {
-        freed_[worst] = true;
-        std::erase_if(pairs, [&](const Pair& pair) { return pair.a == worst || pair.b == worst; });
-        continue;
-      }
-      const auto station =
-          std::ranges::max_element(by_station, {}, [](const auto& entry) { return entry.second; });
-      const std::size_t left_out = station->first;
-      std::erase_if(pairs, [&](const Pair& pair) { return pair.station == left_out; });
-      dropped_.insert(left_out);
-    }
-    drop_stations();
-  }
-
-  // Removes the stations in dropped_ from the problem.
-  void drop_stations() {
-    for (auto index = dropped_.rbegin(); index != dropped_.rend(); ++index) {
-      const auto station = problem_.stations.begin() + static_cast<std::ptrdiff_t>(*index);
-      result_.stations_left_out.push_back(station->name);
-      problem_.stations.erase(station);
-    }
-    dropped_.clear();
-  }
-
-  // --- the worst, one by one ---
-
-  std::vector<bool> freed_too(std::size_t plate) const {
-    std::vector<bool> freed = freed_;
-    freed[plate] = true;
-    return freed;
-  }
-
-  // Plates seen together with this one that are not taken out, those that disagree most first.
-  std::vector<std::size_t> neighbours(const Adjustment& adjustment, std::size_t plate) const {
-    std::set<std::size_t> found;
-    for (const Station& station : problem_.stations) {
+  // Plates seen together with this one that are not taken out.
+  std::set<std::size_t> judges_of(std::size_t plate) const {
+    std::set<std::size_t> judges;
+    for (const Station& station : found_.problem.stations) {
       const std::set<std::size_t> seen = plates_of(station);
-      if (seen.contains(plate)) found.insert(seen.begin(), seen.end());
+      if (seen.contains(plate)) judges.insert(seen.begin(), seen.end());
     }
-    found.erase(plate);
-    std::vector<std::size_t> list(found.begin(), found.end());
-    std::erase_if(list, [&](std::size_t i) { return freed_[i] || !adjustment.offsets[i]; });
-    std::ranges::stable_sort(list, std::ranges::greater{},
-                             [&](std::size_t i) { return adjustment.offsets[i]->chi_square; });
-    if (list.size() > kMostRivals) list.resize(kMostRivals);
-    return list;
+    std::erase_if(judges,
+                  [&](std::size_t i) { return i == plate || found_.freed[i] != Freedom::none; });
+    return judges;
   }
 
-  std::optional<std::size_t> most_in_doubt(const Adjustment& adjustment) const {
-    std::optional<std::size_t> worst;
-    double most = 1;
-    for (std::size_t i = 0; i < adjustment.offsets.size(); ++i) {
-      if (freed_[i] || !adjustment.offsets[i] || excess(*adjustment.offsets[i]) <= most) continue;
-      most = excess(*adjustment.offsets[i]);
-      worst = i;
-    }
-    return worst;
-  }
-
-  // The station whose corners fit worst, when that is too bad to be noise.
-  std::optional<std::size_t> worst_station(const Adjustment& adjustment) const {
-    std::optional<std::size_t> worst;
-    double most = 1;
-    for (std::size_t s = 0; s < problem_.stations.size(); ++s) {
-      const double limit = chi_square_limit(corner_degrees(problem_.stations[s]), kStationGate);
-      if (adjustment.station_chi_square[s] <= most * limit) continue;
-      most = adjustment.station_chi_square[s] / limit;
-      worst = s;
-    }
-    return worst;
-  }
-
-  // By how much leaving the station out lowers chi-square, its own expectation apart.
-  double gain_without(const Adjustment& adjustment, std::size_t station) const {
-    AdjustmentProblem rest = problem_;
-    rest.stations.erase(rest.stations.begin() + static_cast<std::ptrdiff_t>(station));
-    const auto without = adjust_plates(rest, freed_);
-    if (!without) return 0;
-    return adjustment.chi_square - without->chi_square - corner_degrees(problem_.stations[station]);
-  }
-
-  struct Choice {
-    std::size_t plate = 0;
-    Adjustment adjustment;
-  };
-
-  // Of the plate in doubt and its neighbours, the one without which the others agree best.
-  std::optional<Choice> best_to_free(const Adjustment& adjustment, std::size_t worst) const {
-    std::vector<std::size_t> candidates = neighbours(adjustment, worst);
-    std::erase_if(candidates, [&](std::size_t i) {
-      return adjustment.offsets[i]->chi_square < adjustment.offsets[worst]->chi_square / 2;
-    });
-    candidates.insert(candidates.begin(), worst);
-    std::optional<Choice> best;
-    for (const std::size_t plate : candidates) {
-      auto freed = adjust_plates(problem_, freed_too(plate));
-      if (!freed || (best && freed->chi_square >= best->adjustment.chi_square)) continue;
-      best = Choice{plate, std::move(*freed)};
-    }
-    return best;
-  }
-
-  void take_out_worst() {
-    constexpr int kOfPlate = 6;
-    for (;;) {
-      const auto adjustment = adjust_plates(problem_, freed_);
-      if (!adjustment) return;
-      const auto worst = most_in_doubt(*adjustment);
-      const auto choice = worst ? best_to_free(*adjustment, *worst) : std::nullopt;
-      const auto station = worst_station(choice ? choice->adjustment : *adjustment);
-      if (!choice && !station) return;
-      const double by_plate =
-          choice ? adjustment->chi_square - choice->adjustment.chi_square - kOfPlate : 0;
-      if (station && gain_without(*adjustment, *station) > by_plate + kClearlyBetter) {
-        dropped_.insert(*station);
-        drop_stations();
-      } else if (choice) {
-        freed_[choice->plate] = true;
-      } else {
-        return;
+  void take_fitting() {
+    for (std::size_t i = 0; i < result_.plates.size(); ++i) {
+      PlateCheck& check = result_.plates[i];
+      check.stations = static_cast<int>(std::ranges::count_if(
+          found_.problem.stations, [&](const Station& station) { return shows(station, i); }));
+      if (check.stations == 0) continue;
+      const bool is_judged = !judges_of(i).empty() && found_.adjustment->offsets[i];
+      if (is_judged) {
+        check.offset = found_.adjustment->offsets[i];
+        check.verdict = HangVerdict::fits;
+      } else if (found_.freed[i] != Freedom::none) {
+        check.verdict = HangVerdict::doubtful;
+        check.doubt = HangDoubt::rest;
       }
     }
   }
 
-  // --- verdicts ---
+  // --- a plate that was taken out ---
+
+  // The fit with the plate freed so, all others as in the explanation.
+  static std::optional<Adjustment> with(const Explanation& explanation, std::size_t plate,
+                                        Freedom freedom) {
+    std::vector<Freedom> freed = explanation.freed;
+    freed[plate] = freedom;
+    return adjust_plates(explanation.problem, freed);
+  }
 
   bool is_off(std::size_t plate, const PlateOffset& offset) const {
-    return excess(offset) > 1 && farthest_corner(problem_.plates[plate], offset) > tolerance_;
+    return excess(offset) > 1 && farthest_corner(found_.problem.plates[plate], offset) > tolerance_;
   }
 
+  // True when the plate is off, or doubtful.
+  bool accuse(std::size_t plate) {
+    if (found_.swapped_with[plate] && result_.plates[plate].offset) {
+      result_.plates[plate].swapped_with = found_.swapped_with[plate];
+      judge(plate);
+      return false;  // what is exchanged says nothing against the rig
+    }
+    if (found_.freed[plate] == Freedom::none || !result_.plates[plate].offset) return false;
+    const auto moved = with(found_, plate, Freedom::place);
+    const double chi_square = found_.adjustment->chi_square;
+    const bool is_moved = moved && moved->chi_square <= chi_square + kClearlyBetter;
+    PlateCheck& check = result_.plates[plate];
+    if (is_moved) check.offset = moved->offsets[plate];
+    if (is_moved && !is_off(plate, *check.offset)) return false;
+    const auto rivals = rivals_of(plate);
+    // A small turn of one plate can explain a large shift of another.
+    if (std::ranges::any_of(rivals, [&](const Rival& rival) {
+          return farthest_corner(found_.problem.plates[rival.plate], rival.offset) <= tolerance_;
+        })) {
+      return false;
+    }
+    check.scale = scale_of(found_, plate, moved);
+    if (rivals.empty()) judge(plate);
+    for (const Rival& rival : rivals) add_rival(plate, rival);
+    return true;
+  }
+
+  // A plate that may be the one instead of another, and how it would hang then.
   struct Rival {
+    std::size_t plate = 0;
     PlateOffset offset;
-    double chi_square = 0;
+    std::optional<FrameScale> scale;
   };
 
-  // Plates that may be the one instead of this, with their offsets in that case.
-  std::map<std::size_t, Rival> rivals_of(const Adjustment& adjustment, std::size_t plate) {
-    std::map<std::size_t, Rival> rivals;
-    for (const std::size_t other : neighbours(adjustment, plate)) {
-      std::vector<bool> freed = freed_too(other);
-      freed[plate] = false;
-      const auto instead = adjust_plates(problem_, freed);
-      if (!instead || instead->chi_square > adjustment.chi_square + kClearlyBetter) continue;
-      if (instead->offsets[other]) {
-        rivals.emplace(other, Rival{*instead->offsets[other], instead->chi_square});
-      }
+  // The plate as an explanation that takes it out has it.
+  std::optional<Rival> rival_by(const Explanation& instead, std::size_t plate) const {
+    const auto moved = with(instead, plate, Freedom::place);
+    const auto& offset = (moved ? moved : instead.adjustment)->offsets[plate];
+    if (!offset) return std::nullopt;
+    return Rival{plate, *offset, scale_of(instead, plate, moved)};
+  }
+
+  std::vector<Rival> rivals_of(std::size_t plate) const {
+    std::vector<Rival> rivals;
+    Explanation instead = found_;
+    for (const std::size_t other :
+         neighbours(found_.problem, found_.freed, *found_.adjustment, plate)) {
+      instead.freed = found_.freed;
+      instead.freed[plate] = Freedom::none;
+      instead.freed[other] = Freedom::any;
+      instead.adjustment = adjust_plates(instead.problem, instead.freed);
+      if (cost_of(instead) > cost_of(found_) + kClearlyBetter) continue;
+      if (const auto rival = rival_by(instead, other)) rivals.push_back(*rival);
     }
     return rivals;
   }
 
-  // The size at which the frame, in its place, explains what it shows; nothing when the plate's
-  // offset explains it clearly better. `hung` are the freed plates without this one, `chi_square`
-  // is that of the fit with it freed.
-  std::optional<FrameScale> scale_of(std::size_t plate, const PlateOffset& offset,
-                                     double chi_square, const std::vector<bool>& hung) const {
-    const auto cost = [&](double share) {
-      AdjustmentProblem scaled = problem_;
-      SightedPlate& own = scaled.plates[plate];
-      const Vector3d corner((1 - share) / 2 * own.length, (1 - share) / 2 * own.height, 0);
-      own.world_from_plate.translation += own.world_from_plate.rotation * corner;
-      own.length *= share;
-      own.height *= share;
-      const auto fit = adjust_plates(scaled, hung);
-      return fit ? fit->chi_square : std::numeric_limits<double>::infinity();
-    };
-    // Chi-square is nearly a parabola in the scale: each is laid through three points.
-    double middle = 1;
-    double sigma = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (const double width : {0.05, 0.01, 0.002}) {
-      const double below = cost(middle - width);
-      const double here = cost(middle);
-      const double above = cost(middle + width);
-      const double bend = below + above - 2 * here;
-      if (!std::isfinite(bend) || bend <= 0) return std::nullopt;
-      middle += std::clamp(width * (below - above) / (2 * bend), -0.2, 0.2);
-      sigma = width * std::sqrt(2 / bend);
-      least = cost(middle);
+  void add_rival(std::size_t plate, const Rival& rival) {
+    for (const auto& [one, other] :
+         {std::pair(plate, rival.plate), std::pair(rival.plate, plate)}) {
+      PlateCheck& check = result_.plates[one];
+      check.verdict = HangVerdict::doubtful;
+      check.doubt = HangDoubt::rivals;
+      if (std::ranges::find(check.rivals, other) == check.rivals.end()) {
+        check.rivals.push_back(other);
+      }
     }
+    result_.plates[rival.plate].offset = rival.offset;
+    result_.plates[rival.plate].scale = rival.scale;
+  }
+
+  // The size at which the frame, in its place, explains what it shows; nothing when an offset
+  // explains it clearly better. `moved` is the fit with the plate hanging anywhere.
+  std::optional<FrameScale> scale_of(const Explanation& explanation, std::size_t plate,
+                                     const std::optional<Adjustment>& moved) const {
     constexpr double kOfPose = 5;  // parameters that an offset has more
-    if (least > chi_square + kOfPose + kClearlyBetter) return std::nullopt;
+    const auto sized = with(explanation, plate, Freedom::size);
+    if (!sized) return std::nullopt;
+    const double by_both = explanation.adjustment->chi_square;
+    const bool is_moved = moved && moved->chi_square <= by_both + kClearlyBetter;
+    const double to_beat = is_moved ? moved->chi_square : by_both;
+    if (sized->chi_square > to_beat + kOfPose + kClearlyBetter) return std::nullopt;
     // An error this small is no longer beyond chance, or looks like an offset within the tolerance.
     constexpr double kSeen = 5.5;  // standard deviations that pass the test of six in 95 of 100
-    const double at_tolerance =
-        std::abs(middle - 1) * tolerance_ / farthest_corner(problem_.plates[plate], offset);
-    return FrameScale{middle, std::max(kSeen * sigma, at_tolerance)};
+    double least = kSeen * sized->size_sigma[plate];
+    const double error = std::abs(sized->size[plate] - 1);
+    if (moved && moved->offsets[plate]) {
+      const SightedPlate& frame = explanation.problem.plates[plate];
+      least = std::max(least, error * tolerance_ / farthest_corner(frame, *moved->offsets[plate]));
+    }
+    return FrameScale{sized->size[plate], least, !is_moved};
   }
 
-  Consensus judged() {
-    result_.plates.resize(problem_.plates.size());
-    for (const Station& station : problem_.stations) {
-      for (const std::size_t plate : plates_of(station)) ++result_.plates[plate].stations;
-    }
-    const auto adjustment = adjust_plates(problem_, freed_);
-    if (!adjustment) return result_;
-    int checked = 0;
-    for (std::size_t i = 0; i < problem_.plates.size(); ++i) {
-      if (!adjustment->offsets[i]) continue;
-      ++checked;
-      result_.plates[i].offset = adjustment->offsets[i];
-      result_.plates[i].verdict = HangVerdict::fits;
-    }
-    const int accused = accuse(*adjustment);
-    for (std::size_t i = 0; i < problem_.plates.size(); ++i) {
-      if (!swapped_with_[i] || !adjustment->offsets[i]) continue;
-      result_.plates[i].swapped_with = swapped_with_[i];
-      result_.plates[i].verdict = HangVerdict::off;
-    }
-    constexpr int kFew = 4;
-    if (checked >= kFew && 2 * accused > checked) {
-      result_.nothing_fits = true;
-      for (PlateCheck& check : result_.plates) check = PlateCheck{};
-    }
-    return result_;
+  // --- what is certain ---
+
+  // Off when nothing else explains it, else doubtful.
+  void judge(std::size_t plate) {
+    PlateCheck& check = result_.plates[plate];
+    check.doubt = doubt_of(plate);
+    if (check.doubt == HangDoubt::rivals) return;
+    check.verdict = check.doubt == HangDoubt::none ? HangVerdict::off : HangVerdict::doubtful;
   }
 
-  // Judges the plates taken out; how many are off.
-  int accuse(const Adjustment& adjustment) {
-    int accused = 0;
-    for (std::size_t i = 0; i < problem_.plates.size(); ++i) {
-      if (!freed_[i] || !adjustment.offsets[i] || !is_off(i, *adjustment.offsets[i])) continue;
-      const auto rivals = rivals_of(adjustment, i);
-      // A small turn of one plate can explain a large shift of another.
-      if (std::ranges::any_of(rivals, [&](const auto& rival) {
-            return farthest_corner(problem_.plates[rival.first], rival.second.offset) <= tolerance_;
+  HangDoubt doubt_of(std::size_t plate) {
+    const auto shows_it = [&](const Station& station) { return shows(station, plate); };
+    if (std::ranges::any_of(found_.left_out, shows_it)) return HangDoubt::row;
+    for (std::size_t s = 0; s < found_.problem.stations.size(); ++s) {
+      const Station& station = found_.problem.stations[s];
+      if (shows_it(station) && fits_badly(station, found_.adjustment->station_chi_square[s])) {
+        return HangDoubt::rest;
+      }
+    }
+    if (explains_as_well(of_another_rig_, found_) && !of_another_rig_.accuses(plate)) {
+      return HangDoubt::rig;
+    }
+    const Explanation near = around(plate);
+    if (!near.adjustment) return HangDoubt::rest;
+    const bool rows_are_right = !could_be_a_row(plate);
+    const bool is_swapped = found_.swapped_with[plate].has_value();
+    if (!rows_are_right && !is_swapped &&
+        (fits_apart(near, plate) || fits_beside_copy(near, plate))) {
+      return HangDoubt::row;
+    }
+    return doubt_by_others(near, {plate, rows_are_right});
+  }
+
+  // Pictures that were not taken together are as far apart as the vehicle went in between.
+  bool could_be_a_row(std::size_t plate) const {
+    constexpr double kLeastWay = 0.1;  // metres
+    const PlateCheck& check = result_.plates[plate];
+    return check.swapped_with ||
+           farthest_corner(found_.problem.plates[plate], *check.offset) > kLeastWay;
+  }
+
+  static bool explains_as_well(const Explanation& other, const Explanation& found) {
+    const int fewer = faults_of(found) - faults_of(other);
+    return fewer >= 0 && cost_of(other) <= cost_of(found) + kClearlyBetter + kOfFault * fewer;
+  }
+
+  // Takes the faults of the other explanation in place of those found, when they explain the
+  // pictures of the rig as it is with fewer.
+  void take_simpler(Explanation other) {
+    other.problem.rig = original_.rig;
+    other.problem.frame_sigma = 0;
+    other.adjustment = adjust_plates(other.problem, other.freed);
+    if (faults_of(other) >= faults_of(found_) || !explains_as_well(other, found_)) return;
+    found_ = std::move(other);
+  }
+
+  bool is_of_another_rig() const {
+    constexpr int kMany = 3;  // faults that are not a coincidence
+    return faults_of(found_) >= kMany && explains_as_well(of_another_rig_, found_) &&
+           faults_of(found_) - faults_of(of_another_rig_) >= kMany;
+  }
+
+  // Of the plates seen together with this one, all stations.
+  std::vector<Station> stations_near(const std::vector<Station>& stations,
+                                     std::size_t plate) const {
+    std::set<std::size_t> with_it;
+    for (const Station& station : original_.stations) {
+      const std::set<std::size_t> seen = plates_of(station);
+      if (seen.contains(plate)) with_it.insert(seen.begin(), seen.end());
+    }
+    std::vector<Station> near;
+    std::ranges::copy_if(stations, std::back_inserter(near), [&](const Station& station) {
+      return std::ranges::any_of(plates_of(station),
+                                 [&](std::size_t other) { return with_it.contains(other); });
+    });
+    return near;
+  }
+
+  // The explanation, as far as it is of pictures near the plate.
+  Explanation around(std::size_t plate) const {
+    Explanation near = found_;
+    near.problem.stations = stations_near(found_.problem.stations, plate);
+    near.left_out = stations_near(found_.left_out, plate);
+    std::set<std::size_t> seen;
+    for (const auto* stations : {&near.problem.stations, &near.left_out}) {
+      for (const Station& station : *stations) {
+        const std::set<std::size_t> here = plates_of(station);
+        seen.insert(here.begin(), here.end());
+      }
+    }
+    for (std::size_t i = 0; i < near.freed.size(); ++i) {
+      if (seen.contains(i)) continue;
+      near.freed[i] = Freedom::none;
+      near.swapped_with[i].reset();
+    }
+    near.adjustment = adjust_plates(near.problem, near.freed);
+    return near;
+  }
+
+  // True when one row of pictures, not taken together, explains what speaks against the plate.
+  static bool fits_apart(const Explanation& near, std::size_t plate) {
+    for (std::size_t s = 0; s < near.problem.stations.size(); ++s) {
+      if (!shows(near.problem.stations[s], plate)) continue;
+      Explanation split = near;
+      std::vector<Station>& stations = split.problem.stations;
+      if (is_of_one_camera(stations[s])) continue;
+      std::vector<Station> parts = apart(stations[s]);
+      stations.erase(stations.begin() + static_cast<std::ptrdiff_t>(s));
+      std::ranges::move(parts, std::back_inserter(stations));
+      split.freed[plate] = Freedom::none;
+      split.adjustment = adjust_plates(split.problem, split.freed);
+      if (cost_of(split) <= cost_of(near) + kClearlyBetter) return true;
+    }
+    return false;
+  }
+
+  // True when what speaks against the plate is a second copy of one plate that is seen with it.
+  bool fits_beside_copy(const Explanation& near, std::size_t plate) const {
+    for (const std::size_t judge : judges_of(plate)) {
+      Explanation copied = near;
+      AdjustmentProblem& problem = copied.problem;
+      problem.plates.push_back(problem.plates[judge]);
+      for (Station& station : problem.stations) {
+        if (!shows(station, plate)) continue;
+        for (Sighting& sighting : station.sightings) {
+          if (sighting.plate == judge) sighting.plate = problem.plates.size() - 1;
+        }
+      }
+      copied.freed[plate] = Freedom::none;
+      copied.freed.push_back(Freedom::any);
+      copied.adjustment = adjust_plates(problem, copied.freed);
+      if (cost_of(copied) <= cost_of(near) + kClearlyBetter) return true;
+    }
+    return false;
+  }
+
+  // Whether other plates and stations explain the pictures when this plate hangs as surveyed.
+  HangDoubt doubt_by_others(const Explanation& near, const Given& given) {
+    const std::size_t plate = *given.plate;
+    AdjustmentProblem problem = original_;
+    problem.stations = stations_near(original_.stations, plate);
+    const Explanation others = explain(std::move(problem), given);
+    if (!explains_as_well(others, near)) return HangDoubt::none;
+    HangDoubt doubt =
+        others.left_out.size() > near.left_out.size() ? HangDoubt::row : HangDoubt::rest;
+    for (std::size_t i = 0; i < result_.plates.size(); ++i) {
+      if (others.freed[i] == Freedom::none || found_.accuses(i)) continue;
+      const auto rival = rival_by(others, i);
+      if (!rival) continue;
+      add_rival(plate, *rival);
+      doubt = HangDoubt::rivals;
+    }
+    return doubt;
+  }
+
+  // Of those that judge a plate one must be beyond doubt itself.
+  void doubt_those_judged_by_doubtful() {
+    for (std::size_t i = 0; i < result_.plates.size(); ++i) {
+      PlateCheck& check = result_.plates[i];
+      if (check.verdict != HangVerdict::off) continue;
+      if (std::ranges::any_of(judges_of(i), [&](std::size_t judge) {
+            return result_.plates[judge].verdict == HangVerdict::fits;
           })) {
         continue;
       }
-      ++accused;
-      PlateCheck& check = result_.plates[i];
-      check.verdict = rivals.empty() ? HangVerdict::off : HangVerdict::doubtful;
-      std::vector<bool> hung = freed_;
-      hung[i] = false;
-      check.scale = scale_of(i, *adjustment.offsets[i], adjustment.chi_square, hung);
-      for (const auto& [rival, instead] : rivals) {
-        check.rivals.push_back(rival);
-        PlateCheck& other = result_.plates[rival];
-        other.rivals.push_back(i);
-        other.verdict = HangVerdict::doubtful;
-        other.offset = instead.offset;
-        other.scale = scale_of(rival, instead.offset, instead.chi_square, hung);
-      }
+      check.verdict = HangVerdict::doubtful;
+      check.doubt = HangDoubt::rest;
     }
-    return accused;
   }
 
-  AdjustmentProblem problem_;
+  // --- stations left out ---
+
+  // Where a plate would have to hang to explain the station; nothing when no place does.
+  std::optional<Pose> place_that_explains(const Station& station, std::size_t plate) const {
+    AdjustmentProblem problem = found_.problem;
+    problem.stations = {station};
+    std::vector<Freedom> freed = found_.freed;
+    freed[plate] = Freedom::place;
+    const auto fit = adjust_plates(problem, freed);
+    if (!fit || !fit->offsets[plate] || fits_badly(station, fit->station_chi_square[0])) {
+      return std::nullopt;
+    }
+    const auto contradicts = [&](std::size_t other) {
+      return other != plate && fit->offsets[other] && excess(*fit->offsets[other]) > 1;
+    };
+    if (std::ranges::any_of(plates_of(station), contradicts)) return std::nullopt;
+    return fit->world_from_plate[plate];
+  }
+
+  bool fits_alone(const Station& part) const {
+    AdjustmentProblem problem = found_.problem;
+    problem.stations = {part};
+    const auto fit = adjust_plates(problem, found_.freed);
+    if (!fit || fits_badly(part, fit->station_chi_square[0])) return false;
+    return std::ranges::none_of(fit->offsets, [&](const std::optional<PlateOffset>& offset) {
+      return offset && excess(*offset) > 1;
+    });
+  }
+
+  LeftOutStation suspected(const Station& station) const {
+    LeftOutStation left_out{station.name, {}, false};
+    for (const std::size_t plate : plates_of(station)) {
+      left_out.suspects.push_back({plate, place_that_explains(station, plate)});
+    }
+    left_out.fits_apart =
+        !is_of_one_camera(station) &&
+        std::ranges::all_of(apart(station), [&](const Station& part) { return fits_alone(part); });
+    return left_out;
+  }
+
   double tolerance_;
-  std::vector<bool> freed_;
-  std::vector<std::optional<std::size_t>> swapped_with_;
-  std::set<std::size_t> dropped_;
+  AdjustmentProblem original_;
+  Explanation found_;
+  Rig any_rig_;
+  Explanation of_another_rig_;  // by other calibrations and another size of all frames
   Consensus result_;
 };
 
@@ -426,7 +458,8 @@ double farthest_corner(const SightedPlate& plate, const PlateOffset& offset) {
 }
 
 Consensus find_consensus(AdjustmentProblem problem, double tolerance) {
-  return Search(std::move(problem), tolerance).run();
+  keep_comparable(problem);
+  return Judge(std::move(problem), tolerance).run();
 }
 
 }  // namespace tagsmith

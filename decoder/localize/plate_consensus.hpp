@@ -12,21 +12,32 @@
 namespace tagsmith {
 
 enum class HangVerdict {
-  unchecked,  // never seen together with another plate
+  unchecked,  // never seen together with another plate that hangs as surveyed
   fits,       // hangs as surveyed, to the tolerance
   off,        // hangs elsewhere
-  doubtful,   // it or a rival hangs elsewhere: nothing seen tells which
+  doubtful,   // it hangs elsewhere, or something else is wrong: nothing seen tells which
 };
 
-// Of a frame that hangs as surveyed and was printed at another size.
+// What else than a doubtful plate may be wrong.
+enum class HangDoubt {
+  none,
+  rivals,  // other plates
+  row,     // pictures that were not taken together, or another copy of the plate in some of them
+  rig,     // the rig's calibration, or the size of all frames
+  rest,    // too little is left that judges it, or it is chance
+};
+
+// Of a frame that was printed at another size.
 struct FrameScale {
-  double share = 1;  // of the template's size
-  double least = 0;  // difference from 1 that would have been seen in 95 of 100
+  double share = 1;      // of the template's size
+  double least = 0;      // difference from 1 that would have been seen in 95 of 100
+  bool certain = false;  // no offset by itself explains the pictures
 };
 
 struct PlateCheck {
   HangVerdict verdict = HangVerdict::unchecked;
   std::optional<PlateOffset> offset;  // of a doubtful plate: were it the one
+  HangDoubt doubt = HangDoubt::none;  // of a doubtful plate
   std::vector<std::size_t> rivals;    // of a doubtful plate
   int stations = 0;                   // that saw it together with another
   // Of a plate that is off: each hangs where the other should, and `offset` is from there.
@@ -36,12 +47,22 @@ struct PlateCheck {
   std::optional<FrameScale> scale;
 };
 
+// A station whose pictures fit no place of the cameras, and what would explain it.
+struct LeftOutStation {
+  struct Suspect {
+    std::size_t plate = 0;
+    std::optional<Pose> world_from_plate;  // where it, or a copy of it, would have to hang
+  };
+  std::string name;
+  std::vector<Suspect> suspects;  // the plates in its pictures
+  bool fits_apart = false;        // the pictures of each camera by themselves fit
+};
+
 struct Consensus {
   std::vector<PlateCheck> plates;
-  // Pictures that fit no other plates and places: taken at another moment or by another camera.
-  std::vector<std::string> stations_left_out;
-  // More than half of the plates disagree: the rig or the survey is not that of these pictures. No
-  // plate is accused then.
+  std::vector<LeftOutStation> left_out;
+  // More than half of the plates disagree, or another calibration explains three plates and more:
+  // the rig, the template or the survey is not that of these pictures. No plate is accused then.
   bool nothing_fits = false;
 };
 
@@ -51,12 +72,11 @@ inline constexpr double kHangTolerance = 0.010;
 // A corner of the plate's frame that hangs at this offset, from its surveyed place at most, metres.
 double farthest_corner(const SightedPlate& plate, const PlateOffset& offset);
 
-// Exchanges two plates that contradict the rest and in each other's place do not. Then
-// tests each plate against all others (PlateOffset) and takes the one that disagrees most out of
-// the survey, until those left agree; a plate seldom disagrees by chance (once in 400). Where
-// taking out one of its neighbours instead explains the pictures nearly as well (odds of 400),
-// either may be the one, and both are doubtful. A plate that disagrees by less than the tolerance
-// fits.
+// The search of plate_search.hpp, and what of it is certain. A plate that was taken out is off when
+// nothing else explains the pictures nearly as well (odds of 400) with no more faults: neither a
+// neighbour instead, nor any other plates, nor a row of pictures that were not taken together, nor
+// another calibration of the rig or size of all frames. Else it is doubtful, and so are its rivals.
+// A plate that disagrees by less than the tolerance fits.
 Consensus find_consensus(AdjustmentProblem problem, double tolerance = kHangTolerance);
 
 }  // namespace tagsmith

@@ -91,6 +91,19 @@ void write(const HungTag& hung, TagFinding& tag) {
   tag.message = hung.message;
 }
 
+using HungByName = std::map<std::string, const HungTag*>;
+
+HungByName by_name(const std::vector<HungTag>& tags) {
+  HungByName named;
+  for (const HungTag& tag : tags) named[tag.tag] = &tag;
+  return named;
+}
+
+const HungTag* find_in(const HungByName& tags, const std::string& name) {
+  const auto found = tags.find(name);
+  return found == tags.end() ? nullptr : found->second;
+}
+
 }  // namespace
 
 std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
@@ -117,15 +130,25 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
   return sighted;
 }
 
-void report_hung_tags(const HungTags& hung, std::vector<FileReport>& reports) {
-  std::map<std::string, const HungTag*> by_name;
-  for (const HungTag& tag : hung.tags) by_name[tag.tag] = &tag;
+void report_hung_tags(const HungTags& hung, const PhotoCameras& cameras,
+                      std::vector<FileReport>& reports) {
+  const HungByName of_all = by_name(hung.tags);
+  std::map<std::string, HungByName> of_stations;
+  for (const UnplacedTags& unplaced : hung.unplaced) {
+    of_stations[unplaced.station] = by_name(unplaced.tags);
+  }
   for (FileReport& report : reports) {
+    if (!is_photo(report)) continue;
+    const std::optional<PhotoOrigin> origin = cameras.origin_of(report.file);
+    const auto unplaced = origin ? of_stations.find(origin->station) : of_stations.end();
     for (TagFinding& tag : report.tags) {
-      const auto found = by_name.find(tag.tag);
-      if (!tells(tag) || !is_photo(report) || found == by_name.end()) continue;
+      if (!tells(tag)) continue;
+      const HungTag* here =
+          unplaced == of_stations.end() ? nullptr : find_in(unplaced->second, tag.tag);
+      if (here == nullptr) here = find_in(of_all, tag.tag);
+      if (here == nullptr) continue;
       TagFinding changed = tag;
-      write(*found->second, changed);
+      write(*here, changed);
       replace(report, tag, changed);
     }
   }

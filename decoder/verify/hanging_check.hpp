@@ -23,8 +23,9 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
 
 // Writes into every tag of the reports where it hangs: off becomes `misplaced`, doubtful
 // `doubtful`, and a `misplaced` of find_misplaced that hangs as surveyed `ok`; and into the
-// reports' findings.
-void report_hung_tags(const HungTags& hung, std::vector<FileReport>& reports);
+// reports' findings. In photos that fit no place of the cameras all tags become `doubtful`.
+void report_hung_tags(const HungTags& hung, const PhotoCameras& cameras,
+                      std::vector<FileReport>& reports);
 
 // For photos, whose up the rig tells: tags in order that the survey has upright and that stand on
 // their head by the rig's stance, a quarter turn and more, become `misprinted` (rule

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -194,6 +195,10 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
     tag.message = fmt::format("{} hangs on the {} wall, expected on the {}", tag.tag,
                               to_string(surveyed.side == Side::left ? Side::right : Side::left),
                               to_string(surveyed.side));
+  } else if (check.scale && check.scale->certain) {
+    tag.rule = "wrong-scale";
+    tag.message = fmt::format("{} in its surveyed place has {}: measure the frame", tag.tag,
+                              frame_of(*check.scale));
   } else if (check.scale) {
     tag.rule = "wrong-scale";
     tag.message = fmt::format(
@@ -207,6 +212,26 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
   }
 }
 
+// What the message of a doubtful tag that has no rivals ends with.
+std::string uncertainty(HangDoubt doubt) {
+  switch (doubt) {
+    case HangDoubt::row:
+      return ". Not certain: photos that were not taken together, or a second copy of one of the "
+             "tags "
+             "in them, would explain it, too";
+    case HangDoubt::rig:
+      return ". Not certain: another calibration of the rig, or frames that are all of another "
+             "size, would explain it, too";
+    case HangDoubt::rest:
+      return ". Not certain: too few tags beyond doubt were seen with it. Photograph it once more "
+             "together with two others";
+    case HangDoubt::none:
+    case HangDoubt::rivals:
+      break;
+  }
+  return {};
+}
+
 HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::size_t index,
                  const PlateCheck& check) {
   const SightedPlate& plate = problem.plates[index];
@@ -215,21 +240,31 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
   tag.verdict = check.verdict;
   tag.stations = check.stations;
   for (const std::size_t rival : check.rivals) tag.rivals.push_back(problem.plates[rival].name);
-  if (!check.offset) return tag;
+  if (!check.offset) {
+    if (check.verdict != HangVerdict::doubtful) return tag;
+    tag.rule = "contradiction";
+    tag.message = tag.tag + " contradicts tags seen with it" + uncertainty(check.doubt);
+    return tag;
+  }
   if (!check.swapped_with) measure(plate, *check.offset, tag);
   if (check.swapped_with) {
     const std::string& other = problem.plates[*check.swapped_with].name;
     tag.rule = "swapped";
     tag.message =
         fmt::format("{} and {} hang in each other's place: exchange them", tag.tag, other);
-    return tag;
+  } else if (check.verdict == HangVerdict::off || check.verdict == HangVerdict::doubtful) {
+    name_mistake(survey, plate, check, tag);
   }
-  if (check.verdict == HangVerdict::off) name_mistake(survey, plate, check, tag);
+  tag.message += uncertainty(check.doubt);
   return tag;
 }
 
 // What to do about a doubtful tag, were it the one.
-std::string cure(const HungTag& tag, const PlateCheck& check) {
+std::string cure(const AdjustmentProblem& problem, const HungTag& tag, const PlateCheck& check) {
+  if (check.swapped_with) {
+    return fmt::format("if it is {}, exchange it with {}", tag.tag,
+                       problem.plates[*check.swapped_with].name);
+  }
   const std::string cure = fmt::format("if it is {}, {}", tag.tag, instruction(tag));
   if (!check.scale) return cure;
   return fmt::format("{}, unless it has {}", cure, frame_of(*check.scale));
@@ -245,7 +280,7 @@ void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
   constexpr double kMostTurned = 1;  // radians
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const PlateCheck& check = consensus.plates[i];
-    if (check.verdict != HangVerdict::doubtful) continue;
+    if (check.doubt != HangDoubt::rivals) continue;
     double least_turn = turn_of(check);
     for (const std::size_t rival : check.rivals) {
       least_turn = std::min(least_turn, turn_of(consensus.plates[rival]));
@@ -262,16 +297,60 @@ void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
           what, degrees(least_turn));
       continue;
     }
-    std::string cures = cure(tags[i], check);
+    std::string cures = cure(problem, tags[i], check);
     bool by_size = check.scale.has_value();
     for (const std::size_t rival : check.rivals) {
-      cures += "; " + cure(tags[rival], consensus.plates[rival]);
+      cures += "; " + cure(problem, tags[rival], consensus.plates[rival]);
       by_size = by_size || consensus.plates[rival].scale;
     }
     tags[i].message = fmt::format(
         "{}: one of them hangs wrong, and no other tag in view tells which. Measure them{}: {}",
         what, by_size ? ", and their frames" : "", cures);
   }
+}
+
+// "a second copy of 001R in the place of 002R"; empty when no tag's place is free for the plate.
+std::string suspicion(const Survey& survey, const AdjustmentProblem& problem,
+                      const Consensus& consensus, const LeftOutStation& station,
+                      const LeftOutStation::Suspect& suspect) {
+  if (!suspect.world_from_plate) return {};
+  const PlacedTag* place = place_of(survey, *suspect.world_from_plate);
+  const std::string& name = problem.plates[suspect.plate].name;
+  if (place == nullptr || std::ranges::any_of(station.suspects, [&](const auto& seen) {
+        return problem.plates[seen.plate].name == place->name;
+      })) {
+    return {};
+  }
+  const bool hangs_elsewhere = consensus.plates[suspect.plate].stations > 0;
+  return fmt::format("{}{} in the place of {}", hangs_elsewhere ? "a second copy of " : "", name,
+                     place->name);
+}
+
+UnplacedTags unplaced_tags(const Survey& survey, const AdjustmentProblem& problem,
+                           const Consensus& consensus, const LeftOutStation& station) {
+  std::vector<std::string> names;
+  std::vector<std::string> causes;
+  for (const LeftOutStation::Suspect& suspect : station.suspects) {
+    names.push_back(problem.plates[suspect.plate].name);
+    std::string cause = suspicion(survey, problem, consensus, station, suspect);
+    if (!cause.empty()) causes.push_back(std::move(cause));
+  }
+  if (station.fits_apart) causes.push_back("photos that were not taken together");
+  if (causes.empty()) causes.push_back("several plates that hang wrong, or another rig");
+  UnplacedTags unplaced{station.name, {}};
+  for (const std::string& name : names) {
+    HungTag tag;
+    tag.tag = name;
+    tag.verdict = HangVerdict::doubtful;
+    std::ranges::remove_copy(names, std::back_inserter(tag.rivals), name);
+    tag.rule = "no-common-place";
+    tag.message = fmt::format(
+        "{}: no place of the cameras explains {} together; this would: {}. Left out of where tags "
+        "hang",
+        station.name, fmt::join(names, " and "), fmt::join(causes, "; or "));
+    unplaced.tags.push_back(std::move(tag));
+  }
+  return unplaced;
 }
 
 }  // namespace
@@ -291,11 +370,8 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
   name_doubts(problem, consensus, result.tags);
-  for (const std::string& station : consensus.stations_left_out) {
-    result.notes.push_back(fmt::format(
-        "{}: its tags fit no place of the cameras: pictures that were not taken together, or not "
-        "by these cameras; left out of where tags hang",
-        station));
+  for (const LeftOutStation& station : consensus.left_out) {
+    result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
   }
   return result;
 }

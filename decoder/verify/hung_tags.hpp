@@ -43,8 +43,16 @@ struct HungTag {
   std::string message;              // what is wrong; of what is off, what to do
 };
 
+// Pictures taken together that fit no place of the cameras: a finding on each of their tags, in
+// these pictures, wherever else these tags hang.
+struct UnplacedTags {
+  std::string station;
+  std::vector<HungTag> tags;  // doubtful, rule `no-common-place`
+};
+
 struct HungTags {
-  std::vector<HungTag> tags;         // of the survey that were seen, in its order
+  std::vector<HungTag> tags;  // of the survey that were seen, in its order
+  std::vector<UnplacedTags> unplaced;
   std::vector<std::string> notes;    // on pictures that could not be used
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together

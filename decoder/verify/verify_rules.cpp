@@ -64,6 +64,11 @@ constexpr std::array kRules{
                "being where the other tags in view have it. Or, when it stays, write its measured "
                "place into the survey's `placed`."},
     VerifyRule{
+        "no-common-place", "photos taken together that no place of the cameras explains",
+        "Compare the labels of the plates that are named with the setting-out list: a "
+        "second copy of a plate hangs wrong, or plates were exchanged. If all hang right, "
+        "the photos were not taken together: verify them with --camera, or correct the run."},
+    VerifyRule{
         "no-frame", "bars whose feature frame is cropped, covered or missing",
         "Photograph, scan or crop so that the whole black frame is there, with white around it and "
         "nothing before it. When the plate itself lacks a part of its frame, print it again."},

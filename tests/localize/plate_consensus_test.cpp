@@ -79,17 +79,20 @@ AdjustmentProblem drive(const Site& site) {
   return problem;
 }
 
-// Pictures of a plate at 97 %: those of the whole one, its corners drawn towards its middle.
-void print_small(const Site& site, std::size_t small, AdjustmentProblem& problem) {
+// Pictures of a plate at another size: those of the whole one, its corners drawn towards its
+// middle.
+void print_small(const Site& site, std::size_t small, AdjustmentProblem& problem,
+                 double size = 0.97) {
   for (Station& station : problem.stations) {
     for (Sighting& sighting : station.sightings) {
       if (sighting.plate != small) continue;
       SightedPlate plate = problem.plates[small];
-      plate.length *= 0.97;
-      plate.height *= 0.97;
+      plate.length *= size;
+      plate.height *= size;
       plate.world_from_plate.translation +=
           plate.world_from_plate.rotation *
-          Vector3d(0.015 * problem.plates[small].length, 0.015 * problem.plates[small].height, 0);
+          ((1 - size) / 2 *
+           Vector3d(problem.plates[small].length, problem.plates[small].height, 0));
       VehiclePose vehicle;
       vehicle.position = world_from_grid(site.survey.grid, {0.95, std::stod(station.name), 0.24});
       sighting.pixels = sighting_rows(site.rig, calibration_layout(site.rig), {},
@@ -108,7 +111,7 @@ TEST_CASE("plates that hang as surveyed fit, those not seen are not checked") {
     CAPTURE(site.survey.tags[i].name);
     CHECK(consensus.plates[i].verdict == (i < 8 ? HangVerdict::fits : HangVerdict::unchecked));
   }
-  CHECK(consensus.stations_left_out.empty());
+  CHECK(consensus.left_out.empty());
 }
 
 TEST_CASE("a displaced plate is found, and by how much to its standard deviation") {
@@ -273,8 +276,85 @@ TEST_CASE("pictures that were not taken together accuse no plate") {
   problem.stations.push_back(mixed);
   const Consensus consensus = find_consensus(problem);
   for (std::size_t i = 0; i < 8; ++i) CHECK(consensus.plates[i].verdict == HangVerdict::fits);
-  REQUIRE(consensus.stations_left_out.size() == 1);
-  CHECK(consensus.stations_left_out[0] == "mixed");
+  REQUIRE(consensus.left_out.size() == 1);
+  CHECK(consensus.left_out[0].name == "mixed");
+}
+
+TEST_CASE("a plate of another size, seen from near and far, accuses none that hang beside it") {
+  const Site site;
+  AdjustmentProblem problem = drive(site);
+  std::mt19937_64 random(15);
+  problem.stations.push_back(seen_from(site, -0.1, {"000R", "001L", "001R", "002L"}, random));
+  problem.stations.push_back(seen_from(site, 0.8, {"001R", "002L", "002R", "003R"}, random));
+  const std::size_t small = site.index("002L");
+  print_small(site, small, problem, 0.95);
+  const Consensus consensus = find_consensus(problem);
+  for (std::size_t i = 0; i < 8; ++i) {
+    CAPTURE(site.survey.tags[i].name);
+    CHECK(consensus.plates[i].verdict == (i == small ? HangVerdict::off : HangVerdict::fits));
+  }
+  REQUIRE(consensus.plates[small].scale);
+  CHECK(consensus.plates[small].scale->certain);
+  CHECK(consensus.plates[small].scale->share == doctest::Approx(0.95).epsilon(0.001));
+}
+
+TEST_CASE("a second copy of a plate is suspected where it hangs, and none is accused surely") {
+  const Site site;
+  AdjustmentProblem problem = drive(site);
+  std::mt19937_64 random(16);
+  Site copied = site;
+  copied.hung[site.index("001R")] = site.hung[site.index("002R")];
+  problem.stations[1] = seen_from(copied, 0.3, {"001L", "001R", "002L"}, random);
+  problem.stations[2] = seen_from(site, 1.1, {"002L", "003L", "003R"}, random);
+  const Consensus consensus = find_consensus(problem);
+  for (const PlateCheck& check : consensus.plates) CHECK(check.verdict != HangVerdict::off);
+  REQUIRE(consensus.left_out.size() == 1);
+  CHECK(consensus.left_out[0].name == problem.stations[1].name);
+  const auto& suspects = consensus.left_out[0].suspects;
+  REQUIRE(suspects.size() == 3);
+  CHECK_FALSE(suspects[0].world_from_plate);
+  REQUIRE(suspects[1].plate == site.index("001R"));
+  REQUIRE(suspects[1].world_from_plate);
+  const Vector3d there = site.hung[site.index("002R")].translation;
+  CHECK((suspects[1].world_from_plate->translation - there).norm() < 0.02);
+}
+
+TEST_CASE("a plate is not surely off when pictures that were not taken together explain it") {
+  const Site site;
+  std::mt19937_64 random(17);
+  AdjustmentProblem problem = problem_of(site);
+  Station mixed = seen_from(site, 0.3, {"001L", "002L"}, random);
+  const Station later = seen_from(site, 0.8, {"002R"}, random);
+  mixed.sightings.push_back(later.sightings[0]);
+  problem.stations = {mixed};
+  const PlateCheck check = find_consensus(problem).plates[site.index("002R")];
+  CHECK(check.verdict == HangVerdict::doubtful);
+  CHECK(check.doubt == HangDoubt::row);
+}
+
+TEST_CASE("another rig, or a template of another size, accuses no plate surely") {
+  const Site site;
+  const std::vector<std::pair<double, double>> worlds{{3, 1}, {0, 0.95}, {0, 1.05}};
+  for (const auto& [turn_deg, focal] : worlds) {
+    CAPTURE(turn_deg);
+    CAPTURE(focal);
+    AdjustmentProblem problem = drive(site);
+    Rig other = site.rig;
+    other.cameras[0].vehicle_from_camera.rotation *=
+        Eigen::AngleAxisd(radians(turn_deg), Vector3d::UnitY()).toRotationMatrix();
+    for (RigCamera& camera : other.cameras) {
+      camera.camera.fx *= focal;
+      camera.camera.fy *= focal;
+    }
+    problem.rig = &other;
+    const Consensus consensus = find_consensus(problem);
+    bool is_told = consensus.nothing_fits || !consensus.left_out.empty();
+    for (const PlateCheck& check : consensus.plates) {
+      CHECK(check.verdict != HangVerdict::off);
+      is_told = is_told || check.verdict == HangVerdict::doubtful;
+    }
+    CHECK(is_told);
+  }
 }
 
 TEST_CASE("when nothing fits, the rig or the survey is wrong and no plate is accused") {

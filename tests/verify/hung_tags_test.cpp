@@ -2,12 +2,14 @@
 #include "decoder/verify/hung_tags.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <random>
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/hanging_check.hpp"
@@ -17,6 +19,7 @@
 namespace tagsmith {
 namespace {
 
+namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 // Seen from three places, exactly.
@@ -228,6 +231,54 @@ TEST_CASE("a frame of another size is told with the least error of size that cou
   CHECK(tells(pair.tags[0], "unless it has a frame of 97."));
 }
 
+TEST_CASE("photos that no place of the cameras explains are findings of their tags, there only") {
+  Corridor corridor;
+  std::vector<SightedTag> sighted = corridor.seen();
+  corridor.at("001R") = corridor.survey.tags[corridor.index("002R")].world_from_plate;
+  const std::string row = std::to_string(1.1);
+  std::erase_if(sighted, [&](const SightedTag& tag) { return tag.station == row; });
+  for (const SightedTag& tag : corridor.seen()) {
+    if (tag.station == row && tag.tag != "002R") sighted.push_back(tag);
+  }
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, sighted);
+  for (const HungTag& tag : result.tags) CHECK(tag.verdict != HangVerdict::off);
+  REQUIRE(result.unplaced.size() == 1);
+  CHECK(result.unplaced[0].station == row);
+  const std::vector<HungTag>& tags = result.unplaced[0].tags;
+  const auto copy = std::ranges::find(tags, "001R", &HungTag::tag);
+  REQUIRE(copy != tags.end());
+  CHECK(copy->verdict == HangVerdict::doubtful);
+  CHECK(copy->rule == "no-common-place");
+  CAPTURE(copy->message);
+  CHECK(copy->message.find("a second copy of 001R in the place of 002R") != std::string::npos);
+
+  // In the photo of that row the tag is doubtful, in another it is in order.
+  std::vector<FileReport> reports(2);
+  for (FileReport& report : reports) {
+    report.width = 1280;
+    report.tags.resize(1);
+    report.tags[0].tag = "001R";
+  }
+  const fs::path folder = fs::current_path();
+  Run run;
+  run.measurements.resize(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string& camera = corridor.rig.cameras[0].name;
+    reports[i].file = folder / fmt::format("{}.jpg", i);
+    run.measurements[i].id = i == 0 ? "first" : "second";
+    run.measurements[i].cameras[camera].image = reports[i].file;
+  }
+  const PhotoCameras cameras = PhotoCameras::by_run(corridor.rig, run);
+  HungTags hung;
+  hung.tags = {HungTag{"001R", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
+  hung.unplaced = {{cameras.origin_of(reports[1].file)->station, {*copy}}};
+  report_hung_tags(hung, cameras, reports);
+  CHECK(reports[0].tags[0].status == TagStatus::ok);
+  CHECK(reports[0].findings.empty());
+  CHECK(reports[1].tags[0].status == TagStatus::doubtful);
+  CHECK(reports[1].rules == std::set<std::string>{"no-common-place"});
+}
+
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
   const Corridor corridor;
   const HungTag tag = corridor.judged("001L");
@@ -276,9 +327,10 @@ TEST_CASE("what was found is written into the reports, in place of what was said
   report.findings = {"misplaced: the picture's order"};
   std::vector<FileReport> reports{report};
 
+  const PhotoCameras cameras = PhotoCameras::by_names(corridor.rig);
   HungTags hung;
   hung.tags = {HungTag{"001L", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
-  report_hung_tags(hung, reports);
+  report_hung_tags(hung, cameras, reports);
   CHECK(reports[0].tags[0].status == TagStatus::ok);
   CHECK(reports[0].findings.empty());
   CHECK(reports[0].rules.empty());
@@ -286,7 +338,7 @@ TEST_CASE("what was found is written into the reports, in place of what was said
   hung.tags[0].verdict = HangVerdict::off;
   hung.tags[0].rule = "moved";
   hung.tags[0].message = "raise it";
-  report_hung_tags(hung, reports);
+  report_hung_tags(hung, cameras, reports);
   CHECK(reports[0].tags[0].status == TagStatus::misplaced);
   CHECK(reports[0].findings == std::vector<std::string>{"misplaced: raise it"});
   CHECK(reports[0].rules == std::set<std::string>{"moved"});

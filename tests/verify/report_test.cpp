@@ -245,7 +245,12 @@ TEST_CASE("verify writes the same report as report does of its lines") {
 TEST_CASE("the summary says what the photos cover, of which wall, how often and how well") {
   const ProgramOutput output =
       run_tagsmith("verify --json " + kSurvey + " surveys/corridor/photos");
-  const json covered = last_line(output.out)["summary"]["completeness"];
+  const json summary = last_line(output.out)["summary"];
+  CHECK(summary["placement"] == "not_checked");
+  const json covered = summary["completeness"];
+  CHECK(covered["placement_checked"] == 0);
+  CHECK(covered["placement_unchecked"].size() == 14);
+  CHECK(covered["by_tag"][0]["placement"] == "unchecked");
   CHECK(covered["tags"] == 16);
   CHECK(covered["seen"] == 14);
   CHECK(covered["share"] == 0.875);

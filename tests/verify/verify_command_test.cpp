@@ -429,6 +429,10 @@ TEST_CASE("with a rig, tags that hang elsewhere than surveyed are found and told
   const json checked = json_lines(right.out).at(20)["summary"]["hanging"];
   CHECK(checked.size() == 14);
   for (const json& tag : checked) CHECK(tag["verdict"] == "fits");
+  const json summary = json_lines(right.out).at(20)["summary"];
+  CHECK(summary["placement"] == "checked");
+  CHECK(summary["completeness"]["placement_checked"] == 14);
+  CHECK(summary["hanging_unplaced"].empty());
 
   // The survey's place of 001L is 30 mm too high: the plate hangs too low against it.
   const TemporaryFolder folder;
@@ -508,6 +512,35 @@ TEST_CASE("jobs that know no rig are merged into where tags hang, by all their p
   CHECK(judged(lines[10]["summary"]) == judged(summary));
   CHECK(lines[10]["summary"]["misplaced"] == expected["misplaced"]);
   CHECK(lines[10]["summary"]["doubtful"] == expected["doubtful"]);
+}
+
+TEST_CASE("what of where tags hang was not checked, or fits nothing, is told and a finding") {
+  const TemporaryFolder folder;
+  const fs::path lines = folder.path() / "photos.jsonl";
+  const std::string report = "report " + kSurvey + " '" + lines.string() + "'";
+  const std::string rig = " --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  std::string verified = run_tagsmith("verify --json " + kSurvey + " " + kPhotos).out;
+  REQUIRE(write_file(lines, verified).has_value());
+  const std::string page = (folder.path() / "report.html").string();
+  const std::string table = (folder.path() / "report.csv").string();
+  const ProgramOutput unchecked =
+      run_tagsmith(report + " --html '" + page + "' --csv '" + table + "'");
+  CHECK(unchecked.out.find("Placement not checked") != std::string::npos);
+  CHECK(read_file(page)->find("Placement not checked") != std::string::npos);
+  CHECK(read_file(table)->find(",finding,placement") != std::string::npos);
+
+  // A second copy of 001R hangs where 002R should.
+  for (std::size_t at = 0; (at = verified.find("\"002R\"", at)) != std::string::npos;) {
+    verified.replace(at, 6, "\"001R\"");
+  }
+  REQUIRE(write_file(lines, verified).has_value());
+  const ProgramOutput copied = run_tagsmith(report + rig + " --json --csv '" + table + "'");
+  CHECK(copied.exit_code == 1);
+  CHECK(copied.err == "");
+  const json summary = json_lines(copied.out).at(0)["summary"];
+  CHECK(summary["faults"] > 0);
+  for (const json& tag : summary["hanging"]) CHECK(tag["verdict"] != "off");
+  CHECK(read_file(table)->find("second copy") != std::string::npos);
 }
 
 TEST_CASE("faults that only the merge finds have pictures, or say why not") {

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/localize/plate_search.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "decoder/localize/joint_model.hpp"
+
+namespace tagsmith {
+namespace {
+
+constexpr double kGate = 3.7;  // normal value that is exceeded once in 10 000
+// Of a shift where turns are as the survey's tilt allows: once in 400. A tilt that is not stated is
+// estimated on the safe side already, and who knows it well is guarded by the tolerance. Chosen of
+// 2.6, 2.8, 2.9 and 3.1 on `bench displaced 60`, seeds 1 and 2.
+constexpr double kShiftGate = 2.8;
+constexpr double kStationGate = 6;  // of pictures' corners, whose noise has heavier tails
+constexpr double kGross = 0.5;      // frame diagonals: beyond, no linear test is needed
+constexpr std::size_t kMostRivals = 6;
+
+class Search {
+ public:
+  Search(AdjustmentProblem problem, const Given& given) : given_(given) {
+    found_.freed.resize(problem.plates.size(), Freedom::none);
+    found_.swapped_with.resize(problem.plates.size());
+    found_.problem = std::move(problem);
+  }
+
+  Explanation run() {
+    exchange_swapped();
+    while (take_out_gross()) drop_stations();
+    take_out_worst();
+    return std::move(found_);
+  }
+
+ private:
+  // --- gross disagreement ---
+
+  struct Pair {
+    std::size_t station = 0;
+    std::size_t a = 0;
+    std::size_t b = 0;
+    bool agrees = true;
+  };
+
+  std::vector<Pair> compare_pairs() const {
+    std::vector<Pair> pairs;
+    for (std::size_t s = 0; s < found_.problem.stations.size(); ++s) {
+      const std::vector<Sighting>& sightings = found_.problem.stations[s].sightings;
+      for (std::size_t i = 0; i < sightings.size(); ++i) {
+        for (std::size_t j = i + 1; j < sightings.size(); ++j) {
+          if (sightings[i].plate == sightings[j].plate) continue;
+          const double apart = std::min(mismatch(found_.problem, sightings[i], sightings[j]),
+                                        mismatch(found_.problem, sightings[j], sightings[i]));
+          pairs.push_back({s, sightings[i].plate, sightings[j].plate, apart < kGross});
+        }
+      }
+    }
+    return pairs;
+  }
+
+  void exchange(std::size_t a, std::size_t b) {
+    std::swap(found_.problem.plates[a].world_from_plate, found_.problem.plates[b].world_from_plate);
+  }
+
+  // Of the pairs of this plate with a third one, those that agree, or contradict each other.
+  static std::ptrdiff_t count(const std::vector<Pair>& pairs, bool agree, std::size_t plate,
+                              std::size_t partner) {
+    return std::ranges::count_if(pairs, [&](const Pair& pair) {
+      const bool with_third =
+          (pair.a == plate && pair.b != partner) || (pair.b == plate && pair.a != partner);
+      return with_third && pair.agrees == agree;
+    });
+  }
+
+  // True when third plates contradict both, which in each other's place agree with all.
+  bool are_swapped(std::size_t a, std::size_t b) {
+    const std::vector<Pair> before = compare_pairs();
+    if (count(before, false, a, b) == 0 || count(before, false, b, a) == 0) return false;
+    exchange(a, b);
+    const std::vector<Pair> after = compare_pairs();
+    exchange(a, b);
+    const auto contradicts = [&](const Pair& pair) {
+      return !pair.agrees && (pair.a == a || pair.a == b || pair.b == a || pair.b == b);
+    };
+    return count(after, true, a, b) > 0 && count(after, true, b, a) > 0 &&
+           std::ranges::none_of(after, contradicts);
+  }
+
+  void exchange_swapped() {
+    constexpr std::size_t kMost = 24;  // contradicted plates; with more, no swap is at fault
+    std::set<std::size_t> contradicted;
+    for (const Pair& pair : compare_pairs()) {
+      if (!pair.agrees) contradicted.insert({pair.a, pair.b});
+    }
+    if (contradicted.size() > kMost) return;
+    for (const std::size_t a : contradicted) {
+      for (const std::size_t b : contradicted) {
+        if (b <= a || found_.swapped_with[a] || found_.swapped_with[b]) continue;
+        if (a == given_.plate || b == given_.plate) continue;
+        if (!are_swapped(a, b)) continue;
+        exchange(a, b);
+        found_.swapped_with[a] = b;
+        found_.swapped_with[b] = a;
+      }
+    }
+  }
+
+  // Takes out plates that contradict more others than they agree with; when there is none, a
+  // station whose pictures contradict each other. True when there are such stations.
+  bool take_out_gross() {
+    std::vector<Pair> pairs = compare_pairs();
+    for (;;) {
+      std::map<std::size_t, int> agreed;
+      std::map<std::size_t, int> contradicted;
+      std::map<std::size_t, int> by_station;
+      for (const Pair& pair : pairs) {
+        for (const std::size_t plate : {pair.a, pair.b}) {
+          ++(pair.agrees ? agreed : contradicted)[plate];
+        }
+        if (!pair.agrees) ++by_station[pair.station];
+      }
+      if (by_station.empty()) break;
+      if (given_.plate) contradicted.erase(*given_.plate);
+      const auto weight = [&](const auto& entry) { return entry.second - agreed[entry.first]; };
+      const auto plate = std::ranges::max_element(contradicted, {}, weight);
+      if (weight(*plate) > 0 || given_.stations) {
+        const std::size_t worst = plate->first;
+        found_.freed[worst] = Freedom::any;
+        std::erase_if(pairs, [&](const Pair& pair) { return pair.a == worst || pair.b == worst; });
+        continue;
+      }
+      const auto station =
+          std::ranges::max_element(by_station, {}, [](const auto& entry) { return entry.second; });
+      const std::size_t left_out = station->first;
+      std::erase_if(pairs, [&](const Pair& pair) { return pair.station == left_out; });
+      dropped_.insert(left_out);
+    }
+    return !dropped_.empty();
+  }
+
+  // Takes the stations in dropped_ out of the problem, but for their parts.
+  void drop_stations() {
+    for (auto index = dropped_.rbegin(); index != dropped_.rend(); ++index) {
+      const auto station = found_.problem.stations.begin() + static_cast<std::ptrdiff_t>(*index);
+      std::vector<Station> parts = apart(*station);
+      if (parts.size() == 1 && parts[0].sightings.size() == station->sightings.size())
+        parts.clear();
+      found_.left_out.push_back(std::move(*station));
+      found_.problem.stations.erase(station);
+      std::ranges::move(parts, std::back_inserter(found_.problem.stations));
+    }
+    dropped_.clear();
+  }
+
+  // --- the worst, one by one ---
+
+  bool may_be_freed(std::size_t plate) const {
+    return found_.freed[plate] == Freedom::none && plate != given_.plate;
+  }
+
+  std::optional<std::size_t> most_in_doubt(const Adjustment& adjustment) const {
+    std::optional<std::size_t> worst;
+    double most = 1;
+    for (std::size_t i = 0; i < adjustment.offsets.size(); ++i) {
+      if (!may_be_freed(i) || !adjustment.offsets[i] || excess(*adjustment.offsets[i]) <= most)
+        continue;
+      most = excess(*adjustment.offsets[i]);
+      worst = i;
+    }
+    return worst;
+  }
+
+  // The station whose corners fit worst, when that is too bad to be noise.
+  std::optional<std::size_t> worst_station(const Adjustment& adjustment) const {
+    std::optional<std::size_t> worst;
+    if (given_.stations) return worst;
+    double most = 1;
+    for (std::size_t s = 0; s < found_.problem.stations.size(); ++s) {
+      const int degrees = corner_degrees(found_.problem.stations[s]);
+      const double share =
+          adjustment.station_chi_square[s] / chi_square_limit(degrees, kStationGate);
+      if (share <= most) continue;
+      most = share;
+      worst = s;
+    }
+    return worst;
+  }
+
+  // By how much leaving the station out lowers chi-square, its own expectation apart.
+  double gain_without(const Adjustment& adjustment, std::size_t station) const {
+    AdjustmentProblem rest = found_.problem;
+    rest.stations.erase(rest.stations.begin() + static_cast<std::ptrdiff_t>(station));
+    const auto without = adjust_plates(rest, found_.freed);
+    if (!without) return 0;
+    return adjustment.chi_square - without->chi_square -
+           corner_degrees(found_.problem.stations[station]);
+  }
+
+  struct Choice {
+    std::size_t plate = 0;
+    Adjustment adjustment;
+  };
+
+  // Of the plate in doubt and its neighbours, the one without which the others agree best.
+  std::optional<Choice> best_to_free(const Adjustment& adjustment, std::size_t worst) const {
+    std::vector<std::size_t> candidates =
+        neighbours(found_.problem, found_.freed, adjustment, worst);
+    std::erase_if(candidates, [&](std::size_t i) {
+      return i == given_.plate ||
+             adjustment.offsets[i]->chi_square < adjustment.offsets[worst]->chi_square / 2;
+    });
+    candidates.insert(candidates.begin(), worst);
+    std::optional<Choice> best;
+    for (const std::size_t plate : candidates) {
+      std::vector<Freedom> freed = found_.freed;
+      freed[plate] = Freedom::any;
+      auto without = adjust_plates(found_.problem, freed);
+      if (!without || (best && without->chi_square >= best->adjustment.chi_square)) continue;
+      best = Choice{plate, std::move(*without)};
+    }
+    return best;
+  }
+
+  void take_out_worst() {
+    constexpr int kOfPlate = 7;
+    for (;;) {
+      found_.adjustment = adjust_plates(found_.problem, found_.freed);
+      if (!found_.adjustment) return;
+      const Adjustment& adjustment = *found_.adjustment;
+      const auto worst = most_in_doubt(adjustment);
+      const auto choice = worst ? best_to_free(adjustment, *worst) : std::nullopt;
+      const auto station = worst_station(choice ? choice->adjustment : adjustment);
+      if (!choice && !station) return;
+      const double by_plate =
+          choice ? adjustment.chi_square - choice->adjustment.chi_square - kOfPlate : 0;
+      if (station && gain_without(adjustment, *station) > by_plate + kClearlyBetter) {
+        dropped_.insert(*station);
+        drop_stations();
+      } else if (choice) {
+        found_.freed[choice->plate] = Freedom::any;
+      } else {
+        return;
+      }
+    }
+  }
+
+  Given given_;
+  std::set<std::size_t> dropped_;
+  Explanation found_;
+};
+
+}  // namespace
+
+std::set<std::size_t> plates_of(const Station& station) {
+  std::set<std::size_t> plates;
+  for (const Sighting& sighting : station.sightings) plates.insert(sighting.plate);
+  return plates;
+}
+
+// What is left of all six when the turn alone is counted belongs to the shift: of two tags that
+// turn alike, little of a shift can be the tilt of one of them.
+double excess(const PlateOffset& offset) {
+  const double by_shift = offset.chi_square - offset.turn_chi_square;
+  return std::max({by_shift / chi_square_limit(3, kShiftGate),
+                   offset.shift_chi_square / chi_square_limit(3, kGate),
+                   offset.turn_chi_square / chi_square_limit(3, kGate),
+                   offset.chi_square / chi_square_limit(6, kGate)});
+}
+
+int corner_degrees(const Station& station) {
+  return static_cast<int>(kSightingRows * station.sightings.size()) - 6;
+}
+
+bool fits_badly(const Station& station, double chi_square) {
+  return chi_square > chi_square_limit(corner_degrees(station), kStationGate);
+}
+
+std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
+                                    const std::vector<Freedom>& freed, const Adjustment& adjustment,
+                                    std::size_t plate) {
+  std::set<std::size_t> found;
+  for (const Station& station : problem.stations) {
+    const std::set<std::size_t> seen = plates_of(station);
+    if (seen.contains(plate)) found.insert(seen.begin(), seen.end());
+  }
+  found.erase(plate);
+  std::vector<std::size_t> list(found.begin(), found.end());
+  std::erase_if(list,
+                [&](std::size_t i) { return freed[i] != Freedom::none || !adjustment.offsets[i]; });
+  std::ranges::stable_sort(list, std::ranges::greater{},
+                           [&](std::size_t i) { return adjustment.offsets[i]->chi_square; });
+  if (list.size() > kMostRivals) list.resize(kMostRivals);
+  return list;
+}
+
+int faults_of(const Explanation& explanation) {
+  const auto freed = std::ranges::count(explanation.freed, Freedom::any);
+  const auto swapped = std::ranges::count_if(explanation.swapped_with,
+                                             [](const auto& other) { return other.has_value(); });
+  return static_cast<int>(freed + swapped / 2) + static_cast<int>(explanation.left_out.size());
+}
+
+double cost_of(const Explanation& explanation) {
+  if (!explanation.adjustment) return std::numeric_limits<double>::infinity();
+  double cost = explanation.adjustment->chi_square;
+  for (const Station& station : explanation.problem.stations) cost -= corner_degrees(station);
+  return cost;
+}
+
+void keep_comparable(AdjustmentProblem& problem) {
+  for (Station& station : problem.stations) {
+    std::erase_if(station.sightings,
+                  [&](Sighting& sighting) { return !make_consistent(problem, sighting); });
+  }
+  std::erase_if(problem.stations,
+                [](const Station& station) { return plates_of(station).size() < 2; });
+}
+
+std::vector<Station> apart(const Station& station) {
+  std::map<std::size_t, Station> by_camera;
+  for (const Sighting& sighting : station.sightings) {
+    by_camera[sighting.camera].sightings.push_back(sighting);
+  }
+  std::vector<Station> parts;
+  for (auto& [camera, part] : by_camera) {
+    part.name = station.name;
+    if (plates_of(part).size() > 1) parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+Explanation explain(AdjustmentProblem problem, const Given& given) {
+  return Search(std::move(problem), given).run();
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The search for what explains pictures of plates that do not all hang as surveyed.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "decoder/localize/plate_adjustment.hpp"
+
+namespace tagsmith {
+
+inline constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400
+
+std::set<std::size_t> plates_of(const Station& station);
+
+// How far a plate that should hang as surveyed is from that, beyond chance: more than 1 is seldom
+// so (once in 400).
+double excess(const PlateOffset& offset);
+
+// Degrees of freedom of a station's corners, all plates being known.
+int corner_degrees(const Station& station);
+
+// True when the station's corners are farther from the fit than noise is.
+bool fits_badly(const Station& station, double chi_square);
+
+// Plates seen together with this one that are not freed, those that disagree most first.
+std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
+                                    const std::vector<Freedom>& freed, const Adjustment& adjustment,
+                                    std::size_t plate);
+
+struct Explanation {
+  AdjustmentProblem problem;   // without the stations left out, exchanged plates being exchanged
+  std::vector<Freedom> freed;  // any, of the plates that contradict the rest
+  std::vector<std::optional<std::size_t>> swapped_with;
+  std::vector<Station> left_out;         // stations that fit no place of the cameras
+  std::optional<Adjustment> adjustment;  // nothing when the fit does not converge
+
+  bool accuses(std::size_t plate) const {
+    return freed[plate] != Freedom::none || swapped_with[plate].has_value();
+  }
+};
+
+// Plates taken out, pairs exchanged, stations left out.
+int faults_of(const Explanation& explanation);
+
+// How badly it explains the pictures: chi-square beyond its expectation, up to a constant that all
+// explanations of the same stations share.
+double cost_of(const Explanation& explanation);
+
+// Stations with sightings that a rectangle explains, of two plates or more: what can be compared.
+void keep_comparable(AdjustmentProblem& problem);
+
+// The pictures of each camera as if they were taken by themselves, of two plates or more.
+std::vector<Station> apart(const Station& station);
+
+// What a search does not call in question.
+struct Given {
+  std::optional<std::size_t> plate;  // hangs as surveyed, whatever the pictures say
+  bool stations = false;             // all pictures of a station were taken together
+};
+
+// Exchanges pairs of plates that contradict the rest and in each other's place do not; then takes
+// out the plate that contradicts the others most, or leaves out a station that fits nothing, until
+// those left agree. Of a station left out the pictures of each camera are still used by themselves.
+Explanation explain(AdjustmentProblem problem, const Given& given = {});
+
+}  // namespace tagsmith

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is an innocent plate accused when something else is wrong? Usage: bench_wrong_worlds [N] [SEED]
+//
+// N worlds of each kind of mistake: plates moved, exchanged, printed at another size, hung as
+// second copies, by themselves and two at once; another calibration or template than stated; photos
+// of two rows exchanged. Each is seen from ten places of the shipped corridor, by the shipped rig
+// and by one of wide cameras in turn, as corners with their noise, and checked against the survey,
+// whose places and angles are off by its standard deviations.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <numbers>
+#include <random>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "decoder/localize/observation.hpp"
+#include "decoder/verify/hung_tags.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tests/support/wide_corridor.hpp"
+
+using namespace tagsmith;
+using Eigen::Vector3d;
+
+namespace {
+
+using Random = std::mt19937_64;
+
+double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+double normal(Random& random, double sigma) {
+  return sigma * std::normal_distribution<double>()(random);
+}
+
+Vector3d normals(Random& random, double sigma) {
+  const double x = normal(random, sigma);
+  const double y = normal(random, sigma);
+  return {x, y, normal(random, sigma)};
+}
+
+Eigen::Matrix3d turned(const Vector3d& turn) {
+  return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+}
+
+// A plate as it hangs: `tag` is what it says, by its place in the survey.
+struct Plate {
+  std::size_t tag = 0;
+  Pose world_from_plate;
+  double size = 1;
+};
+
+struct World {
+  Survey survey;  // as told to the check
+  Rig rig;        // likewise
+  Rig true_rig;
+  std::vector<Plate> plates;
+  std::vector<VehiclePose> rows;
+  std::set<std::size_t> wrong;      // tags of which something is wrong
+  std::set<std::size_t> exchanged;  // of these, in another's place, and that in theirs
+  std::pair<std::size_t, std::size_t>
+      mixed;  // rows whose photos of the second camera are exchanged
+};
+
+World right_world(int number, Random& random) {
+  test::WideCorridor corridor;
+  World world;
+  world.survey = corridor.survey;
+  world.rig = number % 2 == 0 ? corridor.rig : load_rig("surveys/corridor/rig.yaml").value();
+  world.true_rig = world.rig;
+  for (std::size_t i = 0; i < world.survey.tags.size(); ++i) {
+    Pose& pose = world.survey.tags[i].world_from_plate;
+    world.plates.push_back({i, pose, 1});
+    pose.translation += normals(random, world.survey.sigma);
+    pose.rotation *= turned(normals(random, radians(0.1)));
+  }
+  for (int row = 0; row < 10; ++row) {
+    VehiclePose vehicle;
+    vehicle.position = world_from_grid(
+        world.survey.grid,
+        {0.95 + normal(random, 0.1), -0.8 + 0.65 * row + uniform(random, -0.2, 0.2), 0.24});
+    vehicle.heading = world_heading_from_grid(world.survey.grid, normal(random, radians(3)));
+    vehicle.pitch = normal(random, radians(1));
+    vehicle.roll = normal(random, radians(1));
+    world.rows.push_back(vehicle);
+  }
+  return world;
+}
+
+// --- mistakes ---
+
+std::size_t any_tag(const World& world, Random& random) {
+  return std::uniform_int_distribution<std::size_t>(0, world.survey.tags.size() - 1)(random);
+}
+
+// A tag of which nothing is wrong yet.
+std::size_t other_tag(const World& world, Random& random) {
+  std::size_t tag = any_tag(world, random);
+  while (world.wrong.contains(tag)) tag = any_tag(world, random);
+  return tag;
+}
+
+void move(World& world, Random& random) {
+  const std::size_t tag = other_tag(world, random);
+  Pose& pose = world.plates[tag].world_from_plate;
+  const double by = std::exp(uniform(random, std::log(0.03), std::log(0.5)));
+  pose.translation += by * normals(random, 1).normalized();
+  pose.rotation *= turned(normals(random, radians(2)));
+  world.wrong.insert(tag);
+}
+
+void print_at(World& world, double size, Random& random) {
+  const std::size_t tag = other_tag(world, random);
+  world.plates[tag].size = size;
+  world.wrong.insert(tag);
+}
+
+void print_small(World& world, Random& random) { print_at(world, 0.95, random); }
+
+void print_anyhow(World& world, Random& random) {
+  print_at(world, uniform(random, 0.9, 0.98), random);
+}
+
+void exchange(World& world, Random& random) {
+  const std::size_t one = other_tag(world, random);
+  world.wrong.insert(one);
+  const std::size_t other = other_tag(world, random);
+  world.wrong.insert(other);
+  std::swap(world.plates[one].world_from_plate, world.plates[other].world_from_plate);
+  world.exchanged.insert({one, other});
+}
+
+// A plate hangs where it should, and a copy of it in the place of another, which is missing.
+void copy(World& world, Random& random) {
+  const std::size_t one = other_tag(world, random);
+  world.wrong.insert(one);
+  const std::size_t other = other_tag(world, random);
+  world.wrong.insert(other);
+  world.plates[other].tag = one;
+}
+
+void exchange_and_copy(World& world, Random& random) {
+  exchange(world, random);
+  copy(world, random);
+}
+
+// One camera looks elsewhere than stated.
+void turn_camera(World& world, Random& random) {
+  RigCamera& camera = world.true_rig.cameras[0];
+  camera.vehicle_from_camera.rotation *= turned(radians(3) * normals(random, 1).normalized());
+}
+
+void change_focus(World& world, Random& random) {
+  const double by = uniform(random, 0, 1) < 0.5 ? 1.05 : 0.95;
+  for (RigCamera& camera : world.true_rig.cameras) {
+    camera.camera.fx *= by;
+    camera.camera.fy *= by;
+  }
+}
+
+void change_template(World& world, Random& random) {
+  const double by = uniform(random, 0, 1) < 0.5 ? 1.05 : 0.95;
+  for (Plate& plate : world.plates) plate.size *= by;
+}
+
+void mix_rows(World& world, Random& random) {
+  const auto row = [&] {
+    return std::uniform_int_distribution<std::size_t>(0, world.rows.size() - 1)(random);
+  };
+  world.mixed.first = row();
+  do world.mixed.second = row();
+  while (world.mixed.second == world.mixed.first);
+}
+
+using Mistake = void (*)(World&, Random&);
+
+void two_mistakes(World& world, Random& random) {
+  constexpr std::array<Mistake, 5> kAny{move, print_anyhow, exchange, copy, mix_rows};
+  for (int i = 0; i < 2; ++i) {
+    kAny[std::uniform_int_distribution<std::size_t>(0, kAny.size() - 1)(random)](world, random);
+  }
+}
+
+// --- pictures ---
+
+bool in_view(const SightingRows& rows, const Camera& camera) {
+  const auto& pixels = rows.predicted;
+  const double size = (pixels.head<2>() - pixels.segment<2>(4)).norm();
+  const Eigen::Vector2d right = pixels.segment<2>(2) - pixels.head<2>();
+  const Eigen::Vector2d down = pixels.segment<2>(6) - pixels.head<2>();
+  if (size < 60 || right.x() * down.y() <= right.y() * down.x()) return false;
+  for (Eigen::Index i = 0; i < kSightingRows; i += 2) {
+    if (pixels[i] < 0 || pixels[i] > camera.width || pixels[i + 1] < 0 ||
+        pixels[i + 1] > camera.height) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::string row_of(const World& world, std::size_t row, std::size_t camera) {
+  const auto [a, b] = world.mixed;
+  if (camera > 0 && a != b && (row == a || row == b)) row = a + b - row;
+  return fmt::format("row {}", row);
+}
+
+void photograph(const World& world, std::size_t row, std::size_t camera, Random& random,
+                std::vector<SightedTag>& sighted) {
+  constexpr double kNoise = 0.15;  // pixels
+  std::vector<SightedTag> seen;
+  for (const Plate& hung : world.plates) {
+    SightedPlate plate = sighted_plate(world.survey.tags[hung.tag], world.survey);
+    plate.world_from_plate = hung.world_from_plate;
+    plate.world_from_plate.translation += plate.world_from_plate.rotation * (1 - hung.size) / 2 *
+                                          Vector3d(plate.length, plate.height, 0);
+    plate.length *= hung.size;
+    plate.height *= hung.size;
+    const Rig& rig = world.true_rig;
+    const auto rows = sighting_rows(rig, calibration_layout(rig), {},
+                                    vehicle_frame(world.rows[row]), plate, camera);
+    if (!rows || !in_view(*rows, rig.cameras[camera].camera)) continue;
+    SightedTag tag{row_of(world, row, camera), camera, world.survey.tags[hung.tag].name, {}};
+    for (std::size_t c = 0; c < 4; ++c) {
+      const auto at = static_cast<Eigen::Index>(2 * c);
+      tag.seen.corners[c] = {rows->predicted[at] + normal(random, kNoise),
+                             rows->predicted[at + 1] + normal(random, kNoise)};
+    }
+    tag.seen.covariance = kNoise * kNoise * CornerCovariance::Identity();
+    seen.push_back(tag);
+  }
+  // Of two copies in one picture verify tells by itself.
+  std::ranges::copy_if(seen, std::back_inserter(sighted), [&](const SightedTag& tag) {
+    return std::ranges::count(seen, tag.tag, &SightedTag::tag) == 1;
+  });
+}
+
+// --- what was said ---
+
+struct Tally {
+  int worlds = 0;
+  int silent = 0;  // something wrong, and nothing said of it
+  int nothing_fits = 0;
+  int wrong = 0;  // tags with something wrong, checked
+  int named = 0;  // of these
+  int doubted = 0;
+  int missed = 0;
+  int misstated = 0;  // named, and what is said of them is not so
+  int innocent = 0;   // other tags, checked
+  int accused = 0;    // of these
+  int innocent_doubted = 0;
+};
+
+// True when some copy of the plate hangs where the tag is said to, or is of another size and so
+// said.
+bool is_so(const World& world, std::size_t tag, const HungTag& said) {
+  if (said.offset.sigma.isZero()) return world.exchanged.contains(tag);
+  const Pose& surveyed = world.survey.tags[tag].world_from_plate;
+  for (const Plate& plate : world.plates) {
+    if (plate.tag != tag) continue;
+    if (plate.size != 1) return said.rule == "wrong-scale";
+    const Vector3d shift =
+        surveyed.rotation.transpose() * (plate.world_from_plate.translation - surveyed.translation);
+    const Vector3d error = said.offset.value - Vector3d(shift.x(), -shift.y(), -shift.z());
+    const Vector3d most = 5 * said.offset.sigma + Vector3d::Constant(0.01);
+    if ((error.cwiseAbs() - most).maxCoeff() < 0) return true;
+  }
+  return false;
+}
+
+void count(const World& world, const HungTags& found, Tally& tally) {
+  ++tally.worlds;
+  bool told = found.nothing_fits || !found.unplaced.empty();
+  std::set<std::string> in_unplaced;
+  for (const UnplacedTags& photos : found.unplaced) {
+    for (const HungTag& tag : photos.tags) in_unplaced.insert(tag.tag);
+  }
+  tally.nothing_fits += found.nothing_fits ? 1 : 0;
+  for (const HungTag& tag : found.tags) {
+    const auto index =
+        static_cast<std::size_t>(find_tag(world.survey, tag.tag) - world.survey.tags.data());
+    const bool off = tag.verdict == HangVerdict::off;
+    const bool doubted = tag.verdict == HangVerdict::doubtful ||
+                         (!off && (in_unplaced.contains(tag.tag) || found.nothing_fits));
+    told = told || off || doubted;
+    if (tag.verdict == HangVerdict::unchecked && !doubted) continue;
+    if (world.wrong.contains(index)) {
+      ++tally.wrong;
+      tally.named += off ? 1 : 0;
+      tally.doubted += doubted ? 1 : 0;
+      tally.missed += off || doubted ? 0 : 1;
+      if (off && !is_so(world, index, tag)) {
+        ++tally.misstated;
+        if (std::getenv("SHOW")) fmt::print("MISSTATED {}\n", tag.message);
+      }
+    } else {
+      ++tally.innocent;
+      if (off) {
+        ++tally.accused;
+        if (std::getenv("SHOW")) fmt::print("ACCUSED {}\n", tag.message);
+      }
+      tally.innocent_doubted += doubted ? 1 : 0;
+    }
+  }
+  tally.silent += told ? 0 : 1;
+}
+
+struct Kind {
+  const char* name;
+  Mistake mistake;
+};
+
+void nothing_wrong(World&, Random&) {}
+
+void measure(const Kind& kind, int worlds, std::uint64_t seed) {
+  Tally tally;
+  for (int number = 0; number < worlds; ++number) {
+    Random random(1'000'003 * seed + static_cast<std::uint64_t>(number));
+    World world = right_world(number, random);
+    kind.mistake(world, random);
+    std::vector<SightedTag> sighted;
+    for (std::size_t row = 0; row < world.rows.size(); ++row) {
+      for (std::size_t camera = 0; camera < world.rig.cameras.size(); ++camera) {
+        photograph(world, row, camera, random, sighted);
+      }
+    }
+    if (std::getenv("SHOW")) fmt::print("-- {} {}\n", kind.name, number);
+    count(world, check_hung_tags(world.survey, world.rig, sighted), tally);
+  }
+  fmt::print("| {} | {} | {} | {} | {} of {} | {} | {} | {} | {} of {} | {} |\n", kind.name,
+             tally.worlds, tally.silent, tally.nothing_fits, tally.named, tally.wrong,
+             tally.doubted, tally.missed, tally.misstated, tally.accused, tally.innocent,
+             tally.innocent_doubted);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int worlds = argc > 1 ? std::atoi(argv[1]) : 100;
+  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  fmt::print(
+      "| what is wrong | worlds | nothing said | nothing fits | wrong tags named | doubtful | "
+      "missed | named, misstated | innocent tags accused | doubtful |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const Kind& kind :
+       {Kind{"nothing", nothing_wrong}, Kind{"one plate moved, 3 to 50 cm", move},
+        Kind{"one printed at 95 %", print_small}, Kind{"two exchanged", exchange},
+        Kind{"a second copy in another's place", copy},
+        Kind{"exchange and second copy", exchange_and_copy},
+        Kind{"one camera turned by 3 degrees", turn_camera},
+        Kind{"focal lengths 5 % off", change_focus}, Kind{"template 5 % off", change_template},
+        Kind{"photos of two rows exchanged", mix_rows},
+        Kind{"two of these at once", two_mistakes}}) {
+    measure(kind, worlds, seed);
+  }
+  return 0;
+}
