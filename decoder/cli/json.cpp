@@ -47,7 +47,7 @@ Json to_json(const Reading& reading, const std::vector<Survey>& surveys) {
           {"corners", to_json(reading.corners)},
           {"module_px", with_decimals(reading.module_px, 3)},
           {"confidence", reading.confidence},
-          {"method", reading.method}};
+          {"method", to_string(reading.method)}};
 }
 
 Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys) {
@@ -318,12 +318,12 @@ std::string to_json_line(const ImageReadings& readings, const std::vector<Survey
   }
   Json rejected = Json::array();
   for (const Rejection& rejection : readings.result.rejected) {
-    rejected.push_back({{"reason", rejection.reason}, {"corners", to_json(rejection.corners)}});
+    rejected.push_back({{"reason", describe(rejection)}, {"corners", to_json(rejection.corners)}});
   }
   for (const FramelessRejection& rejection : readings.result.frameless.rejected) {
-    rejected.push_back({{"reason", "no frame: " + rejection.reason},
+    rejected.push_back({{"reason", "no frame: " + describe(rejection)},
                         {"corners", nullptr},
-                        {"bars", to_json(rejection.bars)}});
+                        {"bars", to_json(rejection.symbol.bars)}});
   }
   return line_of({{"image", readings.image.string()},
                   {"width", readings.width},

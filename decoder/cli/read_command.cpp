@@ -86,9 +86,9 @@ std::vector<fs::path> explanation_paths(const fs::path& folder,
   return paths;
 }
 
-Result<void> write_explanation(const GrayView& image, const ReadOptions& options,
-                               const ReadResult& result, const fs::path& path) {
-  const Result<std::string> png = draw_explanation(image, explain(image, options, result));
+Result<void> write_explanation(const GrayView& image, const ReadResult& result,
+                               const fs::path& path) {
+  const Result<std::string> png = draw_explanation(image, explain(result));
   if (!png) return fail(png.error().message);
   return write_file(path, *png);
 }
@@ -105,7 +105,7 @@ Result<ImageReadings> read_image(const fs::path& path, const std::string& reader
       reader == "paper" ? read_tags_paper(image.view(), options) : read_tags(image.view(), options);
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
   if (explanation) {
-    const auto written = write_explanation(image.view(), options, result, *explanation);
+    const auto written = write_explanation(image.view(), result, *explanation);
     if (!written) return fail(path.string() + ": " + written.error().message);
   }
   return ImageReadings{path,         image.width,    image.height, std::move(result),
@@ -145,11 +145,11 @@ void print_in_words(const ImageReadings& readings, const std::vector<Survey>& su
   }
   for (const Rejection& rejection : result.rejected) {
     to_stdout("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x, rejection.corners[0].y,
-              rejection.reason);
+              describe(rejection));
   }
   for (const FramelessRejection& rejection : result.frameless.rejected) {
-    to_stdout("  refused at ({:.0f}, {:.0f}): no frame: {}\n", rejection.bars[0].x,
-              rejection.bars[0].y, rejection.reason);
+    to_stdout("  refused at ({:.0f}, {:.0f}): no frame: {}\n", rejection.symbol.bars[0].x,
+              rejection.symbol.bars[0].y, describe(rejection));
   }
 }
 

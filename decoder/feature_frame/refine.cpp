@@ -426,8 +426,8 @@ struct FrameFit {
 };
 
 // `beyond`: by how much the sides' middles bow beyond what the lens gives.
-Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const LensBend& lens,
-                           const std::array<double, 4>& beyond) {
+FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const LensBend& lens,
+                                const std::array<double, 4>& beyond) {
   std::array<SideLine, 4> lines{};
   std::vector<SideSamples> samples;
   samples.reserve(4);
@@ -440,11 +440,10 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
     samples.emplace_back(edge_samples(image, lines[i]));
-    if (samples[i].samples.size() < 2 * kParameters)
-      return fail("feature frame: a side is too short");
+    if (samples[i].samples.size() < 2 * kParameters) return fail(FrameFault::side_too_short);
     solutions[i] = solve_side(samples[i], lines[i], kStartBlur);
     if (!stays_near(solutions[i], lines[i])) {
-      return fail("feature frame: a side's edge cannot be fitted");
+      return fail(FrameFault::no_fit);
     }
     blurs[i] = solutions[i].parameters[kLogBlur];
   }
@@ -461,7 +460,7 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
     result.frame.sides[i] = fit.side;
   }
   const std::optional<Quad> corners = corners_of(lines);
-  if (!corners) return fail("feature frame: its sides do not close");
+  if (!corners) return fail(FrameFault::not_closed);
   result.frame.corners = *corners;
   result.frame.lens = lens;
   return result;
@@ -469,11 +468,11 @@ Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const Len
 
 // Fits the frame through a known lens, anew while the corners from which its bows were reckoned
 // move: a side's bow grows with its distance from the lens's centre.
-Result<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& settled,
-                                         const LensBend& lens) {
+FrameResult<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& settled,
+                                              const LensBend& lens) {
   constexpr int kMostRounds = 4;
   constexpr double kAtRest = 0.02;  // pixels
-  Result<FrameFit> fit = fit_frame(image, settled, lens, {});
+  FrameResult<FrameFit> fit = fit_frame(image, settled, lens, {});
   if (!fit) return tl::unexpected(fit.error());
   Quad from = settled;
   for (int round = 1; round < kMostRounds && lens.bends(); ++round) {
@@ -482,7 +481,7 @@ Result<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& sett
     for (std::size_t i = 0; i < 4; ++i) moved = std::max(moved, distance(corners[i], from[i]));
     if (moved < kAtRest) break;
     from = corners;
-    Result<FrameFit> again = fit_frame(image, from, lens, {});
+    FrameResult<FrameFit> again = fit_frame(image, from, lens, {});
     if (!again) break;
     fit = std::move(again);
   }
@@ -496,8 +495,8 @@ struct ToldLens {
   std::array<double, 4> beyond{};
 };
 
-Result<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoint centre,
-                           const ToldLens& told) {
+FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoint centre,
+                                const ToldLens& told) {
   const LensBend lens = LensBend::radial(centre, told.radial.lambda);
   return fit_frame(image, settled, lens, told.beyond);
 }
@@ -532,19 +531,19 @@ void add_lens_doubt(FrameFit& fit) {
 }
 
 // Fits the frame and what its sides tell of the lens in turn, until neither changes.
-Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, PixelPoint centre,
-                                   double lambda) {
+FrameResult<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled,
+                                        PixelPoint centre, double lambda) {
   constexpr int kMostRounds = 4;
   constexpr int kBeyondRounds = 2;
   ToldLens told{{lambda, 0}, {}};
-  Result<FrameFit> fit = fit_frame(image, settled, centre, told);
+  FrameResult<FrameFit> fit = fit_frame(image, settled, centre, told);
   if (!fit && lambda != 0) {
     told = {};
     fit = fit_frame(image, settled, centre, told);
   }
   if (!fit) return tl::unexpected(fit.error());
   const auto fit_again = [&](const ToldLens& next) {
-    Result<FrameFit> again = fit_frame(image, fit->frame.corners, centre, next);
+    FrameResult<FrameFit> again = fit_frame(image, fit->frame.corners, centre, next);
     if (!again) return false;
     fit = std::move(again);
     told = next;
@@ -572,8 +571,8 @@ Result<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled, P
 
 }  // namespace
 
-Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
-                                  const LensGuess& lens) {
+FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
+                                       const LensGuess& lens) {
   if (lens.known) return fit_with_known_lens(image, settled, *lens.known);
   const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
   return fit_with_lens(image, settled, centre, lens.lambda);
@@ -606,9 +605,9 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
 
 }  // namespace
 
-Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
-                                        const std::array<bool, 4>& shown, double hidden_sigma,
-                                        const LensBend& lens) {
+FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
+                                             const std::array<bool, 4>& shown, double hidden_sigma,
+                                             const LensBend& lens) {
   constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
@@ -634,7 +633,7 @@ Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settl
     most_doubt = std::max(most_doubt, doubt);
   }
   if (std::ranges::count(frame.shown, true) < kLeastShown) {
-    return fail("feature frame: most of it is covered");
+    return fail(FrameFault::covered);
   }
   for (std::size_t i = 0; i < 4; ++i) {
     if (frame.shown[i]) continue;
@@ -642,7 +641,7 @@ Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settl
     frame.sides[i].covariance += Eigen::Matrix2d::Constant(most_doubt);
   }
   const std::optional<Quad> corners = corners_of(lines);
-  if (!corners) return fail("feature frame: its sides do not close");
+  if (!corners) return fail(FrameFault::not_closed);
   frame.corners = *corners;
   return frame;
 }

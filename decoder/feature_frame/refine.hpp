@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
+#include "decoder/feature_frame/frame_fault.hpp"
 #include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
-#include "tagsmith/base/result.hpp"
 
 namespace tagsmith {
 
@@ -35,19 +35,19 @@ struct RefinedFrame {
 };
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
-// and, where the stroke is thin, back to white, in light. Fails with the reason when one does not
-// converge near where it was. Sides of a frame seen through a known lens bow as it says; through an
-// unknown one, as a radial lens about the image's centre makes them, if they do so clearly, and
-// each by what is left.
-Result<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
-                                  const LensGuess& lens = {});
+// and, where the stroke is thin, back to white, in light. Fails when one does not converge near
+// where it was. Sides of a frame seen through a known lens bow as it says; through an unknown one,
+// as a radial lens about the image's centre makes them, if they do so clearly, and each by what is
+// left.
+FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
+                                       const LensGuess& lens = {});
 
 // The same where something hides sides: those not `shown`, and those that cannot be fitted near
 // where they are, stay there with `hidden_sigma` pixels of uncertainty at their ends. Fails when
 // fewer than two sides are fitted or the sides do not close. A lens that is not given bends
 // nothing; by how much sides then bow adds to what all may be off by.
-Result<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
-                                        const std::array<bool, 4>& shown, double hidden_sigma,
-                                        const LensBend& lens = {});
+FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
+                                             const std::array<bool, 4>& shown, double hidden_sigma,
+                                             const LensBend& lens = {});
 
 }  // namespace tagsmith

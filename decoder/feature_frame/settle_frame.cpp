@@ -211,7 +211,8 @@ bool looks_framed(const GrayView& image, const Quad& rough) {
   return true;
 }
 
-Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough, const SideBows& bows) {
+FrameResult<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
+                                       const SideBows& bows) {
   SettledFrame frame{rough, bows};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};
@@ -220,12 +221,12 @@ Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough, cons
       side.bow = frame.bows[i];
       const double reach = pass == 0 ? side.reach + 1 : std::min(side.reach, 3.0);
       const auto settled = settle_side(image, side, reach, true);
-      if (!settled) return fail("feature frame: a side shows no edge along most of its length");
+      if (!settled) return fail(FrameFault::no_edge);
       sides[i] = *settled;
       frame.bows[i] = settled->bow;
     }
     const std::optional<Quad> corners = corners_of(sides);
-    if (!corners) return fail("feature frame: its sides do not close");
+    if (!corners) return fail(FrameFault::not_closed);
     frame.corners = *corners;
   }
   return frame;

@@ -5,10 +5,10 @@
 #include <array>
 #include <optional>
 
+#include "decoder/feature_frame/frame_fault.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/gray.hpp"
-#include "tagsmith/base/result.hpp"
 
 namespace tagsmith {
 
@@ -24,9 +24,9 @@ struct SettledFrame {
 // Moves the sides of a rough quadrilateral onto the steepest falls from white inside to dark
 // outside that most of a side's length agrees on. `bows`: how the lens bends the sides, if it is
 // known, pixels of this image; where the falls do not agree with that, a side may bow more or less.
-// Fails with the reason when a side shows no such edge.
-Result<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
-                                  const SideBows& bows = {});
+// Fails when a side shows no such edge.
+FrameResult<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
+                                       const SideBows& bows = {});
 
 // A quadrilateral of which not every side may show.
 struct ShownSides {

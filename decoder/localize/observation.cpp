@@ -27,7 +27,7 @@ std::vector<std::pair<std::size_t, const PlacedTag*>> find_tags(const std::vecto
 std::string no_tag_read(const std::string& image, const ReadResult& result) {
   const std::vector<Rejection>& rejected = result.rejected;
   std::string text = image + ": no tag read";
-  if (!rejected.empty()) text += " (" + rejected.front().reason;
+  if (!rejected.empty()) text += " (" + describe(rejected.front());
   if (rejected.size() > 1) text += fmt::format(", and {} more candidates", rejected.size() - 1);
   if (!rejected.empty()) text += ")";
   return text;

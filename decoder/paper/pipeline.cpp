@@ -187,15 +187,15 @@ PaperReading reading_of(const Digits& digits, const RowVotes& votes, const Scan&
 }
 
 // Why a reading is not returned; nothing when it is.
-std::optional<std::string> refusal(const PaperReading& reading, const ReadOptions& options) {
+std::optional<RejectionReason> refusal(const PaperReading& reading, const ReadOptions& options) {
   const bool check_holds = options.check == CheckDigit::sum10 ? reading.sum10_holds
                            : options.check == CheckDigit::gs1
                                ? reading.gs1_holds
                                : reading.sum10_holds || reading.gs1_holds;
-  if (!check_holds) return "check digit";
+  if (!check_holds) return RejectionReason::check_digit;
   const auto& book = options.code_book;
   if (!book.empty() && std::ranges::find(book, reading.digits) == book.end())
-    return "not in survey";
+    return RejectionReason::not_in_survey;
   return std::nullopt;
 }
 
@@ -290,8 +290,9 @@ ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
   ReadResult result;
   if (!reading) {
     const PaperFailure& failure = reading.error();
-    result.rejected.push_back({to_string(failure.step) + ": " + failure.message,
-                               failure.corners.value_or(FrameCorners{})});
+    Rejection rejection{RejectionReason::paper_step, failure.corners.value_or(FrameCorners{})};
+    rejection.step = to_string(failure.step) + ": " + failure.message;
+    result.rejected.push_back(std::move(rejection));
     return result;
   }
   const FrameCorners corners{reading->p, reading->upper_right, reading->lower_right, reading->q};
@@ -302,7 +303,7 @@ ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
   result.tags.push_back({reading->digits, reading->sum10_holds, reading->gs1_holds, corners,
                          reading->module_px,
                          static_cast<double>(reading->rows_agreeing) / reading->rows_decoded,
-                         "paper", CornerCovariance::Zero()});
+                         ReadingMethod::paper, CornerCovariance::Zero()});
   return result;
 }
 

@@ -13,7 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/symbology/digits.hpp"
 

@@ -176,8 +176,7 @@ void draw_panel(cv::Mat panel, const ExplainedSymbol& symbol, std::size_t number
         {20, 28}, 0.7, color_of(symbol));
   write(panel, facts_of(symbol), {20, 52}, 0.48, kMeasured);
   if (symbol.profile.empty()) {
-    write(panel, "no scan profile: the frame's sides could not be fitted here", {20, 110}, 0.5,
-          kRefused);
+    write(panel, "no scan profile: its reader measures none", {20, 110}, 0.5, kRefused);
     return;
   }
   const Plot plot{{20, 64, panel.cols - 40, 140}};
@@ -198,7 +197,7 @@ void draw_legend(cv::Mat panel, const Explanation& explanation) {
         {20, 46}, 0.5, kMeasured);
   int y = 70;
   std::vector<std::string> reasons;
-  for (const Rejection& passed : explanation.passed_over) reasons.push_back(passed.reason);
+  for (const Rejection& passed : explanation.passed_over) reasons.push_back(describe(passed));
   std::ranges::sort(reasons);
   std::string words;
   for (auto first = reasons.begin(); first != reasons.end();) {
@@ -233,7 +232,9 @@ cv::Mat drawn(const GrayView& image, const Explanation& explanation) {
   picture.copyTo(top);
   Overlay overlay(top, scale);
   for (const Rejection& passed : explanation.passed_over) {
-    if (passed.reason != kNotFramedReason) overlay.outline(passed.corners, kPassedOver, 1);
+    const bool is_frame_like =
+        passed.reason != RejectionReason::frame_fault || passed.fault != FrameFault::not_framed;
+    if (is_frame_like) overlay.outline(passed.corners, kPassedOver, 1);
   }
   for (std::size_t i = 0; i < explanation.symbols.size(); ++i) {
     draw_symbol(overlay, explanation.symbols[i], i + 1);

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/survey.hpp"

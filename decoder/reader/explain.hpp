@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/reader.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/profile.hpp"
@@ -40,8 +39,8 @@ struct Explanation {
   std::vector<Rejection> passed_over;
 };
 
-// Explains what read_tags with these options (and tell_passed_over) gave for the image.
-Explanation explain(const GrayView& image, const ReadOptions& options, const ReadResult& result);
+// Explains what a reader gave for an image, by what it measured itself.
+Explanation explain(const ReadResult& result);
 
 // The explanation drawn over the picture, with a panel for each symbol below: a PNG file's bytes.
 Result<std::string> draw_explanation(const GrayView& image, const Explanation& explanation);

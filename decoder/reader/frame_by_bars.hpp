@@ -6,7 +6,7 @@
 
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/frameless.hpp"
+#include "decoder/reader/located_bars.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
 namespace tagsmith {

@@ -1,20 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the reader returns.
+// What the reader returns: what it read and what it refused, each with what was measured of it.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/feature_frame/frame_fault.hpp"
 #include "decoder/image/pixel.hpp"
+#include "decoder/reader/frame_corners.hpp"
+#include "decoder/reader/symbol_hypothesis.hpp"
+#include "decoder/scan/decode.hpp"
+#include "decoder/scan/profile.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith {
 
-// Inner corners of the feature frame, clockwise from P: P, F, lower right, Q, as the tag's own
-// "up" says (whatever way it is turned in the image).
-using FrameCorners = std::array<PixelPoint, 4>;
+// Which way a tag was read.
+enum class ReadingMethod {
+  frame,           // in a frame of which nothing is hidden
+  partly_covered,  // the same with something in front of it
+  paper,           // as Xu et al. (2017) published it
+};
+
+std::string to_string(ReadingMethod method);
 
 // A tag that was read and is believed.
 struct Reading {
@@ -24,21 +35,51 @@ struct Reading {
   FrameCorners corners{};
   double module_px = 0;   // width of a module in the middle of the frame, pixels
   double confidence = 0;  // estimated probability that every digit is right
-  std::string method;     // which way it was read
+  ReadingMethod method = ReadingMethod::frame;
   // Of the corners, pixels^2; zero = not estimated.
   CornerCovariance corner_covariance = CornerCovariance::Zero();
+  std::optional<SymbolHypothesis> symbol{};  // that was believed; nothing by the paper's method
+};
+
+// Why something that looks like a tag was not read.
+enum class RejectionReason {
+  frame_fault,     // its outline is no feature frame: Rejection::fault
+  side_hidden,     // the symbol is read, but does not stand in the frame as the layout has it
+  no_guards,       // nothing like guard patterns where they should be
+  guard_pattern,   // too little of the guard patterns is explained
+  element_widths,  // too little of the bars is explained
+  covered,         // too little of the bars is in sight
+  growth,          // the bars grew or shrank too much, modules
+  blur,            // modules
+  doubtful,        // the confidence is too low
+  stranger,        // the code is certain, and in none of the surveys given
+  lines_disagree,  // without a frame: the lines and their mean say different digits
+  ean13,           // without a frame: the parities are those of an EAN-13
+  check_digit,     // by the paper's method: the check digit is wrong
+  not_in_survey,   // by the paper's method: the code is in none of the surveys given
+  paper_step,      // by the paper's method: a step failed, Rejection::step
 };
 
 // Something that looks like a tag and was not read, and why.
 struct Rejection {
-  std::string reason;  // e.g. "too few pixels per module", "check digit", "guard pattern"
+  RejectionReason reason = RejectionReason::doubtful;
   FrameCorners corners{};
+  // Of the test that failed, where it is of one number: what was found and the least or greatest
+  // that passes.
+  double measured = 0;
+  double limit = 0;
+  FrameFault fault = FrameFault::not_framed;
+  std::optional<SymbolHypothesis> symbol{};  // that was refused, as far as it was seen
+  std::string step{};
 };
 
-// A symbol read by its bars alone. It says which tag or product this is and roughly where, but has
+// Why, in words: "element widths", "the digits 019000000404 are in none of the given surveys".
+std::string describe(const Rejection& rejection);
+
+// A symbol seen by its bars alone. It says which tag or product this is and roughly where, but has
 // no corners to measure from.
 struct FramelessReading {
-  Digits digits{};
+  Digits digits{};  // what the lines say together
   bool sum10_holds = false;
   bool gs1_holds = false;
   // Outline of the bars that were used, clockwise from the upper left as the digits run; to a
@@ -46,27 +87,24 @@ struct FramelessReading {
   std::array<PixelPoint, 4> bars{};
   double module_px = 0;  // mean width of a module along the symbol
   double confidence = 0;
+  std::vector<std::array<PixelPoint, 2>> lines{};  // first and last bar on each line that was used
+  ScanProfile profile{};                           // of all lines, straightened
+  Decoding decoding{};                             // of the profile
 };
 
 // Bars that are much like a symbol and were not read, and why.
 struct FramelessRejection {
-  std::string reason;
-  std::array<PixelPoint, 4> bars{};
+  RejectionReason reason = RejectionReason::doubtful;
+  FramelessReading symbol{};   // the best guess
+  bool bars_are_sure = false;  // its frame, which was refused for this, is what makes it a guess
 };
+
+std::string describe(const FramelessRejection& rejection);
 
 struct FramelessResult {
   std::vector<FramelessReading> read;
   std::vector<FramelessRejection> rejected;
 };
-
-// Why most outlines are passed over: they are not even roughly a feature frame.
-inline constexpr const char* kNotFramedReason = "no white, black, white across its sides";
-
-// Why a symbol is refused that passed every test but that of its confidence.
-inline constexpr const char* kDoubtfulReason = "not certain enough";
-
-// Why a symbol is refused of which too little is in sight.
-inline constexpr const char* kCoveredReason = "bars covered";
 
 struct ReadResult {
   std::vector<Reading> tags;

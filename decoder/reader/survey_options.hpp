@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/read_options.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {

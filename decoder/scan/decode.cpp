@@ -17,6 +17,13 @@
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
+
+ScanProfile turned(const ScanProfile& profile) {
+  ScanProfile result(profile.rbegin(), profile.rend());
+  for (ScanBin& bin : result) bin.at = kModuleCount - bin.at;
+  return result;
+}
+
 namespace {
 
 Digits digits_of(const Characters& characters) {
@@ -29,13 +36,6 @@ Characters characters_of(const Digits& digits) {
   Characters characters{};
   std::ranges::copy(digits, characters.begin());
   return characters;
-}
-
-// Seen the other way round.
-ScanProfile turned(const ScanProfile& profile) {
-  ScanProfile result(profile.rbegin(), profile.rend());
-  for (ScanBin& bin : result) bin.at = kModuleCount - bin.at;
-  return result;
 }
 
 std::span<const CheckDigit> schemes_of(const DecodeOptions& options) {
@@ -75,11 +75,11 @@ constexpr double kStrangers = 0.5;        // all strangers to the book together
 constexpr double kUnderstated = 3;
 
 // Other codes, and what is no code at all.
-Doubt doubt_about(const CharacterCosts& costs, const DecodeOptions& options,
-                  const BestSymbol& best) {
+PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& options,
+                          const BestSymbol& best) {
   constexpr double kSymbols = 1e12;
   const auto besides = [](double sum) { return std::max(0.0, sum - 1); };
-  Doubt doubt;
+  PosteriorOdds doubt;
   if (!options.code_book.empty()) {
     const auto codes = static_cast<double>(options.code_book.size());
     doubt.other_codes = besides(sum_of_codes(costs, best, options.code_book));
@@ -234,11 +234,12 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
 }
 
 // Nothing is left of the digits.
-constexpr Doubt kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
+constexpr PosteriorOdds kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
 
 // What else could be there. When another code is likelier than the one that is read, nothing is
 // left of it.
-Doubt doubt_by(const ModuleSystem& system, const DecodeOptions& options, const Digits& digits) {
+PosteriorOdds doubt_by(const ModuleSystem& system, const DecodeOptions& options,
+                       const Digits& digits) {
   // Twenty characters at twelve places are exp(36) symbols. When each costs so much more, all of
   // them together are less likely than exp(-44).
   constexpr double kBeyondDoubt = 160;
@@ -270,7 +271,7 @@ void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeO
   const ModuleSystem common = system_of(with_common_noise(cleaned, shortfall));
   decoding.doubt =
       doubt_by(system_of(with_local_noise(cleaned, shortfall)), options, decoding.digits);
-  const Doubt other = doubt_by(common, options, decoding.digits);
+  const PosteriorOdds other = doubt_by(common, options, decoding.digits);
   if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
   const double spoilt =
       is_whole ? common.odds_of_spoilt_digits(characters)

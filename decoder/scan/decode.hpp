@@ -17,7 +17,7 @@ struct DecodeOptions {
 };
 
 // The odds of what else could be there, against the digits that are read.
-struct Doubt {
+struct PosteriorOdds {
   double other_codes = 0;    // another code of the book or of the check digit's scheme
   double misprints = 0;      // characters that are no such code
   double spoilt_digits = 0;  // seven modules of anything that only look like the digit
@@ -32,7 +32,7 @@ struct Decoding {
   // Posterior probability of these digits, given that a symbol is there; 0 without closer look
   // where they explain little of the profile.
   double confidence = 0;
-  Doubt doubt;  // what speaks against them; confidence is 1 / (1 + its odds)
+  PosteriorOdds doubt;  // what speaks against them; confidence is 1 / (1 + its odds)
   SymbolFit fit;
   double noise = 1;        // what the symbol leaves unexplained, over the profile's variances
   double guards = 0;       // explained_by_guards, without what was set aside
@@ -44,6 +44,9 @@ struct Decoding {
 // adjustment of the picture to them. The profile must have at least 40 places.
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
                                        const DecodeOptions& options);
+
+// The profile seen the other way round.
+ScanProfile turned(const ScanProfile& profile);
 
 // By what logarithm of the likelihood ratio another symbol, of any characters, explains a profile
 // of the same symbol better than these digits, by the decoding's noise: 0 where none does.

@@ -100,14 +100,15 @@ bool may_be_cut_off(const FrameCorners& corners, const PictureSize& size) {
 TagFinding finding_of(const Rejection& rejection, const std::optional<PictureSize>& size) {
   TagFinding finding;
   finding.corners = rejection.corners;
+  finding.refused = rejection.reason;
   if (size && may_be_cut_off(rejection.corners, *size)) {
     finding.status = TagStatus::cut_off;
     finding.rule = "cut-off";
-    finding.message = "a tag at the picture's edge, not read: " + rejection.reason;
+    finding.message = "a tag at the picture's edge, not read: " + describe(rejection);
   } else {
     finding.status = TagStatus::unreadable;
     finding.rule = "undecodable";
-    finding.message = std::string(kUnread) + rejection.reason;
+    finding.message = std::string(kUnread) + describe(rejection);
   }
   return finding;
 }

@@ -14,7 +14,7 @@
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/nearest.hpp"
 #include "decoder/image/upright.hpp"
-#include "decoder/reader/explain.hpp"
+#include "decoder/reader/judge.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
 namespace tagsmith {
@@ -22,11 +22,10 @@ namespace {
 
 // What is too narrow to be read is told as seen from the side beyond this, degrees of incidence.
 constexpr double kSteep = 70;
-// Beyond these nothing in docs/accuracy.md is read, or the reader itself refuses (kept, growth).
+// Beyond these nothing in docs/accuracy.md is read.
 constexpr double kDarkestWhite = 40;  // samples, 0 to 255
 constexpr double kBrightestBars = 170;
 constexpr double kLeastContrast = 20;
-constexpr double kLeastKept = 0.7;
 constexpr double kMostBlur = 0.9;   // modules
 constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a photo in focus
 constexpr double kMostHidden = 0.05;
@@ -308,8 +307,7 @@ std::optional<Diagnosis> judge_growth(const SymbolFit& fit) {
                                              std::abs(fit.image.growth), kMostGrowth)};
 }
 
-std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module_px) {
-  const SymbolFit& fit = symbol.decoding.fit;
+std::optional<Diagnosis> judge_bars(const SymbolFit& fit, double module_px) {
   if (fit.kept < kLeastKept) {
     return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
                                             100 * fit.kept, 100 * kLeastKept)};
@@ -319,20 +317,21 @@ std::optional<Diagnosis> judge_bars(const ExplainedSymbol& symbol, double module
 }
 
 // What a refusal without a measured cause is mostly due to.
-std::string suspicion(const std::string& reason) {
-  if (reason == "element widths") {
-    return ": some bars are of no width that digits have. Dirt, a scratch or a cable across them, "
-           "too narrow to be measured, or something that is no tag";
+std::string suspicion(RejectionReason reason) {
+  switch (reason) {
+    case RejectionReason::element_widths:
+      return ": some bars are of no width that digits have. Dirt, a scratch or a cable across "
+             "them, too narrow to be measured, or something that is no tag";
+    case RejectionReason::guard_pattern:
+      return ": the bars at its ends or in its middle are not there. They are covered, or it is no "
+             "tag";
+    case RejectionReason::doubtful:
+      return ": one of its digits is in doubt. A bar is dirty, damaged or half hidden";
+    case RejectionReason::covered:
+      return ": something hangs before it or sticks on it";
+    default:
+      return {};
   }
-  if (reason == "guard pattern") {
-    return ": the bars at its ends or in its middle are not there. They are covered, or it is no "
-           "tag";
-  }
-  if (reason == kDoubtfulReason || reason == "check digit") {
-    return ": one of its digits is in doubt. A bar is dirty, damaged or half hidden";
-  }
-  if (reason == kCoveredReason) return ": something hangs before it or sticks on it";
-  return {};
 }
 
 const char* seen_from(const std::optional<int>& orientation) {
@@ -342,18 +341,16 @@ const char* seen_from(const std::optional<int>& orientation) {
 }  // namespace
 
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
-                   const ReadOptions& options, const std::optional<int>& orientation) {
+                   const std::optional<int>& orientation) {
   const FrameCorners corners =
       from_upper_left(image, tag, rejection.corners, orientation.value_or(1));
   if (const auto view = judge_view(image, tag, corners)) return *view;
   const double module_px = shape_of(tag, corners).module_px;
-  ReadResult refused;
-  refused.rejected.push_back(rejection);
-  const std::vector<ExplainedSymbol> symbols = explain(image, options, refused).symbols;
+  const SymbolFit* fit = rejection.symbol ? &rejection.symbol->decoding.fit : nullptr;
   // Bars that grew until they touch, or shrank to hairs, have cells without contrast, too. Then one
   // growth explains the whole symbol.
-  for (const ExplainedSymbol& symbol : symbols) {
-    if (const auto growth = judge_growth(symbol.decoding.fit)) return *growth;
+  if (fit != nullptr) {
+    if (const auto growth = judge_growth(*fit)) return *growth;
   }
   if (const auto cover = judge_cover(image, tag, corners, module_px, seen_from(orientation))) {
     return *cover;
@@ -362,8 +359,8 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
   constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
   const double edge_blur = edge_width(image, tag, corners) / kOfQuarters;
   if (const auto blur = judge_blur(edge_blur, module_px)) return *blur;
-  for (const ExplainedSymbol& symbol : symbols) {
-    if (const auto bars = judge_bars(symbol, module_px)) return *bars;
+  if (fit != nullptr) {
+    if (const auto bars = judge_bars(*fit, module_px)) return *bars;
   }
   return {"undecodable", ""};
 }
@@ -385,21 +382,20 @@ std::optional<Diagnosis> diagnose_picture(const GrayView& image) {
   return judge_light(image, {{{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}}, kPicture);
 }
 
-void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOptions& options,
+void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadResult& readings,
                    std::vector<TagFinding>& findings, const std::optional<int>& orientation) {
-  for (TagFinding& finding : findings) {
+  for (std::size_t i = 0; i < readings.rejected.size(); ++i) {
+    TagFinding& finding = findings[readings.tags.size() + i];
     if (finding.status != TagStatus::unreadable) continue;
-    const std::string reason =
-        finding.message.substr(std::min(kUnread.size(), finding.message.size()));
-    const Diagnosis diagnosis =
-        diagnose(image, tag, {reason, finding.corners}, options, orientation);
+    const Rejection& rejection = readings.rejected[i];
+    const Diagnosis diagnosis = diagnose(image, tag, rejection, orientation);
     finding.rule = diagnosis.rule;
     if (diagnosis.measured.empty()) {
-      finding.message += suspicion(reason);
-      continue;
+      finding.message += suspicion(rejection.reason);
+    } else {
+      finding.message = fmt::format("{}{} (the reader says: {})", kUnread, diagnosis.measured,
+                                    describe(rejection));
     }
-    finding.message =
-        fmt::format("{}{} (the reader says: {})", kUnread, diagnosis.measured, reason);
   }
 }
 

@@ -7,14 +7,11 @@
 #include <vector>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/reading.hpp"
 #include "decoder/verify/finding.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith {
-
-// Growth of bars that the reader follows, modules.
-inline constexpr double kMostGrowth = 0.7;
 
 struct Diagnosis {
   std::string rule;      // docs/verify-rules.md
@@ -26,7 +23,7 @@ struct Diagnosis {
 // the later measurements worthless. `orientation` of the picture (EXIF): places on a plate are told
 // as one sees it upright; nothing = not known, the picture's own up is taken and said.
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
-                   const ReadOptions& options, const std::optional<int>& orientation = 1);
+                   const std::optional<int>& orientation = 1);
 
 // What covers or damages the bars of a tag that was read nevertheless: rule `covered`, and in words
 // how much and where; nothing when all is in view. Takes what judging an unread one takes.
@@ -41,8 +38,9 @@ std::optional<Diagnosis> diagnose_light(const GrayView& image, const FrameCorner
 // could have been seen in it.
 std::optional<Diagnosis> diagnose_picture(const GrayView& image);
 
-// Names the rule of every unreadable finding and adds the measurement to its message.
-void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadOptions& options,
+// Names the rule of every unreadable one of the findings that check_tags made of these readings,
+// and adds the measurement to its message.
+void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadResult& readings,
                    std::vector<TagFinding>& findings, const std::optional<int>& orientation = 1);
 
 }  // namespace tagsmith

@@ -47,7 +47,7 @@ inline bool tells_up(UpSource source) {
   return source != UpSource::unknown && source != UpSource::doubted;
 }
 
-// What the message of an unreadable tag begins with; the reason follows.
+// What the message of an unreadable tag begins with.
 inline constexpr std::string_view kUnread = "a tag was found and could not be read: ";
 
 // One tag in one picture.
@@ -58,13 +58,14 @@ struct TagFinding {
   FrameCorners corners{};        // pixels of the picture, or of the page as rasterised
   double module_px = 0;
   double confidence = 0;
-  int page = 0;                        // 1-based page of a print file; 0 in a picture
-  std::string message;                 // what is wrong and what was expected; empty when ok
-  std::string rule{};                  // of docs/verify-rules.md; empty when ok
-  std::optional<SymbolGrade> grade{};  // print quality; only of a tag that reads as it should
-  std::string grade_reason{};          // why such a tag has no grade
-  std::optional<GrayImage> crop{};     // the tag and its surroundings, when asked for
-  std::string crop_file{};             // where it was saved
+  int page = 0;                              // 1-based page of a print file; 0 in a picture
+  std::string message;                       // what is wrong and what was expected; empty when ok
+  std::string rule{};                        // of docs/verify-rules.md; empty when ok
+  std::optional<RejectionReason> refused{};  // why the reader refused it
+  std::optional<SymbolGrade> grade{};        // print quality; only of a tag that reads as it should
+  std::string grade_reason{};                // why such a tag has no grade
+  std::optional<GrayImage> crop{};           // the tag and its surroundings, when asked for
+  std::string crop_file{};                   // where it was saved
   CornerCovariance corner_covariance = CornerCovariance::Zero();  // pixels^2; zero = not estimated
   std::optional<HungTag> hung{};  // where it hangs; with a calibrated camera
 };

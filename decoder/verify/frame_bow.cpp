@@ -24,7 +24,7 @@ struct FrameEdge {
   PixelPoint out;
 };
 
-FrameEdge side_of(const FrameCorners& corners, std::size_t i) {
+FrameEdge edge_of(const FrameCorners& corners, std::size_t i) {
   const PixelPoint& a = corners[i];
   const PixelPoint& b = corners[(i + 1) % 4];
   const PixelPoint along = (1 / distance(a, b)) * (b - a);
@@ -128,7 +128,7 @@ std::optional<FrameBow> measure_bow(const GrayView& image, const TagTemplate& ta
   constexpr double kLeastStroke = 3;  // pixels
   FrameBow bow{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const FrameEdge side = side_of(corners, i);
+    const FrameEdge side = edge_of(corners, i);
     // Across this side a metre has as many pixels as along the two that meet it.
     const double across = distance(corners[(i + 1) % 4], corners[(i + 2) % 4]);
     const double height = i % 2 == 0 ? tag.frame_inner_height : tag.frame_inner_length;
@@ -146,7 +146,7 @@ std::optional<FrameBow> measure_bow(const GrayView& image, const TagTemplate& ta
 FrameBow bow_of_lens(const Camera& camera, const FrameCorners& corners) {
   FrameBow bow{};
   for (std::size_t i = 0; i < 4; ++i) {
-    const FrameEdge side = side_of(corners, i);
+    const FrameEdge side = edge_of(corners, i);
     const auto from = ray_through(camera, {side.a.x, side.a.y});
     const auto to = ray_through(camera, {side.b.x, side.b.y});
     const auto middle = from && to ? project(camera, 0.5 * (*from + *to)) : std::nullopt;
@@ -164,7 +164,7 @@ FrameBow without_radial(const FrameBow& bow, const FrameCorners& corners, int wi
   Eigen::Vector4d by_radial;
   Eigen::Vector4d measured;
   for (std::size_t i = 0; i < 4; ++i) {
-    const FrameEdge side = side_of(corners, i);
+    const FrameEdge side = edge_of(corners, i);
     const Eigen::Vector2d a(side.a.x, side.a.y);
     const Eigen::Vector2d b(side.b.x, side.b.y);
     const Eigen::Vector2d moved = shifted((a + b) / 2) - (shifted(a) + shifted(b)) / 2;

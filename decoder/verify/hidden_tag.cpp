@@ -11,7 +11,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/grow_ink.hpp"
-#include "decoder/reader/reader.hpp"
+#include "decoder/reader/judge.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/diagnose.hpp"
 #include "decoder/verify/outline.hpp"
@@ -36,11 +36,12 @@ TagFinding finding_of(const Survey& survey, const Digits& digits, const FrameCor
 }
 
 // A reading by frame, of any code of the survey's template; the surest.
-std::optional<TagFinding> read_as(const Survey& survey, const GrayImage& image) {
+std::optional<TagFinding> read_as(const Survey& survey, const GrayImage& image,
+                                  const PictureReading& read) {
   ReadOptions options = read_options_for(std::span(&survey, 1));
   options.code_book.clear();
   options.check.reset();
-  const ReadResult result = read_tags(image.view(), options);
+  const ReadResult result = read(image.view(), options);
   if (result.tags.empty()) return std::nullopt;
   return finding_of(survey, result.tags.front().digits, result.tags.front().corners);
 }
@@ -52,20 +53,22 @@ void call_inverted(const Survey& survey, TagFinding& finding) {
                                 name_of(survey, *finding.digits));
 }
 
-std::optional<TagFinding> find_inverted(const Survey& survey, const PageImage& page) {
-  auto finding = read_as(survey, exchange_black_and_white(page.image.view()));
+std::optional<TagFinding> find_inverted(const Survey& survey, const PageImage& page,
+                                        const PictureReading& read) {
+  auto finding = read_as(survey, exchange_black_and_white(page.image.view()), read);
   if (finding) call_inverted(survey, *finding);
   return finding;
 }
 
 // Bars that touch, or that are hairs, stand apart again when as much ink is taken away or added as
 // the reader follows by itself.
-std::optional<TagFinding> find_grown(const Survey& survey, const PageImage& page) {
+std::optional<TagFinding> find_grown(const Survey& survey, const PageImage& page,
+                                     const PictureReading& read) {
   const double module = module_width(survey.tag_template);
   const int pixels = static_cast<int>(std::lround(kMostGrowth * module / page.metres_per_pixel));
   if (pixels < 1) return std::nullopt;
   for (const bool grown : {true, false}) {
-    auto finding = read_as(survey, grow_ink(page.image.view(), grown ? -pixels : pixels));
+    auto finding = read_as(survey, grow_ink(page.image.view(), grown ? -pixels : pixels), read);
     if (!finding) continue;
     finding->status = TagStatus::unreadable;
     finding->rule = "bars-grown";
@@ -78,17 +81,7 @@ std::optional<TagFinding> find_grown(const Survey& survey, const PageImage& page
   return std::nullopt;
 }
 
-std::vector<FramelessReading> read_bars(const Survey& survey, const GrayView& image) {
-  ReadOptions options = read_options_for(std::span(&survey, 1));
-  options.search = Search::never;
-  options.frameless = Frameless::always;
-  return read_tags(image, options).frameless.read;
-}
-
-std::optional<TagFinding> find_frameless(const Survey& survey, const PageImage& page) {
-  const std::vector<FramelessReading> read = read_bars(survey, page.image.view());
-  if (read.empty()) return std::nullopt;
-  const FramelessReading& bars = read.front();
+TagFinding finding_of_bars(const Survey& survey, const FramelessReading& bars) {
   TagFinding finding = finding_of(survey, bars.digits, bars.bars);
   finding.status = TagStatus::unreadable;
   finding.rule = "no-frame";
@@ -98,13 +91,13 @@ std::optional<TagFinding> find_frameless(const Survey& survey, const PageImage& 
 }
 
 std::vector<TagFinding> inverted_in_photo(const Survey& survey, const GrayView& photo,
-                                          const Camera* camera) {
+                                          const Camera* camera, const PictureReading& read) {
   ReadOptions options = read_options_for(std::span(&survey, 1));
   if (camera != nullptr && camera->width == photo.width && camera->height == photo.height) {
     options.camera = *camera;
   }
   std::vector<TagFinding> findings;
-  for (const Reading& reading : read_tags(exchange_black_and_white(photo).view(), options).tags) {
+  for (const Reading& reading : read(exchange_black_and_white(photo).view(), options).tags) {
     TagFinding finding = finding_of(survey, reading.digits, reading.corners);
     finding.module_px = reading.module_px;
     finding.confidence = reading.confidence;
@@ -157,24 +150,29 @@ TagFinding bars_in_photo(const Survey& survey, const FramelessReading& bars,
   return finding;
 }
 
-// What was refused there has a name now. One whose frame shows it to be covered or doubtful is not
-// believed by less, as in the reader: the name is a guess.
-void name_refused(const Survey& survey, const FramelessReading& bars, TagFinding& refused) {
+// What was refused there has a name now: a guess where its frame makes it one.
+void name_refused(const Survey& survey, const FramelessReading& bars, bool is_guess,
+                  TagFinding& refused) {
   const PlacedTag* tag = find_tag(survey, bars.digits);
   if (tag == nullptr) return;
-  const bool is_doubted = refused.message.find(kDoubtfulReason) != std::string::npos ||
-                          refused.message.find(kCoveredReason) != std::string::npos;
   refused.message +=
-      fmt::format("; {} {}", is_doubted ? "perhaps it is" : "by its bars it is", tag->name);
-  if (!is_doubted) refused.tag = tag->name;
+      fmt::format("; {} {}", is_guess ? "perhaps it is" : "by its bars it is", tag->name);
+  if (!is_guess) refused.tag = tag->name;
+}
+
+TagFinding* find_at(std::vector<TagFinding>& findings, const FrameCorners& place) {
+  const auto at = std::ranges::find_if(
+      findings, [&](const TagFinding& other) { return overlap(other.corners, place); });
+  return at == findings.end() ? nullptr : &*at;
 }
 
 }  // namespace
 
 void find_hidden_tags(const Survey& survey, const GrayView& photo, const Camera* camera,
+                      const FramelessResult& frameless, const PictureReading& read,
                       std::vector<TagFinding>& findings) {
   if (survey.tags.empty()) return;
-  const std::vector<TagFinding> inverted = inverted_in_photo(survey, photo, camera);
+  const std::vector<TagFinding> inverted = inverted_in_photo(survey, photo, camera, read);
   for (const TagFinding& tag : inverted) {
     std::erase_if(findings, [&](const TagFinding& other) {
       return other.rule != "inverted" && overlap(tag.corners, other.corners);
@@ -182,23 +180,30 @@ void find_hidden_tags(const Survey& survey, const GrayView& photo, const Camera*
     findings.push_back(tag);
   }
   if (!inverted.empty()) return;
-  for (const FramelessReading& bars : read_bars(survey, photo)) {
-    const auto refused = std::ranges::find_if(
-        findings, [&](const TagFinding& other) { return overlap(other.corners, bars.bars); });
-    if (refused != findings.end()) {
-      name_refused(survey, bars, *refused);
+  for (const FramelessReading& bars : frameless.read) {
+    TagFinding* refused = find_at(findings, bars.bars);
+    if (refused != nullptr) {
+      name_refused(survey, bars, false, *refused);
     } else {
       findings.push_back(bars_in_photo(survey, bars, photo));
     }
   }
+  for (const FramelessRejection& rejection : frameless.rejected) {
+    if (!rejection.bars_are_sure) continue;
+    TagFinding* refused = find_at(findings, rejection.symbol.bars);
+    if (refused != nullptr) name_refused(survey, rejection.symbol, true, *refused);
+  }
 }
 
-std::optional<TagFinding> find_hidden_tag(const Survey& survey, const PageImage& page) {
-  if (auto inverted = find_inverted(survey, page)) return inverted;
-  if (auto grown = find_grown(survey, page)) return grown;
+std::optional<TagFinding> find_hidden_tag(const Survey& survey, const PageImage& page,
+                                          const FramelessResult& frameless,
+                                          const PictureReading& read) {
+  if (auto inverted = find_inverted(survey, page, read)) return inverted;
+  if (auto grown = find_grown(survey, page, read)) return grown;
   const std::optional<Diagnosis> light = diagnose_picture(page.image.view());
   if (light && light->rule == "too-dark") return std::nullopt;  // that is why there is no frame
-  return find_frameless(survey, page);
+  if (frameless.read.empty()) return std::nullopt;
+  return finding_of_bars(survey, frameless.read.front());
 }
 
 }  // namespace tagsmith

@@ -204,7 +204,7 @@ Result<TagProof> prove(const Survey& survey, const ProofTag& tag, int dots_per_i
   const ReadResult read = read_tags(ready->image.view(), options);
   if (read.tags.empty()) {
     proof.problem = "was not read";
-    if (!read.rejected.empty()) proof.problem += ": " + read.rejected.front().reason;
+    if (!read.rejected.empty()) proof.problem += ": " + describe(read.rejected.front());
     return proof;
   }
   const double metres_per_pixel = kMetresPerInch / proof.dots_per_inch;

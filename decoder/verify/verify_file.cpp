@@ -12,7 +12,6 @@
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/crop_tags.hpp"
@@ -22,17 +21,12 @@
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/hidden_tag.hpp"
 #include "decoder/verify/manifest.hpp"
-#include "decoder/verify/outline.hpp"
 #include "decoder/verify/rasterize.hpp"
+#include "decoder/verify/read_for_survey.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith {
 namespace {
-
-bool overlaps_any(const std::vector<Reading>& tags, const FrameCorners& corners) {
-  return std::ranges::any_of(tags,
-                             [&](const Reading& tag) { return overlap(tag.corners, corners); });
-}
 
 // The findings in words: of each tag that is not as it should be.
 void describe_tags(FileReport& report) {
@@ -61,13 +55,14 @@ std::vector<TagFinding> verify_page(const VerifyRequest& request, const PageImag
                                     UpSource up = UpSource::page) {
   const Survey& survey = request.survey;
   const GrayView image = page.image.view();
-  std::vector<TagFinding> tags =
-      check_tags(survey, read_for_survey(image, survey), {}, request.also);
-  diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), tags);
+  const ReadResult readings = read_for_survey(image, survey, nullptr, request.read);
+  std::vector<TagFinding> tags = check_tags(survey, readings, {}, request.also);
+  diagnose_tags(image, survey.tag_template, readings, tags);
   find_mirrored(image, survey.tag_template, tags);
   if (up == UpSource::page) find_upside_down(tags);
   if (tags.empty()) {
-    if (std::optional<TagFinding> hidden = find_hidden_tag(survey, page)) {
+    if (std::optional<TagFinding> hidden =
+            find_hidden_tag(survey, page, readings.frameless, request.read)) {
       tags.push_back(std::move(*hidden));
     }
   }
@@ -164,11 +159,12 @@ Result<FileReport> verify_picture(const VerifyRequest& request, const InputFile&
   report.height = image.height;
   report.orientation = shown_orientation(file.bytes);
   const Camera* camera = camera_of(request, file.path);
-  const ReadResult readings = read_for_survey(image, survey, camera);
+  const ReadResult readings = read_for_survey(image, survey, camera, request.read);
   report.tags = check_tags(survey, readings, PictureSize{image.width, image.height}, request.also);
-  diagnose_tags(image, survey.tag_template, read_options_for(std::span(&survey, 1)), report.tags,
-                report.orientation);
-  if (readings.tags.empty()) find_hidden_tags(survey, image, camera, report.tags);
+  diagnose_tags(image, survey.tag_template, readings, report.tags, report.orientation);
+  if (readings.tags.empty()) {
+    find_hidden_tags(survey, image, camera, readings.frameless, request.read, report.tags);
+  }
   find_mirrored(image, survey.tag_template, report.tags);
   find_heads(request, camera, report);
   find_bent(image, survey.tag_template, camera, report.tags);
@@ -367,43 +363,6 @@ Result<std::shared_ptr<const PrintManifest>> manifest_of(const VerifyRequest& re
 }
 
 }  // namespace
-
-ReadResult merge_readings(const ReadResult& first, const ReadResult& second) {
-  ReadResult merged{first.tags, {}};
-  for (const Reading& tag : second.tags) {
-    if (!overlaps_any(first.tags, tag.corners)) merged.tags.push_back(tag);
-  }
-  for (const Rejection& rejection : first.rejected) {
-    if (overlaps_any(merged.tags, rejection.corners)) continue;
-    const auto same = std::ranges::find_if(merged.rejected, [&](const Rejection& other) {
-      return overlap(other.corners, rejection.corners);
-    });
-    if (same == merged.rejected.end()) {
-      merged.rejected.push_back(rejection);
-    } else if (rejection.reason == kDoubtfulReason && same->reason != kDoubtfulReason) {
-      *same = rejection;  // it came nearest to a reading
-    }
-  }
-  return merged;
-}
-
-ReadResult read_for_survey(const GrayView& image, const Survey& survey, const Camera* camera) {
-  ReadOptions with_code_book = read_options_for(std::span(&survey, 1));
-  const bool calibrated =
-      camera != nullptr && camera->width == image.width && camera->height == image.height;
-  if (calibrated) with_code_book.camera = *camera;
-  ReadOptions any_code;
-  any_code.camera = with_code_book.camera;
-  any_code.layouts = with_code_book.layouts;
-  const ReadResult first = read_tags(image, any_code);
-  // The search does not depend on the codes: only what it found and refused can read otherwise now.
-  if (first.rejected.empty() || with_code_book.code_book.empty()) return merge_readings(first, {});
-  with_code_book.search = Search::never;
-  for (const Rejection& refused : first.rejected) {
-    with_code_book.expected.push_back({refused.corners, 1});
-  }
-  return merge_readings(first, read_tags(image, with_code_book));
-}
 
 Result<FileReport> verify_file(const VerifyRequest& request, const InputFile& file) {
   const Result<std::shared_ptr<const PrintManifest>> manifest = manifest_of(request, file.path);

@@ -6,12 +6,12 @@
 #include <optional>
 #include <span>
 
-#include "decoder/image/gray.hpp"
-#include "decoder/reader/reading.hpp"
+#include "decoder/reader/reader.hpp"
 #include "decoder/verify/finding.hpp"
 #include "decoder/verify/input_file.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/photo_cameras.hpp"
+#include "decoder/verify/read_for_survey.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -29,19 +29,8 @@ struct VerifyRequest {
   const PhotoCameras* cameras = nullptr;
   // Pictures are scans of so many dots per inch, not photos: sizes are checked as in print files.
   std::optional<double> scan_dpi{};
+  PictureReading read = read_tags;
 };
-
-// Everything in the picture: first read without the survey, so that a tag that should not be there
-// is seen for what it is; then what that refused once more with the survey as the code book, for
-// tags too small or too worn for the first. What the first reading found stays as it was found.
-// `camera`: what took the picture, used if the picture has its size; null = not known.
-ReadResult read_for_survey(const GrayView& image, const Survey& survey,
-                           const Camera* camera = nullptr);
-
-// Readings of both passes in one: of a second reading that lies on a first one the first is kept,
-// and a refusal that lies on any reading is dropped. Of refusals that lie on each other one is
-// kept.
-ReadResult merge_readings(const ReadResult& first, const ReadResult& second);
 
 // Reads the file and checks its tags. In print files (PDF, SVG, and PNG that the manifest beside it
 // names) every page must hold a tag, the printed size must be the template's, and the content what

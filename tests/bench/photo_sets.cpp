@@ -120,7 +120,7 @@ void print_missed(const Photo& photo, const json& plate) {
              plate.at("code").get<std::string>(), plate.at("px_per_module").get<double>(),
              plate.at("incidence_deg").get<double>(), plate.at("fraction_visible").get<double>());
   for (const Rejection& rejection : photo.result.rejected) {
-    fmt::print(" [{} {:.0f},{:.0f}]", rejection.reason, rejection.corners[0].x,
+    fmt::print(" [{} {:.0f},{:.0f}]", describe(rejection), rejection.corners[0].x,
                rejection.corners[0].y);
   }
   fmt::print("\n");

@@ -101,7 +101,7 @@ std::string describe(const Survey& survey, const RigCamera& camera, const Pose& 
                      std::size_t tag, bool predicted, const ReadResult& result) {
   const PlateTruth truth = truth_of(survey, camera, pose, tag);
   std::string reasons;
-  for (const Rejection& rejection : result.rejected) reasons += " " + rejection.reason;
+  for (const Rejection& rejection : result.rejected) reasons += " " + describe(rejection);
   return fmt::format(
       "{} {} {}: predicted {}, was {}; {:.2f} px/module, {:.1f} deg, inner corner {:.1f} px from "
       "the border;{}",

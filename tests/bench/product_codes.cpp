@@ -68,7 +68,7 @@ void read_one(const fs::path& path, Tally& tally) {
     }
   }
   for (const FramelessRejection& rejection : result.rejected)
-    words += " (" + rejection.reason + ")";
+    words += " (" + describe(rejection) + ")";
   fmt::print("{:40} {:12} {}{} {:.1f} ms\n",
              path.string().substr(std::max<std::size_t>(40, path.string().size()) - 40), expected,
              right ? "right" : "-", words, time.count());

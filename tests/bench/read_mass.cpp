@@ -99,7 +99,7 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
   ReadResult result = read_tags(picture.image.view(), options);
   outcome.accepted = !result.tags.empty();
   const auto doubted = [](const Rejection& rejection) {
-    return rejection.reason == kDoubtfulReason;
+    return rejection.reason == RejectionReason::doubtful;
   };
   if (!outcome.accepted && std::ranges::any_of(result.rejected, doubted)) {
     options.min_confidence = kLeastConfidence;
@@ -114,8 +114,8 @@ Outcome run_one(std::uint64_t number, const std::vector<Digits>& codes) {
         "{} {}, {}: {} for {}, by {}, doubt {:.2g}, {:.2f} px/module, blur {:.2f}, noise {:.1f}, "
         "growth {:.2f}",
         number, mass::name_of(picture.kind), kModeNames[static_cast<std::size_t>(outcome.mode)],
-        to_string(reading.digits), to_string(picture.code), reading.method, outcome.doubt,
-        picture.module_px, picture.blur_px, picture.noise, picture.growth);
+        to_string(reading.digits), to_string(picture.code), to_string(reading.method),
+        outcome.doubt, picture.module_px, picture.blur_px, picture.noise, picture.growth);
     break;
   }
   return outcome;

@@ -58,7 +58,8 @@ Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
   for (const Reading& reading : read_tags(picture.image.view()).tags) {
     const bool right = mass::may_be_read(picture.kind) && reading.digits == picture.code;
     outcome.read = outcome.read || (right && outcome.is_tag);
-    outcome.carefully = outcome.carefully || (right && outcome.is_tag && reading.method != "frame");
+    outcome.carefully =
+        outcome.carefully || (right && outcome.is_tag && reading.method != ReadingMethod::frame);
     outcome.astray = outcome.astray || (right && is_astray(reading, picture.corners));
     if (right) continue;
     outcome.wrong = true;

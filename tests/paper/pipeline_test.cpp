@@ -228,7 +228,7 @@ TEST_CASE("the reader refuses a wrong check digit and unknown digits") {
   ReadOptions options;
   const ReadResult found = read_tags_paper(image.view(), options);
   REQUIRE(found.tags.size() == 1);
-  CHECK(found.tags.front().method == "paper");
+  CHECK(found.tags.front().method == ReadingMethod::paper);
   CHECK(found.tags.front().confidence == 1.0);
   CHECK(found.rejected.empty());
 
@@ -236,14 +236,14 @@ TEST_CASE("the reader refuses a wrong check digit and unknown digits") {
   const ReadResult wrong_check = read_tags_paper(image.view(), options);
   CHECK(wrong_check.tags.empty());
   REQUIRE(wrong_check.rejected.size() == 1);
-  CHECK(wrong_check.rejected.front().reason == "check digit");
+  CHECK(wrong_check.rejected.front().reason == RejectionReason::check_digit);
 
   options.check = CheckDigit::sum10;
   options.code_book = {*parse_digits("019000800402")};
   const ReadResult unknown = read_tags_paper(image.view(), options);
   CHECK(unknown.tags.empty());
   REQUIRE(unknown.rejected.size() == 1);
-  CHECK(unknown.rejected.front().reason == "not in survey");
+  CHECK(unknown.rejected.front().reason == RejectionReason::not_in_survey);
 
   options.code_book.push_back(digits);
   CHECK(read_tags_paper(image.view(), options).tags.size() == 1);

@@ -15,9 +15,9 @@ using test::survey_of_four;
 TEST_CASE("a line of read has exactly the agreed keys") {
   ImageReadings readings{"a.jpg", 1280, 960, {}, 12.34567};
   readings.result.tags = {reading_of("019000000404")};
-  readings.result.tags[0].method = "frame";
+  readings.result.tags[0].method = ReadingMethod::frame;
   readings.result.tags[0].confidence = 0.999999;
-  readings.result.rejected = {{"guard pattern", {}}};
+  readings.result.rejected = {{RejectionReason::guard_pattern, {}}};
   const std::string line = to_json_line(readings, {});
   CHECK(line ==
         R"({"image":"a.jpg","width":1280,"height":960,"tags":[{"digits":"019000000404",)"

@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/reader/covered_profile.hpp"
+#include "decoder/reader/explain.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
@@ -119,7 +120,13 @@ TEST_CASE("a board over a side of the frame: the bars say where the side is, and
     REQUIRE(picture.result.tags.size() == 1);
     const Reading& tag = picture.result.tags[0];
     CHECK(to_string(tag.digits) == kCode);
-    CHECK(tag.method == "frame, partly covered");
+    CHECK(tag.method == ReadingMethod::partly_covered);
+    // The explanation shows what decided, with the places that nothing showed.
+    REQUIRE(tag.symbol);
+    CHECK(tag.symbol->decoding.confidence == tag.confidence);
+    const Explanation explanation = explain(picture.result);
+    REQUIRE(!explanation.symbols.empty());
+    CHECK(explanation.symbols[0].decoding.fit.explained == tag.symbol->decoding.fit.explained);
     for (std::size_t i = 0; i < 4; ++i) {
       CAPTURE(i);
       const Eigen::Vector2d truth = *picture.view.plates.front().corners[i];
@@ -222,7 +229,7 @@ TEST_CASE("a covered tag beside a clean one is read too") {
   for (const Reading& tag : result.tags) {
     const bool covered = to_string(tag.digits) == kCode;
     CHECK((covered || to_string(tag.digits) == "000001140408"));
-    CHECK(tag.method == (covered ? "frame, partly covered" : "frame"));
+    CHECK(tag.method == (covered ? ReadingMethod::partly_covered : ReadingMethod::frame));
   }
 }
 
@@ -287,13 +294,13 @@ TEST_CASE("what its frame shows to be covered is not believed by its bars alone"
   PictureBars bars(picture.view.image.view());
   ReadResult nothing_found;
   CHECK(with_frameless(bars, options, nothing_found).frameless.read.size() == 1);
-  for (const char* reason : {kCoveredReason, kDoubtfulReason}) {
+  for (const RejectionReason reason : {RejectionReason::covered, RejectionReason::doubtful}) {
     ReadResult refused;
     refused.rejected.push_back({reason, picture.result.tags[0].corners});
     const FramelessResult by_bars = with_frameless(bars, options, refused).frameless;
     CHECK(by_bars.read.empty());
     CHECK(std::ranges::any_of(by_bars.rejected, [&](const FramelessRejection& rejection) {
-      return rejection.reason == reason;
+      return rejection.reason == reason && rejection.bars_are_sure;
     }));
   }
 }

@@ -93,7 +93,12 @@ TEST_CASE("a reading below the border of confidence is refused, and said to be d
         if (anyhow.tags.size() != 1 || anyhow.tags[0].confidence >= one.border) continue;
         ++doubtful;
         CHECK(usual.tags.empty());
-        CHECK(std::ranges::count(usual.rejected, kDoubtfulReason, &Rejection::reason) == 1);
+        const auto refused =
+            std::ranges::find(usual.rejected, RejectionReason::doubtful, &Rejection::reason);
+        REQUIRE(refused != usual.rejected.end());
+        CHECK(refused->limit == one.border);
+        CHECK(refused->measured == refused->symbol->decoding.confidence);
+        CHECK(refused->measured < one.border);
       }
     }
     MESSAGE("doubtful: ", doubtful);

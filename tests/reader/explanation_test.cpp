@@ -88,7 +88,7 @@ TEST_CASE("a refused symbol is explained the right way up, however it hangs") {
     options.min_confidence = 1.1;  // refuses all
     const ReadResult result = read_tags(view.image.view(), options);
     REQUIRE(result.tags.empty());
-    const Explanation explanation = explain(view.image.view(), options, result);
+    const Explanation explanation = explain(result);
     const auto right = std::ranges::find_if(explanation.symbols, [](const ExplainedSymbol& symbol) {
       return to_string(symbol.digits) == "019000800402";
     });

@@ -415,6 +415,7 @@ TEST_CASE("a tag of another survey is refused by its digits") {
   const ReadResult result = read_tags(view.image.view(), options);
   CHECK(result.tags.empty());
   REQUIRE(result.rejected.size() == 1);
-  CHECK(result.rejected.front().reason ==
+  CHECK(result.rejected.front().reason == RejectionReason::stranger);
+  CHECK(describe(result.rejected.front()) ==
         "the digits " + to_string(kCode) + " are in none of the given surveys");
 }

@@ -51,7 +51,7 @@ TEST_CASE("a reading becomes a finding against the survey") {
 TEST_CASE("a tag seen twice in one picture is a duplicate, and a refusal is unreadable") {
   ReadResult readings;
   readings.tags = {reading_of("019000000404"), reading_of("019000000404", 600)};
-  readings.rejected = {{"guard pattern", rectangle(50, 20)}};
+  readings.rejected = {{RejectionReason::guard_pattern, rectangle(50, 20)}};
   const auto findings = check_tags(survey_of_four(), readings);
   REQUIRE(findings.size() == 3);
   CHECK(findings[0].status == TagStatus::ok);
@@ -66,7 +66,8 @@ TEST_CASE("a refusal near the edge of a photo is cut off, one in its middle unre
   const auto status = [](double x, double y, const std::optional<PictureSize>& size) {
     FrameCorners corners = rectangle(400, 200);
     for (PixelPoint& corner : corners) corner = corner + PixelPoint{x - 10, y - 20};
-    const auto findings = check_tags(survey_of_four(), {{}, {{"no symbol", corners}}}, size);
+    const auto findings =
+        check_tags(survey_of_four(), {{}, {{RejectionReason::element_widths, corners}}}, size);
     return to_string(findings.at(0).status);
   };
   const PictureSize photo{1280, 960};

@@ -9,10 +9,9 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/upright.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "decoder/verify/check_tags.hpp"
-#include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/read_for_survey.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -45,10 +44,10 @@ std::vector<TagFinding> found_in(const Shot& shot, const std::optional<int>& ori
   const int back = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation.value_or(3);
   const GrayImage stored = turn_upright(view.image.view(), back);
   const GrayView image = stored.view();
-  std::vector<TagFinding> tags = check_tags(corridor(), read_for_survey(image, corridor()),
-                                            PictureSize{image.width, image.height});
-  diagnose_tags(image, corridor().tag_template, read_options_for(std::span(&corridor(), 1)), tags,
-                orientation);
+  const ReadResult read = read_for_survey(image, corridor());
+  std::vector<TagFinding> tags =
+      check_tags(corridor(), read, PictureSize{image.width, image.height});
+  diagnose_tags(image, corridor().tag_template, read, tags, orientation);
   return tags;
 }
 
@@ -63,20 +62,23 @@ TEST_CASE("a refusal without a measured cause says what is suspected") {
   const GrayView image = view.image.view();
   const ReadResult read = read_for_survey(image, corridor());
   REQUIRE(read.tags.size() == 1);
-  const auto words = [&](const char* reason) {
+  const auto words = [&](RejectionReason reason) {
     ReadResult refused;
     refused.rejected.push_back({reason, read.tags[0].corners});
     std::vector<TagFinding> tags =
         check_tags(corridor(), refused, PictureSize{image.width, image.height});
-    diagnose_tags(image, corridor().tag_template, read_options_for(std::span(&corridor(), 1)),
-                  tags);
+    diagnose_tags(image, corridor().tag_template, refused, tags);
     CHECK(tags.at(0).rule == "undecodable");
     return tags[0].message;
   };
-  CHECK(words("element widths").find("Dirt, a scratch or a cable") != std::string::npos);
-  CHECK(words("guard pattern").find("They are covered, or it is no tag") != std::string::npos);
-  CHECK(words(kDoubtfulReason).find("one of its digits is in doubt") != std::string::npos);
-  CHECK(words(kCoveredReason).find("hangs before it or sticks on it") != std::string::npos);
+  CHECK(words(RejectionReason::element_widths).find("Dirt, a scratch or a cable") !=
+        std::string::npos);
+  CHECK(words(RejectionReason::guard_pattern).find("They are covered, or it is no tag") !=
+        std::string::npos);
+  CHECK(words(RejectionReason::doubtful).find("one of its digits is in doubt") !=
+        std::string::npos);
+  CHECK(words(RejectionReason::covered).find("hangs before it or sticks on it") !=
+        std::string::npos);
 }
 
 TEST_CASE("a tag that is in order has no diagnosis") {
@@ -99,12 +101,12 @@ TEST_CASE("a tag seen from beyond the greatest angle at which any is read is end
     plate.camera_from_plate =
         camera_from_turned_plate(camera, plate.drawing, {640, 480}, 2, radians(yaw), 0, 0);
     const View view = render_view(camera, std::span(&plate, 1), {});
-    Rejection refused{kDoubtfulReason, {}};
+    Rejection refused;
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector2d corner = view.plates[0].corners[i].value();
       refused.corners[i] = {corner.x(), corner.y()};
     }
-    const Diagnosis why = diagnose(view.image.view(), tag, refused, {});
+    const Diagnosis why = diagnose(view.image.view(), tag, refused);
     CHECK(why.rule == "end-on");
     CHECK(why.measured.find(" degrees from its front, 0.") != std::string::npos);
     CHECK(why.measured.find("nothing is read so obliquely") != std::string::npos);

@@ -4,9 +4,11 @@
 #include <cstdlib>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/grow_ink.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/upright.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -17,40 +19,47 @@ namespace tagsmith {
 
 using test::reading_of;
 
-TEST_CASE("of two passes over one picture the first is believed, the second fills in") {
-  ReadResult first;
-  first.tags = {reading_of("019000000404", 100)};
-  first.rejected = {{"too small", reading_of("019000800402", 600).corners},
-                    {"guard pattern", reading_of("019000800402", 2000).corners}};
-  ReadResult second;
-  second.tags = {reading_of("000000340401", 110),   // lies on the first pass's tag
-                 reading_of("019000800402", 600)};  // read at last
-  second.rejected = {{"not in survey", reading_of("019000000404", 100).corners}};
-
-  const ReadResult merged = merge_readings(first, second);
-  REQUIRE(merged.tags.size() == 2);
-  CHECK(to_string(merged.tags[0].digits) == "019000000404");
-  CHECK(to_string(merged.tags[1].digits) == "019000800402");
-  REQUIRE(merged.rejected.size() == 1);
-  CHECK(merged.rejected[0].reason == "guard pattern");
+TEST_CASE("a refusal that lies on a reading is no finding") {
+  ReadResult result;
+  result.tags = {reading_of("019000000404", 100)};
+  result.rejected = {{RejectionReason::covered, reading_of("019000800402", 110).corners},
+                     {RejectionReason::guard_pattern, reading_of("019000800402", 450).corners}};
+  result = without_repeats(std::move(result));
+  REQUIRE(result.tags.size() == 1);
+  REQUIRE(result.rejected.size() == 1);
+  CHECK(result.rejected[0].reason == RejectionReason::guard_pattern);
 }
 
-TEST_CASE("tags side by side do not hide each other") {
-  ReadResult first;
-  first.tags = {reading_of("019000000404", 100)};
-  ReadResult second;
-  second.tags = {reading_of("000000340401", 450)};
-  CHECK(merge_readings(first, second).tags.size() == 2);
+TEST_CASE("a photo is read once, and its negative where no tag was read") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const GrayImage photo = load_gray_image("surveys/corridor/photos/corridor_01_left.jpg").value();
+  const GrayImage negative = exchange_black_and_white(photo.view());
+  int reads = 0;
+  VerifyRequest request{survey};
+  request.read = [&](const GrayView& image, const ReadOptions& options) {
+    ++reads;
+    return read_tags(image, options);
+  };
+  const auto verified = [&](const GrayImage& image) {
+    reads = 0;
+    const std::string png = encode_gray_image("a.png", image.view()).value();
+    return verify_file(request, {"a.png", png, ""}).value();
+  };
+  CHECK(verified(photo).findings.empty());
+  CHECK(reads == 1);
+  CHECK(verified(negative).rules == std::set<std::string>{"inverted"});
+  CHECK(reads == 2);
 }
 
 TEST_CASE("of refusals that lie on each other one is kept, that which came nearest to a reading") {
-  const Rejection outer{"element widths", reading_of("019000000404", 100).corners};
-  const Rejection doubtful{kDoubtfulReason, outer.corners};
-  const Rejection elsewhere{"guard pattern", reading_of("019000000404", 900).corners};
+  const Rejection outer{RejectionReason::element_widths, reading_of("019000000404", 100).corners};
+  const Rejection doubtful{RejectionReason::doubtful, outer.corners};
+  const Rejection elsewhere{RejectionReason::guard_pattern,
+                            reading_of("019000000404", 900).corners};
   const auto kept = [](std::vector<Rejection> rejected) {
     std::string reasons;
-    for (const Rejection& one : merge_readings({{}, std::move(rejected)}, {}).rejected) {
-      reasons += one.reason + "; ";
+    for (const Rejection& one : without_repeats({{}, std::move(rejected)}).rejected) {
+      reasons += describe(one) + "; ";
     }
     return reasons;
   };

@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/covered_profile.hpp"
+#include "decoder/reader/frame_by_bars.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Source = TagHypothesis::Source;
+
+// Width of a module of a symbol along the frame's longer sides, pixels; roughly.
+double module_across(const Quad& frame) {
+  const double one = (distance(frame[0], frame[1]) + distance(frame[2], frame[3])) / 2;
+  const double other = (distance(frame[1], frame[2]) + distance(frame[3], frame[0])) / 2;
+  return std::max(one, other) / (kModuleCount + 2 * SymbolLayout{}.quiet_zone_modules);
+}
+
+// Where the bars are in a frame of which a side may be something else's edge.
+BarRegion bars_inside(const GrayView& image, const Quad& quad) {
+  const std::size_t first = possible_first_corners(image, quad).front();
+  const Homography map =
+      homography_to({quad[first], quad[first + 1], quad[(first + 2) % 4], quad[(first + 3) % 4]});
+  const SymbolLayout layout;
+  const double margin = layout.quiet_zone_modules / (kModuleCount + 2 * layout.quiet_zone_modules);
+  const PixelPoint left = map(margin, 0.5), right = map(1 - margin, 0.5);
+  BarRegion region;
+  region.centre = 0.5 * (left + right);
+  region.length = distance(left, right);
+  region.across = 1 / region.length * (right - left);
+  region.height = distance(map(0.5, layout.bars_top), map(0.5, layout.bars_bottom));
+  return region;
+}
+
+// True when both frames are the same one seen twice.
+bool same_frame(const Quad& a, const Quad& b) {
+  const double size = std::sqrt(std::min(area_of(a), area_of(b)));
+  const double ratio = area_of(a) / std::max(area_of(b), 1e-9);
+  return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
+}
+
+// Whether a hypothesis of this source began within so many pixels.
+bool was_proposed(const std::vector<TagHypothesis>& hypotheses, Source source, const Quad& rough,
+                  double pixels) {
+  return std::ranges::any_of(hypotheses, [&](const TagHypothesis& other) {
+    return other.source == source && nearly_equal(other.rough, rough, pixels);
+  });
+}
+
+// Whether an outline was fitted to the same frame before.
+bool was_fitted(const std::vector<TagHypothesis>& hypotheses, const RefinedFrame& frame) {
+  return std::ranges::any_of(hypotheses, [&](const TagHypothesis& other) {
+    return other.source == Source::outline && other.frame &&
+           nearly_equal(other.frame->corners, frame.corners, 0.1);
+  });
+}
+
+// Outlines that are no feature frame of ours are told apart from what was refused.
+bool is_passed_over(const Rejection& rejection) {
+  return rejection.reason == RejectionReason::frame_fault ||
+         rejection.reason == RejectionReason::no_guards;
+}
+
+Rejection fault_of(const Quad& quad, FrameFault fault) {
+  Rejection rejection{RejectionReason::frame_fault, quad};
+  rejection.fault = fault;
+  return rejection;
+}
+
+}  // namespace
+
+template <class Condition>
+bool Detector::any_reading(const Condition& condition) const {
+  return std::ranges::any_of(hypotheses_, [&](const TagHypothesis& hypothesis) {
+    const Reading* reading = hypothesis.reading();
+    return reading != nullptr && condition(*reading);
+  });
+}
+
+Detector::Detector(const GrayView& image, PictureBars& bars, const ReadOptions& options)
+    : image_(image), bars_(bars), options_(options) {
+  if (options.camera) lens_ = LensBend(*options.camera);
+}
+
+void Detector::try_outline(const PyramidLevel& level, const Quad& outline) {
+  if (is_read(to_full(level, outline))) return;
+  if (!looks_framed(level.image, outline)) {
+    return pass_over(to_full(level, outline), FrameFault::not_framed);
+  }
+  try_frame(level, outline);
+}
+
+void Detector::try_frame(const PyramidLevel& level, const Quad& rough) {
+  FrameResult<SettledFrame> settled = settle_frame(level.image, rough, known_bows(level, rough));
+  // The corners of an outline's hull are too far out where its sides bow.
+  if (!settled && lens_ && lens_->bends()) settled = settle_frame(level.image, rough);
+  if (!settled) return pass_over(to_full(level, rough), settled.error());
+  const Quad quad = to_full(level, settled->corners);
+  if (is_read(quad) || was_proposed(hypotheses_, Source::outline, quad, 0.4)) return;
+  const FrameResult<RefinedFrame> frame = refine_frame(image_, quad, lens_for(level, *settled));
+  const bool is_new = frame && !was_fitted(hypotheses_, *frame);
+  TagHypothesis hypothesis;
+  if (is_new) {
+    hypothesis = judged_quickly(quad, *frame);
+  } else {
+    hypothesis.rough = quad;
+    if (!frame) hypothesis.outcome = fault_of(quad, frame.error());
+  }
+  hypotheses_.push_back(std::move(hypothesis));
+}
+
+TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& frame) const {
+  TagHypothesis hypothesis;
+  hypothesis.rough = rough;
+  hypothesis.frame = frame;
+  auto symbol = quick_hypothesis(image_, frame, options_);
+  const auto objection = symbol ? objection_to_quick(image_, *symbol, options_) : std::nullopt;
+  if (symbol && !objection) {
+    auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::frame);
+    if (reading) {
+      hypothesis.outcome = *std::move(reading);
+    } else {
+      hypothesis.odd_bars = bars_inside(image_, frame.corners);
+      hypothesis.outcome = rejection_of(*std::move(symbol), {RejectionReason::side_hidden});
+    }
+    return hypothesis;
+  }
+  if (is_worth_care(symbol ? symbol->profile.module_px : module_across(frame.corners))) {
+    hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
+    if (!hypothesis.may_be_covered) hypothesis.odd_bars = bars_inside(image_, frame.corners);
+  }
+  if (!symbol) {
+    hypothesis.outcome = Rejection{RejectionReason::no_guards, frame.corners};
+    return hypothesis;
+  }
+  hypothesis.is_doubtful = objection->reason == RejectionReason::doubtful;
+  auto stranger =
+      options_.code_book.empty() ? std::nullopt : stranger_to_book(image_, frame, options_);
+  hypothesis.outcome = stranger ? rejection_of(*std::move(stranger), {RejectionReason::stranger})
+                                : rejection_of(*std::move(symbol), *objection);
+  return hypothesis;
+}
+
+void Detector::try_bars(const GrayView& half, const BarRegion& region) {
+  constexpr double kSymbolLike = 0.7;      // explained
+  constexpr double kSameCompleted = 1.5;   // pixels
+  constexpr std::size_t kMostLocated = 6;  // in one picture: bounds its time
+  const std::vector<LocatedBars> located = located_bars();
+  if (located.size() == kMostLocated) return;
+  const auto bars = locate_bars(bars_.light, region, located);
+  if (!bars) return;
+  TagHypothesis followed{.source = Source::bars};
+  followed.bars = bars;
+  hypotheses_.push_back(std::move(followed));
+  for (const SymbolLayout& layout : options_.layouts) {
+    const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
+    if (!rough) continue;
+    if (is_read(rough->corners)) return;
+    if (was_proposed(hypotheses_, Source::completed, rough->corners, kSameCompleted)) continue;
+    hypotheses_.push_back({.source = Source::completed, .rough = rough->corners});
+    const auto symbol = better_hypothesis(image_, *rough, options_);
+    if (!symbol || symbol->decoding.fit.explained < kSymbolLike) continue;
+    const auto frame = frame_by_symbol(image_, half, expected_corners(*symbol), layout,
+                                       symbol->profile.module_px, {lens_});
+    // Of either pair of sides one must show where the bars put it: else it may be another layout.
+    if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
+    if (!(frame->shown[1] || frame->shown[3])) continue;
+    if (judge_carefully(*frame, true)) return;
+  }
+}
+
+void Detector::try_covered(const GrayView& half) {
+  const std::size_t found = hypotheses_.size();
+  for (std::size_t i = 0; i < found; ++i) {
+    if (!hypotheses_[i].may_be_covered) continue;
+    const RefinedFrame frame = *hypotheses_[i].frame;
+    if (is_read(frame.corners) || judge_carefully(frame, false)) continue;
+    hypotheses_.back().odd_bars = bars_inside(image_, frame.corners);
+  }
+  const std::size_t looked_at = hypotheses_.size();
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    const std::optional<BarRegion> region = hypotheses_[i].odd_bars;
+    if (!region || has_reading_at(region->centre) || !has_bars(bars_.light, *region)) continue;
+    try_bars(half, *region);
+  }
+}
+
+bool Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
+  TagHypothesis hypothesis{.source = Source::careful, .rough = frame.corners, .frame = frame};
+  const auto symbol = believed_hypothesis(image_, frame, options_, completed);
+  hypothesis.is_doubtful = !symbol;
+  if (symbol) {
+    auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::partly_covered);
+    if (reading) hypothesis.outcome = *std::move(reading);
+  }
+  hypotheses_.push_back(std::move(hypothesis));
+  return hypotheses_.back().reading() != nullptr;
+}
+
+// Why: docs/decisions/0003-confidence-and-its-border.md.
+void Detector::try_doubtful() {
+  const std::optional<CheckDigit> scheme = scheme_shown();
+  if (!scheme || options_.check || !options_.code_book.empty()) return;
+  ReadOptions named = options_;
+  named.check = scheme;
+  const std::size_t count = hypotheses_.size();
+  for (const Source source : {Source::outline, Source::careful}) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (hypotheses_[i].source == source) judge_again(i, named);
+    }
+  }
+}
+
+void Detector::judge_again(std::size_t index, const ReadOptions& named) {
+  if (!std::exchange(hypotheses_[index].is_doubtful, false)) return;
+  const bool carefully = hypotheses_[index].source == Source::careful;
+  const RefinedFrame frame = *hypotheses_[index].frame;
+  if (is_read(frame.corners)) return;
+  auto symbol = carefully ? believed_hypothesis(image_, frame, named, true)
+                          : quick_hypothesis(image_, frame, named);
+  if (!symbol || (!carefully && objection_to_quick(image_, *symbol, named))) return;
+  auto reading = reading_where_bars_end(
+      image_, *symbol, named, carefully ? ReadingMethod::partly_covered : ReadingMethod::frame);
+  if (!reading) return;
+  TagHypothesis again{.source = Source::again, .rough = frame.corners, .frame = frame};
+  again.outcome = *std::move(reading);
+  hypotheses_.push_back(std::move(again));
+}
+
+void Detector::try_likely_codes() {
+  if (options_.likely_codes.empty()) return;
+  ReadOptions named = options_;
+  named.code_book = options_.likely_codes;
+  const ReadResult so_far = result();
+  for (const Rejection& rejection : so_far.rejected) {
+    if (has_reading_at(centre_of(rejection.corners))) continue;
+    auto reading = read_again(image_, rejection, named);
+    if (!reading) continue;
+    TagHypothesis again{.source = Source::again, .rough = rejection.corners};
+    again.outcome = *std::move(reading);
+    hypotheses_.push_back(std::move(again));
+  }
+}
+
+std::vector<Quad> Detector::known_in(const PyramidLevel& level) const {
+  constexpr double kStroke = 0.04;  // of the frame's length: the frame and a little more
+  std::vector<Quad> known;
+  for (const TagHypothesis& hypothesis : hypotheses_) {
+    const Reading* tag = hypothesis.reading();
+    if (tag == nullptr) continue;
+    const double stroke = kStroke * distance(tag->corners[0], tag->corners[1]);
+    known.push_back(to_level(level, widened(tag->corners, stroke)));
+  }
+  return known;
+}
+
+std::vector<LocatedBars> Detector::located_bars() const {
+  std::vector<LocatedBars> located;
+  for (const TagHypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.bars) located.push_back(*hypothesis.bars);
+  }
+  return located;
+}
+
+std::optional<CheckDigit> Detector::scheme_shown() const {
+  const bool sum10 = any_reading([](const Reading& tag) { return !tag.gs1_holds; });
+  const bool gs1 = any_reading([](const Reading& tag) { return !tag.sum10_holds; });
+  if (sum10 == gs1) return std::nullopt;
+  return sum10 ? CheckDigit::sum10 : CheckDigit::gs1;
+}
+
+bool Detector::was_looked_at(const BarRegion& region) const {
+  return std::ranges::any_of(hypotheses_, [&](const TagHypothesis& other) {
+    return other.odd_bars && distance(other.odd_bars->centre, region.centre) < 0.25 * region.length;
+  });
+}
+
+bool Detector::has_met_covers() const {
+  return std::ranges::any_of(hypotheses_, &TagHypothesis::may_be_covered) ||
+         any_reading(
+             [](const Reading& tag) { return tag.method == ReadingMethod::partly_covered; });
+}
+
+bool Detector::has_reading_at(PixelPoint point) const {
+  return any_reading([&](const Reading& tag) { return contains(tag.corners, point); });
+}
+
+bool Detector::has_read_any() const {
+  return any_reading([](const Reading&) { return true; });
+}
+
+bool Detector::has_read(const ExpectedTag& expected) const {
+  return any_reading([&](const Reading& tag) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double off = distance(tag.corners[i], expected.corners[i]);
+      if (off > expected.uncertainty_px + 1) return false;
+    }
+    return true;
+  });
+}
+
+std::vector<Reading> Detector::tags() const {
+  std::vector<Reading> tags;
+  for (const TagHypothesis& hypothesis : hypotheses_) {
+    if (const Reading* tag = hypothesis.reading()) tags.push_back(*tag);
+  }
+  return tags;
+}
+
+ReadResult Detector::result() const {
+  // A frame that was read after all is no refusal, and one refused twice is one.
+  ReadResult result{tags(), {}};
+  for (const TagHypothesis& hypothesis : hypotheses_) {
+    const Rejection* rejection = hypothesis.refusal();
+    if (rejection == nullptr) continue;
+    if (is_passed_over(*rejection)) {
+      if (options_.tell_passed_over) result.passed_over.push_back(*rejection);
+      continue;
+    }
+    const auto same = [&](const auto& other) {
+      return same_frame(other.corners, rejection->corners);
+    };
+    if (std::ranges::any_of(result.tags, same) || std::ranges::any_of(result.rejected, same)) {
+      continue;
+    }
+    result.rejected.push_back(*rejection);
+  }
+  return result;
+}
+
+bool Detector::is_read(const Quad& quad) const {
+  return any_reading([&](const Reading& tag) { return same_frame(tag.corners, quad); });
+}
+
+SideBows Detector::known_bows(const PyramidLevel& level, const Quad& quad) const {
+  if (!lens_) return {};
+  return scaled(bows_of(*lens_, to_full(level, quad)), 1 / level.scale);
+}
+
+LensGuess Detector::lens_for(const PyramidLevel& level, const SettledFrame& settled) const {
+  constexpr double kSettledSigma = 0.25;  // of a bow, pixels of the level
+  if (lens_) return {lens_};
+  const PixelPoint centre{(image_.width - 1) / 2.0, (image_.height - 1) / 2.0};
+  return {std::nullopt,
+          lambda_of_settled(to_full(level, settled.corners), scaled(settled.bows, level.scale),
+                            kSettledSigma * level.scale, centre)};
+}
+
+void Detector::pass_over(const Quad& quad, FrameFault fault) {
+  if (!options_.tell_passed_over) return;
+  TagHypothesis passed{.source = Source::passed};
+  passed.outcome = fault_of(quad, fault);
+  hypotheses_.push_back(std::move(passed));
+}
+
+bool Detector::is_worth_care(double module_px) const {
+  constexpr std::ptrdiff_t kMostTries = 4;  // in one picture
+  constexpr double kLeastModule = 1.2;      // pixels
+  const auto is_cared_for = [](const TagHypothesis& hypothesis) {
+    return hypothesis.may_be_covered || hypothesis.odd_bars.has_value();
+  };
+  return module_px >= kLeastModule && std::ranges::count_if(hypotheses_, is_cared_for) < kMostTries;
+}
+
+FrameCorners Detector::expected_corners(const SymbolHypothesis& symbol) const {
+  const RefinedFrame& completed = symbol.frame;
+  const FrameCorners expected = corners_by_bars(symbol);
+  if (completed.shown[1] && completed.shown[3]) return expected;
+  const double stroke_px = (completed.sides[0].stroke_px + completed.sides[2].stroke_px) / 2;
+  RefinedFrame aligned = completed;
+  aligned.corners = aligned_to_bars(image_, expected, stroke_px, symbol.layout, completed.lens);
+  std::ranges::rotate(aligned.sides,
+                      aligned.sides.begin() + static_cast<std::ptrdiff_t>(symbol.first_corner));
+  const auto again = better_hypothesis(image_, aligned, options_);
+  return again ? corners_by_bars(*again) : aligned.corners;
+}
+
+}  // namespace tagsmith

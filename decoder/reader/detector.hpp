@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// One picture that is being read: proposals in, hypotheses out.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/frame_fault.hpp"
+#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/feature_frame/settle_frame.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/judge.hpp"
+#include "decoder/reader/located_bars.hpp"
+#include "decoder/reader/picture_bars.hpp"
+#include "decoder/reader/read_options.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/reader/symbol_hypothesis.hpp"
+
+namespace tagsmith {
+
+// A place that may hold a tag, and what became of it.
+struct TagHypothesis {
+  enum class Source {
+    outline,    // an outline that was settled onto edges all around
+    bars,       // bars that were followed, without a frame yet
+    completed,  // the frame that such bars complete, before it is fitted to their symbol
+    careful,    // a frame whose symbol was read carefully
+    again,      // a frame whose symbol was read again when more was known of the codes
+    passed,     // an outline that is no feature frame; kept where that is to be told
+  };
+
+  Source source = Source::outline;
+  Quad rough{};                         // the frame before its fine fit
+  std::optional<RefinedFrame> frame{};  // as it was fitted
+  std::optional<LocatedBars> bars{};
+  // Read, refused, or not to be told: an attempt that leaves an earlier refusal as it was.
+  std::variant<std::monostate, Reading, Rejection> outcome{};
+  bool may_be_covered = false;          // a careful look may read what was refused
+  std::optional<BarRegion> odd_bars{};  // the bars inside may stand in another frame than this one
+  bool is_doubtful = false;             // the scheme of the check digit, were it known, may help
+
+  const Reading* reading() const { return std::get_if<Reading>(&outcome); }
+  const Rejection* refusal() const { return std::get_if<Rejection>(&outcome); }
+};
+
+// Makes hypotheses of proposals: fits the frame, reads the symbol inside and judges it. Its state
+// is the list of hypotheses, so that a frame seen at several levels is read once. What to propose
+// is the caller's matter. The image, its bars and the options must outlive it.
+class Detector {
+ public:
+  Detector(const GrayView& image, PictureBars& bars, const ReadOptions& options);
+
+  // Looks at an outline found in a level of the pyramid.
+  void try_outline(const PyramidLevel& level, const Quad& outline);
+
+  // Reads what stands in a frame that is known to a few pixels of the level.
+  void try_frame(const PyramidLevel& level, const Quad& rough);
+
+  // Reads what stands in frames that are completed by the bars of a region. `half` is the image at
+  // half its size.
+  void try_bars(const GrayView& half, const BarRegion& region);
+
+  // Reads carefully what did not convince at first: in the frame as it was found, or, where one of
+  // its sides may be something else's edge, in the one that the bars inside complete. `half` is the
+  // image at half its size.
+  void try_covered(const GrayView& half);
+
+  // Reads again what was refused as doubtful because neither the check digit's scheme nor the codes
+  // are given: the tags of a picture are of one survey, so that the scheme which all of those read
+  // show, if any, is theirs too.
+  void try_doubtful();
+
+  // Reads what was refused as any code again as one of the likely ones.
+  void try_likely_codes();
+
+  // The plates read so far, in pixels of a level.
+  std::vector<Quad> known_in(const PyramidLevel& level) const;
+
+  // Whether bars of about this place were looked at in try_covered.
+  bool was_looked_at(const BarRegion& region) const;
+
+  // Whether something was in the way of a tag: another may be behind it too.
+  bool has_met_covers() const;
+
+  // Whether a point of the full image lies inside a frame that was read.
+  bool has_reading_at(PixelPoint point) const;
+
+  bool has_read_any() const;
+
+  // Whether an expected tag has been read where it should be.
+  bool has_read(const ExpectedTag& expected) const;
+
+  std::vector<Reading> tags() const;
+
+  // What was read and refused so far, each frame once.
+  ReadResult result() const;
+
+ private:
+  template <class Condition>
+  bool any_reading(const Condition& condition) const;
+
+  bool is_read(const Quad& quad) const;
+
+  // How a known lens bends the sides of a frame, in pixels of the level.
+  SideBows known_bows(const PyramidLevel& level, const Quad& quad) const;
+
+  // The lens that a settled frame is fitted with.
+  LensGuess lens_for(const PyramidLevel& level, const SettledFrame& settled) const;
+
+  // Tells, where that is wanted, of an outline that is no feature frame.
+  void pass_over(const Quad& quad, FrameFault fault);
+
+  // What the quick profile shows inside a frame.
+  TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
+
+  // Whether a refused symbol is worth a careful look: that needs bars that stand apart, and time.
+  bool is_worth_care(double module_px) const;
+
+  // Reads the symbol inside a frame carefully; whether it was believed.
+  bool judge_carefully(const RefinedFrame& frame, bool completed);
+
+  // Reads a doubtful symbol in the frame of a hypothesis again, when more is known of the codes.
+  void judge_again(std::size_t index, const ReadOptions& named);
+
+  // Where the bars put the corners of a completed frame. Where its left or right side is hidden the
+  // rows say how it leans, and the symbol, read so, where it stands.
+  FrameCorners expected_corners(const SymbolHypothesis& symbol) const;
+
+  // The only scheme that the check digits read show.
+  std::optional<CheckDigit> scheme_shown() const;
+
+  // Bars that were followed so far.
+  std::vector<LocatedBars> located_bars() const;
+
+  GrayView image_;
+  PictureBars& bars_;
+  const ReadOptions& options_;
+  std::optional<LensBend> lens_;  // of the camera, if that is known
+  std::vector<TagHypothesis> hypotheses_;
+};
+
+}  // namespace tagsmith

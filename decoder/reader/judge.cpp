@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/judge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <utility>
+
+#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/reader/bar_ends.hpp"
+#include "decoder/reader/cover_strips.hpp"
+
+namespace tagsmith {
+namespace {
+
+// What speaks against believing the symbol by itself, or nothing.
+std::optional<Objection> objection(const SymbolHypothesis& symbol, const ReadOptions& options) {
+  // A symbol of ours explains 95 % and more of its profile when it can be read at all; the product
+  // codes and random stripes of the test pictures reach 88 %.
+  constexpr double kLeastExplained = 0.9;
+  // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.
+  constexpr double kLeastDigit = 0.75;
+  constexpr double kLeastGuards = 0.8;
+  // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
+  // nothing is known.
+  constexpr double kMostBlur = 2.2;
+  const Decoding& decoding = symbol.decoding;
+  const SymbolFit& fit = decoding.fit;
+  const bool with_book = !options.code_book.empty();
+  const double sure = options.min_confidence.value_or(with_book ? kSureWithBook : kSureInFrame);
+  using enum RejectionReason;
+  if (decoding.guards < kLeastGuards) {
+    return Objection{guard_pattern, decoding.guards, kLeastGuards};
+  }
+  if (fit.explained < kLeastExplained) {
+    return Objection{element_widths, fit.explained, kLeastExplained};
+  }
+  if (decoding.worst_digit < kLeastDigit) {
+    return Objection{element_widths, decoding.worst_digit, kLeastDigit};
+  }
+  if (fit.kept < kLeastKept) return Objection{covered, fit.kept, kLeastKept};
+  if (std::abs(fit.image.growth) > kMostGrowth) {
+    return Objection{growth, std::abs(fit.image.growth), kMostGrowth};
+  }
+  if (!with_book && fit.image.blur > kMostBlur) return Objection{blur, fit.image.blur, kMostBlur};
+  if (decoding.confidence < sure) return Objection{doubtful, decoding.confidence, sure};
+  return std::nullopt;
+}
+
+// Whether the upper or the lower half of the bars' height shows another symbol clearly: something
+// lies on part of the height, and what shows beside it may be no digit. Symbols that are beyond
+// doubt by their whole height are not asked.
+// Why: docs/decisions/0004-occlusion.md.
+bool halves_contradict(const GrayView& image, const SymbolHypothesis& symbol) {
+  constexpr double kBeyondDoubt = 1e-8;
+  constexpr double kClearly = 10;  // logarithm of the likelihood ratio
+  const Decoding& decoding = symbol.decoding;
+  if (1 - decoding.confidence < kBeyondDoubt) return false;
+  const std::size_t first = (symbol.first_corner + (decoding.upside_down ? 2 : 0)) % 4;
+  const double middle = (symbol.layout.bars_top + symbol.layout.bars_bottom) / 2;
+  SymbolLayout upper = symbol.layout, lower = symbol.layout;
+  upper.bars_bottom = lower.bars_top = middle;
+  const auto contradicts = [&](const SymbolLayout& half) {
+    const SymbolProfile profile = profile_symbol(image, symbol.frame, first, half);
+    return log_odds_of_another(profile.bins, decoding) > kClearly;
+  };
+  return contradicts(upper) || contradicts(lower);
+}
+
+// Whether a symbol shows too little for its covered digits to be more than guesses.
+bool too_little_shown(const SymbolProfile& profile) {
+  constexpr double kMostHidden = 0.25;  // of the places
+  constexpr double kSaysNothing = 1;    // variance
+  const auto hidden = std::ranges::count_if(
+      profile.bins, [](const ScanBin& bin) { return bin.variance > kSaysNothing; });
+  return static_cast<double>(hidden) > kMostHidden * static_cast<double>(profile.bins.size());
+}
+
+// What is told of a symbol that is believed.
+Reading reading_from(SymbolHypothesis symbol, ReadingMethod method) {
+  Reading reading;
+  reading.digits = symbol.decoding.digits;
+  reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
+  reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
+  reading.corners = corners_of(symbol);
+  reading.corner_covariance = turned(corner_covariance(symbol.frame), symbol.first_corner);
+  reading.module_px = symbol.profile.module_px;
+  reading.confidence = symbol.decoding.confidence;
+  reading.method = method;
+  reading.symbol = std::move(symbol);
+  return reading;
+}
+
+}  // namespace
+
+std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolHypothesis& symbol,
+                                            const ReadOptions& options) {
+  if (const auto by_itself = objection(symbol, options)) return by_itself;
+  const auto [corners, sides] = turned_to(symbol.frame, symbol.first_corner);
+  const double stroke = stroke_share(corners, (sides[0].stroke_px + sides[2].stroke_px) / 2);
+  const auto strips =
+      strips_along_bars(image, FrameMap(corners, symbol.frame.lens), symbol.layout, stroke);
+  if (strips.empty() && !halves_contradict(image, symbol)) return std::nullopt;
+  return Objection{RejectionReason::covered};
+}
+
+std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
+                                                    const RefinedFrame& frame,
+                                                    const ReadOptions& options, bool quickly_too) {
+  if (quickly_too) {
+    auto quick = quick_hypothesis(image, frame, options);
+    if (quick && !objection_to_quick(image, *quick, options)) return quick;
+  }
+  // Symbols that were read with slanted light alone had 0.83 explained with even light
+  // (`./dev bench troubled`).
+  constexpr double kSymbolLike = 0.7;
+  CarefulLook look(image, frame);
+  for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
+    auto careful = look.hypothesis(options, added);
+    if (!careful || careful->decoding.fit.explained < kSymbolLike) return std::nullopt;
+    if (!objection(*careful, options) && !too_little_shown(careful->profile)) return careful;
+  }
+  return std::nullopt;
+}
+
+// Covered tags that were read carefully showed more: 0.8 and 0.7 (`./dev bench troubled`); other
+// plates less, or no guard patterns at all.
+bool is_symbol_like(const SymbolHypothesis& symbol) {
+  constexpr double kLeastExplained = 0.6;
+  constexpr double kLeastGuards = 0.5;
+  return symbol.decoding.fit.explained > kLeastExplained && symbol.decoding.guards > kLeastGuards;
+}
+
+std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const RefinedFrame& frame,
+                                                 const ReadOptions& options) {
+  ReadOptions alone;
+  alone.check = options.check;
+  alone.layouts = options.layouts;
+  auto symbol = quick_hypothesis(image, frame, alone);
+  if (!symbol || objection(*symbol, alone)) return std::nullopt;
+  const auto& book = options.code_book;
+  const bool is_known = std::ranges::find(book, symbol->decoding.digits) != book.end();
+  return is_known ? std::nullopt : std::move(symbol);
+}
+
+std::optional<Reading> reading_where_bars_end(const GrayView& image, const SymbolHypothesis& symbol,
+                                              const ReadOptions& options, ReadingMethod method) {
+  const RefinedFrame& frame = symbol.frame;
+  const EndsVerdict verdict =
+      judge_by_bar_ends(image, corners_of(symbol), symbol.layout, frame.lens);
+  const bool whole = std::ranges::all_of(frame.shown, std::identity{});
+  if (verdict.kind == EndsVerdict::odd) return std::nullopt;
+  if (verdict.kind == EndsVerdict::unknown && !whole) return std::nullopt;
+  if (verdict.kind != EndsVerdict::hidden) return reading_from(symbol, method);
+  std::array<bool, 4> shown{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    shown[i] = frame.shown[(symbol.first_corner + i) % 4] && i != verdict.side;
+  }
+  const auto completed =
+      refine_shown_sides(image, verdict.corners, shown, verdict.sigma_px, frame.lens);
+  if (!completed) return std::nullopt;
+  const auto again = believed_hypothesis(image, *completed, options, true);
+  if (!again || again->decoding.digits != symbol.decoding.digits) return std::nullopt;
+  return reading_from(*again, ReadingMethod::partly_covered);
+}
+
+std::optional<Reading> read_again(const GrayView& image, const Rejection& rejection,
+                                  const ReadOptions& options) {
+  if (!rejection.symbol) return std::nullopt;
+  const auto symbol = quick_hypothesis(image, rejection.symbol->frame, options);
+  if (!symbol || objection_to_quick(image, *symbol, options)) return std::nullopt;
+  return reading_where_bars_end(image, *symbol, options, ReadingMethod::frame);
+}
+
+Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection) {
+  Rejection rejection;
+  rejection.reason = objection.reason;
+  rejection.corners = corners_of(symbol);
+  rejection.measured = objection.measured;
+  rejection.limit = objection.limit;
+  rejection.symbol = std::move(symbol);
+  return rejection;
+}
+
+}  // namespace tagsmith

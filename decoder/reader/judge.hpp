@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether what stands in a frame is believed.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/read_options.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/reader/symbol_hypothesis.hpp"
+
+namespace tagsmith {
+
+// Bars that grew or shrank by more are refused, modules: beyond, narrow elements vanish.
+inline constexpr double kMostGrowth = 0.7;
+// Symbols of which a smaller share is in sight are refused.
+inline constexpr double kLeastKept = 0.7;
+
+// What speaks against believing a symbol: the first test that failed, and by how much.
+struct Objection {
+  RejectionReason reason = RejectionReason::doubtful;
+  double measured = 0;
+  double limit = 0;
+};
+
+// What speaks against believing a symbol that was read without regard to covers; nothing: it is
+// believed.
+std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolHypothesis& symbol,
+                                            const ReadOptions& options);
+
+// What a frame holds, where that is believed: read carefully, or, before that, quickly where its
+// sides were found or completed by the bars since it was read last (`quickly_too`).
+std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
+                                                    const RefinedFrame& frame,
+                                                    const ReadOptions& options, bool quickly_too);
+
+// Whether the quick profile shows so much of a symbol that a careful one may read it.
+bool is_symbol_like(const SymbolHypothesis& symbol);
+
+// The symbol that is read for certain without the code book and is in none of its codes, where
+// there is one.
+std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const RefinedFrame& frame,
+                                                 const ReadOptions& options);
+
+// The reading of a believed symbol whose bars end where its frame has them end, or, where one of
+// the frame's upper and lower sides is something else's edge, with that side where the bars put it.
+// Nothing where the bars end elsewhere.
+std::optional<Reading> reading_where_bars_end(const GrayView& image, const SymbolHypothesis& symbol,
+                                              const ReadOptions& options, ReadingMethod method);
+
+// Reads what was refused once more where it was found, with other options: such as the codes, which
+// were not given before. Nothing where it is refused again.
+std::optional<Reading> read_again(const GrayView& image, const Rejection& rejection,
+                                  const ReadOptions& options);
+
+// What is told of a symbol that is not believed.
+Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection);
+
+}  // namespace tagsmith

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/reading.hpp"
+
+namespace tagsmith {
+namespace {
+
+std::string describe(FrameFault fault) {
+  switch (fault) {
+    case FrameFault::not_framed:
+      return "no white, black, white across its sides";
+    case FrameFault::no_edge:
+      return "feature frame: a side shows no edge along most of its length";
+    case FrameFault::side_too_short:
+      return "feature frame: a side is too short";
+    case FrameFault::no_fit:
+      return "feature frame: a side's edge cannot be fitted";
+    case FrameFault::not_closed:
+      return "feature frame: its sides do not close";
+    case FrameFault::covered:
+      return "feature frame: most of it is covered";
+  }
+  return {};
+}
+
+std::string describe(RejectionReason reason) {
+  switch (reason) {
+    case RejectionReason::side_hidden:
+      return "feature frame: a side is hidden";
+    case RejectionReason::no_guards:
+      return "no guard patterns inside";
+    case RejectionReason::guard_pattern:
+      return "guard pattern";
+    case RejectionReason::element_widths:
+      return "element widths";
+    case RejectionReason::covered:
+      return "bars covered";
+    case RejectionReason::growth:
+      return "bars grown or shrunk";
+    case RejectionReason::blur:
+      return "too blurred";
+    case RejectionReason::doubtful:
+      return "not certain enough";
+    case RejectionReason::lines_disagree:
+      return "lines disagree";
+    case RejectionReason::ean13:
+      return "even parity: EAN-13";
+    case RejectionReason::check_digit:
+      return "check digit";
+    case RejectionReason::not_in_survey:
+      return "not in survey";
+    case RejectionReason::frame_fault:
+    case RejectionReason::stranger:
+    case RejectionReason::paper_step:
+      break;  // said with what was found
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string to_string(ReadingMethod method) {
+  switch (method) {
+    case ReadingMethod::frame:
+      return "frame";
+    case ReadingMethod::partly_covered:
+      return "frame, partly covered";
+    case ReadingMethod::paper:
+      return "paper";
+  }
+  return {};
+}
+
+std::string describe(const Rejection& rejection) {
+  if (rejection.reason == RejectionReason::frame_fault) return describe(rejection.fault);
+  if (rejection.reason == RejectionReason::paper_step) return rejection.step;
+  if (rejection.reason == RejectionReason::stranger) {
+    const Digits digits = rejection.symbol ? rejection.symbol->decoding.digits : Digits{};
+    return "the digits " + to_string(digits) + " are in none of the given surveys";
+  }
+  return describe(rejection.reason);
+}
+
+std::string describe(const FramelessRejection& rejection) { return describe(rejection.reason); }
+
+}  // namespace tagsmith

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bars of a region, followed line by line.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/bar_regions.hpp"
+#include "decoder/reader/sampled_light.hpp"
+#include "decoder/scan/elastic_scan.hpp"
+
+namespace tagsmith {
+
+// A look of bars that is tried.
+struct BarLook {
+  BarShape bars;
+  BarTemplates templates;
+};
+
+// One line of a region that a symbol was read from.
+// Why: docs/decisions/0009-symbols-without-a-frame.md.
+struct ReadLine {
+  double offset = 0;  // along the bars, pixels
+  ScanLine light;
+  ElasticReading reading;
+};
+
+// A region with its lines and how its bars look.
+struct RegionScan {
+  LineFrame frame;
+  double spacing = 0;  // of the lines along the bars, pixels
+  const BarLook* look = nullptr;
+  std::vector<ReadLine> lines;
+};
+
+// How little like a symbol of the region's size the first line may be.
+struct FirstLineLimits {
+  double least_module = 0.5;  // of what the region's length says
+  double greatest_module = 1.8;
+  double worst_place = kWorstPlace;
+  double worst_cost = 4;  // per module; a blurred symbol's
+};
+
+// What is wanted of a line: where its symbol lies, or its digits too, which takes twice as long.
+enum class Wanted { alignment, digits };
+
+// Modules of an alignment's boundaries.
+inline constexpr std::array<double, 16> kBoundaryModules{0,  3,  10, 17, 24, 31, 38, 45,
+                                                         50, 57, 64, 71, 78, 85, 92, 95};
+
+SymbolPlace place_of(const ElasticAlignment& alignment);
+
+// The line to start from, of three thick ones, and its reading: the best of the places whose guard
+// patterns suit best, in either direction. Nothing where none is like a symbol.
+std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
+                                   const BarRegion& region, Wanted wanted,
+                                   const FirstLineLimits& limits = {});
+
+// Reads the region's lines (about so many) from the first one outwards, each where its neighbour
+// was, by the look of the bars that suits the first one best.
+RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
+                       ReadLine first, int lines, Wanted wanted);
+
+}  // namespace tagsmith

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// What may stand in a feature frame, with everything that was measured of it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/covered_profile.hpp"
+#include "decoder/reader/frame_corners.hpp"
+#include "decoder/reader/read_options.hpp"
+#include "decoder/reader/symbol_layout.hpp"
+#include "decoder/reader/symbol_profile.hpp"
+#include "decoder/scan/decode.hpp"
+
+namespace tagsmith {
+
+// The symbol that explains best what stands in a frame; whether it is believed is another matter.
+struct SymbolHypothesis {
+  RefinedFrame frame;
+  std::size_t first_corner = 0;  // the frame's corner that is P
+  SymbolLayout layout;
+  SymbolProfile profile;  // along the symbol, from its end on where decoding.upside_down says so
+  Decoding decoding;
+};
+
+// The best explained symbol of the options' layouts, along the direction(s) in which it may run,
+// from its quick profile (profile_symbol). Nothing where no guard patterns show.
+std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
+                                                 const ReadOptions& options);
+
+// What is seen of a frame by the careful profile, kept for another assumption about its light.
+class CarefulLook {
+ public:
+  CarefulLook(const GrayView& image, const RefinedFrame& frame) : image_(image), frame_(frame) {}
+
+  // As quick_hypothesis, by the careful profile (CoveredSymbol).
+  std::optional<SymbolHypothesis> hypothesis(const ReadOptions& options, AddedLight added);
+
+ private:
+  struct Seen {
+    std::size_t first_corner;
+    SymbolLayout layout;
+    CoveredSymbol symbol;
+  };
+
+  GrayView image_;
+  const RefinedFrame& frame_;
+  std::vector<Seen> seen_;
+};
+
+// The quick hypothesis or the careful one, whichever explains more.
+std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
+                                                  const ReadOptions& options);
+
+// The frame's corners. Whatever widens the bars, ink or a tone curve that is not sRGB,
+// moves the frame's inner edge inwards by as much. Hidden sides are where the bars put them.
+FrameCorners corners_of(const SymbolHypothesis& symbol);
+
+// Where the bars put the frame's corners: along the symbol by its modules, across by the
+// frame's own sides.
+FrameCorners corners_by_bars(const SymbolHypothesis& symbol);
+
+// The corners of a frame that may be P's: the symbol runs the way in which the grey level changes;
+// both ways when that is not clear. Upside down is left to the symbol.
+std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad);
+
+}  // namespace tagsmith
