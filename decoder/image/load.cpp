@@ -17,7 +17,7 @@
 #include "decoder/image/jpeg.hpp"
 #include "decoder/image/png_chunks.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/stream.hpp"
+#include "tagsmith/base/regular_file.hpp"
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith {

@@ -2,7 +2,7 @@
 #include "decoder/verify/input_file.hpp"
 
 #include "tagsmith/base/checksum.hpp"
-#include "tagsmith/base/stream.hpp"
+#include "tagsmith/base/regular_file.hpp"
 
 namespace tagsmith {
 

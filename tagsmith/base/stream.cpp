@@ -3,27 +3,16 @@
 
 #include <system_error>
 
-#include "tagsmith/base/file.hpp"
-
 namespace tagsmith {
 namespace fs = std::filesystem;
 namespace {
-
-bool is_special(const fs::file_status& status) {
-  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
-}
 
 bool is_in_proc(const fs::path& path) { return path.string().starts_with("/proc/"); }
 
 }  // namespace
 
-Result<std::string> read_regular_file(const fs::path& path, std::uintmax_t max_bytes) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (is_special(status)) {
-    return fail(path.string() + ": is a " + file_type(status) + ", expected a regular file");
-  }
-  return read_file(path, max_bytes);
+bool is_special(const fs::file_status& status) {
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
 std::string file_type(const fs::file_status& status) {

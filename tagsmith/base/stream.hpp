@@ -2,19 +2,16 @@
 // What stands where a file is expected: links, pipes, devices, folders.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
-
-#include "tagsmith/base/result.hpp"
 
 namespace tagsmith {
 
 // "pipe", "socket", "device", "folder", "file".
 std::string file_type(const std::filesystem::file_status& status);
 
-// As read_file, of regular files alone: a pipe or device, which might never end, is refused.
-Result<std::string> read_regular_file(const std::filesystem::path& path, std::uintmax_t max_bytes);
+// True of what is there and neither a file nor a folder: a pipe or device, which might never end.
+bool is_special(const std::filesystem::file_status& status);
 
 // Where what is written to `path` goes: the end of its symbolic links, there or not. Links within
 // /proc, which stand for open files (/dev/stdout leads there), are kept.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/placement/optimise.hpp"
+#include "tagsmith/placement/layout.hpp"
 
 namespace tagsmith {
 

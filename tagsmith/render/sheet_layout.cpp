@@ -240,11 +240,6 @@ double round_scale(double denominator) {
   }
 }
 
-std::string scale_text(double denominator) {
-  return denominator < 1 ? format_number(1 / denominator, 3) + " : 1"
-                         : "1 : " + format_number(denominator, 3);
-}
-
 Vector2d drawing_area(Paper paper) {
   const SheetFrame frame = sheet_frame(paper);
   return frame.views.sizes();

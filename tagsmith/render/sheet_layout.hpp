@@ -10,12 +10,11 @@
 #include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
 #include "tagsmith/render/sketch.hpp"
 
 namespace tagsmith {
-
-enum class Paper { a4, a3 };  // landscape
 
 // Directions of the grid's axes in a view, as sketched (x right, y up); unit vectors.
 struct ViewAxes {
@@ -34,18 +33,6 @@ struct DrawingView {
   bool new_row = false;           // begins a row
 };
 
-struct TitleField {
-  std::string name;
-  std::string value;
-};
-
-// The block at the lower right (ISO 7200). Scale, unit and sheet number are added.
-struct TitleBlock {
-  std::string title;
-  std::string subject;
-  std::vector<TitleField> fields{};
-};
-
 struct DrawingStyle {
   Paper paper = Paper::a3;
   // Denominator of the least scale at which the sketches can be read. The drawing has the greatest
@@ -60,9 +47,6 @@ Eigen::Vector2d drawing_area(Paper paper);
 // The greatest round scale not above 1:denominator: 1, 2, 2.5 or 5 times a power of ten (ISO 5455,
 // and 1:25, 1:250 as mines use them).
 double round_scale(double denominator);
-
-// "1 : 50", "2 : 1".
-std::string scale_text(double denominator);
 
 // Views that share sheets and a scale; another part of the drawing begins a sheet.
 struct DrawingPart {

@@ -107,6 +107,11 @@ void add_scale_bar(SheetLayer& layer, double scale, const Vector2d& left_end,
 
 }  // namespace
 
+std::string scale_text(double denominator) {
+  return denominator < 1 ? format_number(1 / denominator, 3) + " : 1"
+                         : "1 : " + format_number(denominator, 3);
+}
+
 SheetFrame sheet_frame(Paper paper) {
   constexpr double kFiling = 0.020;
   constexpr double kMargin = 0.010;

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
-#include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/sketch_on_paper.hpp"
 
 namespace tagsmith {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/read_tunnel.hpp"
+#include "tagsmith/survey/tunnel_limits.hpp"
 
 namespace tagsmith {
 namespace {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <regex>
+#include <set>
 
 namespace tagsmith::house {
 namespace {
@@ -202,6 +204,39 @@ std::vector<std::string> check_source(std::string_view file, std::string_view te
     if (!problem.empty()) add(i + 1, problem);
   }
   return violations;
+}
+
+std::vector<std::string> include_rings(const std::map<std::string, std::string>& sources) {
+  static const std::regex include("\\s*#\\s*include\\s*\"([^\"]*)\"");
+  const auto name_of = [](const std::string& file) { return file.substr(0, file.rfind('.')); };
+  std::map<std::string, std::set<std::string>> included;
+  for (const auto& [file, text] : sources) {
+    std::set<std::string>& by_file = included[name_of(file)];
+    for (const std::string_view line : lines_of(text)) {
+      std::match_results<std::string_view::const_iterator> match;
+      if (!std::regex_match(line.begin(), line.end(), match, include)) continue;
+      const std::string name = name_of(match[1]);
+      if (name != name_of(file)) by_file.insert(name);
+    }
+  }
+  // Takes away what includes nothing that is left, and what nothing that is left includes.
+  const auto is_free = [&](const auto& node) {
+    const auto is_left = [&](const std::string& name) { return included.contains(name); };
+    const auto includes_it = [&](const auto& other) { return other.second.contains(node.first); };
+    return std::ranges::none_of(node.second, is_left) ||
+           std::ranges::none_of(included, includes_it);
+  };
+  for (auto node = included.begin(); node != included.end();) {
+    if (is_free(*node)) {
+      included.erase(node);
+      node = included.begin();
+    } else {
+      ++node;
+    }
+  }
+  std::vector<std::string> rings;
+  for (const auto& [name, by_file] : included) rings.push_back(name);
+  return rings;
 }
 
 std::vector<std::string> types_defined(std::string_view header) {

@@ -2,6 +2,7 @@
 // The walls of the house: which folder may include what, and what every source file must have.
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +23,10 @@ std::string layer_of(std::string_view file);
 // The violations of one source file, `file:line: what was found; what is allowed`. `file` is
 // relative to the project's root. Empty = the walls stand.
 std::vector<std::string> check_source(std::string_view file, std::string_view text);
+
+// The files, named without extension, that include each other in a ring, in the order of their
+// names: a header and its source count as one. `sources` are texts by file.
+std::vector<std::string> include_rings(const std::map<std::string, std::string>& sources);
 
 // The names of the types that a header defines at its outermost level.
 std::vector<std::string> types_defined(std::string_view header);

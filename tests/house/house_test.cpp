@@ -74,6 +74,25 @@ TEST_CASE("every source keeps the layers, the third-party walls and the house ru
   CHECK_MESSAGE(violations.empty(), joined(violations));
 }
 
+TEST_CASE("no files include each other in a ring") {
+  CHECK(include_rings({{"decoder/scan/a.hpp", "#include \"decoder/scan/b.hpp\"\n"},
+                       {"decoder/scan/b.hpp", "#pragma once\n"},
+                       {"decoder/scan/b.cpp", "#include \"decoder/scan/b.hpp\"\n"}})
+            .empty());
+  CHECK(include_rings({{"decoder/scan/a.hpp", "#include \"decoder/scan/b.hpp\"\n"},
+                       {"decoder/scan/b.hpp", "#pragma once\n"},
+                       {"decoder/scan/b.cpp", "#include \"decoder/scan/a.hpp\"\n"},
+                       {"decoder/scan/c.hpp", "#include \"decoder/scan/a.hpp\"\n"}}) ==
+        std::vector<std::string>{"decoder/scan/a", "decoder/scan/b"});
+  std::map<std::string, std::string> sources;
+  for (const std::string& file : project_sources()) {
+    if (!layer_of(file).empty()) sources[file] = contents(file);
+  }
+  REQUIRE(sources.size() > 40);
+  const std::vector<std::string> rings = include_rings(sources);
+  CHECK_MESSAGE(rings.empty(), joined(rings));
+}
+
 TEST_CASE("every source file is built by its folder's CMakeLists.txt") {
   std::map<fs::path, std::vector<std::string>> by_folder;
   for (const std::string& file : project_sources()) {

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a drawing's title block says, and the paper that it stands on.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tagsmith {
+
+enum class Paper { a4, a3 };  // landscape
+
+struct TitleField {
+  std::string name;
+  std::string value;
+};
+
+// The block at the lower right (ISO 7200). Scale, unit and sheet number are added.
+struct TitleBlock {
+  std::string title;
+  std::string subject;
+  std::vector<TitleField> fields{};
+};
+
+// "1 : 50", "2 : 1".
+std::string scale_text(double denominator);
+
+}  // namespace tagsmith

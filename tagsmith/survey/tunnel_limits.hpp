@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What numbers of a survey file may be at most. Internal to tagsmith/survey.
+#pragma once
+
+#include <cstddef>
+
+namespace tagsmith {
+
+// Metres: national grids reach 1e7; of tunnel, radius, spacing; of a coordinate's standard
+// deviation.
+inline constexpr double kFarthest = 1e8;
+inline constexpr double kLongest = 1e5;
+inline constexpr double kWorstSigma = 10;
+inline constexpr std::size_t kMostElements = 1'000;
+
+}  // namespace tagsmith
