@@ -18,7 +18,7 @@ using namespace std::string_view_literals;
 // --- libheif ---
 
 // Its functions by their own names: linked, the library and the codecs that it draws in would be
-// loaded by every start of the program (decision record 73).
+// loaded by every start of the program (docs/decisions/0019-third-party-libraries.md).
 struct Libheif {
   decltype(&::heif_context_alloc) context_alloc = nullptr;
   decltype(&::heif_context_free) context_free = nullptr;

@@ -29,11 +29,13 @@ constexpr double kFreeSize = 0.3;       // relative, of a frame of any size
 constexpr double kExactSize = 1e-6;     // so small that it is none, and large enough to invert
 constexpr double kMostMismatch = 0.25;  // frame diagonals; beyond, a start is no worse
 
-bool hangs_anywhere(Freedom freedom) {
-  return freedom == Freedom::place || freedom == Freedom::any;
+bool hangs_anywhere(PlateFreedom freedom) {
+  return freedom == PlateFreedom::place || freedom == PlateFreedom::any;
 }
 
-bool has_any_size(Freedom freedom) { return freedom == Freedom::size || freedom == Freedom::any; }
+bool has_any_size(PlateFreedom freedom) {
+  return freedom == PlateFreedom::size || freedom == PlateFreedom::any;
+}
 
 // The rig's, and last that of the frames' common size when it is not exact.
 CalibrationLayout layout_of(const AdjustmentProblem& problem) {
@@ -149,8 +151,8 @@ std::optional<Pose> start_plate(const AdjustmentProblem& problem, std::size_t pl
 
 // Vehicles from the plates that hang as surveyed, freed plates from those vehicles, and so on.
 // Stations that cannot be placed are flagged in `idle`, and of no account.
-AdjustmentState start_state(const AdjustmentProblem& problem, const std::vector<Freedom>& freed,
-                            std::vector<bool>& idle) {
+AdjustmentState start_state(const AdjustmentProblem& problem,
+                            const std::vector<PlateFreedom>& freed, std::vector<bool>& idle) {
   std::vector<std::optional<Pose>> plates(problem.plates.size());
   for (std::size_t i = 0; i < plates.size(); ++i) {
     if (!hangs_anywhere(freed[i])) plates[i] = problem.plates[i].world_from_plate;
@@ -198,7 +200,7 @@ struct ReducedStation {
 
 class Network {
  public:
-  Network(const AdjustmentProblem& problem, const std::vector<Freedom>& freed,
+  Network(const AdjustmentProblem& problem, const std::vector<PlateFreedom>& freed,
           std::vector<bool> idle)
       : problem_(problem), layout_(layout_of(problem)), idle_(std::move(idle)) {
     for (std::size_t i = 0; i < problem.plates.size(); ++i) {
@@ -522,7 +524,7 @@ std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sig
   for (const VehiclePose& start : *starts) {
     AdjustmentState state{
         {alone.plates[0].world_from_plate}, VectorXd::Zero(1), {start}, VectorXd::Zero(uncertain)};
-    Network network(alone, {Freedom::none}, {false});
+    Network network(alone, {PlateFreedom::none}, {false});
     if (!converge(network, state)) continue;
     const ReducedStation& station = network.stations()[0];
     const Eigen::Matrix3d axes = vehicle_frame(state.vehicles[0]).turn_axes;
@@ -534,7 +536,7 @@ std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sig
 }
 
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
-                                        const std::vector<Freedom>& freed) {
+                                        const std::vector<PlateFreedom>& freed) {
   std::vector<bool> idle;
   AdjustmentState state = start_state(problem, freed, idle);
   Network network(problem, freed, std::move(idle));

@@ -31,7 +31,7 @@ struct AdjustmentProblem {
 };
 
 // What is not taken from the survey and the template of a plate.
-enum class Freedom {
+enum class PlateFreedom {
   none,   // it hangs as surveyed, within the survey's variance
   size,   // so it does, and its frame is of any size about its middle
   place,  // it hangs anywhere
@@ -66,7 +66,7 @@ struct Adjustment {
 // within half a frame of their place. A station that shows only plates of unknown places tells
 // nothing: its chi-square is 0. Nothing when the fit does not converge.
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
-                                        const std::vector<Freedom>& freed);
+                                        const std::vector<PlateFreedom>& freed);
 
 // How far the corners of b are from where a's picture says that they are when both hang as
 // surveyed, in frame diagonals of b; of the poses that a allows, the better. Infinite when a allows

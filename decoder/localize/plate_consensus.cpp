@@ -92,8 +92,8 @@ class Judge {
       const std::set<std::size_t> seen = plates_of(station);
       if (seen.contains(plate)) judges.insert(seen.begin(), seen.end());
     }
-    std::erase_if(judges,
-                  [&](std::size_t i) { return i == plate || found_.freed[i] != Freedom::none; });
+    std::erase_if(
+        judges, [&](std::size_t i) { return i == plate || found_.freed[i] != PlateFreedom::none; });
     return judges;
   }
 
@@ -107,7 +107,7 @@ class Judge {
       if (is_judged) {
         check.offset = found_.adjustment->offsets[i];
         check.verdict = HangVerdict::fits;
-      } else if (found_.freed[i] != Freedom::none) {
+      } else if (found_.freed[i] != PlateFreedom::none) {
         check.verdict = HangVerdict::doubtful;
         check.doubt = HangDoubt::rest;
       }
@@ -117,9 +117,9 @@ class Judge {
   // --- a plate that was taken out ---
 
   // The fit with the plate freed so, all others as in the explanation.
-  static std::optional<Adjustment> with(const Explanation& explanation, std::size_t plate,
-                                        Freedom freedom) {
-    std::vector<Freedom> freed = explanation.freed;
+  static std::optional<Adjustment> with(const PlateExplanation& explanation, std::size_t plate,
+                                        PlateFreedom freedom) {
+    std::vector<PlateFreedom> freed = explanation.freed;
     freed[plate] = freedom;
     return adjust_plates(explanation.problem, freed);
   }
@@ -135,8 +135,8 @@ class Judge {
       judge(plate);
       return false;  // what is exchanged says nothing against the rig
     }
-    if (found_.freed[plate] == Freedom::none || !result_.plates[plate].offset) return false;
-    const auto moved = with(found_, plate, Freedom::place);
+    if (found_.freed[plate] == PlateFreedom::none || !result_.plates[plate].offset) return false;
+    const auto moved = with(found_, plate, PlateFreedom::place);
     const double chi_square = found_.adjustment->chi_square;
     const bool is_moved = moved && moved->chi_square <= chi_square + kClearlyBetter;
     PlateCheck& check = result_.plates[plate];
@@ -163,8 +163,8 @@ class Judge {
   };
 
   // The plate as an explanation that takes it out has it.
-  std::optional<Rival> rival_by(const Explanation& instead, std::size_t plate) const {
-    const auto moved = with(instead, plate, Freedom::place);
+  std::optional<Rival> rival_by(const PlateExplanation& instead, std::size_t plate) const {
+    const auto moved = with(instead, plate, PlateFreedom::place);
     const auto& offset = (moved ? moved : instead.adjustment)->offsets[plate];
     if (!offset) return std::nullopt;
     return Rival{plate, *offset, scale_of(instead, plate, moved)};
@@ -172,12 +172,12 @@ class Judge {
 
   std::vector<Rival> rivals_of(std::size_t plate) const {
     std::vector<Rival> rivals;
-    Explanation instead = found_;
+    PlateExplanation instead = found_;
     for (const std::size_t other :
          neighbours(found_.problem, found_.freed, *found_.adjustment, plate)) {
       instead.freed = found_.freed;
-      instead.freed[plate] = Freedom::none;
-      instead.freed[other] = Freedom::any;
+      instead.freed[plate] = PlateFreedom::none;
+      instead.freed[other] = PlateFreedom::any;
       instead.adjustment = adjust_plates(instead.problem, instead.freed);
       if (cost_of(instead) > cost_of(found_) + kClearlyBetter) continue;
       if (const auto rival = rival_by(instead, other)) rivals.push_back(*rival);
@@ -201,10 +201,10 @@ class Judge {
 
   // The size at which the frame, in its place, explains what it shows; nothing when an offset
   // explains it clearly better. `moved` is the fit with the plate hanging anywhere.
-  std::optional<FrameScale> scale_of(const Explanation& explanation, std::size_t plate,
+  std::optional<FrameScale> scale_of(const PlateExplanation& explanation, std::size_t plate,
                                      const std::optional<Adjustment>& moved) const {
     constexpr double kOfPose = 5;  // parameters that an offset has more
-    const auto sized = with(explanation, plate, Freedom::size);
+    const auto sized = with(explanation, plate, PlateFreedom::size);
     if (!sized) return std::nullopt;
     const double by_both = explanation.adjustment->chi_square;
     const bool is_moved = moved && moved->chi_square <= by_both + kClearlyBetter;
@@ -243,7 +243,7 @@ class Judge {
     if (explains_as_well(of_another_rig_, found_) && !of_another_rig_.accuses(plate)) {
       return HangDoubt::rig;
     }
-    const Explanation near = around(plate);
+    const PlateExplanation near = around(plate);
     if (!near.adjustment) return HangDoubt::rest;
     const bool rows_are_right = !could_be_a_row(plate);
     const bool is_swapped = found_.swapped_with[plate].has_value();
@@ -262,14 +262,14 @@ class Judge {
            farthest_corner(found_.problem.plates[plate], *check.offset) > kLeastWay;
   }
 
-  static bool explains_as_well(const Explanation& other, const Explanation& found) {
+  static bool explains_as_well(const PlateExplanation& other, const PlateExplanation& found) {
     const int fewer = faults_of(found) - faults_of(other);
     return fewer >= 0 && cost_of(other) <= cost_of(found) + kClearlyBetter + kOfFault * fewer;
   }
 
   // Takes the faults of the other explanation in place of those found, when they explain the
   // pictures of the rig as it is with fewer.
-  void take_simpler(Explanation other) {
+  void take_simpler(PlateExplanation other) {
     other.problem.rig = original_.rig;
     other.problem.frame_sigma = 0;
     other.adjustment = adjust_plates(other.problem, other.freed);
@@ -300,8 +300,8 @@ class Judge {
   }
 
   // The explanation, as far as it is of pictures near the plate.
-  Explanation around(std::size_t plate) const {
-    Explanation near = found_;
+  PlateExplanation around(std::size_t plate) const {
+    PlateExplanation near = found_;
     near.problem.stations = stations_near(found_.problem.stations, plate);
     near.left_out = stations_near(found_.left_out, plate);
     std::set<std::size_t> seen;
@@ -313,7 +313,7 @@ class Judge {
     }
     for (std::size_t i = 0; i < near.freed.size(); ++i) {
       if (seen.contains(i)) continue;
-      near.freed[i] = Freedom::none;
+      near.freed[i] = PlateFreedom::none;
       near.swapped_with[i].reset();
     }
     near.adjustment = adjust_plates(near.problem, near.freed);
@@ -321,16 +321,16 @@ class Judge {
   }
 
   // True when one row of pictures, not taken together, explains what speaks against the plate.
-  static bool fits_apart(const Explanation& near, std::size_t plate) {
+  static bool fits_apart(const PlateExplanation& near, std::size_t plate) {
     for (std::size_t s = 0; s < near.problem.stations.size(); ++s) {
       if (!shows(near.problem.stations[s], plate)) continue;
-      Explanation split = near;
+      PlateExplanation split = near;
       std::vector<Station>& stations = split.problem.stations;
       if (is_of_one_camera(stations[s])) continue;
       std::vector<Station> parts = apart(stations[s]);
       stations.erase(stations.begin() + static_cast<std::ptrdiff_t>(s));
       std::ranges::move(parts, std::back_inserter(stations));
-      split.freed[plate] = Freedom::none;
+      split.freed[plate] = PlateFreedom::none;
       split.adjustment = adjust_plates(split.problem, split.freed);
       if (cost_of(split) <= cost_of(near) + kClearlyBetter) return true;
     }
@@ -338,9 +338,9 @@ class Judge {
   }
 
   // True when what speaks against the plate is a second copy of one plate that is seen with it.
-  bool fits_beside_copy(const Explanation& near, std::size_t plate) const {
+  bool fits_beside_copy(const PlateExplanation& near, std::size_t plate) const {
     for (const std::size_t judge : judges_of(plate)) {
-      Explanation copied = near;
+      PlateExplanation copied = near;
       AdjustmentProblem& problem = copied.problem;
       problem.plates.push_back(problem.plates[judge]);
       for (Station& station : problem.stations) {
@@ -349,8 +349,8 @@ class Judge {
           if (sighting.plate == judge) sighting.plate = problem.plates.size() - 1;
         }
       }
-      copied.freed[plate] = Freedom::none;
-      copied.freed.push_back(Freedom::any);
+      copied.freed[plate] = PlateFreedom::none;
+      copied.freed.push_back(PlateFreedom::any);
       copied.adjustment = adjust_plates(problem, copied.freed);
       if (cost_of(copied) <= cost_of(near) + kClearlyBetter) return true;
     }
@@ -358,16 +358,16 @@ class Judge {
   }
 
   // Whether other plates and stations explain the pictures when this plate hangs as surveyed.
-  HangDoubt doubt_by_others(const Explanation& near, const Given& given) {
+  HangDoubt doubt_by_others(const PlateExplanation& near, const Given& given) {
     const std::size_t plate = *given.plate;
     AdjustmentProblem problem = original_;
     problem.stations = stations_near(original_.stations, plate);
-    const Explanation others = explain(std::move(problem), given);
+    const PlateExplanation others = explain(std::move(problem), given);
     if (!explains_as_well(others, near)) return HangDoubt::none;
     HangDoubt doubt =
         others.left_out.size() > near.left_out.size() ? HangDoubt::row : HangDoubt::rest;
     for (std::size_t i = 0; i < result_.plates.size(); ++i) {
-      if (others.freed[i] == Freedom::none || found_.accuses(i)) continue;
+      if (others.freed[i] == PlateFreedom::none || found_.accuses(i)) continue;
       const auto rival = rival_by(others, i);
       if (!rival) continue;
       add_rival(plate, *rival);
@@ -397,8 +397,8 @@ class Judge {
   std::optional<Pose> place_that_explains(const Station& station, std::size_t plate) const {
     AdjustmentProblem problem = found_.problem;
     problem.stations = {station};
-    std::vector<Freedom> freed = found_.freed;
-    freed[plate] = Freedom::place;
+    std::vector<PlateFreedom> freed = found_.freed;
+    freed[plate] = PlateFreedom::place;
     const auto fit = adjust_plates(problem, freed);
     if (!fit || !fit->offsets[plate] || fits_badly(station, fit->station_chi_square[0])) {
       return std::nullopt;
@@ -433,9 +433,9 @@ class Judge {
 
   double tolerance_;
   AdjustmentProblem original_;
-  Explanation found_;
+  PlateExplanation found_;
   Rig any_rig_;
-  Explanation of_another_rig_;  // by other calibrations and another size of all frames
+  PlateExplanation of_another_rig_;  // by other calibrations and another size of all frames
   Consensus result_;
 };
 

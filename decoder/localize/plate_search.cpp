@@ -24,12 +24,12 @@ constexpr std::size_t kMostRivals = 6;
 class Search {
  public:
   Search(AdjustmentProblem problem, const Given& given) : given_(given) {
-    found_.freed.resize(problem.plates.size(), Freedom::none);
+    found_.freed.resize(problem.plates.size(), PlateFreedom::none);
     found_.swapped_with.resize(problem.plates.size());
     found_.problem = std::move(problem);
   }
 
-  Explanation run() {
+  PlateExplanation run() {
     exchange_swapped();
     while (take_out_gross()) drop_stations();
     take_out_worst();
@@ -129,7 +129,7 @@ class Search {
       const auto plate = std::ranges::max_element(contradicted, {}, weight);
       if (weight(*plate) > 0 || given_.stations) {
         const std::size_t worst = plate->first;
-        found_.freed[worst] = Freedom::any;
+        found_.freed[worst] = PlateFreedom::any;
         std::erase_if(pairs, [&](const Pair& pair) { return pair.a == worst || pair.b == worst; });
         continue;
       }
@@ -159,7 +159,7 @@ class Search {
   // --- the worst, one by one ---
 
   bool may_be_freed(std::size_t plate) const {
-    return found_.freed[plate] == Freedom::none && plate != given_.plate;
+    return found_.freed[plate] == PlateFreedom::none && plate != given_.plate;
   }
 
   std::optional<std::size_t> most_in_doubt(const Adjustment& adjustment) const {
@@ -216,8 +216,8 @@ class Search {
     candidates.insert(candidates.begin(), worst);
     std::optional<Choice> best;
     for (const std::size_t plate : candidates) {
-      std::vector<Freedom> freed = found_.freed;
-      freed[plate] = Freedom::any;
+      std::vector<PlateFreedom> freed = found_.freed;
+      freed[plate] = PlateFreedom::any;
       auto without = adjust_plates(found_.problem, freed);
       if (!without || (best && without->chi_square >= best->adjustment.chi_square)) continue;
       best = Choice{plate, std::move(*without)};
@@ -241,7 +241,7 @@ class Search {
         dropped_.insert(*station);
         drop_stations();
       } else if (choice) {
-        found_.freed[choice->plate] = Freedom::any;
+        found_.freed[choice->plate] = PlateFreedom::any;
       } else {
         return;
       }
@@ -250,7 +250,7 @@ class Search {
 
   Given given_;
   std::set<std::size_t> dropped_;
-  Explanation found_;
+  PlateExplanation found_;
 };
 
 }  // namespace
@@ -280,8 +280,8 @@ bool fits_badly(const Station& station, double chi_square) {
 }
 
 std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
-                                    const std::vector<Freedom>& freed, const Adjustment& adjustment,
-                                    std::size_t plate) {
+                                    const std::vector<PlateFreedom>& freed,
+                                    const Adjustment& adjustment, std::size_t plate) {
   std::set<std::size_t> found;
   for (const Station& station : problem.stations) {
     const std::set<std::size_t> seen = plates_of(station);
@@ -289,22 +289,23 @@ std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
   }
   found.erase(plate);
   std::vector<std::size_t> list(found.begin(), found.end());
-  std::erase_if(list,
-                [&](std::size_t i) { return freed[i] != Freedom::none || !adjustment.offsets[i]; });
+  std::erase_if(list, [&](std::size_t i) {
+    return freed[i] != PlateFreedom::none || !adjustment.offsets[i];
+  });
   std::ranges::stable_sort(list, std::ranges::greater{},
                            [&](std::size_t i) { return adjustment.offsets[i]->chi_square; });
   if (list.size() > kMostRivals) list.resize(kMostRivals);
   return list;
 }
 
-int faults_of(const Explanation& explanation) {
-  const auto freed = std::ranges::count(explanation.freed, Freedom::any);
+int faults_of(const PlateExplanation& explanation) {
+  const auto freed = std::ranges::count(explanation.freed, PlateFreedom::any);
   const auto swapped = std::ranges::count_if(explanation.swapped_with,
                                              [](const auto& other) { return other.has_value(); });
   return static_cast<int>(freed + swapped / 2) + static_cast<int>(explanation.left_out.size());
 }
 
-double cost_of(const Explanation& explanation) {
+double cost_of(const PlateExplanation& explanation) {
   if (!explanation.adjustment) return std::numeric_limits<double>::infinity();
   double cost = explanation.adjustment->chi_square;
   for (const Station& station : explanation.problem.stations) cost -= corner_degrees(station);
@@ -333,7 +334,7 @@ std::vector<Station> apart(const Station& station) {
   return parts;
 }
 
-Explanation explain(AdjustmentProblem problem, const Given& given) {
+PlateExplanation explain(AdjustmentProblem problem, const Given& given) {
   return Search(std::move(problem), given).run();
 }
 

@@ -27,27 +27,27 @@ bool fits_badly(const Station& station, double chi_square);
 
 // Plates seen together with this one that are not freed, those that disagree most first.
 std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
-                                    const std::vector<Freedom>& freed, const Adjustment& adjustment,
-                                    std::size_t plate);
+                                    const std::vector<PlateFreedom>& freed,
+                                    const Adjustment& adjustment, std::size_t plate);
 
-struct Explanation {
-  AdjustmentProblem problem;   // without the stations left out, exchanged plates being exchanged
-  std::vector<Freedom> freed;  // any, of the plates that contradict the rest
+struct PlateExplanation {
+  AdjustmentProblem problem;  // without the stations left out, exchanged plates being exchanged
+  std::vector<PlateFreedom> freed;  // any, of the plates that contradict the rest
   std::vector<std::optional<std::size_t>> swapped_with;
   std::vector<Station> left_out;         // stations that fit no place of the cameras
   std::optional<Adjustment> adjustment;  // nothing when the fit does not converge
 
   bool accuses(std::size_t plate) const {
-    return freed[plate] != Freedom::none || swapped_with[plate].has_value();
+    return freed[plate] != PlateFreedom::none || swapped_with[plate].has_value();
   }
 };
 
 // Plates taken out, pairs exchanged, stations left out.
-int faults_of(const Explanation& explanation);
+int faults_of(const PlateExplanation& explanation);
 
 // How badly it explains the pictures: chi-square beyond its expectation, up to a constant that all
 // explanations of the same stations share.
-double cost_of(const Explanation& explanation);
+double cost_of(const PlateExplanation& explanation);
 
 // Stations with sightings that a rectangle explains, of two plates or more: what can be compared.
 void keep_comparable(AdjustmentProblem& problem);
@@ -64,6 +64,6 @@ struct Given {
 // Exchanges pairs of plates that contradict the rest and in each other's place do not; then takes
 // out the plate that contradicts the others most, or leaves out a station that fits nothing, until
 // those left agree. Of a station left out the pictures of each camera are still used by themselves.
-Explanation explain(AdjustmentProblem problem, const Given& given = {});
+PlateExplanation explain(AdjustmentProblem problem, const Given& given = {});
 
 }  // namespace tagsmith

@@ -111,7 +111,7 @@ TileMask tiles_around(const std::vector<BarBlock>& blocks, const SearchLevel& at
   return mask;
 }
 
-Surroundings::Surroundings(const GrayView& image, const ExpectedTag& expected) {
+ExpectedSurroundings::ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected) {
   PyramidLevel level = surroundings(image, expected);
   constexpr int kLeastSize = 16;
   if (level.image.width < kLeastSize || level.image.height < kLeastSize ||

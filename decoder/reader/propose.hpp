@@ -30,9 +30,9 @@ TileMask tiles_around(const std::vector<BarBlock>& blocks, const SearchLevel& at
 
 // The part of the image around an expected tag at several sizes, the finest first, down to one in
 // which its frame can be settled from as far off as it may be. Empty where it is out of the image.
-class Surroundings {
+class ExpectedSurroundings {
  public:
-  Surroundings(const GrayView& image, const ExpectedTag& expected);
+  ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected);
 
   const std::vector<PyramidLevel>& levels() const { return levels_; }
 

@@ -32,7 +32,7 @@ void try_outlines(Detector& detector, const PyramidLevel& level, const TileMask*
 // Looks for an expected tag where it should be: fits its frame from there in the finest level that
 // reaches as far as the expectation may be off, and searches the surroundings when that fails.
 void try_expected(Detector& detector, const GrayView& image, const ExpectedTag& expected) {
-  const Surroundings around(image, expected);
+  const ExpectedSurroundings around(image, expected);
   if (around.levels().empty()) return;
   const PyramidLevel& coarsest = around.levels().back();
   detector.try_frame(coarsest, to_level(coarsest, expected.corners));

@@ -12,6 +12,7 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/image/pixel.hpp"
+#include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/child_process.hpp"
 #include "decoder/verify/rasterize.hpp"

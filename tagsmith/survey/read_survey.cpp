@@ -271,9 +271,13 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
   survey.series = read_series(tags, file.has("placed"), tag_template);
   survey.states_sigma = tags.has("sigma");
   survey.sigma = tags.number_or("sigma", kUsualSigma, between(0, kWorstSigma, "m"));
-  survey.states_angle_sigma = tags.has("angle_sigma");
+  // A survey whose coordinates are said to be exact is one of pictures that were computed: nobody
+  // hung its plates by eye.
+  const bool is_exact = survey.states_sigma && survey.sigma == 0;
+  const double usual_angle = is_exact ? 0 : degrees(kUsualAngleSigma);
+  survey.states_angle_sigma = is_exact || tags.has("angle_sigma");
   survey.angle_sigma =
-      radians(tags.number_or("angle_sigma", degrees(kUsualAngleSigma), between(0, 45, "degrees")));
+      radians(tags.number_or("angle_sigma", usual_angle, between(0, 45, "degrees")));
 
   const MapReader code(file.need("code", "code: { check_digit: sum10, resolution: 0.01 }"), "code",
                        {"check_digit", "resolution", "digits", "origin"}, log);

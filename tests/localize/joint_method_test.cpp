@@ -47,7 +47,8 @@ TEST_CASE("exact corners give back the pose, straight and curved, in either grid
 }
 
 TEST_CASE("in a drive with surveyed walls, leaning and turned plates, corners and range agree") {
-  const Site site = site_named("drift");
+  Site site = site_named("drift");
+  site.survey.angle_sigma = 0;  // what is not sure of a plate leaves room for the stance's prior
   const Tunnel& tunnel = site.survey.tunnel;
   int with_pillar = 0;
   for (double chainage = 1; chainage < 60; chainage += 1.5) {

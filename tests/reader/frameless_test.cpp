@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
+#include "decoder/reader/reader.hpp"
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/support/bar_picture.hpp"
 

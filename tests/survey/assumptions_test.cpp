@@ -69,6 +69,15 @@ TEST_CASE("zero in a survey means exact, and is no assumption") {
   CHECK(assumptions({&exact, 1}, Rig{}).empty());
 }
 
+TEST_CASE("a survey whose coordinates are exact has exact attitudes unless it states them") {
+  const Survey exact = survey_of(replaced(right_survey(), "sigma: 0.003", "sigma: 0"));
+  CHECK(exact.angle_sigma == 0);
+  CHECK(assumptions({&exact, 1}, Rig{}).empty());
+  const Survey tilted =
+      survey_of(replaced(right_survey(), "sigma: 0.003", "sigma: 0\n  angle_sigma: 0.2"));
+  CHECK(tilted.angle_sigma == Approx(radians(0.2)));
+}
+
 TEST_CASE("tags that state their own sigma need none of the survey") {
   std::string text = replaced(right_survey(), "  sigma: 0.003\n", "");
   text = replaced(text, "  height: 1.4\n  spacing: 0.6\n  first: 1.0\n  pairs: 4\n", "");

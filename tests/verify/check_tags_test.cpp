@@ -118,7 +118,7 @@ TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   FileReport bad;
   bad.tags = check_tags(survey, {{reading_of("000000340401"), reading_of("000000340401", 600),
                                   reading_of("123456789012"), reading_of("019001600401")},
-                                 {{"too small", {}}}});
+                                 {{RejectionReason::guard_pattern, {}}}});
   bad.findings = {"something"};
   const std::vector<FileReport> reports{good, bad};
   const VerifySummary summary = summarize(survey, reports);
