@@ -35,6 +35,10 @@ std::string verdict_in_words(const HungTag& tag) {
 }
 
 void print_in_words(const HungTag& tag) {
+  if (tag.offset.sigma.isZero()) {
+    to_stdout("{:>8}  not measured  {}\n", tag.tag, verdict_in_words(tag));
+    return;
+  }
   const Measured3& offset = tag.offset;
   const Measured3& turn = tag.turn;
   const auto mm = [](double metres) { return 1e3 * metres; };

@@ -299,10 +299,11 @@ std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
 }
 
 int faults_of(const PlateExplanation& explanation) {
-  const auto freed = std::ranges::count(explanation.freed, PlateFreedom::any);
-  const auto swapped = std::ranges::count_if(explanation.swapped_with,
-                                             [](const auto& other) { return other.has_value(); });
-  return static_cast<int>(freed + swapped / 2) + static_cast<int>(explanation.left_out.size());
+  int faults = static_cast<int>(explanation.left_out.size());
+  for (std::size_t i = 0; i < explanation.freed.size(); ++i) {
+    faults += explanation.accuses(i) ? 1 : 0;
+  }
+  return faults;
 }
 
 double cost_of(const PlateExplanation& explanation) {

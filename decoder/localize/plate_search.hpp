@@ -42,7 +42,7 @@ struct PlateExplanation {
   }
 };
 
-// Plates taken out, pairs exchanged, stations left out.
+// Plates taken out or exchanged, stations left out.
 int faults_of(const PlateExplanation& explanation);
 
 // How badly it explains the pictures: chi-square beyond its expectation, up to a constant that all

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the vehicle is by a joint fit, once it is known what the fit rests on: with calibration and
-// edges as the rig and the pictures say them wherever the measurements bear it out.
+// Where the vehicle is by a joint fit, once it is known what the fit rests on: with the calibration
+// as the rig says it wherever the pictures bear it out.
 #pragma once
 
 #include "decoder/localize/joint_model.hpp"
@@ -18,10 +18,10 @@ struct SettledFit {
 
 // A fit that may change the calibration spreads noise over it and trusts ranges more; one that
 // weighs corners by an error of all edges alike no longer tells the better corner. Where the same
-// measurements agree with calibration and edges as they are said (less than once in a thousand they
-// would disagree more), the pose is the one by these, and the uncertainty of both is carried into
-// the covariance as that of considered parameters (Jazwinski 1970, "Stochastic Processes and
-// Filtering Theory", 8.4); else it is the fit's own. Either covariance is that of the error.
+// measurements agree with calibration and edges as they are said (they would disagree more once in
+// a thousand), the pose is the one by these; else it is the fit's own. The covariance is
+// that of the error about the pose: the fit's own, and the square of how far the two poses are
+// apart, which counts as of the calibration. Why: docs/decisions/0020-unstated-is-not-exact.md.
 SettledFit settled(const JointProblem& problem, const JointFit& fit);
 
 }  // namespace tagsmith

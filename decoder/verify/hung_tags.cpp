@@ -316,13 +316,17 @@ std::string suspicion(const Survey& survey, const AdjustmentProblem& problem,
   if (!suspect.world_from_plate) return {};
   const PlacedTag* place = place_of(survey, *suspect.world_from_plate);
   const std::string& name = problem.plates[suspect.plate].name;
+  const PlateCheck& check = consensus.plates[suspect.plate];
+  if (place != nullptr && place->name == name && check.verdict == HangVerdict::doubtful) {
+    return fmt::format("a second copy of {}: here one hangs in its place, elsewhere one does not",
+                       name);
+  }
   if (place == nullptr || std::ranges::any_of(station.suspects, [&](const auto& seen) {
         return problem.plates[seen.plate].name == place->name;
       })) {
     return {};
   }
-  const bool hangs_elsewhere = consensus.plates[suspect.plate].stations > 0;
-  return fmt::format("{}{} in the place of {}", hangs_elsewhere ? "a second copy of " : "", name,
+  return fmt::format("{}{} in the place of {}", check.stations > 0 ? "a second copy of " : "", name,
                      place->name);
 }
 

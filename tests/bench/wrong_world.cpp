@@ -23,6 +23,7 @@
 
 #include "decoder/localize/joint_method.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tests/bench/fix_trial.hpp"
 
@@ -367,11 +368,12 @@ std::vector<Site> drawn_sites() {
       std::exit(2);
     }
     sites.push_back(*site);
-    site->survey.sigma = 0.003;
+    site->survey.sigma = kUsualSigma;
     for (PlacedTag& tag : site->survey.tags) tag.sigma = site->survey.sigma;
-    site->survey.angle_sigma = radians(0.3);
+    site->survey.angle_sigma = kUsualAngleSigma;
     for (RigCamera& camera : site->rig.cameras) {
-      camera.calibration_sigma = {0.005, radians(0.5), 0.01, 12.8};
+      camera.calibration_sigma =
+          usual_calibration(IntrinsicsSource::data_sheet, camera.camera.width);
     }
     sites.push_back(std::move(*site));
   }

@@ -48,7 +48,8 @@ TEST_CASE("Ctrl-C ends every long command at once and leaves nothing half") {
   for (const std::string& command :
        {"validate '" + survey.string() + "'" + rig,
         "plan '" + survey.string() + "'" + rig + " --step 0.1" + out,
-        "plan " + corridor + rig + " --step 0.001 --optimise" + out,
+        "plan surveys/curved/survey.yaml --rig surveys/curved/rig.yaml --step 0.0001 --optimise" +
+            out,
         "simulate " + corridor + rig + " --run '" + run.string() + "'" + out,
         "localize " + corridor + rig + " --run '" + run.string() + "'" + out,
         "verify " + corridor + photos(photo, 500), "read" + photos(photo, 500)}) {

@@ -25,6 +25,21 @@ using tagsmith::test::pose_at;
 using tagsmith::test::Site;
 using tagsmith::test::site_named;
 
+namespace {
+
+// The corridor, surveyed exactly, with cameras of which little is known.
+Site site_of_unknown_cameras() {
+  Site site = site_named("corridor");
+  site.survey.sigma = 0;
+  for (PlacedTag& tag : site.survey.tags) tag.sigma = 0;
+  for (RigCamera& camera : site.rig.cameras) {
+    camera.calibration_sigma = {0.005, radians(0.5), 0.02, 12.8};
+  }
+  return site;
+}
+
+}  // namespace
+
 TEST_CASE("exact corners give back the pose, straight and curved, in either grid") {
   for (const std::string name : {"corridor", "curved"}) {
     CAPTURE(name);
@@ -64,6 +79,41 @@ TEST_CASE("in a drive with surveyed walls, leaning and turned plates, corners an
     CHECK(fix.dropped.empty());
   }
   CHECK(with_pillar > 0);
+}
+
+TEST_CASE("a calibration that the corners bear out stands, with its doubt in the covariance") {
+  const Site site = site_of_unknown_cameras();
+  const VehiclePose truth = pose_at(site, 2, 0.1);
+  Observation observation = observation_at(site, truth);
+  const Tunnel& tunnel = site.survey.tunnel;
+  observation.ranges["d"] =
+      observe_wall(tunnel.centerline, tunnel.left, truth.position).distance + 0.02;
+  const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+  CHECK(error_of(fix, site, truth) < 1e-4);
+  CHECK(fix.ranges == std::vector<std::string>{"d"});
+  CHECK(std::sqrt((*fix.covariance_in_grid)(0, 0)) > 0.003);
+  const ErrorBudget& budget = fix.budget.value();
+  const Eigen::Matrix3d sum = budget.pixels + budget.edges + budget.survey + budget.coding +
+                              budget.ranges + budget.calibration + budget.vehicle;
+  CHECK((sum - *fix.covariance_in_grid).norm() < 1e-12);
+}
+
+TEST_CASE("a calibration that the corners contradict is estimated") {
+  const Site site = site_of_unknown_cameras();
+  Site bent = site;
+  bent.rig.cameras.front().vehicle_from_camera.rotation *=
+      Eigen::AngleAxisd(radians(0.5), Vector3d::UnitY()).toRotationMatrix();
+  const VehiclePose truth = pose_at(bent, 2, 0.1);
+  const Observation observation = observation_at(bent, truth);
+  const Fix fix = localize_jointly(observation, {site.survey}, site.rig);
+  REQUIRE_MESSAGE(fix.position_in_grid.has_value(), fix.reason);
+  CHECK(fix.tags.size() == 3);
+  CHECK(fix.chi_square < fix.degrees_of_freedom);
+  CHECK(error_of(fix, site, truth) < 0.02);
+  Site exact = site;
+  for (RigCamera& camera : exact.rig.cameras) camera.calibration_sigma = {};
+  const Fix as_said = localize_jointly(observation, {exact.survey}, exact.rig);
+  CHECK(as_said.tags != fix.tags);  // refused, or by one tag alone
 }
 
 TEST_CASE("a tag that was measured worse counts for less") {
