@@ -54,7 +54,7 @@ Json unchecked_json(const Fix& fix) {
   for (const Unchecked& unchecked : fix.unchecked) {
     all.push_back({{"kind", to_string(unchecked.kind)},
                    {"name", json_or_null(unchecked.name)},
-                   {"metres", unchecked.metres}});
+                   {"metres", unchecked.metres > 0 ? Json(unchecked.metres) : Json()}});
   }
   return all;
 }

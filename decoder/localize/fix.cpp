@@ -36,6 +36,12 @@ const char* to_string(Unchecked::Kind kind) {
       return "range";
     case vehicle_height:
       return "vehicle_height";
+    case all_mountings:
+      return "all_mountings";
+    case moment:
+      return "moment";
+    case survey_frame:
+      return "survey_frame";
   }
   return "";
 }
@@ -59,6 +65,12 @@ std::string to_string(const Unchecked& unchecked) {
       return "the range " + unchecked.name;
     case vehicle_height:
       return "the height of the vehicle";
+    case all_mountings:
+      return "the mounting of all cameras together";
+    case moment:
+      return "the moment of all photos";
+    case survey_frame:
+      return "the place of the survey as a whole";
   }
   return {};
 }

@@ -63,10 +63,16 @@ struct Unchecked {
     all_lenses,      // the same for all cameras
     range,           // a range sensor measures something else; `name`: the range
     vehicle_height,  // the vehicle is higher or lower than the rig says
+    // What no single measurement can reveal, so that every position lists it: all cameras stand
+    // elsewhere on the vehicle alike, all photos are of another moment, the survey is shifted or
+    // turned as a whole.
+    all_mountings,
+    moment,
+    survey_frame,
   };
   Kind kind = Kind::plate_place;
   std::string name;
-  double metres = 0;  // how far it could move the position at most
+  double metres = 0;  // how far it could move the position at most; of what is always listed, none
 };
 
 // The kind as JSON has it: "plate_place".
@@ -102,10 +108,8 @@ struct Fix {
   double chi_square = 0;               // of what the fix rests on, weighted residuals squared
   // By how much the covariance is raised over what was stated because chi-square asks for it.
   double variance_factor = 1;
-  // What would go unnoticed and move the position by more than four standard deviations. No single
-  // measurement can reveal that all cameras are displaced
-  // together, that all photos are of another moment, or that the survey is shifted as a whole;
-  // these are not listed.
+  // What would go unnoticed and move the position by more than four standard deviations, and what
+  // no single measurement can reveal. Empty without a position.
   std::vector<Unchecked> unchecked;
   int degrees_of_freedom = 0;      // expectation of chi_square; 0 = nothing to check it by
   bool predicted = false;          // from the run's motion: nothing of its own was used

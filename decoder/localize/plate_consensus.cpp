@@ -72,7 +72,7 @@ class Judge {
     take_fitting();
     int accused = 0;
     for (std::size_t i = 0; i < result_.plates.size(); ++i) accused += accuse(i) ? 1 : 0;
-    doubt_those_judged_by_doubtful();
+    doubt_what_depends_on_doubtful();
     constexpr int kFew = 4;
     const auto checked = std::ranges::count_if(result_.plates, [](const PlateCheck& check) {
       return check.verdict != HangVerdict::unchecked;
@@ -85,15 +85,20 @@ class Judge {
   }
 
  private:
-  // Plates seen together with this one that are not taken out.
-  std::set<std::size_t> judges_of(std::size_t plate) const {
-    std::set<std::size_t> judges;
+  std::set<std::size_t> seen_with(std::size_t plate) const {
+    std::set<std::size_t> others;
     for (const Station& station : found_.problem.stations) {
       const std::set<std::size_t> seen = plates_of(station);
-      if (seen.contains(plate)) judges.insert(seen.begin(), seen.end());
+      if (seen.contains(plate)) others.insert(seen.begin(), seen.end());
     }
-    std::erase_if(
-        judges, [&](std::size_t i) { return i == plate || found_.freed[i] != PlateFreedom::none; });
+    others.erase(plate);
+    return others;
+  }
+
+  // Plates seen together with this one that are not taken out.
+  std::set<std::size_t> judges_of(std::size_t plate) const {
+    std::set<std::size_t> judges = seen_with(plate);
+    std::erase_if(judges, [&](std::size_t i) { return found_.freed[i] != PlateFreedom::none; });
     return judges;
   }
 
@@ -376,18 +381,28 @@ class Judge {
     return doubt;
   }
 
-  // Of those that judge a plate one must be beyond doubt itself.
-  void doubt_those_judged_by_doubtful() {
-    for (std::size_t i = 0; i < result_.plates.size(); ++i) {
-      PlateCheck& check = result_.plates[i];
-      if (check.verdict != HangVerdict::off) continue;
-      if (std::ranges::any_of(judges_of(i), [&](std::size_t judge) {
-            return result_.plates[judge].verdict == HangVerdict::fits;
-          })) {
-        continue;
+  // True when no plate that judges this one is beyond doubt; or one that was taken out, too, is
+  // seen with it and doubtful: what else explains that one may explain this one as well.
+  bool depends_on_doubtful(std::size_t plate) const {
+    bool is_judged = false;
+    for (const std::size_t other : seen_with(plate)) {
+      const HangVerdict verdict = result_.plates[other].verdict;
+      if (found_.accuses(other) && verdict == HangVerdict::doubtful) return true;
+      is_judged = is_judged || verdict == HangVerdict::fits;
+    }
+    return !is_judged;
+  }
+
+  void doubt_what_depends_on_doubtful() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t i = 0; i < result_.plates.size(); ++i) {
+        PlateCheck& check = result_.plates[i];
+        if (check.verdict != HangVerdict::off || !depends_on_doubtful(i)) continue;
+        check.verdict = HangVerdict::doubtful;
+        check.doubt = HangDoubt::rest;
+        changed = true;
       }
-      check.verdict = HangVerdict::doubtful;
-      check.doubt = HangDoubt::rest;
     }
   }
 

@@ -236,6 +236,10 @@ std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit&
     if (reach.sigmas < kFarOff * std::sqrt(variance_factor)) continue;
     unchecked.push_back({effect.kind, effect.what, reach.metres});
   }
+  using enum Unchecked::Kind;
+  for (const Unchecked::Kind always : {all_mountings, moment, survey_frame}) {
+    unchecked.push_back({always, {}, 0});
+  }
   return unchecked;
 }
 

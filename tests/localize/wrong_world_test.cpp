@@ -216,6 +216,11 @@ TEST_CASE("a position names what nothing measured would reveal") {
   CHECK(lists(lone, Unchecked::Kind::plate_place));
   CHECK(lists(lone, Unchecked::Kind::mounting));
   CHECK(lists(lone, Unchecked::Kind::plate_size));
+  for (const Fix& fix : {checked, lone}) {
+    CHECK(lists(fix, Unchecked::Kind::all_mountings));
+    CHECK(lists(fix, Unchecked::Kind::moment));
+    CHECK(lists(fix, Unchecked::Kind::survey_frame));
+  }
   CHECK(most_unchecked(checked) > 0);
   CHECK(most_unchecked(lone) > 10 * most_unchecked(checked));
 }
