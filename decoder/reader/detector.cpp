@@ -7,7 +7,6 @@
 
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_lines.hpp"
-#include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 #include "tagsmith/symbology/upca.hpp"
 

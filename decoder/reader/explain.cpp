@@ -10,8 +10,8 @@
 
 #include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
-#include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/explained.hpp"
 #include "tagsmith/symbology/upca.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "decoder/feature_frame/lens_bend.hpp"
 #include "decoder/reader/bar_ends.hpp"
-#include "decoder/reader/cover_strips.hpp"
+#include "decoder/reader/occluders.hpp"
 
 namespace tagsmith {
 namespace {
@@ -59,14 +59,11 @@ bool halves_contradict(const GrayView& image, const SymbolHypothesis& symbol) {
   const Decoding& decoding = symbol.decoding;
   if (1 - decoding.confidence < kBeyondDoubt) return false;
   const std::size_t first = (symbol.first_corner + (decoding.upside_down ? 2 : 0)) % 4;
-  const double middle = (symbol.layout.bars_top + symbol.layout.bars_bottom) / 2;
-  SymbolLayout upper = symbol.layout, lower = symbol.layout;
-  upper.bars_bottom = lower.bars_top = middle;
-  const auto contradicts = [&](const SymbolLayout& half) {
-    const SymbolProfile profile = profile_symbol(image, symbol.frame, first, half);
-    return log_odds_of_another(profile.bins, decoding) > kClearly;
+  const RobustProfile profile(image, symbol.frame, first, symbol.layout);
+  const auto contradicts = [&](const HeightShare& half) {
+    return log_odds_of_another(profile.of_agreeing_rows(half).bins, decoding) > kClearly;
   };
-  return contradicts(upper) || contradicts(lower);
+  return contradicts({0, 0.5}) || contradicts({0.5, 1});
 }
 
 // Whether a symbol shows too little for its covered digits to be more than guesses.
@@ -109,16 +106,16 @@ std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolH
 std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
                                                     const RefinedFrame& frame,
                                                     const ReadOptions& options, bool quickly_too) {
+  SymbolLook look(image, frame);
   if (quickly_too) {
-    auto quick = quick_hypothesis(image, frame, options);
+    auto quick = look.by_agreeing_rows(options);
     if (quick && !objection_to_quick(image, *quick, options)) return quick;
   }
   // Symbols that were read with slanted light alone had 0.83 explained with even light
   // (`./dev bench troubled`).
   constexpr double kSymbolLike = 0.7;
-  CarefulLook look(image, frame);
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
-    auto careful = look.hypothesis(options, added);
+    auto careful = look.by_all_rows(options, added);
     if (!careful || careful->decoding.fit.explained < kSymbolLike) return std::nullopt;
     if (!objection(*careful, options) && !too_little_shown(careful->profile)) return careful;
   }

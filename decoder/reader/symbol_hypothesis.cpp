@@ -45,31 +45,40 @@ std::vector<std::size_t> possible_first_corners(const GrayView& image, const Qua
   return {0, 1};
 }
 
-std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
-                                                 const ReadOptions& options) {
-  return best_hypothesis(image, frame, options,
+const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayout& layout) {
+  const auto same = std::ranges::find_if(seen_, [&](const Seen& other) {
+    return other.first_corner == first_corner && other.profile.layout() == layout;
+  });
+  if (same != seen_.end()) return same->profile;
+  seen_.push_back({first_corner, RobustProfile(image_, frame_, first_corner, layout)});
+  return seen_.back().profile;
+}
+
+std::optional<SymbolHypothesis> SymbolLook::by_agreeing_rows(const ReadOptions& options) {
+  return best_hypothesis(image_, frame_, options,
                          [&](std::size_t first_corner, const SymbolLayout& layout) {
-                           return profile_symbol(image, frame, first_corner, layout);
+                           return seen(first_corner, layout).of_agreeing_rows();
                          });
 }
 
-std::optional<SymbolHypothesis> CarefulLook::hypothesis(const ReadOptions& options,
+std::optional<SymbolHypothesis> SymbolLook::by_all_rows(const ReadOptions& options,
                                                         AddedLight added) {
-  const auto profile_of = [&](std::size_t first_corner, const SymbolLayout& layout) {
-    const auto seen = std::ranges::find_if(seen_, [&](const Seen& other) {
-      return other.first_corner == first_corner && other.layout == layout;
-    });
-    if (seen != seen_.end()) return seen->symbol.profile(added);
-    seen_.push_back({first_corner, layout, CoveredSymbol(image_, frame_, first_corner, layout)});
-    return seen_.back().symbol.profile(added);
-  };
-  return best_hypothesis(image_, frame_, options, profile_of);
+  return best_hypothesis(image_, frame_, options,
+                         [&](std::size_t first_corner, const SymbolLayout& layout) {
+                           return seen(first_corner, layout).of_all_rows(added);
+                         });
+}
+
+std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
+                                                 const ReadOptions& options) {
+  return SymbolLook(image, frame).by_agreeing_rows(options);
 }
 
 std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                   const ReadOptions& options) {
-  auto quick = quick_hypothesis(image, frame, options);
-  auto careful = CarefulLook(image, frame).hypothesis(options, AddedLight::even);
+  SymbolLook look(image, frame);
+  auto quick = look.by_agreeing_rows(options);
+  auto careful = look.by_all_rows(options, AddedLight::even);
   if (!careful || (quick && quick->decoding.fit.explained > careful->decoding.fit.explained)) {
     return quick;
   }

@@ -9,11 +9,10 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/frame_corners.hpp"
 #include "decoder/reader/read_options.hpp"
+#include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_layout.hpp"
-#include "decoder/reader/symbol_profile.hpp"
 #include "decoder/scan/decode.hpp"
 
 namespace tagsmith {
@@ -27,32 +26,37 @@ struct SymbolHypothesis {
   Decoding decoding;
 };
 
-// The best explained symbol of the options' layouts, along the direction(s) in which it may run,
-// from its quick profile (profile_symbol). Nothing where no guard patterns show.
-std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
-                                                 const ReadOptions& options);
-
-// What is seen of a frame by the careful profile, kept for another assumption about its light.
-class CarefulLook {
+// What is seen of a frame, cut out of the picture once for each way that the symbol may run.
+class SymbolLook {
  public:
-  CarefulLook(const GrayView& image, const RefinedFrame& frame) : image_(image), frame_(frame) {}
+  SymbolLook(const GrayView& image, const RefinedFrame& frame) : image_(image), frame_(frame) {}
 
-  // As quick_hypothesis, by the careful profile (CoveredSymbol).
-  std::optional<SymbolHypothesis> hypothesis(const ReadOptions& options, AddedLight added);
+  // The best explained symbol of the options' layouts, along the direction(s) in which it may run,
+  // from the rows that agree (RobustProfile::of_agreeing_rows). Nothing where no guard patterns
+  // show.
+  std::optional<SymbolHypothesis> by_agreeing_rows(const ReadOptions& options);
+
+  // The same from all rows, with what each shows by its own light (RobustProfile::of_all_rows).
+  std::optional<SymbolHypothesis> by_all_rows(const ReadOptions& options, AddedLight added);
 
  private:
   struct Seen {
     std::size_t first_corner;
-    SymbolLayout layout;
-    CoveredSymbol symbol;
+    RobustProfile profile;
   };
+
+  const RobustProfile& seen(std::size_t first_corner, const SymbolLayout& layout);
 
   GrayView image_;
   const RefinedFrame& frame_;
   std::vector<Seen> seen_;
 };
 
-// The quick hypothesis or the careful one, whichever explains more.
+// SymbolLook::by_agreeing_rows alone.
+std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,
+                                                 const ReadOptions& options);
+
+// By the rows that agree or by all of them, whichever explains more.
 std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                   const ReadOptions& options);
 

@@ -22,7 +22,7 @@
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
-#include "decoder/reader/symbol_profile.hpp"
+#include "decoder/reader/robust_profile.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/bench/kept_memory.hpp"
@@ -82,7 +82,7 @@ StageTimes stages_of(const GrayView& image, const std::vector<Reading>& tags, in
   times.profile = time_of(runs, [&] {
     profiles.clear();
     for (const RefinedFrame& frame : frames) {
-      profiles.push_back(profile_symbol(image, frame, 0, SymbolLayout{}));
+      profiles.push_back(RobustProfile(image, frame, 0, SymbolLayout{}).of_agreeing_rows());
     }
   });
   times.decode = time_of(runs, [&] {

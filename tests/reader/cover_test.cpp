@@ -12,10 +12,10 @@
 #include <Eigen/LU>
 #include <doctest/doctest.h>
 
-#include "decoder/reader/covered_profile.hpp"
 #include "decoder/reader/explain.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
+#include "decoder/reader/robust_profile.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"

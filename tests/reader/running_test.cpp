@@ -8,8 +8,6 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/reader/sorted_window.hpp"
-
 using namespace tagsmith;
 
 namespace {
@@ -41,24 +39,6 @@ TEST_CASE("a sliding window shows what each window alone shows") {
         CHECK(static_cast<double>(mean[i]) ==
               doctest::Approx(sum / static_cast<double>(end - begin)).epsilon(1e-6));
       }
-    }
-  }
-}
-
-TEST_CASE("a window that is kept sorted has the quantiles of its values") {
-  const std::vector<float> line = random_line(200);
-  constexpr std::size_t kLength = 31;
-  SortedWindow<float> window;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    window.add(line[i]);
-    if (i >= kLength) window.remove(line[i - kLength]);
-    const std::size_t first = i >= kLength ? i + 1 - kLength : 0;
-    std::vector<float> values(line.begin() + static_cast<std::ptrdiff_t>(first),
-                              line.begin() + static_cast<std::ptrdiff_t>(i + 1));
-    std::ranges::sort(values);
-    for (const double share : {0.0, 0.1, 0.5, 0.9, 1.0}) {
-      const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-      CHECK(window.quantile(share) == values[place]);
     }
   }
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/reader/cover_strips.hpp"
+#include "decoder/reader/occluders.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 
 #include "decoder/image/bilinear.hpp"
-#include "decoder/reader/sorted_window.hpp"
-#include "tagsmith/base/wide.hpp"
+#include "tagsmith/base/quantile.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -50,12 +50,7 @@ Loop loop_at(const GrayView& image, const FrameMap& image_from_unit, double from
   return loop;
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
+double quantile_of(std::vector<double> values, double share) { return quantile(values, share); }
 
 // The level that a loop should show: of the places within a side's length the upper or lower part
 // of the middle, so that covers up to half of them do not count.
@@ -64,15 +59,11 @@ void expect(Loop& loop, double share) {
   const int size = static_cast<int>(loop.level.size());
   const auto level = [&](int i) { return loop.level[static_cast<std::size_t>((i + size) % size)]; };
   loop.expected.resize(loop.level.size());
-  SortedWindow<double> near;
-  for (int first = 0; first < kStride; ++first) {
+  std::vector<double> near;
+  for (int i = 0; i < size; ++i) {
     near.clear();
-    for (int k = -kReach; k < kReach; k += kStride) near.add(level(first + k));
-    for (int i = first; i < size; i += kStride) {
-      near.add(level(i + kReach));
-      loop.expected[static_cast<std::size_t>(i)] = near.quantile(share);
-      near.remove(level(i - kReach));
-    }
+    for (int k = -kReach; k <= kReach; k += kStride) near.push_back(level(i + k));
+    loop.expected[static_cast<std::size_t>(i)] = quantile(near, share);
   }
 }
 
@@ -116,7 +107,7 @@ double level_at(const Loop& loop, int i) {
 }
 
 // The strip between two crossings, a little wider; clockwise because the loop is.
-CoverStrip strip_between(const Loop& loop, const Crossing& a, const Crossing& b) {
+Occluder strip_between(const Loop& loop, const Crossing& a, const Crossing& b) {
   constexpr int kBeyond = 1;  // places: its blurred outline
   return {point_of(loop, a.begin - kBeyond), point_of(loop, a.begin + a.count - 1 + kBeyond),
           point_of(loop, b.begin - kBeyond), point_of(loop, b.begin + b.count - 1 + kBeyond)};
@@ -155,7 +146,7 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Loop
 }
 
 void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
-                double contrast, std::vector<CoverStrip>& strips) {
+                double contrast, std::vector<Occluder>& strips) {
   constexpr double kOdd = 0.3;      // of the contrast
   constexpr double kEven = 0.3;     // of the contrast
   constexpr double kMostWidth = 3;  // of two crossings of one strip, against each other
@@ -231,7 +222,7 @@ double oddness(const Row& row, double level, double expected) {
 double odd_from(const Row& row) { return row.beside == Beside::stroke ? 0.45 : 0.3; }
 
 bool is_clear(const Row& row) {
-  const double usual = quantile(row.level, 0.5);
+  const double usual = quantile_of(row.level, 0.5);
   return std::ranges::all_of(row.level, [&](double level) {
     return oddness(row, level, usual) <= odd_from(row) / 2 * row.contrast;
   });
@@ -244,12 +235,11 @@ std::vector<Crossing> crossings_of(const Row& row) {
   const int size = static_cast<int>(row.level.size());
   const auto level = [&](int i) { return row.level[static_cast<std::size_t>(i)]; };
   std::vector<Crossing> crossings;
-  SortedWindow<double> near;
-  for (int i = 0; i < std::min(size, kAround); ++i) near.add(level(i));
+  std::vector<double> near;
   for (int i = 0; i < size; ++i) {
-    if (i + kAround < size) near.add(level(i + kAround));
-    if (i > kAround) near.remove(level(i - kAround - 1));
-    if (oddness(row, level(i), near.quantile(share)) < odd_from(row) * row.contrast) continue;
+    near.assign(row.level.begin() + std::max(0, i - kAround),
+                row.level.begin() + std::min(size, i + kAround + 1));
+    if (oddness(row, level(i), quantile(near, share)) < odd_from(row) * row.contrast) continue;
     const bool goes_on = !crossings.empty() && crossings.back().begin + crossings.back().count == i;
     if (goes_on) ++crossings.back().count;
     if (!goes_on) crossings.push_back({i, 1});
@@ -319,9 +309,9 @@ struct Between {
 
 // The strips from one row above the bars to another below. Seen along one line alone, a row that
 // shows less than half of what counts is clear.
-std::vector<CoverStrip> strips_between(const GrayView& image, const FrameMap& image_from_unit,
-                                       const SymbolLayout& layout, std::span<const double> places,
-                                       double contrast, const Between& rows) {
+std::vector<Occluder> strips_between(const GrayView& image, const FrameMap& image_from_unit,
+                                     const SymbolLayout& layout, std::span<const double> places,
+                                     double contrast, const Between& rows) {
   const auto row_at = [&](double v) {
     return Row{rows.beside, v, places, levels_at(image, image_from_unit, places, v), contrast};
   };
@@ -333,7 +323,7 @@ std::vector<CoverStrip> strips_between(const GrayView& image, const FrameMap& im
     for (Row* row : {&above, &below}) add_neighbours(*row, image, image_from_unit, rows.spread);
   }
   const double bars_share = (layout.bars_bottom - layout.bars_top) / (rows.v_below - rows.v_above);
-  std::vector<CoverStrip> strips;
+  std::vector<Occluder> strips;
   const auto add = [&](const Crossing& begin, const Crossing& end) {
     if (!lies_along_bars(begin, end, bars_share)) return;
     if (!is_plain(image, image_from_unit, above, begin, below, end)) return;
@@ -363,23 +353,23 @@ double stroke_share(const Quad& corners, double stroke_px) {
   return std::clamp(stroke_px / height, 0.02, 0.2);
 }
 
-std::vector<CoverStrip> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
-                                          const SymbolLayout& layout, double stroke) {
+std::vector<Occluder> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
+                                        const SymbolLayout& layout, double stroke) {
   const std::vector<double> places = places_along(layout);
   const std::vector<double> bars = levels_at(image, image_from_unit, places, 0.5);
-  const double contrast = quantile(bars, 0.9) - quantile(bars, 0.1);
-  std::vector<CoverStrip> strips =
+  const double contrast = quantile_of(bars, 0.9) - quantile_of(bars, 0.1);
+  std::vector<Occluder> strips =
       strips_between(image, image_from_unit, layout, places, contrast,
                      {Beside::quiet_zone, layout.bars_top / 2, (1 + layout.bars_bottom) / 2, 0});
-  const std::vector<CoverStrip> pale =
+  const std::vector<Occluder> pale =
       strips_between(image, image_from_unit, layout, places, contrast,
                      {Beside::stroke, -stroke / 2, 1 + stroke / 2, stroke / 4});
   strips.insert(strips.end(), pale.begin(), pale.end());
   return strips;
 }
 
-std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap& image_from_unit,
-                                          const SymbolLayout& layout, double stroke) {
+std::vector<Occluder> find_occluders(const GrayView& image, const FrameMap& image_from_unit,
+                                     const SymbolLayout& layout, double stroke) {
   const double module = 1 / (kModuleCount + 2 * layout.quiet_zone_modules);
   const double quiet = layout.quiet_zone_modules * module;
   const double margin = std::min(layout.bars_top, 1 - layout.bars_bottom);
@@ -389,32 +379,28 @@ std::vector<CoverStrip> find_cover_strips(const GrayView& image, const FrameMap&
       loop_at(image, image_from_unit, -stroke_u / 2, -stroke / 2, stroke_u / 8, stroke / 8);
   expect(white, 0.7);
   expect(black, 0.3);
-  const double contrast = quantile(white.expected, 0.5) - quantile(black.expected, 0.5);
-  std::vector<CoverStrip> strips = strips_along_bars(image, image_from_unit, layout, stroke);
+  const double contrast = quantile_of(white.expected, 0.5) - quantile_of(black.expected, 0.5);
+  std::vector<Occluder> strips = strips_along_bars(image, image_from_unit, layout, stroke);
   if (!(contrast > 0)) return strips;
   add_strips(image, image_from_unit, white, contrast, strips);
   add_strips(image, image_from_unit, black, contrast, strips);
   return strips;
 }
 
-bool reaches(const CoverStrip& strip, double v) {
-  const auto [top, bottom] = std::minmax({strip[0].y, strip[1].y, strip[2].y, strip[3].y});
-  return top <= v && v <= bottom;
-}
-
-TAGSMITH_WIDE void add_covered(const CoverStrip& strip, double v, std::span<const double> places,
-                               std::span<std::int64_t> covered) {
-  std::array<PixelPoint, 4> edge;
-  for (std::size_t i = 0; i < 4; ++i) edge[i] = strip[(i + 1) % 4] - strip[i];
-  const double* at = places.data();
-  std::int64_t* __restrict to = covered.data();
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    std::int64_t is_outside = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      is_outside |= cross(edge[i], PixelPoint{at[k], v} - strip[i]) < 0 ? 1 : 0;
-    }
-    to[k] |= is_outside ^ 1;
+HiddenWidth hidden_width(const Occluder& occluder, double v) {
+  HiddenWidth width{-std::numeric_limits<double>::infinity(),
+                    std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < 4; ++i) {
+    // Inside is on the right of every edge: along.x (v - from.y) >= along.y (u - from.x).
+    const PixelPoint from = occluder[i], along = occluder[(i + 1) % 4] - from;
+    const double across = along.x * (v - from.y);
+    if (along.y > 0) width.end = std::min(width.end, from.x + across / along.y);
+    if (along.y < 0) width.begin = std::max(width.begin, from.x + across / along.y);
+    if (along.y == 0 && across < 0) return {};
   }
+  const auto [top, bottom] =
+      std::minmax({occluder[0].y, occluder[1].y, occluder[2].y, occluder[3].y});
+  return top <= v && v <= bottom ? width : HiddenWidth{};
 }
 
 }  // namespace tagsmith

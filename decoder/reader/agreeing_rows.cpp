@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/agreeing_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "tagsmith/base/quantile.hpp"
+
+namespace tagsmith {
+namespace {
+
+// A quantity over the frame, bilinear between its corners.
+double bilinear(const std::array<double, 4>& at, double u, double v) {
+  return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[3] + u * at[2]);
+}
+
+// The rows of a part of the bars' height with their darkness: 0 = the plate's white, 1 = the
+// frame's black.
+struct DarkRows {
+  std::size_t rows = 0;
+  std::size_t bins = 0;
+  std::vector<RowCell> cells;  // row by row; `light` is the darkness
+
+  const RowCell& at(std::size_t row, std::size_t bin) const { return cells[row * bins + bin]; }
+};
+
+DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels, double top, double bottom) {
+  constexpr float kLeastContrast = 1e-3F;
+  DarkRows dark{0, rows.bins, {}};
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const double v = rows.height_of(row);
+    if (v < top || v > bottom) continue;
+    const auto level = [&](const std::array<double, 4>& of, double u) {
+      return static_cast<float>(bilinear(of, u, v));
+    };
+    // Along a row the levels change evenly.
+    const double begin = rows.width_share_of(0.5);
+    const double step = rows.width_share_of(1.5) - begin;
+    const float white = level(levels.white, begin), black = level(levels.black, begin);
+    const float white_step = level(levels.white, begin + step) - white;
+    const float black_step = level(levels.black, begin + step) - black;
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+      RowCell cell = rows.cell(row, bin);
+      const auto at = static_cast<float>(bin);
+      const float here = white + at * white_step;
+      const float contrast = std::max(kLeastContrast, here - (black + at * black_step));
+      cell.light = (here - cell.light) / contrast;
+      dark.cells.push_back(cell);
+    }
+    ++dark.rows;
+  }
+  return dark;
+}
+
+// What the rows agree on in a bin that pixels fell into.
+struct Consensus {
+  std::size_t bin = 0;
+  double median = 0;
+  double place = 0;     // mean place of its pixels, bins
+  double slope = 0;     // change of darkness a bin
+  double steepest = 0;  // change of darkness to either neighbour
+};
+
+std::vector<Consensus> consensus_of(const DarkRows& rows) {
+  std::vector<Consensus> all;
+  std::vector<float> seen;
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    seen.clear();
+    float place = 0, count = 0;
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+      const RowCell& cell = rows.at(row, bin);
+      if (cell.count == 0) continue;
+      seen.push_back(cell.light);
+      place += cell.count * cell.place;
+      count += cell.count;
+    }
+    if (seen.empty()) continue;
+    all.push_back(
+        {bin, static_cast<double>(quantile(seen, 0.5)), static_cast<double>(place / count)});
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Consensus& before = all[i == 0 ? 0 : i - 1];
+    const Consensus& after = all[std::min(i + 1, all.size() - 1)];
+    const double run = std::max(0.5, after.place - before.place);
+    all[i].slope = (after.median - before.median) / run;
+    all[i].steepest =
+        std::max(std::abs(all[i].median - before.median), std::abs(after.median - all[i].median));
+  }
+  return all;
+}
+
+// How far a cell is from what the rows agree on at its pixels' mean place.
+double distance_from(const Consensus& consensus, const RowCell& cell) {
+  const double expected =
+      consensus.median + consensus.slope * (static_cast<double>(cell.place) - consensus.place);
+  return std::abs(static_cast<double>(cell.light) - expected);
+}
+
+// Variance of one pixel's darkness: from the median of what cells are off.
+double pixel_variance(const DarkRows& rows, const std::vector<Consensus>& consensus) {
+  constexpr double kLeast = 1e-4;        // 1 % of the contrast: quantisation alone
+  constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
+  std::vector<float> squares;
+  for (const Consensus& at : consensus) {
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+      const RowCell& cell = rows.at(row, at.bin);
+      if (cell.count == 0) continue;
+      const double off = distance_from(at, cell);
+      squares.push_back(static_cast<float>(off * off * static_cast<double>(cell.count)));
+    }
+  }
+  if (squares.empty()) return kLeast;
+  return std::max(kLeast, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
+}
+
+// Whether a cell is as near what the rows agree on as noise and shading allow.
+bool agrees(const Consensus& with, const RowCell& cell, double variance) {
+  constexpr double kShading = 0.1;   // of the contrast: differences along a clean bar
+  constexpr double kSlanted = 0.35;  // of the steepest change: what a slope does not tell of a bend
+  constexpr double kSigmas = 4;
+  const double beyond = distance_from(with, cell) - kShading - kSlanted * with.steepest;
+  return beyond <= 0 ||
+         beyond * beyond <= kSigmas * kSigmas * variance / static_cast<double>(cell.count);
+}
+
+// One bin of the profile; `seen` is the pixels of all rows.
+ScanBin bin_of(const SymbolRows& symbol, const DarkRows& rows, const Consensus& at,
+               double variance) {
+  constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
+  constexpr double kHidden = 4;         // variance that says nothing
+  constexpr double kLeastUsed = 0.2;    // of the bars' height
+  double darkness = 0, place = 0, used = 0, seen = 0;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const RowCell& cell = rows.at(row, at.bin);
+    if (cell.count == 0) continue;
+    const auto count = static_cast<double>(cell.count);
+    seen += count;
+    if (!agrees(at, cell, variance)) continue;
+    darkness += count * static_cast<double>(cell.light);
+    place += count * static_cast<double>(cell.place);
+    used += count;
+  }
+  if (used < kLeastUsed * seen) return {symbol.module_of(at.place), at.median, kHidden, 0};
+  // Where the height disagrees with itself the median may have taken the wrong side: the doubt
+  // grows from nothing at full agreement to the whole contrast where half disagrees.
+  const double doubt = std::min(1.0, 2 * (seen - used) / seen);
+  return {symbol.module_of(place / used), darkness / used,
+          variance / used + kModelError * kModelError + doubt * doubt * doubt * doubt, used / seen};
+}
+
+}  // namespace
+
+ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
+                                double bottom) {
+  const DarkRows dark = dark_rows(rows, levels, top, bottom);
+  const std::vector<Consensus> consensus = consensus_of(dark);
+  const double variance = pixel_variance(dark, consensus);
+  ScanProfile profile;
+  profile.reserve(consensus.size());
+  for (const Consensus& at : consensus) profile.push_back(bin_of(rows, dark, at, variance));
+  return profile;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/robust_profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "decoder/reader/agreeing_rows.hpp"
+#include "decoder/reader/occluders.hpp"
+#include "decoder/reader/point_spread.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+// Standard deviation of the point spread across the bars, modules, from the left and right side of
+// a frame turned to P: with what bins of `bin_width` modules add.
+double blur_across(const std::array<FrameSide, 4>& sides, double module_px, double bin_width) {
+  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
+  return std::sqrt(std::pow(blur_px / std::max(module_px, 1e-3), 2) + bin_width * bin_width / 12);
+}
+
+SymbolProfile finished(ScanProfile bins, const SymbolRows& rows, const TurnedFrame& frame) {
+  set_spreads(rows.image_from_unit, rows.layout, bins);
+  const double blur = blur_across(frame.sides, rows.module_px, 1.0 / rows.bins_per_module);
+  return {std::move(bins), rows.module_px, blur};
+}
+
+void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    for (const Occluder& occluder : occluders) {
+      const auto [begin, end] = hidden_width(occluder, rows.height_of(row));
+      for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+        const double u = rows.width_share_of(static_cast<double>(bin) + 0.5);
+        if (begin <= u && u <= end) rows.cell(row, bin).count = 0;
+      }
+    }
+  }
+}
+
+ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed) {
+  constexpr double kHidden = 4;         // variance that says nothing
+  constexpr float kModelError = 0.02F;  // of the contrast
+  constexpr float kFewRows = 0.1F;      // of the contrast where hardly a row shows
+  constexpr float kLeastShown = 0.05F;
+  ScanProfile profile;
+  for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
+    const Agreed& at = agreed[bin];
+    if (rows.middles[bin] < 0) continue;
+    const double place = rows.module_of(static_cast<double>(rows.middles[bin]));
+    if (at.weight == 0 || at.shown < kLeastShown) {
+      profile.push_back({place, 0.5, kHidden, 1});
+      continue;
+    }
+    const float few = kFewRows * (1 - at.shown) * (1 - at.shown);
+    const float doubt = std::min(1.0F, 2 * at.doubt);
+    const float variance =
+        1 / at.weight + kModelError * kModelError + few * few + doubt * doubt * doubt * doubt;
+    profile.push_back({place, static_cast<double>(at.darkness), static_cast<double>(variance), 1});
+  }
+  return profile;
+}
+
+// By how many modules the symbol's begin and end move from the frame's upper side to its lower one,
+// against the frame.
+struct Lean {
+  double at_begin = 0;
+  double at_end = 0;
+};
+
+// A row that is moved by m modules against the others differs from them by m times their slope:
+// least squares over all cells of stretches that follow, each bin's rows against their own mean.
+std::optional<Lean> lean_of(const SymbolRows& rows) {
+  constexpr float kMostOff = 0.35F;  // of the contrast: what is more is something else
+  constexpr double kLeastInformation = 1e-6;
+  const CommonDarkness common = settle(rows, AddedLight::even).common;
+  const RowStretches stretches(rows, common, AddedLight::even);
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    if (common.slope[bin] == 0) continue;
+    double w = 0, v = 0, r = 0, vv = 0, vr = 0;
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+      const Vote vote = stretches.vote(rows, common, row, bin);
+      const float off = vote.darkness - common.darkness[bin];
+      if (vote.weight == 0 || std::abs(off) > kMostOff) continue;
+      const double weight = static_cast<double>(vote.weight), height = rows.height_of(row);
+      w += weight;
+      v += weight * height;
+      r += weight * static_cast<double>(off);
+      vv += weight * height * height;
+      vr += weight * height * static_cast<double>(off);
+    }
+    if (w == 0) continue;
+    // Darkness falls where the row is moved towards darker places.
+    const double slope = -static_cast<double>(common.slope[bin]) * rows.bins_per_module;
+    const double share = rows.module_of(static_cast<double>(bin) + 0.5) / kModuleCount;
+    const Eigen::Vector2d row{slope * (1 - share), slope * share};
+    normal += (vv - v * v / w) * row * row.transpose();
+    right += (vr - v * r / w) * row;
+  }
+  if (!(normal.determinant() > kLeastInformation * normal.squaredNorm())) return std::nullopt;
+  const Eigen::Vector2d lean = normal.ldlt().solve(right);
+  return Lean{lean[0], lean[1]};
+}
+
+}  // namespace
+
+TurnedFrame turned_to(const RefinedFrame& frame, std::size_t first_corner) {
+  TurnedFrame turned;
+  for (std::size_t i = 0; i < 4; ++i) {
+    turned.corners[i] = frame.corners[(first_corner + i) % 4];
+    turned.sides[i] = frame.sides[(first_corner + i) % 4];
+  }
+  return turned;
+}
+
+RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
+                             std::size_t first_corner, const SymbolLayout& layout)
+    : image_(image),
+      frame_(turned_to(frame, first_corner)),
+      lens_(frame.lens),
+      rows_(image, frame_.corners, frame.lens, layout, RowHeight::coarse) {}
+
+SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
+  // Where the frame's blur or its corners' error may reach, the bars' ends are not used.
+  constexpr double kClear = 0.07;  // of the bars' height at each end
+  const SymbolLayout& layout = rows_.layout;
+  const double bars = layout.bars_bottom - layout.bars_top;
+  const double top = layout.bars_top + std::max(part.begin, kClear) * bars;
+  const double bottom = layout.bars_top + std::min(part.end, 1 - kClear) * bars;
+  const auto& sides = frame_.sides;
+  const PlateLevels levels{
+      {sides[0].white_begin, sides[0].white_end, sides[2].white_begin, sides[2].white_end},
+      {sides[0].black_begin, sides[0].black_end, sides[2].black_begin, sides[2].black_end}};
+  return finished(profile_of_agreeing(rows_, levels, top, bottom), rows_, frame_);
+}
+
+SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
+  SymbolRows rows(image_, frame_.corners, lens_, rows_.layout, RowHeight::fine);
+  const double stroke_px = (frame_.sides[0].stroke_px + frame_.sides[2].stroke_px) / 2;
+  hide_behind(find_occluders(image_, rows.image_from_unit, rows.layout,
+                             stroke_share(frame_.corners, stroke_px)),
+              rows);
+  // What a highlight bleaches is plain too: there its rows' own light decides.
+  if (added == AddedLight::even) leave_out_plain(rows);
+  return finished(profile_of(rows, settle(rows, added).agreed), rows, frame_);
+}
+
+Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
+                     const SymbolLayout& layout, const LensBend& lens) {
+  constexpr int kRounds = 4;
+  constexpr double kStill = 0.02;  // modules
+  constexpr double kMostLean = 2;  // modules: the outer rows are then two thirds of one off
+  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
+  Quad aligned = corners;
+  for (int round = 0; round < kRounds; ++round) {
+    SymbolRows rows(image, aligned, lens, layout, RowHeight::fine);
+    hide_behind(
+        find_occluders(image, rows.image_from_unit, layout, stroke_share(aligned, stroke_px)),
+        rows);
+    leave_out_plain(rows);
+    const auto lean = lean_of(rows);
+    if (!lean) return corners;
+    // At the frame's sides, beyond the bars.
+    const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
+    const double left = lean->at_begin - growth * layout.quiet_zone_modules;
+    const double right = lean->at_end + growth * layout.quiet_zone_modules;
+    if (std::max(std::abs(left), std::abs(right)) > kMostLean) return corners;
+    const FrameMap& map = rows.image_from_unit;
+    aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
+               map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
+    if (std::max(std::abs(left), std::abs(right)) < kStill) break;
+  }
+  return aligned;
+}
+
+}  // namespace tagsmith

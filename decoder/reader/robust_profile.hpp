@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scan profile of the symbol inside a feature frame, whatever hides parts of it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/common_darkness.hpp"
+#include "decoder/reader/symbol_rows.hpp"
+#include "decoder/scan/profile.hpp"
+
+namespace tagsmith {
+
+struct SymbolProfile {
+  ScanProfile bins;
+  double module_px = 0;  // width of a module in the middle of the frame
+  double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
+};
+
+// A frame's corners and sides from the corner on that is taken for P.
+struct TurnedFrame {
+  Quad corners{};
+  std::array<FrameSide, 4> sides{};
+};
+
+TurnedFrame turned_to(const RefinedFrame& frame, std::size_t first_corner);
+
+// A part of the bars' height, from the upper end of the bars (0) to the lower one (1).
+struct HeightShare {
+  double begin = 0;
+  double end = 1;
+};
+
+// The symbol of a frame, cut out of the picture once, and its scan profile under two assumptions.
+class RobustProfile {
+ public:
+  // `first_corner` is the frame's corner that is taken for P. The image must outlive it.
+  RobustProfile(const GrayView& image, const RefinedFrame& frame, std::size_t first_corner,
+                const SymbolLayout& layout);
+
+  // Where the rows agree, by the white and black of the frame's sides: for each place the mean of
+  // the rows that are near their median. Quick.
+  SymbolProfile of_agreeing_rows(HeightShare part = {}) const;
+
+  // Where they do not. What is common to the rows is sought together with each row's own local
+  // white and contrast (about ten modules long), so that glare, shadows and thin dust only lessen a
+  // row's weight; stretches of rows that do not follow the others, and occluders across the tag
+  // (find_occluders), do not count at all. Places that no row shows get a variance that says
+  // nothing.
+  SymbolProfile of_all_rows(AddedLight added) const;
+
+  const SymbolLayout& layout() const { return rows_.layout; }
+
+ private:
+  GrayView image_;
+  TurnedFrame frame_;
+  LensBend lens_;
+  SymbolRows rows_;  // coarse ones
+};
+
+// A frame's corners (from P on) with its sides turned so that every bar stands at the same place in
+// all rows: what follows of one symbol from its upper and its lower rows, whatever lies between.
+// `stroke_px` is the thickness of the frame's stroke, `lens` what it is seen through. The corners
+// as they were where the rows do not tell.
+Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
+                     const SymbolLayout& layout, const LensBend& lens = {});
+
+}  // namespace tagsmith

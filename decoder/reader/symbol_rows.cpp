@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/symbol_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/wide.hpp"
+#include "tagsmith/symbology/upca.hpp"
+
+namespace tagsmith {
+namespace {
+
+double modules_inside(const SymbolLayout& layout) {
+  return kModuleCount + 2 * layout.quiet_zone_modules;
+}
+
+// Which pixels count: every one of a small frame, fewer along the bars of a large one, where more
+// would add little.
+struct PixelSteps {
+  int x = 1;
+  int y = 1;
+};
+
+PixelSteps pixel_steps(const SymbolRows& rows, const Quad& corners) {
+  constexpr double kMostPixels = 2.5;  // along a bar, of a row
+  const double along_bar = rows.height_px * (rows.bottom - rows.top);
+  const int skip =
+      std::max(1, static_cast<int>(along_bar / (kMostPixels * static_cast<double>(rows.rows))));
+  const PixelPoint along = corners[1] - corners[0];
+  return std::abs(along.x) < std::abs(along.y) ? PixelSteps{skip, 1} : PixelSteps{1, skip};
+}
+
+std::size_t row_count(double height_px, RowHeight row_height) {
+  constexpr double kFine = 2.5;  // pixels: enough for most bins to hold one
+  if (row_height == RowHeight::coarse) return height_px < 40 ? 8 : 16;
+  return static_cast<std::size_t>(std::clamp(std::lround(height_px / kFine), 16L, 64L));
+}
+
+// The pixels that the rows may touch, bowed sides included.
+struct PixelBox {
+  int left, right, top, bottom;
+};
+
+PixelBox box_of(const SymbolRows& rows, const GrayView& image) {
+  const double left = rows.width_share_of(0);
+  const double right = rows.width_share_of(static_cast<double>(rows.bins));
+  std::vector<PixelPoint> outline;
+  for (const double u : {left, 0.5, right}) {
+    for (const double v : {rows.top, 0.5, rows.bottom}) {
+      outline.push_back(rows.image_from_unit(u, v));
+    }
+  }
+  const auto [least_x, most_x] = std::ranges::minmax(outline, {}, &PixelPoint::x);
+  const auto [least_y, most_y] = std::ranges::minmax(outline, {}, &PixelPoint::y);
+  const auto pixel = [](double at, int size) {
+    return static_cast<int>(std::clamp(at, 0.0, size - 1.0));
+  };
+  return {pixel(least_x.x, image.width), pixel(std::ceil(most_x.x), image.width),
+          pixel(least_y.y, image.height), pixel(std::ceil(most_y.y), image.height)};
+}
+
+// Where pixels of an image fall among the rows: an affine map of the unit square.
+struct CellPlaces {
+  std::array<float, 9> unit_from_image{};
+  float rows_per_height, top_row;  // row = rows_per_height v - top_row
+  float bins_per_width, first_bin;
+
+  CellPlaces(const SymbolRows& rows)
+      : rows_per_height(
+            static_cast<float>(static_cast<double>(rows.rows) / (rows.bottom - rows.top))),
+        top_row(static_cast<float>(rows.top) * rows_per_height),
+        bins_per_width(static_cast<float>(modules_inside(rows.layout) * rows.bins_per_module)),
+        first_bin(static_cast<float>((rows.layout.quiet_zone_modules - rows.modules_before) *
+                                     rows.bins_per_module)) {
+    const Homography inverted = inverse(rows.image_from_unit.flat());
+    std::ranges::transform(inverted.h, unit_from_image.begin(),
+                           [](double a) { return static_cast<float>(a); });
+  }
+};
+
+// The places in the unit square of pixels of row y from x on, as if no lens bent them. A loop of
+// its own, for the compiler's vectors.
+TAGSMITH_WIDE void places_in_unit(const std::array<float, 9>& h, int x, int x_step, int y,
+                                  std::span<float> u, std::span<float> v) {
+  const auto fy = static_cast<float>(y);
+  const float u0 = h[1] * fy + h[2], v0 = h[4] * fy + h[5], w0 = h[7] * fy + h[8];
+  const float u1 = h[0], v1 = h[3], w1 = h[6];
+  float* to_u = u.data();
+  float* to_v = v.data();
+  const auto count = static_cast<int>(u.size());
+  for (int i = 0; i < count; ++i) {
+    const auto fx = static_cast<float>(x + i * x_step);
+    const float scale = 1 / (w1 * fx + w0);
+    to_u[i] = (u1 * fx + u0) * scale;
+    to_v[i] = (v1 * fx + v0) * scale;
+  }
+}
+
+std::array<float, 256> light_of_samples() {
+  std::array<float, 256> light{};
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
+  }
+  return light;
+}
+
+// Sums of the pixels in the cells that hold their centres.
+void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
+  static const std::array<float, 256> kLight = light_of_samples();
+  const PixelBox box = box_of(rows, image);
+  const PixelSteps steps = pixel_steps(rows, corners);
+  const CellPlaces places(rows);
+  const auto width = static_cast<std::size_t>((box.right - box.left) / steps.x + 1);
+  const auto row_count = static_cast<float>(rows.rows), bin_count = static_cast<float>(rows.bins);
+  std::vector<float> u(width), v(width);
+  for (int y = box.top; y <= box.bottom; y += steps.y) {
+    const std::uint8_t* sample = image.row(y) + box.left;
+    places_in_unit(places.unit_from_image, box.left, steps.x, y, u, v);
+    for (std::size_t i = 0; i < width; ++i, sample += steps.x) {
+      if (rows.image_from_unit.bends()) rows.image_from_unit.correct(u[i], v[i]);
+      const float row = v[i] * places.rows_per_height - places.top_row;
+      const float bin = u[i] * places.bins_per_width - places.first_bin;
+      if (!(row >= 0 && row < row_count && bin >= 0 && bin < bin_count)) continue;
+      RowCell& cell = rows.cell(static_cast<std::size_t>(row), static_cast<std::size_t>(bin));
+      cell.light += kLight[*sample];
+      cell.place += bin;
+      cell.count += 1;
+    }
+  }
+}
+
+float middle_of(const SymbolRows& rows, std::size_t bin) {
+  float sum = 0, count = 0;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    const RowCell& cell = rows.cell(row, bin);
+    sum += cell.count * cell.place;
+    count += cell.count;
+  }
+  return count > 0 ? sum / count : -1.0F;
+}
+
+}  // namespace
+
+SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensBend& lens,
+                       const SymbolLayout& of, RowHeight row_height)
+    : layout(of), image_from_unit(corners, lens) {
+  constexpr double kMostBefore = 4;  // modules
+  constexpr double kClear = 0.06;    // of the bars' height at each end, at most
+  constexpr double kClearPx = 2;     // pixels: the blur of the bars' ends
+  const double half = 0.5 / modules_inside(layout);
+  module_px = distance(image_from_unit(0.5 - half, 0.5), image_from_unit(0.5 + half, 0.5));
+  height_px = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  // Often only the bars' ends show what an occluder hides.
+  const double bars = layout.bars_bottom - layout.bars_top;
+  const double clear = std::min(kClear * bars, kClearPx / height_px);
+  top = layout.bars_top + clear;
+  bottom = layout.bars_bottom - clear;
+  rows = row_count(height_px * (bottom - top), row_height);
+  // Two bins a pixel and six a module lose nothing.
+  bins_per_module = std::clamp(static_cast<int>(std::lround(2.5 * module_px)), 3, 6);
+  modules_before = std::min(kMostBefore, layout.quiet_zone_modules);
+  bins = static_cast<std::size_t>((kModuleCount + 2 * modules_before) * bins_per_module);
+  cells.resize(rows * bins);
+  add_pixels(image, corners, *this);
+  for (RowCell& cell : cells) {
+    if (cell.count == 0) continue;
+    cell.light /= cell.count;
+    cell.place /= cell.count;
+  }
+  for (std::size_t bin = 0; bin < bins; ++bin) middles.push_back(middle_of(*this, bin));
+}
+
+double SymbolRows::height_of(std::size_t row) const {
+  return top + (bottom - top) * (static_cast<double>(row) + 0.5) / static_cast<double>(rows);
+}
+
+double SymbolRows::width_share_of(double place) const {
+  return (module_of(place) + layout.quiet_zone_modules) / modules_inside(layout);
+}
+
+namespace {
+
+// How far the light of every window of a row is from an even slope: the variance that is left; -1
+// where too little of the window is seen. A window reaches from its bin on.
+std::vector<float> unevenness_of(const SymbolRows& rows, std::size_t row, std::size_t window) {
+  struct Sums {
+    double w = 0, x = 0, xx = 0, l = 0, ll = 0, lx = 0;
+  };
+  std::vector<Sums> sums(rows.bins + 1);
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    const auto w = static_cast<double>(rows.cell(row, bin).count);
+    const auto x = static_cast<double>(bin);
+    const auto l = static_cast<double>(rows.cell(row, bin).light);
+    const Sums& s = sums[bin];
+    sums[bin + 1] = {s.w + w,     s.x + w * x,      s.xx + w * x * x,
+                     s.l + w * l, s.ll + w * l * l, s.lx + w * l * x};
+  }
+  std::vector<float> left(rows.bins, -1.0F);
+  for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
+    const Sums& a = sums[begin];
+    const Sums& b = sums[begin + window];
+    const double w = b.w - a.w;
+    if (w < static_cast<double>(window) / 4) continue;
+    const double x = (b.x - a.x) / w, l = (b.l - a.l) / w;
+    const double xx = (b.xx - a.xx) / w - x * x;
+    const double lx = (b.lx - a.lx) / w - l * x;
+    const double ll = (b.ll - a.ll) / w - l * l;
+    left[begin] = static_cast<float>(std::max(0.0, ll - (xx > 0 ? lx * lx / xx : 0)));
+  }
+  return left;
+}
+
+}  // namespace
+
+void leave_out_plain(SymbolRows& rows) {
+  constexpr double kWindow = 5.5;    // modules
+  constexpr double kOutline = 0.25;  // modules to both sides: an occluder's blurred edge
+  constexpr double kShowing = 0.93;  // of the rows at a place, the one taken to show bars
+  constexpr double kPlain = 0.08;    // of its variance
+  // Of the usual variance where bars show: less is a margin, more the outline of a highlight.
+  constexpr double kLeastBars = 0.3, kMostBars = 1.5;
+  const auto window = static_cast<std::size_t>(kWindow * rows.bins_per_module);
+  const auto outline = static_cast<std::size_t>(kOutline * rows.bins_per_module);
+  std::vector<std::vector<float>> uneven;
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    uneven.push_back(unevenness_of(rows, row, window));
+  }
+  std::vector<double> showing(rows.bins), known;
+  for (std::size_t begin = 0; begin < rows.bins; ++begin) {
+    std::vector<double> here;
+    for (const auto& row : uneven) {
+      if (row[begin] >= 0) here.push_back(static_cast<double>(row[begin]));
+    }
+    if (here.empty()) continue;
+    showing[begin] = quantile(here, kShowing);
+    known.push_back(showing[begin]);
+  }
+  if (known.empty()) return;
+  const double usual = quantile(known, 0.5);
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
+      if (uneven[row][begin] < 0 || showing[begin] < kLeastBars * usual) continue;
+      const double bars = std::min(showing[begin], kMostBars * usual);
+      if (static_cast<double>(uneven[row][begin]) > kPlain * bars) continue;
+      const std::size_t end = std::min(rows.bins, begin + window + outline);
+      for (std::size_t bin = begin > outline ? begin - outline : 0; bin < end; ++bin) {
+        rows.cell(row, bin).count = 0;
+      }
+    }
+  }
+}
+
+}  // namespace tagsmith
