@@ -2,7 +2,8 @@
 #include "decoder/scan/module_system.hpp"
 
 #include <algorithm>
-#include <cstring>
+
+#include <Eigen/Core>
 
 #include "decoder/scan/spoilt_digits.hpp"
 #include "tagsmith/base/wide.hpp"
@@ -14,72 +15,16 @@ constexpr std::size_t kPositions = kDigitCount;
 constexpr std::array<std::size_t, 6> kGuardBars{0, 2, 46, 48, 92, 94};
 constexpr std::size_t kLanes = ModuleLight::kLanes;
 
-// Eight floats in the compiler's own vectors.
-using Floats = float __attribute__((vector_size(4 * kLanes)));
+using Floats = Eigen::Array<float, kLanes, 1>;
 
-inline __attribute__((always_inline)) void load(const float* from, Floats& lanes) {
-  std::memcpy(&lanes, from, sizeof lanes);
-}
-
-inline __attribute__((always_inline)) void add_to(float* sums, const Floats& lanes) {
-  Floats sum;
-  load(sums, sum);
-  sum += lanes;
-  std::memcpy(sums, &sum, sizeof sum);
-}
-
-// Where the sums over places go.
-struct SystemSums {
-  float* gram;
-  std::size_t stride;
-  float* right;
-  float* pull;  // null when the picture does not adapt
-};
-
-// Adds one place of the weight: products of its features' light with each other, with its darkness,
-// and with the slack of the picture there.
-inline __attribute__((always_inline)) void add_place(const ModuleLight::Place& place,
-                                                     const float* light, float weight,
-                                                     float contrast, const float* slack,
-                                                     const SystemSums& sums) {
-  for (std::size_t first = 0; first < place.count; first += kLanes) {
-    Floats weighted;
-    load(light + first, weighted);
-    weighted = weight * weighted;
-    add_to(sums.right + place.begin + first, weighted * place.value);
-    const std::size_t end = std::min(kLanes, place.count - first);
-    for (std::size_t i = 0; i < end; ++i) {
-      float* row = sums.gram + (place.begin + first + i) * sums.stride;
-      for (std::size_t j = first + i; j < place.count; j += kLanes) {
-        Floats other;
-        load(light + j, other);
-        add_to(row + (j - first - i), weighted[i] * other);
-      }
-    }
-    if (slack == nullptr) continue;
-    Floats open;
-    load(slack, open);
-    const Floats pulling = weighted / contrast;
-    for (std::size_t i = 0; i < end; ++i) {
-      add_to(sums.pull + (place.begin + first + i) * kLanes, pulling[i] * open);
-    }
-  }
-}
-
-TAGSMITH_WIDE void add_all_places(const ModuleLight& light, const float* weights,
-                                  const FitSlack& slack, const SystemSums& sums) {
-  const std::span<const ModuleLight::Place> places = light.places();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    add_place(places[i], light.light(places[i]), weights[i], light.contrast(),
-              slack.empty() ? nullptr : slack[i].data(), sums);
-  }
-}
+auto floats_at(const float* from) { return Eigen::Map<const Floats>(from); }
+auto floats_at(float* from) { return Eigen::Map<Floats>(from); }
 
 }  // namespace
 
 ModuleSystem::ModuleSystem(const ScanProfile& profile, const ModuleLight& light,
                            const FitSlack& slack)
-    : band_(light.band()), adapts_(!slack.empty()) {
+    : band_(light.band()), adapts_(!slack.empty()), pull_(kFeatures, Pull::Zero()) {
   static_assert(kSlack == kLanes);
   std::size_t most = band_;
   for (const ModuleLight::Place& place : light.places()) most = std::max(most, place.count);
@@ -106,8 +51,36 @@ void ModuleSystem::add_places(const ScanProfile& profile, const ModuleLight& lig
     weights[i] = contrast * contrast / static_cast<float>(profile[i].variance);
     constant_ += weights[i] * value * value;
   }
-  add_all_places(light, weights.data(), slack,
-                 {gram_.data(), stride_, right_.data(), pull_[0].data()});
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    add_place(light.places()[i], light.light(light.places()[i]), weights[i]);
+    if (adapts_)
+      add_pull(light.places()[i], light.light(light.places()[i]), weights[i] / contrast, slack[i]);
+  }
+}
+
+// Adds one place of the weight: products of its features' light with each other and with its
+// darkness.
+void ModuleSystem::add_place(const ModuleLight::Place& place, const float* light, float weight) {
+  for (std::size_t first = 0; first < place.count; first += kLanes) {
+    const Floats weighted = weight * floats_at(light + first);
+    floats_at(right_.data() + place.begin + first) += weighted * place.value;
+    const std::size_t end = std::min(kLanes, place.count - first);
+    for (std::size_t i = 0; i < end; ++i) {
+      float* row = gram_.data() + (place.begin + first + i) * stride_;
+      for (std::size_t j = first + i; j < place.count; j += kLanes) {
+        floats_at(row + (j - first - i)) +=
+            weighted[static_cast<Eigen::Index>(i)] * floats_at(light + j);
+      }
+    }
+  }
+}
+
+// Adds products of the light with the slack of the picture there.
+void ModuleSystem::add_pull(const ModuleLight::Place& place, const float* light, float weight,
+                            const Pull& slack) {
+  for (std::size_t i = 0; i < place.count; ++i) {
+    pull_[place.begin + i] += weight * light[i] * slack;
+  }
 }
 
 float ModuleSystem::gram(std::size_t a, std::size_t b) const {
@@ -165,28 +138,17 @@ using Pairs = std::array<CharacterCosts::Row, kCharacterCount>;
 
 // What each character on the left of a pair shares with all on the right: sums over its features
 // from `first` on.
-TAGSMITH_WIDE void set_shared(const Alphabet& alphabet, std::size_t first,
-                              const std::array<CharacterCosts::Row, kOwnFeatures>& shared,
-                              Pairs& pair) {
-  constexpr std::size_t kTogether = 4;
-  using Lanes = double __attribute__((vector_size(8 * kTogether)));
-  static_assert(kCharacterCount % kTogether == 0);
+void set_shared(const Alphabet& alphabet, std::size_t first,
+                const std::array<CharacterCosts::Row, kOwnFeatures>& shared, Pairs& pair) {
+  using Row = Eigen::Array<double, kCharacterCount, 1>;
   for (std::size_t c = 0; c < kCharacterCount; ++c) {
     const Alphabet::Active& active = alphabet.active[c];
-    const double* rows[Alphabet::kMostActive];
-    std::size_t count = 0;
+    Row costs = Row::Zero();
     for (std::size_t i = 0; i < active.count; ++i) {
-      if (active.feature[i] >= first) rows[count++] = shared[active.feature[i]].data();
+      if (active.feature[i] < first) continue;
+      costs += Eigen::Map<const Row>(shared[active.feature[i]].data());
     }
-    for (std::size_t d = 0; d < kCharacterCount; d += kTogether) {
-      Lanes costs{};
-      for (std::size_t i = 0; i < count; ++i) {
-        Lanes from;
-        std::memcpy(&from, rows[i] + d, sizeof from);
-        costs += from;
-      }
-      std::memcpy(&pair[c][d], &costs, sizeof costs);
-    }
+    Eigen::Map<Row>(pair[c].data()) = costs;
   }
 }
 
@@ -281,16 +243,16 @@ void ModuleSystem::adapt_picture(const Characters& reference, CharacterCosts& co
       const Alphabet::Active& active = here.active[c];
       for (std::size_t a = 0; a < active.count; ++a) {
         const Pull& own = pull_[first_feature(i) + active.feature[a]];
-        for (std::size_t k = 0; k < kSlack; ++k) pull[k] += sign * own[k];
+        pull += sign * own;
       }
     };
-    Pull from{};
+    Pull from = Pull::Zero();
     add_pull(from, reference[i], -1);
     LanePulls pulls{};
     for (std::size_t c = 0; c < kCharacterCount; ++c) {
       Pull pull = from;
       add_pull(pull, c, 1);
-      for (std::size_t k = 0; k < kSlack; ++k) pulls[k][c] = pull[k];
+      for (std::size_t k = 0; k < kSlack; ++k) pulls[k][c] = pull[static_cast<Eigen::Index>(k)];
     }
     subtract_squares(pulls, costs.alone[i]);
     if (i > 0) subtract_products(before, pulls, costs.pair[i - 1]);
@@ -358,10 +320,8 @@ double ModuleSystem::odds_of_spoilt_digits(const Characters& characters) const {
       digit.residuals[i] = static_cast<double>(residuals[a]);
       for (std::size_t j = i; j < kModulesPerDigit; ++j) {
         const std::size_t b = base + 2 * j;
-        double shared = static_cast<double>(gram(a, b));
-        for (std::size_t k = 0; k < kSlack; ++k) {
-          shared -= static_cast<double>(pull_[a][k] * pull_[b][k]);
-        }
+        const double shared =
+            static_cast<double>(gram(a, b)) - static_cast<double>(pull_[a].dot(pull_[b]));
         digit.products[i][j] = digit.products[j][i] = shared;
       }
     }

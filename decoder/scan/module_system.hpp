@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <tuple>
 #include <vector>
 
 #include "decoder/scan/character_costs.hpp"
@@ -38,14 +37,17 @@ class ModuleSystem {
   double odds_of_spoilt_digits(const Characters& characters) const;
 
  private:
-  static constexpr std::size_t kSlack = std::tuple_size_v<FitSlack::value_type>;
-  using Pull = std::array<float, kSlack>;
+  static constexpr std::size_t kSlack = FitSlack::value_type::SizeAtCompileTime;
+  using Pull = FitSlack::value_type;
 
   float gram(std::size_t a, std::size_t b) const;
   const float* gram_row(std::size_t a) const { return gram_.data() + a * stride_; }
   std::array<float, kFeatures> residuals_of(const Characters& characters) const;
 
   void add_places(const ScanProfile& profile, const ModuleLight& light, const FitSlack& slack);
+  void add_place(const ModuleLight::Place& place, const float* light, float weight);
+  void add_pull(const ModuleLight::Place& place, const float* light, float weight,
+                const Pull& slack);
   void take_out(const std::array<std::uint8_t, kFeatures>& present);
   CharacterLanes costs_alone(std::size_t position) const;
   void set_pair_costs(std::size_t position,
@@ -58,8 +60,8 @@ class ModuleSystem {
   float constant_ = 0;
   bool adapts_;
   std::array<float, kFeatures + ModuleLight::kLanes> right_{};
-  std::array<Pull, kFeatures> pull_{};  // of a feature on the picture
-  std::vector<float> gram_;             // row a: of the features a, a + 1, ... with a
+  std::vector<Pull> pull_;   // of a feature on the picture
+  std::vector<float> gram_;  // row a: of the features a, a + 1, ... with a
 };
 
 }  // namespace tagsmith

@@ -2,18 +2,10 @@
 #include "decoder/scan/place_rows.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith {
-namespace {
-
-using Lanes = float __attribute__((vector_size(kPlaceLanes * sizeof(float))));
-constexpr std::size_t kVectors = kPlaceRow / kPlaceLanes;
-
-}  // namespace
-
 PlaceRows filled_rows(float cost) {
   PlaceRows rows;
   for (PlaceRow& row : rows) row.fill(cost);
@@ -21,17 +13,12 @@ PlaceRows filled_rows(float cost) {
 }
 
 TAGSMITH_WIDE PlaceRow products(const float* darkness, const float* shown, std::size_t count) {
-  std::array<Lanes, kVectors> sums{};
+  PlaceRow sums{};
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      Lanes at;
-      std::memcpy(&at, darkness + i + v * kPlaceLanes, sizeof at);
-      sums[v] += at * shown[i];
-    }
+    const float factor = shown[i];
+    for (std::size_t k = 0; k < kPlaceRow; ++k) sums[k] += darkness[i + k] * factor;
   }
-  PlaceRow row;
-  std::memcpy(row.data(), sums.data(), sizeof sums);
-  return row;
+  return sums;
 }
 
 TAGSMITH_WIDE void take_less(const PlaceRow& costs, PlaceRow& least) {

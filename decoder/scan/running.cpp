@@ -2,7 +2,6 @@
 #include "decoder/scan/running.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 
 #include "tagsmith/base/wide.hpp"
@@ -10,33 +9,19 @@
 namespace tagsmith {
 namespace {
 
-constexpr std::size_t kLanes = 8;
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
-
-// Lets `pick` choose between each of the first `count` samples and the one `step` later, a vector
-// of them or a single one at a time: what it leaves in its first argument stands there afterwards.
-template <class Pick>
-inline __attribute__((always_inline)) void pick_all(float* samples, std::size_t step,
-                                                    std::size_t count, const Pick& pick) {
-  std::size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    Lanes here, later;
-    std::memcpy(&here, samples + i, sizeof here);
-    std::memcpy(&later, samples + i + step, sizeof later);
-    pick(here, later);
-    std::memcpy(samples + i, &here, sizeof here);
-  }
-  for (; i < count; ++i) pick(samples[i], samples[i + step]);
-}
-
+// Each of the first `count` samples becomes the greater or the less of it and the one `step` later.
 TAGSMITH_WIDE void take_greater(float* samples, std::size_t step, std::size_t count) {
-  pick_all(samples, step, count,
-           [](auto& here, const auto& later) { here = here < later ? later : here; });
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    samples[i] = samples[i] < samples[i + step] ? samples[i + step] : samples[i];
+  }
 }
 
 TAGSMITH_WIDE void take_less(float* samples, std::size_t step, std::size_t count) {
-  pick_all(samples, step, count,
-           [](auto& here, const auto& later) { here = later < here ? later : here; });
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    samples[i] = samples[i + step] < samples[i] ? samples[i + step] : samples[i];
+  }
 }
 
 // The extreme of every window, from those of its two overlapping halves, these from theirs, and so

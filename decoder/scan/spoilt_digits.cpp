@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
-#include "tagsmith/base/wide.hpp"
+#include <Eigen/Core>
 
 namespace tagsmith {
 namespace {
@@ -21,12 +20,14 @@ constexpr std::size_t kDigits = 10;
 // Several digits side by side.
 constexpr std::size_t kLanes = 4;
 static_assert(kDigitCount % kLanes == 0);
-using Each = std::array<double, kLanes>;
+using Lanes = Eigen::Array<double, kLanes, 1>;
+using Modules = std::array<Lanes, kModules>;
+using Block = std::array<Modules, kModules>;
 
 struct SideBySide {
-  std::array<Each, kModules> residuals{};
-  std::array<std::array<Each, kModules>, kModules> products{};
-  std::array<std::array<Each, kModules>, kDigits> changes{};  // of each digit's modules from these
+  Modules residuals;
+  Block products;
+  std::array<Modules, kDigits> changes;  // of each digit's modules from these
 };
 
 SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
@@ -34,49 +35,41 @@ SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
   SideBySide lanes;
   for (std::size_t k = 0; k < kLanes; ++k) {
     const std::size_t position = first + k;
+    const auto lane = static_cast<Eigen::Index>(k);
     const bool right_half = position >= 6;
     const auto& own = modules_of_character(right_half, digits[position]);
     for (std::size_t i = 0; i < kModules; ++i) {
-      lanes.residuals[i][k] = modules[position].residuals[i];
+      lanes.residuals[i][lane] = modules[position].residuals[i];
       for (std::size_t j = 0; j < kModules; ++j) {
-        lanes.products[i][j][k] = modules[position].products[i][j];
+        lanes.products[i][j][lane] = modules[position].products[i][j];
       }
     }
     for (std::size_t other = 0; other < kDigits; ++other) {
       const auto& others = modules_of_character(right_half, other);
       for (std::size_t i = 0; i < kModules; ++i) {
-        lanes.changes[other][i][k] = static_cast<double>(others[i]) - static_cast<double>(own[i]);
+        lanes.changes[other][i][lane] =
+            static_cast<double>(others[i]) - static_cast<double>(own[i]);
       }
     }
   }
   return lanes;
 }
 
-// The same in the compiler's own vectors.
-using Lanes = double __attribute__((vector_size(sizeof(Each))));
-using Modules = std::array<Lanes, kModules>;
-using Block = std::array<Modules, kModules>;
-
-inline __attribute__((always_inline)) void load(const Each& from, Lanes& lanes) {
-  std::memcpy(&lanes, &from, sizeof lanes);
-}
-
 // The modules free to differ by so much: the lower factor of what holds them, and the logarithm of
 // the share that they fill of the volume that they might.
 struct Freed {
-  Block lower{};
-  Modules per_diagonal{};
-  Lanes log_volume{};
+  Block lower;
+  Modules per_diagonal;
+  Lanes log_volume;
 };
 
-inline __attribute__((always_inline)) void free_modules(const Block& products, double sigma,
-                                                        Freed& freed) {
-  Lanes spread = Lanes{} + 1;
+Freed free_modules(const Block& products, double sigma) {
+  Freed freed;
+  Lanes spread = Lanes::Ones();
   for (std::size_t j = 0; j < kModules; ++j) {
     Lanes square = products[j][j] + 1 / (sigma * sigma);
     for (std::size_t k = 0; k < j; ++k) square -= freed.lower[j][k] * freed.lower[j][k];
-    Lanes diagonal;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) diagonal[lane] = std::sqrt(square[lane]);
+    const Lanes diagonal = square.sqrt();
     spread *= sigma * diagonal;
     freed.per_diagonal[j] = 1 / diagonal;
     for (std::size_t i = j + 1; i < kModules; ++i) {
@@ -85,65 +78,51 @@ inline __attribute__((always_inline)) void free_modules(const Block& products, d
       freed.lower[i][j] = sum * freed.per_diagonal[j];
     }
   }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    freed.log_volume[lane] = -std::log(spread[lane]);
-  }
+  freed.log_volume = -spread.log();
+  return freed;
 }
 
 // Logarithm of the likelihood of residuals, but for what they cost where nothing is free.
-inline __attribute__((always_inline)) void set_log_freed(const Freed& freed,
-                                                         const Modules& residuals, Each& log) {
+Lanes log_freed(const Freed& freed, const Modules& residuals) {
   Modules solved;
-  Lanes square{};
+  Lanes square = Lanes::Zero();
   for (std::size_t i = 0; i < kModules; ++i) {
     Lanes value = residuals[i];
     for (std::size_t k = 0; k < i; ++k) value -= freed.lower[i][k] * solved[k];
     solved[i] = value * freed.per_diagonal[i];
     square += solved[i] * solved[i];
   }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    log[lane] = square[lane] / 2 + freed.log_volume[lane];
-  }
+  return square / 2 + freed.log_volume;
 }
 
 // Logarithms of likelihoods relative to the digit itself, all even.
 struct LogLikelihoods {
-  Each even{}, uneven{}, spoilt{};      // the digit
-  std::array<Each, kDigits> changed{};  // other digits, spoilt
+  Lanes even, uneven, spoilt;          // the digit
+  std::array<Lanes, kDigits> changed;  // other digits, spoilt
 };
 
-TAGSMITH_WIDE LogLikelihoods log_likelihoods(const SideBySide& digits) {
-  Modules residuals;
-  Block products;
-  for (std::size_t i = 0; i < kModules; ++i) {
-    load(digits.residuals[i], residuals[i]);
-    for (std::size_t j = 0; j < kModules; ++j) load(digits.products[i][j], products[i][j]);
-  }
+LogLikelihoods log_likelihoods(const SideBySide& digits) {
   LogLikelihoods logs;
-  Freed freed;
-  free_modules(products, kEvenSigma, freed);
-  set_log_freed(freed, residuals, logs.even);
-  free_modules(products, kUnevenSigma, freed);
-  set_log_freed(freed, residuals, logs.uneven);
-  free_modules(products, kSpoiltSigma, freed);
-  set_log_freed(freed, residuals, logs.spoilt);
+  logs.even = log_freed(free_modules(digits.products, kEvenSigma), digits.residuals);
+  logs.uneven = log_freed(free_modules(digits.products, kUnevenSigma), digits.residuals);
+  const Freed spoilt = free_modules(digits.products, kSpoiltSigma);
+  logs.spoilt = log_freed(spoilt, digits.residuals);
   for (std::size_t other = 0; other < kDigits; ++other) {
-    Modules change, left;
-    for (std::size_t i = 0; i < kModules; ++i) load(digits.changes[other][i], change[i]);
-    Lanes cost{};
+    const Modules& change = digits.changes[other];
+    Modules left;
+    Lanes cost = Lanes::Zero();
     for (std::size_t i = 0; i < kModules; ++i) {
-      Lanes pull{};
-      for (std::size_t j = 0; j < kModules; ++j) pull += products[i][j] * change[j];
-      left[i] = residuals[i] - pull;
-      cost += change[i] * (pull - 2 * residuals[i]);
+      Lanes pull = Lanes::Zero();
+      for (std::size_t j = 0; j < kModules; ++j) pull += digits.products[i][j] * change[j];
+      left[i] = digits.residuals[i] - pull;
+      cost += change[i] * (pull - 2 * digits.residuals[i]);
     }
-    set_log_freed(freed, left, logs.changed[other]);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) logs.changed[other][lane] -= cost[lane] / 2;
+    logs.changed[other] = log_freed(spoilt, left) - cost / 2;
   }
   return logs;
 }
 
-double odds_against(const LogLikelihoods& logs, std::size_t lane, std::size_t digit) {
+double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t digit) {
   const double log_even = logs.even[lane];
   const double log_uneven = std::log(kUneven) + logs.uneven[lane];
   const double log_spoilt = std::log(kSpoilt) + logs.spoilt[lane];
@@ -164,7 +143,8 @@ double odds_of_spoilt_digits(const std::array<DigitModules, kDigitCount>& module
   double odds = 0;
   for (std::size_t first = 0; first < kDigitCount; first += kLanes) {
     const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));
-    for (std::size_t k = 0; k < kLanes; ++k) odds += odds_against(logs, k, digits[first + k]);
+    for (std::size_t k = 0; k < kLanes; ++k)
+      odds += odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k]);
   }
   return odds;
 }

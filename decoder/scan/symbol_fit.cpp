@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -19,7 +18,6 @@ constexpr int kParameters = 8;
 enum : int { kLogBlur, kShift, kStretch, kBend, kGrowth, kWhite, kBlack, kShading };
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
-static_assert(std::tuple_size_v<FitSlack::value_type> == kParameters);
 
 // Weak priors: standard deviations of the parameters about their nominal values. They hold what a
 // short or empty profile leaves open, and forbid what would turn one digit into another.
@@ -43,12 +41,12 @@ SymbolImage unpack(const Parameters& p) {
           p[kShading]};
 }
 
-using Row = std::array<float, kParameters>;
+using Row = Eigen::Matrix<float, kParameters, 1>;
 
 // A place's darkness: how it changes with the parameters and what is left of it, both in standard
 // deviations.
 struct WeighedPlace {
-  Row by_parameter{};
+  Row by_parameter = Row::Zero();
   float residual = 0;
 };
 
@@ -63,39 +61,9 @@ std::vector<float> root_weights(const ScanProfile& profile) {
 // How the darkness at a place changes with the parameters, in standard deviations.
 Row weighed(const BarShare& bars, float from_middle, float weight, float contrast) {
   const float scale = contrast * weight;
-  return {scale * bars.by_log_blur, scale * bars.by_shift,  scale * bars.by_stretch,
-          scale * bars.by_bend,     scale * bars.by_growth, weight * (1 - bars.share),
-          weight * bars.share,      weight * from_middle};
-}
-
-// Sums over places of products of the rows' elements with each other and with the residuals.
-struct Products {
-  std::array<Row, kParameters> squares{};
-  Row right{};
-};
-
-// Adds one place after the other, in single precision.
-TAGSMITH_WIDE Products products_of(const std::vector<WeighedPlace>& places) {
-  using Lanes = float __attribute__((vector_size(sizeof(Row))));
-  Lanes s0{}, s1{}, s2{}, s3{}, s4{}, s5{}, s6{}, s7{}, right{};
-  for (const WeighedPlace& place : places) {
-    Lanes row;
-    std::memcpy(&row, &place.by_parameter, sizeof row);
-    s0 += row[0] * row;
-    s1 += row[1] * row;
-    s2 += row[2] * row;
-    s3 += row[3] * row;
-    s4 += row[4] * row;
-    s5 += row[5] * row;
-    s6 += row[6] * row;
-    s7 += row[7] * row;
-    right += place.residual * row;
-  }
-  Products sums;
-  const Lanes squares[kParameters] = {s0, s1, s2, s3, s4, s5, s6, s7};
-  std::memcpy(&sums.squares, squares, sizeof squares);
-  std::memcpy(&sums.right, &right, sizeof right);
-  return sums;
+  return Row{{scale * bars.by_log_blur, scale * bars.by_shift, scale * bars.by_stretch,
+              scale * bars.by_bend, scale * bars.by_growth, weight * (1 - bars.share),
+              weight * bars.share, weight * from_middle}};
 }
 
 // Standard deviations of a profile's darkness from what an image has there, squared and summed up.
@@ -131,15 +99,14 @@ void add_priors(ParameterMatrix& matrix) {
 }
 
 NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
-  const Products products = products_of(places);
-  NormalEquations normal;
-  for (int i = 0; i < kParameters; ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    for (int j = 0; j < kParameters; ++j) {
-      normal.matrix(i, j) = static_cast<double>(products.squares[row][static_cast<std::size_t>(j)]);
-    }
-    normal.right[i] = static_cast<double>(products.right[row]);
+  Eigen::Matrix<float, kParameters, kParameters> squares;
+  Row right = Row::Zero();
+  squares.setZero();
+  for (const WeighedPlace& place : places) {
+    squares.noalias() += place.by_parameter * place.by_parameter.transpose();
+    right += place.residual * place.by_parameter;
   }
+  NormalEquations normal{squares.cast<double>(), right.cast<double>()};
   add_priors(normal.matrix);
   return normal;
 }
@@ -279,36 +246,6 @@ std::vector<BarShare> bar_shares(const ScanProfile& profile, const SymbolImage& 
   return SymbolEdges(image, digits).with_derivatives_at(ScanPlaces(profile));
 }
 
-namespace {
-
-// What combinations of the parameters, by rows, change of the darkness at each place.
-TAGSMITH_WIDE FitSlack combined(const ParameterMatrix& combinations,
-                                const std::vector<WeighedPlace>& places,
-                                const ScanProfile& profile) {
-  // Half a row each: the compiler is at a loss with longer vectors.
-  using Floats = float __attribute__((vector_size(sizeof(Row) / 2)));
-  using Doubles = double __attribute__((vector_size(sizeof(Row))));
-  std::array<std::array<Doubles, 2>, kParameters> by_parameter;
-  std::memcpy(&by_parameter, combinations.data(), sizeof by_parameter);
-  FitSlack slack(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    Doubles low{}, high{};
-    for (std::size_t k = 0; k < kParameters; ++k) {
-      const auto change = static_cast<double>(places[i].by_parameter[k]);
-      low += change * by_parameter[k][0];
-      high += change * by_parameter[k][1];
-    }
-    const double sigma = std::sqrt(profile[i].variance);
-    const Floats first = __builtin_convertvector(sigma * low, Floats);
-    const Floats second = __builtin_convertvector(sigma * high, Floats);
-    std::memcpy(slack[i].data(), &first, sizeof first);
-    std::memcpy(slack[i].data() + kParameters / 2, &second, sizeof second);
-  }
-  return slack;
-}
-
-}  // namespace
-
 FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
                       const std::vector<BarShare>& bars) {
   const auto contrast = static_cast<float>(image.black - image.white);
@@ -320,7 +257,12 @@ FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
   // With matrix = L L^T, the parameters' covariance is L^-T L^-1.
   const Eigen::LLT<ParameterMatrix> root(normal_equations(places).matrix);
   const ParameterMatrix inverse = root.matrixL().solve(ParameterMatrix::Identity());
-  return combined(inverse, places, profile);
+  FitSlack slack(places.size());
+  for (std::size_t i = 0; i < slack.size(); ++i) {
+    const double sigma = std::sqrt(profile[i].variance);
+    slack[i] = (sigma * (inverse * places[i].by_parameter.cast<double>())).cast<float>();
+  }
+  return slack;
 }
 
 }  // namespace tagsmith

@@ -2,8 +2,9 @@
 // How a symbol's bars appear in a scan profile, and the adjustment of that picture to the profile.
 #pragma once
 
-#include <array>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "decoder/scan/profile.hpp"
 #include "decoder/scan/symbol_edges.hpp"
@@ -27,7 +28,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
 // What is left open of the picture of a symbol after a fit: at each place of the profile, the
 // change of the darkness by one standard deviation of eight independent combinations of the
 // parameters, as the profile and the priors leave them.
-using FitSlack = std::vector<std::array<float, 8>>;
+using FitSlack = std::vector<Eigen::Matrix<float, 8, 1>>;
 
 // `bars` are the shares of the symbol's bars in the profile's places, with the derivatives there.
 FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
