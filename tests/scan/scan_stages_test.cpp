@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stages from a scan profile to digits, each with inputs made for it.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/scan/character_costs.hpp"
+#include "decoder/scan/characters.hpp"
+#include "decoder/scan/elastic_scan.hpp"
+#include "decoder/scan/module_light.hpp"
+#include "decoder/scan/module_system.hpp"
+#include "decoder/scan/place_rows.hpp"
+#include "decoder/scan/profile.hpp"
+#include "decoder/scan/spoilt_digits.hpp"
+#include "decoder/scan/symbol_edges.hpp"
+#include "decoder/scan/symbol_fit.hpp"
+#include "decoder/scan/symbol_image.hpp"
+#include "decoder/scan/symbol_places.hpp"
+#include "tests/scan/made_profile.hpp"
+
+using namespace tagsmith;
+using tagsmith::test::profile_of;
+using tagsmith::test::share_of_bars;
+
+namespace {
+
+const Digits kDigits = *parse_digits("019000700401");
+
+SymbolImage bent_image() {
+  SymbolImage image;
+  image.blur = 0.45;
+  image.shift = 0.2;
+  image.stretch = 0.003;
+  image.bend = -0.15;
+  image.growth = 0.2;
+  image.white = 0.06;
+  image.black = 0.93;
+  image.shading = 0.04;
+  return image;
+}
+
+Characters characters_of(const Digits& digits) {
+  Characters characters{};
+  std::ranges::copy(digits, characters.begin());
+  return characters;
+}
+
+double squares_left(const ScanProfile& profile, const Digits& digits, const SymbolImage& image) {
+  double sum = 0;
+  for (const ScanBin& bin : profile) {
+    const double share = share_of_bars(digits, image, bin.at);
+    const double off = bin.darkness - image.white - (image.black - image.white) * share;
+    sum += off * off / bin.variance;
+  }
+  return sum;
+}
+
+// A line of light of a symbol, in samples of a tenth of `module`.
+ScanLine line_of(const Digits& digits, double module, double begin, int size) {
+  ScanLine line;
+  SymbolImage image;
+  image.blur = 0.5;
+  for (int i = 0; i < size; ++i) {
+    const double at = (i + 0.5 - begin) / module;
+    line.push_back(static_cast<float>(0.8 - 0.7 * share_of_bars(digits, image, at)));
+  }
+  return line;
+}
+
+}  // namespace
+
+TEST_CASE("the edges' shares of light are those of the definition") {
+  const SymbolImage image = bent_image();
+  const ScanProfile profile = profile_of(kDigits, image);
+  const ScanPlaces places(profile);
+  const std::vector<float> shares = SymbolEdges(image, kDigits).shares_at(places);
+  REQUIRE(shares.size() == profile.size());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const double expected = share_of_bars(kDigits, image, profile[i].at);
+    CHECK(static_cast<double>(shares[i]) == doctest::Approx(expected).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("the derivatives of the shares are those of small changes") {
+  const SymbolImage image = bent_image();
+  const ScanProfile profile = profile_of(kDigits, image);
+  const ScanPlaces places(profile);
+  const std::vector<BarShare> shares = SymbolEdges(image, kDigits).with_derivatives_at(places);
+  constexpr double kStep = 1e-3;
+  const auto change = [&](double SymbolImage::*parameter, double at) {
+    SymbolImage more = image, less = image;
+    more.*parameter += kStep;
+    less.*parameter -= kStep;
+    return (share_of_bars(kDigits, more, at) - share_of_bars(kDigits, less, at)) / (2 * kStep);
+  };
+  for (std::size_t i = 40; i < shares.size(); i += 7) {
+    const double at = profile[i].at;
+    const BarShare& share = shares[i];
+    CHECK(std::abs(static_cast<double>(share.by_shift) - change(&SymbolImage::shift, at)) < 2e-3);
+    CHECK(std::abs(static_cast<double>(share.by_growth) - change(&SymbolImage::growth, at)) < 2e-3);
+    CHECK(std::abs(static_cast<double>(share.by_bend) - change(&SymbolImage::bend, at)) < 2e-3);
+    CHECK(std::abs(static_cast<double>(share.by_stretch) - change(&SymbolImage::stretch, at)) <
+          0.1);  // the ends are 47 modules from the middle
+    CHECK(std::abs(static_cast<double>(share.by_log_blur) -
+                   image.blur * change(&SymbolImage::blur, at)) < 2e-3);
+  }
+}
+
+TEST_CASE("a fit finds the picture that a profile was made with") {
+  const SymbolImage image = bent_image();
+  SymbolImage start;
+  start.blur = 0.6;
+  const SymbolFit fit = fit_symbol(profile_of(kDigits, image, 1e-6), kDigits, start);
+  CHECK(fit.image.blur == doctest::Approx(image.blur).epsilon(0.01));
+  CHECK(fit.image.shift == doctest::Approx(image.shift).epsilon(0.01));
+  CHECK(fit.image.stretch == doctest::Approx(image.stretch).epsilon(0.02));
+  CHECK(fit.image.bend == doctest::Approx(image.bend).epsilon(0.02));
+  CHECK(fit.image.growth == doctest::Approx(image.growth).epsilon(0.02));
+  CHECK(fit.image.white == doctest::Approx(image.white).epsilon(0.02));
+  CHECK(fit.image.black == doctest::Approx(image.black).epsilon(0.01));
+  CHECK(fit.image.shading == doctest::Approx(image.shading).epsilon(0.02));
+  CHECK(fit.explained > 0.9999);
+}
+
+TEST_CASE("a fit to other digits explains less, and does not bend the symbol into them") {
+  const ScanProfile profile = profile_of(kDigits, bent_image());
+  SymbolImage start;
+  start.blur = 0.45;
+  const double right = fit_symbol(profile, kDigits, start).explained;
+  const SymbolFit other = fit_symbol(profile, *parse_digits("019000700418"), start);
+  CHECK(right > 0.99);
+  CHECK(other.explained < 0.95);
+  CHECK(std::abs(other.image.shift) < 0.6);
+}
+
+TEST_CASE("what a fit leaves open is small where the profile is sure") {
+  const SymbolImage image = bent_image();
+  for (const double variance : {1e-4, 1e-2}) {
+    const ScanProfile profile = profile_of(kDigits, image, variance);
+    const FitSlack slack = slack_of_fit(profile, image, bar_shares(profile, image, kDigits));
+    REQUIRE(slack.size() == profile.size());
+    // Eight parameters of some 500 places: together 8 places' worth of variance.
+    double sum = 0;
+    for (const auto& open : slack) sum += static_cast<double>(open.squaredNorm()) / variance;
+    CHECK(sum > 4);
+    CHECK(sum < 8.01);
+  }
+}
+
+TEST_CASE("modules and the growth of edges add up to the light of a symbol") {
+  const SymbolImage image = bent_image();
+  const ScanProfile profile = profile_of(kDigits, image);
+  const ModuleLight light(profile, image);
+  const auto modules = modules_of(kDigits);
+  for (std::size_t i = 0; i < profile.size(); ++i) {
+    const ModuleLight::Place& place = light.places()[i];
+    double share = 0;
+    for (std::size_t k = 0; k < place.count; ++k) {
+      const std::size_t feature = place.begin + k;
+      const auto here = static_cast<double>(light.light(place)[k]);
+      const auto module = feature / 2;
+      const bool before = module > 0 && modules[module - 1] == 1;
+      const bool after = module < modules.size() && modules[module] == 1;
+      if (feature % 2 == 1) share += after ? here : 0;
+      if (feature % 2 == 0) share += before != after ? here : 0;
+    }
+    CHECK(share == doctest::Approx(share_of_bars(kDigits, image, profile[i].at)).epsilon(0.002));
+  }
+}
+
+TEST_CASE("the cost of characters is the sum of the squares that their symbol leaves") {
+  SymbolImage image;
+  image.blur = 0.5;
+  const ScanProfile profile = profile_of(kDigits, image);
+  const ModuleSystem system(profile, ModuleLight(profile, image));
+  for (const char* text : {"019000700401", "019000700418", "119000700401", "987654321098"}) {
+    CAPTURE(text);
+    const Digits digits = *parse_digits(text);
+    const Characters characters = characters_of(digits);
+    const double cost = system.character_costs(&characters).of(characters);
+    const double left = squares_left(profile, digits, image);
+    CHECK(std::abs(cost - left) < 0.1 + 0.01 * left);
+  }
+}
+
+TEST_CASE("characters are the ways to hold two bars and two spaces in seven modules") {
+  for (const bool right_half : {false, true}) {
+    std::vector<std::array<std::uint8_t, kModulesPerDigit>> seen;
+    for (std::size_t c = 0; c < kCharacterCount; ++c) {
+      const auto& modules = modules_of_character(right_half, c);
+      CHECK(modules.front() == (right_half ? 1 : 0));
+      CHECK(modules.back() == (right_half ? 0 : 1));
+      int changes = 0;
+      for (std::size_t i = 1; i < modules.size(); ++i) changes += modules[i] != modules[i - 1];
+      CHECK(changes == 3);
+      CHECK(std::ranges::find(seen, modules) == seen.end());
+      seen.push_back(modules);
+    }
+  }
+  const auto whole = modules_of(kDigits);
+  for (std::size_t position = 0; position < kDigitCount; ++position) {
+    const auto& modules = modules_of_character(position >= 6, kDigits[position]);
+    const auto first = static_cast<std::size_t>(first_module_of_digit(static_cast<int>(position)));
+    for (std::size_t i = 0; i < modules.size(); ++i) CHECK(modules[i] == whole[first + i]);
+    CHECK(first_feature(position) == 2 * first + 1);
+  }
+}
+
+TEST_CASE("the cost of a symbol adds what its characters cost and what neighbours share") {
+  CharacterCosts costs;
+  costs.constant = 100;
+  for (std::size_t i = 0; i < kDigitCount; ++i) {
+    for (std::size_t c = 0; c < kCharacterCount; ++c) costs.alone[i][c] = static_cast<double>(c);
+  }
+  costs.pair[4][7][3] = -5;
+  Characters characters{};
+  CHECK(costs.of(characters) == 100);
+  characters[4] = 7;
+  CHECK(costs.of(characters) == 107);
+  characters[5] = 3;
+  CHECK(costs.of(characters) == 105);
+}
+
+TEST_CASE("a spoilt digit makes the reading doubtful, a clear one does not") {
+  SymbolImage image;
+  image.blur = 0.4;
+  const auto odds_of = [&](const ScanProfile& profile) {
+    const ModuleLight light(profile, image);
+    const FitSlack slack = slack_of_fit(profile, image, bar_shares(profile, image, kDigits));
+    return ModuleSystem(profile, light, slack).odds_of_spoilt_digits(characters_of(kDigits));
+  };
+  const ScanProfile clear = profile_of(kDigits, image, 1e-4);
+  CHECK(odds_of(clear) < 1e-9);
+  // Two modules of one digit at half of the contrast: it may have been another one.
+  ScanProfile spoilt = clear;
+  for (ScanBin& bin : spoilt) {
+    const int first = first_module_of_digit(2);
+    if (bin.at > first + 2 && bin.at < first + 4) bin.darkness = 0.5;
+  }
+  CHECK(odds_of(spoilt) > 1e-3);
+}
+
+TEST_CASE("what nothing is known of may be any digit") {
+  std::array<DigitModules, kDigitCount> nothing{};
+  Characters digits{};
+  // Nine others, each as likely as it is that a digit is spoilt: a thousandth.
+  CHECK(odds_of_spoilt_digits(nothing, digits) ==
+        doctest::Approx(12 * 9 * 0.001 / 1.051).epsilon(1e-6));
+}
+
+TEST_CASE("loops over rows of places do what plain loops do") {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> value(0, 1);
+  std::vector<float> darkness(120), shown(30);
+  for (float& at : darkness) at = value(random);
+  for (float& at : shown) at = value(random);
+  const PlaceRow row = products(darkness.data(), shown.data(), shown.size());
+  for (std::size_t i = 0; i < kPlaceRow; ++i) {
+    const float sum = std::inner_product(shown.begin(), shown.end(),
+                                         darkness.begin() + static_cast<std::ptrdiff_t>(i), 0.0F);
+    CHECK(row[i] == doctest::Approx(sum));
+  }
+  PlaceRows costs = filled_rows(kFarCost);
+  WidthPenalties penalties{};
+  for (std::size_t width = 0; width < kWidthCount; ++width) {
+    for (std::size_t i = 0; i < kPlaceCount; ++i) costs[width][i] = value(random);
+    for (float& penalty : penalties[width]) penalty = value(random);
+  }
+  const PlaceRows least = least_onwards(costs, penalties);
+  float least_of_all = kFarCost;
+  for (std::size_t from = 0; from < kWidthCount; ++from) {
+    for (std::size_t i = 0; i < kPlaceCount; ++i) {
+      float expected = kFarCost;
+      for (std::size_t to = 0; to < kWidthCount; ++to) {
+        expected = std::min(expected, costs[to][i] + penalties[from][to]);
+      }
+      CHECK(least[from][i] == expected);
+      least_of_all = std::min(least_of_all, costs[from][i]);
+    }
+  }
+  CHECK(least_of(costs) == least_of_all);
+  CHECK(least_sum(costs[0], costs[1]) <= costs[0][5] + costs[1][5]);
+}
+
+TEST_CASE("a symbol's place on a line is where its first bar begins") {
+  for (const double module : {2.0, 3.3}) {
+    CAPTURE(module);
+    const ScanLine line = line_of(kDigits, module, 40 * module, static_cast<int>(180 * module));
+    const auto places = find_symbol_places(line, 0.7 * module, 1.4 * module, 3);
+    REQUIRE(!places.empty());
+    CHECK(places[0].begin == doctest::Approx(40 * module).epsilon(0.01));
+    CHECK(std::abs(places[0].module) == doctest::Approx(module).epsilon(0.01));
+    CHECK(places[0].cost < 0.5 * kWorstPlace);
+  }
+  ScanLine empty(400, 0.5F);
+  CHECK(find_symbol_places(empty, 1, 4, 3).empty());
+}
+
+TEST_CASE("a line that is registered roughly is read with its digits' rivals") {
+  constexpr double kModule = 4;
+  const ScanLine line = line_of(kDigits, kModule, 120, 640);
+  const BarTemplates templates({0.5, 0});
+  // Two modules and two percent off.
+  const SymbolPlace rough{128, 1.02 * kModule, 0};
+  const auto reading = read_elastic(line, rough, templates);
+  REQUIRE(reading);
+  CHECK(reading->digits == kDigits);
+  CHECK(reading->alignment.cost_per_module < 2);
+  CHECK(std::abs(reading->alignment.boundaries.front() - 120) < kModule / 2);
+  CHECK(std::abs(reading->alignment.boundaries.back() - (120 + 95 * kModule)) < kModule / 2);
+  for (std::size_t i = 0; i < kDigitCount; ++i) {
+    for (std::size_t d = 0; d < 10; ++d) {
+      if (d == kDigits[i]) CHECK(reading->extra_cost[i][d] == doctest::Approx(0));
+      if (d != kDigits[i]) CHECK(reading->extra_cost[i][d] > 3);
+    }
+  }
+  const auto placed = placed_line(line, rough);
+  REQUIRE(placed);
+  CHECK(elastic_cost(*placed, templates) ==
+        doctest::Approx(reading->alignment.cost_per_module).epsilon(1e-3));
+  const auto known = align_elastic(line, rough, templates, kDigits);
+  REQUIRE(known);
+  for (std::size_t i = 0; i < known->boundaries.size(); ++i) {
+    CHECK(known->boundaries[i] == doctest::Approx(reading->alignment.boundaries[i]).epsilon(1e-3));
+  }
+  CHECK(!read_elastic(line, {600, kModule, 0}, templates));
+}
