@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a frame to a hypothesis of its symbol, and whether that is believed.
+#include "decoder/reader/judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/symbol_hypothesis.hpp"
+#include "tests/reader/drawn_symbol.hpp"
+
+using namespace tagsmith;
+using tagsmith::test::DrawnSymbol;
+
+namespace {
+
+const Digits kDigits = *parse_digits("019000700401");
+
+RefinedFrame turned_by(const RefinedFrame& frame, std::size_t corners) {
+  RefinedFrame result = frame;
+  for (std::size_t i = 0; i < 4; ++i) {
+    result.corners[i] = frame.corners[(i + corners) % 4];
+    result.sides[i] = frame.sides[(i + corners) % 4];
+  }
+  return result;
+}
+
+// A dark cable over the whole plate, so many pixels wide.
+void draw_cable(DrawnSymbol& symbol, int module, int width) {
+  const int left = symbol.module * (9 + module);
+  symbol.fill(left, -DrawnSymbol::kStroke, left + width, symbol.height() + DrawnSymbol::kStroke,
+              60);
+}
+
+}  // namespace
+
+TEST_CASE("the bars tell which corners may be P") {
+  const DrawnSymbol symbol(kDigits, 3);
+  const GrayView image = symbol.image.view();
+  CHECK(possible_first_corners(image, symbol.frame().corners) == std::vector<std::size_t>{0});
+  CHECK(possible_first_corners(image, turned_by(symbol.frame(), 1).corners) ==
+        std::vector<std::size_t>{1});
+  const DrawnSymbol blank = [] {
+    DrawnSymbol drawn(kDigits, 3);
+    drawn.fill(0, 0, drawn.width(), drawn.height(), DrawnSymbol::kWhite);
+    return drawn;
+  }();
+  CHECK(possible_first_corners(blank.image.view(), blank.frame().corners).size() == 2);
+}
+
+TEST_CASE("a frame's symbol is the same from whichever corner the frame begins") {
+  const DrawnSymbol symbol(kDigits, 3);
+  for (const std::size_t turn : {0, 1, 2, 3}) {
+    CAPTURE(turn);
+    const RefinedFrame frame = turned_by(symbol.frame(), turn);
+    const auto found = quick_hypothesis(symbol.image.view(), frame, {});
+    REQUIRE(found);
+    CHECK(found->decoding.digits == kDigits);
+    CHECK(found->first_corner == (4 - turn) % 4);
+    const FrameCorners corners = corners_of(*found), by_bars = corners_by_bars(*found);
+    for (std::size_t i = 0; i < 4; ++i) {
+      CHECK(distance(corners[i], symbol.frame().corners[i]) < 0.05);
+      CHECK(distance(by_bars[i], symbol.frame().corners[i]) < 0.3);
+    }
+    CHECK(!objection_to_quick(symbol.image.view(), *found, {}));
+    CHECK(is_symbol_like(*found));
+  }
+}
+
+TEST_CASE("a hidden side is where the bars put it") {
+  const DrawnSymbol symbol(kDigits, 3);
+  RefinedFrame frame = symbol.frame();
+  // Said to be a third of a module further out than it is.
+  frame.corners[1].x += 1;
+  frame.corners[2].x += 1;
+  frame.shown[1] = false;
+  const auto found = better_hypothesis(symbol.image.view(), frame, {});
+  REQUIRE(found);
+  CHECK(found->decoding.digits == kDigits);
+  const FrameCorners corners = corners_of(*found);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(distance(corners[i], symbol.frame().corners[i]) < 0.5);
+  }
+}
+
+TEST_CASE("what is not believed says why, with what was measured and its limit") {
+  DrawnSymbol symbol(kDigits, 4);
+  const GrayView image = symbol.image.view();
+  SUBCASE("a cable along the bars") {
+    draw_cable(symbol, 30, 6);
+    const auto found = quick_hypothesis(image, symbol.frame(), {});
+    REQUIRE(found);
+    const auto objection = objection_to_quick(image, *found, {});
+    REQUIRE(objection);
+    const Rejection rejection = rejection_of(*found, *objection);
+    CHECK(rejection.reason == objection->reason);
+    CHECK(rejection.symbol);
+  }
+  SUBCASE("a digit that is covered at all heights") {
+    symbol.fill(4 * 9 + 4 * first_module_of_digit(3), symbol.height() / 8,
+                4 * 9 + 4 * (first_module_of_digit(3) + 7), symbol.height() * 7 / 8, 128);
+    const auto found = quick_hypothesis(image, symbol.frame(), {});
+    REQUIRE(found);
+    const auto objection = objection_to_quick(image, *found, {});
+    REQUIRE(objection);
+    CHECK(objection->measured < objection->limit);
+    CHECK(!believed_hypothesis(image, symbol.frame(), {}, true));
+  }
+  SUBCASE("no bars at all") {
+    symbol.fill(0, 0, symbol.width(), symbol.height(), DrawnSymbol::kWhite);
+    CHECK(!quick_hypothesis(image, symbol.frame(), {}));
+  }
+}
+
+TEST_CASE("all rows together are believed where most of the height is hidden") {
+  DrawnSymbol symbol(kDigits, 4);
+  symbol.fill(8, symbol.height() / 3, symbol.width() - 8, symbol.height() - 8, 140);
+  const auto found = believed_hypothesis(symbol.image.view(), symbol.frame(), {}, true);
+  REQUIRE(found);
+  CHECK(found->decoding.digits == kDigits);
+}
+
+TEST_CASE("a clear symbol that is in no book is a stranger to it") {
+  const DrawnSymbol symbol(kDigits, 3);
+  ReadOptions options;
+  options.code_book = {*parse_digits("019000900403")};
+  const auto stranger = stranger_to_book(symbol.image.view(), symbol.frame(), options);
+  REQUIRE(stranger);
+  CHECK(stranger->decoding.digits == kDigits);
+  options.code_book.push_back(kDigits);
+  CHECK(!stranger_to_book(symbol.image.view(), symbol.frame(), options));
+}
+
+TEST_CASE("a believed symbol is a reading where its bars end as its layout says") {
+  DrawnSymbol symbol(kDigits, 4);
+  const auto found = quick_hypothesis(symbol.image.view(), symbol.frame(), {});
+  REQUIRE(found);
+  const auto reading =
+      reading_where_bars_end(symbol.image.view(), *found, {}, ReadingMethod::frame);
+  REQUIRE(reading);
+  CHECK(reading->digits == kDigits);
+  CHECK(reading->confidence > kSureInFrame);
+  CHECK(reading->module_px == doctest::Approx(4));
+  CHECK(reading->method == ReadingMethod::frame);
+  CHECK(reading->sum10_holds == has_check_digit(CheckDigit::sum10, kDigits));
+  // What was refused is read once its codes are known, from what was kept of it.
+  const Rejection rejection = rejection_of(*found, {RejectionReason::doubtful, 0.5, 0.9});
+  ReadOptions named;
+  named.code_book = {kDigits};
+  const auto again = read_again(symbol.image.view(), rejection, named);
+  REQUIRE(again);
+  CHECK(again->digits == kDigits);
+  CHECK(!read_again(symbol.image.view(), Rejection{}, named));
+}
