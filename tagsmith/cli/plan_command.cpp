@@ -22,6 +22,7 @@
 #include "tagsmith/cli/plan_optimise.hpp"
 #include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
+#include "tagsmith/paper_plan/expected_by_paper.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
@@ -141,7 +142,11 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
 Result<bool> plan(const PlanCommandOptions& options) {
   const Result<Subject> subject = load(options);
   if (!subject) return fail(subject.error().message);
-  const Result<DrivePlan> drive_plan = plan_drive(subject->survey, subject->rig, options.plan);
+  PlanOptions with_paper = options.plan;
+  with_paper.paper = [&](const auto& pose, const auto& sights, const auto& accuracy) {
+    return expect_by_paper(subject->survey, subject->rig, pose, sights, accuracy);
+  };
+  const Result<DrivePlan> drive_plan = plan_drive(subject->survey, subject->rig, with_paper);
   if (!drive_plan) return fail(drive_plan.error().message);
   if (auto kept = check_claim(*drive_plan, *subject, options); !kept) {
     return fail(kept.error().message);

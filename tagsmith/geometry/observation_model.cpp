@@ -25,37 +25,6 @@ Matrix3d cross_matrix(const Vector3d& a) {
 
 double yaw_of(double heading) { return std::numbers::pi / 2 - heading; }
 
-struct SeenPoint {
-  Vector3d in_vehicle;
-  Vector3d in_camera;
-  Projection projection;
-  Eigen::Matrix<double, 2, 3> by_vehicle_point;  // of the pixel, by the point in that frame
-  Eigen::Matrix<double, 2, 3> by_world_point;
-};
-
-std::optional<SeenPoint> see_point(const Camera& camera, const Pose& vehicle_from_camera,
-                                   const VehicleFrame& vehicle, const Vector3d& point_in_world) {
-  const Pose& world_from_vehicle = vehicle.world_from_vehicle;
-  SeenPoint seen;
-  seen.in_vehicle =
-      world_from_vehicle.rotation.transpose() * (point_in_world - world_from_vehicle.translation);
-  const Matrix3d camera_from_vehicle = vehicle_from_camera.rotation.transpose();
-  seen.in_camera = camera_from_vehicle * (seen.in_vehicle - vehicle_from_camera.translation);
-  const std::optional<Projection> projection = project_with_derivative(camera, seen.in_camera);
-  if (!projection) return std::nullopt;
-  seen.projection = *projection;
-  seen.by_vehicle_point = projection->by_point * camera_from_vehicle;
-  seen.by_world_point = seen.by_vehicle_point * world_from_vehicle.rotation.transpose();
-  return seen;
-}
-
-Eigen::Matrix<double, 2, 6> by_vehicle(const SeenPoint& seen, const VehicleFrame& vehicle) {
-  Eigen::Matrix<double, 2, 6> derivative;
-  derivative << -seen.by_world_point,
-      seen.by_vehicle_point * (cross_matrix(seen.in_vehicle) * vehicle.turn_axes);
-  return derivative;
-}
-
 }  // namespace
 
 Pose world_from_vehicle(const VehiclePose& vehicle) {
@@ -87,28 +56,26 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
                                            const VehicleFrame& vehicle,
                                            const Pose& world_from_plate,
                                            const Vector3d& point_in_plate) {
-  const auto seen =
-      see_point(camera, vehicle_from_camera, vehicle, world_from_plate * point_in_plate);
-  if (!seen) return std::nullopt;
+  const Pose& world_from_vehicle = vehicle.world_from_vehicle;
+  const Matrix3d vehicle_from_world = world_from_vehicle.rotation.transpose();
+  const Matrix3d camera_from_vehicle = vehicle_from_camera.rotation.transpose();
+  const Vector3d in_vehicle =
+      vehicle_from_world * (world_from_plate * point_in_plate - world_from_vehicle.translation);
+  const Vector3d in_camera = camera_from_vehicle * (in_vehicle - vehicle_from_camera.translation);
+  const std::optional<Projection> projection = project_with_derivative(camera, in_camera);
+  if (!projection) return std::nullopt;
+  const Eigen::Matrix<double, 2, 3> by_vehicle_point = projection->by_point * camera_from_vehicle;
+  const Eigen::Matrix<double, 2, 3> by_world_point = by_vehicle_point * vehicle_from_world;
   ObservedPoint observed;
-  observed.pixel = seen->projection.pixel;
-  observed.by_vehicle = by_vehicle(*seen, vehicle);
-  observed.by_plate << seen->by_world_point,
-      -seen->by_world_point * world_from_plate.rotation * cross_matrix(point_in_plate);
-  observed.by_mounting << -seen->by_vehicle_point,
-      seen->projection.by_point * cross_matrix(seen->in_camera);
+  observed.pixel = projection->pixel;
+  observed.by_vehicle << -by_world_point,
+      by_vehicle_point * (cross_matrix(in_vehicle) * vehicle.turn_axes);
+  observed.by_plate << by_world_point,
+      -by_world_point * world_from_plate.rotation * cross_matrix(point_in_plate);
+  observed.by_mounting << -by_vehicle_point, projection->by_point * cross_matrix(in_camera);
   observed.by_intrinsics << observed.pixel - Eigen::Vector2d(camera.cx, camera.cy),
       Eigen::Matrix2d::Identity();
   return observed;
-}
-
-std::optional<PointFromVehicle> observe_point_from_vehicle(const Camera& camera,
-                                                           const Pose& vehicle_from_camera,
-                                                           const VehicleFrame& vehicle,
-                                                           const Vector3d& point_in_world) {
-  const auto seen = see_point(camera, vehicle_from_camera, vehicle, point_in_world);
-  if (!seen) return std::nullopt;
-  return PointFromVehicle{seen->projection.pixel, by_vehicle(*seen, vehicle)};
 }
 
 ObservedWall observe_wall(const Centerline& centerline, const ChainageProfile& wall_offset,

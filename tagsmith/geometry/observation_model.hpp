@@ -60,17 +60,6 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
                                            const Pose& world_from_plate,
                                            const Eigen::Vector3d& point_in_plate);
 
-// The same with the vehicle's derivatives alone, for who needs no others.
-struct PointFromVehicle {
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-  Eigen::Matrix<double, 2, 6> by_vehicle;  // x, y, z, heading, pitch, roll
-};
-
-std::optional<PointFromVehicle> observe_point_from_vehicle(const Camera& camera,
-                                                           const Pose& vehicle_from_camera,
-                                                           const VehicleFrame& vehicle,
-                                                           const Eigen::Vector3d& point_in_world);
-
 // How the corners of a quadrilateral (clockwise in the image, as u, v, u, v, ...) move when each of
 // its sides moves outward by a pixel.
 Eigen::Matrix<double, 8, 1> by_outward_edges(const Eigen::Matrix<double, 8, 1>& corners);

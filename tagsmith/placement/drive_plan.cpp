@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <memory>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -18,7 +17,6 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
-#include "tagsmith/placement/expected_by_paper.hpp"
 
 namespace tagsmith {
 namespace {
@@ -141,12 +139,6 @@ struct Walls {
   }
 };
 
-// What a tag tells about the pose, by all cameras that read it.
-struct TagInformation {
-  std::size_t tag = 0;
-  VehicleCovariance information;
-};
-
 // A worker's own, kept from pose to pose so that nothing is allocated for one.
 struct Scratch {
   std::vector<std::vector<std::size_t>> candidates;  // by attitude and camera
@@ -154,7 +146,6 @@ struct Scratch {
   std::vector<PlateSight> read;
   std::vector<PlateSight> kept;  // of `read`, without a tag that is lost
   std::vector<std::size_t> read_tags;
-  std::vector<TagInformation> tags;
   LogHistogram travels;
   LogHistogram speeds;
 };
@@ -174,8 +165,7 @@ class Sweep {
         plan_(plan),
         model_(survey, rig),
         attitudes_(attitudes(rig.envelope.value_or(VehicleEnvelope{}), options)),
-        accuracy_{options.corner_sigma_px, plan.speed},
-        tags_apart_(tags_tell_apart(survey, rig)) {
+        accuracy_{options.corner_sigma_px, plan.speed} {
     for (const RigCamera& camera : rig.cameras) {
       moved_.push_back(plan.speed * camera.exposure.value_or(0));
     }
@@ -190,22 +180,12 @@ class Sweep {
     const double first = plan_.columns[begin].chainage;
     const double last = plan_.columns[end - 1].chainage;
     gather_candidates(first, last, scratch);
-    const std::unique_ptr<TunnelWalls> walls = walls_near(first, last);
-    const FloorAndRoof floor_and_roof(survey_.tunnel, (first + last) / 2,
-                                      model_.reach() + (last - first));
-    const Surroundings around{walls.get(), floor_and_roof.is_even() ? nullptr : &floor_and_roof};
+    const Surroundings around = model_.surroundings(first, last);
     for (std::size_t i = begin; i < end; ++i) assess(i, around, scratch, result);
     return result;
   }
 
  private:
-  std::unique_ptr<TunnelWalls> walls_near(double first, double last) const {
-    const double reach = model_.reach() + (last - first);
-    if (!model_.may_be_hidden_between(first - reach, last + reach)) return nullptr;
-    const double standoff = model_.standoff_between(first - reach, last + reach);
-    return std::make_unique<TunnelWalls>(survey_.tunnel, standoff, (first + last) / 2, reach);
-  }
-
   void gather_candidates(double first, double last, Scratch& scratch) const {
     const CenterlinePoint middle = survey_.tunnel.centerline.at((first + last) / 2);
     const CenterlinePoint start = survey_.tunnel.centerline.at(first);
@@ -216,7 +196,7 @@ class Sweep {
     const double half = std::max((start.position - middle.position).norm(),
                                  (end.position - middle.position).norm());
     const double lateral = rig_.envelope ? rig_.envelope->lateral : 0;
-    const double slack = std::hypot(half, lateral) + turn * arm_length();
+    const double slack = std::hypot(half, lateral) + turn * arm_length(rig_);
     const double reach = model_.reach() + slack;
     const auto [from, to] = model_.tags_between(first - reach, last + reach);
     scratch.candidates.resize(attitudes_.size() * rig_.cameras.size());
@@ -235,14 +215,6 @@ class Sweep {
         }
       }
     }
-  }
-
-  double arm_length() const {
-    double longest = 0;
-    for (const RigCamera& camera : rig_.cameras) {
-      longest = std::max(longest, camera.vehicle_from_camera.translation.norm());
-    }
-    return longest;
   }
 
   void assess(std::size_t index, const Surroundings& around, Scratch& scratch,
@@ -339,75 +311,46 @@ class Sweep {
     }
   }
 
-  // All that is known of the pose: its stance, its ranges, and the tags it reads. What each of them
-  // tells goes into scratch.tags where it can be told apart.
-  VehicleCovariance gather_information(const CenterlinePoint& floor, const VehiclePose& pose,
-                                       const VehicleFrame& frame, Scratch& scratch) const {
-    VehicleCovariance information = rig_information(survey_, rig_, floor, pose);
-    scratch.tags.clear();
-    if (!tags_apart_) {
-      return information + sights_information(survey_, rig_, frame, scratch.read, accuracy_);
-    }
-    for (const PlateSight& sight : scratch.read) {
-      const VehicleCovariance seen = corner_information(survey_, rig_, frame, sight, accuracy_);
-      const auto known = std::ranges::find(scratch.tags, sight.tag, &TagInformation::tag);
-      if (known == scratch.tags.end()) {
-        scratch.tags.push_back({sight.tag, seen});
-      } else {
-        known->information += seen;
-      }
-    }
-    for (TagInformation& tag : scratch.tags) {
-      tag.information = with_survey_error(tag.information, survey_.tags[tag.tag].sigma);
-      information += tag.information;
-    }
-    return information;
+  // All that is known of the pose: its stance, its ranges, and these tags.
+  std::optional<VehicleCovariance> covariance(const CenterlinePoint& floor, const VehiclePose& pose,
+                                              const VehicleFrame& frame,
+                                              std::span<const PlateSight> sights) const {
+    return covariance_from(rig_information(survey_, rig_, floor, pose) +
+                           sights_information(survey_, rig_, frame, sights, accuracy_));
   }
 
   void expect(PlanColumn& column, const CenterlinePoint& point, const VehiclePose& pose,
               const VehicleFrame& frame, bool is_nominal, Scratch& scratch) const {
     if (scratch.read.empty()) return;
-    const VehicleCovariance information = gather_information(point, pose, frame, scratch);
-    const std::optional<VehicleCovariance> covariance = covariance_from(information);
-    if (!covariance) return;
-    const ColumnSigma sigma = sigmas_along(*covariance, point.heading);
+    const auto known = covariance(point, pose, frame, scratch.read);
+    if (!known) return;
+    const ColumnSigma sigma = sigmas_along(*known, point.heading);
     raise(column.worst, sigma);
     if (!is_nominal) return;
     column.nominal = sigma;
-    column.nominal_one_lost = one_lost(information, point, pose, frame, scratch);
+    column.nominal_one_lost = one_lost(point, pose, frame, scratch);
     expect_paper(column, point, pose, scratch);
   }
 
   // The plane's sigma when the tag that costs most is lost; infinite when it is the only one.
-  double one_lost(const VehicleCovariance& information, const CenterlinePoint& point,
-                  const VehiclePose& pose, const VehicleFrame& frame, Scratch& scratch) const {
+  double one_lost(const CenterlinePoint& point, const VehiclePose& pose, const VehicleFrame& frame,
+                  Scratch& scratch) const {
     if (scratch.read_tags.size() < 2) return kInfinity;
     double most = 0;
-    for (const std::size_t tag : scratch.read_tags) {
-      const auto covariance =
-          covariance_from(without(tag, information, point, pose, frame, scratch));
-      most =
-          std::max(most, covariance ? sigmas_along(*covariance, point.heading).plane : kInfinity);
+    for (const std::size_t lost : scratch.read_tags) {
+      scratch.kept.clear();
+      std::ranges::copy_if(scratch.read, std::back_inserter(scratch.kept),
+                           [&](const PlateSight& sight) { return sight.tag != lost; });
+      const auto known = covariance(point, pose, frame, scratch.kept);
+      most = std::max(most, known ? sigmas_along(*known, point.heading).plane : kInfinity);
     }
     return most;
   }
 
-  VehicleCovariance without(std::size_t lost, const VehicleCovariance& information,
-                            const CenterlinePoint& floor, const VehiclePose& pose,
-                            const VehicleFrame& frame, Scratch& scratch) const {
-    if (tags_apart_) {
-      return information - std::ranges::find(scratch.tags, lost, &TagInformation::tag)->information;
-    }
-    scratch.kept.clear();
-    std::ranges::copy_if(scratch.read, std::back_inserter(scratch.kept),
-                         [&](const PlateSight& sight) { return sight.tag != lost; });
-    return rig_information(survey_, rig_, floor, pose) +
-           sights_information(survey_, rig_, frame, scratch.kept, accuracy_);
-  }
-
   void expect_paper(PlanColumn& column, const CenterlinePoint& point, const VehiclePose& pose,
                     const Scratch& scratch) const {
-    const auto expected = expect_by_paper(survey_, rig_, pose, scratch.read, accuracy_);
+    if (!options_.paper) return;
+    const auto expected = options_.paper(pose, scratch.read, accuracy_);
     if (!expected) return;
     column.paper.sigma = sigmas_along(expected->mean_square, point.heading);
     column.paper.magnification = expected->magnification;
@@ -421,7 +364,6 @@ class Sweep {
   SightModel model_;
   std::vector<Attitude> attitudes_;
   AccuracyOptions accuracy_;
-  bool tags_apart_;
   std::vector<double> moved_;  // by camera: metres during the exposure at the planned speed
 };
 

@@ -5,9 +5,13 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/placement/expected_accuracy.hpp"
@@ -16,6 +20,17 @@
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
+
+// What the published method would give at a pose, of the measurements that have a solution: the
+// others say nothing.
+struct PaperExpectation {
+  // Mean of the products of the errors in x, y, z about the true place, world frame, metres^2: what
+  // the method's own assumptions get wrong there (level cameras at O, straight walls) is in it.
+  // Infinite where no measurement has a solution.
+  Eigen::Matrix3d mean_square = Eigen::Matrix3d::Zero();
+  double magnification = 0;      // 1 / tan(theta): metres along the tunnel for a metre of d
+  double no_solution_share = 1;  // of measurements: no real solution, or one below the floor
+};
 
 struct PlanOptions {
   std::optional<double> from;   // chainage, metres; absent = the center line's start
@@ -27,6 +42,10 @@ struct PlanOptions {
   std::optional<double> corner_sigma_px;  // absent = as measured (corner_sigma_px)
   bool accuracy = true;                   // false: sight alone, which is faster
   int jobs = 0;                           // threads at most; 0 = all cores
+  // The published method at the nominal poses, for comparison; empty = no comparison.
+  std::function<std::optional<PaperExpectation>(
+      const VehiclePose&, std::span<const PlateSight>, const AccuracyOptions&)>
+      paper = {};
 };
 
 // Longer or finer plans are refused.

@@ -28,11 +28,6 @@ std::optional<Matrix3d> inverse_of_positive(const Matrix3d& matrix) {
   return matrix.inverse();
 }
 
-bool is_exact(const CalibrationSigma& sigma) {
-  return sigma.position == 0 && sigma.angle == 0 && sigma.focal == 0 && sigma.center == 0 &&
-         sigma.edge == 0;
-}
-
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
 constexpr Eigen::Index kCalibrationCount = 9;
 constexpr Eigen::Index kPlateRows = 8;
@@ -163,12 +158,6 @@ double expected_corner_sigma(const Rig& rig, const PlateSight& sight,
   return corner_sigma_px(sight.module_px, blur);
 }
 
-bool tags_tell_apart(const Survey& survey, const Rig& rig) {
-  return survey.angle_sigma == 0 && std::ranges::all_of(rig.cameras, [](const RigCamera& camera) {
-           return is_exact(camera.calibration_sigma);
-         });
-}
-
 VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      const VehicleFrame& vehicle,
                                      std::span<const PlateSight> sights,
@@ -188,35 +177,6 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
   return information.topLeftCorner<kVehicleCount, kVehicleCount>() -
          shared *
              information.bottomRightCorner(calibrated, calibrated).llt().solve(shared.transpose());
-}
-
-VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
-                                     const VehicleFrame& vehicle, const PlateSight& sight,
-                                     const AccuracyOptions& options) {
-  const TagTemplate& tag = survey.tag_template;
-  const RigCamera& camera = rig.cameras[sight.camera];
-  const Pose& world_from_plate = survey.tags[sight.tag].world_from_plate;
-  VehicleCovariance information = VehicleCovariance::Zero();
-  for (const double x : {0.0, tag.frame_inner_length}) {
-    for (const double y : {0.0, tag.frame_inner_height}) {
-      const auto point = observe_point_from_vehicle(camera.camera, camera.vehicle_from_camera,
-                                                    vehicle, world_from_plate * Vector3d(x, y, 0));
-      if (!point) continue;
-      information.noalias() += point->by_vehicle.transpose() * point->by_vehicle;
-    }
-  }
-  const double sigma = expected_corner_sigma(rig, sight, options);
-  return information / (sigma * sigma);
-}
-
-VehicleCovariance with_survey_error(const VehicleCovariance& information, double survey_sigma) {
-  if (survey_sigma <= 0) return information;
-  // A shift of the plate acts as the opposite shift of the vehicle, so that the information on it
-  // is in the same matrix; it is taken out by its Schur complement.
-  const Matrix3d on_shift =
-      information.topLeftCorner<3, 3>() + Matrix3d::Identity() / (survey_sigma * survey_sigma);
-  const Eigen::Matrix<double, 6, 3> shared = information.leftCols<3>();
-  return information - shared * on_shift.inverse() * shared.transpose();
 }
 
 VehicleCovariance rig_information(const Survey& survey, const Rig& rig,

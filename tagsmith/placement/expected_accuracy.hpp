@@ -26,20 +26,6 @@ struct AccuracyOptions {
 double expected_corner_sigma(const Rig& rig, const PlateSight& sight,
                              const AccuracyOptions& options);
 
-// A plate's four inner corners as a camera sees them: information about the vehicle's pose, were
-// the plate's position known exactly.
-VehicleCovariance corner_information(const Survey& survey, const Rig& rig,
-                                     const VehicleFrame& vehicle, const PlateSight& sight,
-                                     const AccuracyOptions& options);
-
-// What is left of a tag's information when its position has been surveyed with this standard
-// deviation of a coordinate, metres.
-VehicleCovariance with_survey_error(const VehicleCovariance& information, double survey_sigma);
-
-// True when all that is uncertain of plates and cameras is where each plate's P is:
-// corner_information and with_survey_error then say it all, tag by tag.
-bool tags_tell_apart(const Survey& survey, const Rig& rig);
-
 // The information of all sights together, as the joint fit weighs it: plates uncertain in place and
 // angle, each camera in its mounting, focal length and principal point.
 VehicleCovariance sights_information(const Survey& survey, const Rig& rig,

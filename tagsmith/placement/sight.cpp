@@ -88,6 +88,14 @@ std::optional<Eigen::Matrix<double, 2, 3>> picture_by_point(const Camera& camera
 
 }  // namespace
 
+double arm_length(const Rig& rig) {
+  double longest = 0;
+  for (const RigCamera& camera : rig.cameras) {
+    longest = std::max(longest, camera.vehicle_from_camera.translation.norm());
+  }
+  return longest;
+}
+
 SightModel::SightModel(const Survey& survey, const Rig& rig, ReadShare share)
     : survey_(&survey), rig_(&rig), plain_(false, share), book_(true, share) {
   const TagTemplate& tag = survey.tag_template;
@@ -176,6 +184,8 @@ std::pair<std::size_t, std::size_t> SightModel::tags_between(double low, double 
           static_cast<std::size_t>(end - chainages_.begin())};
 }
 
+// True when a wall may hide a tag: the center line bends there, or the walls do not run straight
+// beside it.
 bool SightModel::may_be_hidden_between(double low, double high) const {
   if (!survey_->tunnel.left.is_constant() || !survey_->tunnel.right.is_constant()) return true;
   double start = 0;
@@ -186,6 +196,7 @@ bool SightModel::may_be_hidden_between(double low, double high) const {
   return false;
 }
 
+// How far behind the plates' planes the walls stand there, as wall_standoff.
 double SightModel::standoff_between(double low, double high) const {
   double farthest = 0;
   const auto [begin, end] = tags_between(low, high);
@@ -193,6 +204,19 @@ double SightModel::standoff_between(double low, double high) const {
     farthest = std::max(farthest, plates_[order_[i]].depth);
   }
   return standoff_behind(farthest);
+}
+
+Surroundings SightModel::surroundings(double first, double last) const {
+  const double reach = reach_ + (last - first);
+  const double middle = (first + last) / 2;
+  Surroundings around;
+  if (may_be_hidden_between(first - reach, last + reach)) {
+    around.walls.emplace(survey_->tunnel, standoff_between(first - reach, last + reach), middle,
+                         reach);
+  }
+  const FloorAndRoof floor_and_roof(survey_->tunnel, middle, reach);
+  if (!floor_and_roof.is_even()) around.floor_and_roof = floor_and_roof;
+  return around;
 }
 
 bool SightModel::may_see(std::size_t camera, const CameraStand& stand, std::size_t tag,
@@ -289,10 +313,8 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
   sight.module_px = module_ * px_per_metre;
   if (sight.module_px < book_.least_module_px()) return std::nullopt;
   if (!fits_in_image(camera, middle, right, rotation * plate.down)) return std::nullopt;
-  if (around.walls != nullptr && is_behind(*around.walls, stand, plate)) return std::nullopt;
-  if (around.floor_and_roof != nullptr && is_behind(*around.floor_and_roof, stand, plate)) {
-    return std::nullopt;
-  }
+  if (around.walls && is_behind(*around.walls, stand, plate)) return std::nullopt;
+  if (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate)) return std::nullopt;
 
   sight.camera = camera;
   sight.tag = tag;

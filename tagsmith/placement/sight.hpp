@@ -38,10 +38,10 @@ struct CameraStand {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // rotation vector, radians
 };
 
-// What may stand between a camera and a plate; null where nothing of it can.
+// What may stand between a camera and a plate; nothing where nothing of it can.
 struct Surroundings {
-  const TunnelWalls* walls = nullptr;
-  const FloorAndRoof* floor_and_roof = nullptr;
+  std::optional<TunnelWalls> walls = {};
+  std::optional<FloorAndRoof> floor_and_roof = {};
 };
 
 // A plate of which all that the feature frame encloses is in the image and in the open, of a size
@@ -59,6 +59,9 @@ struct PlateSight {
   double travel_plain = -1;
   double travel_book = -1;
 };
+
+// How far from the vehicle's centre the farthest camera is mounted, metres.
+double arm_length(const Rig& rig);
 
 // A survey's plates and a rig's cameras, prepared for millions of questions. Keeps pointers to
 // both.
@@ -89,12 +92,8 @@ class SightModel {
   // The part of tags_by_chainage() that lies in [low, high], as begin and end.
   std::pair<std::size_t, std::size_t> tags_between(double low, double high) const;
 
-  // True when a wall may hide a tag in [low, high]: the center line bends there, or the walls do
-  // not run straight beside it.
-  bool may_be_hidden_between(double low, double high) const;
-
-  // How far behind the plates' planes the walls stand near this chainage (wall_standoff).
-  double standoff_between(double low, double high) const;
+  // What may hide a tag from a vehicle between these chainages.
+  Surroundings surroundings(double first, double last) const;
 
  private:
   struct Plate {
@@ -115,6 +114,8 @@ class SightModel {
   };
 
   Lens make_lens(const RigCamera& camera) const;
+  bool may_be_hidden_between(double low, double high) const;
+  double standoff_between(double low, double high) const;
   bool fits_in_image(std::size_t camera, const Eigen::Vector3d& middle,
                      const Eigen::Vector3d& right, const Eigen::Vector3d& down) const;
   bool is_behind(const TunnelWalls& walls, const CameraStand& stand, const Plate& plate) const;

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 
-#include "tagsmith/geometry/observation_model.hpp"
-#include "tagsmith/placement/floor_and_roof.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/sight.hpp"
 
 namespace tagsmith {
@@ -16,35 +14,22 @@ namespace {
 constexpr double kStep = 0.25;   // metres between two places of the vehicle
 constexpr double kBlock = 10.0;  // metres of drive that share one set of walls
 
-// How the vehicle stands at a chainage; the nominal way first, since most tags are seen from it.
-std::vector<VehiclePose> strays(const VehicleEnvelope& envelope) {
+// How the vehicle may stand on the floor; the nominal way first, since most tags are seen from it.
+std::vector<FloorStance> stances(const Rig& rig, const VehicleEnvelope& envelope) {
   const auto edges = [](double most) {
     return most > 0 ? std::vector<double>{0, -most, most} : std::vector<double>{0};
   };
-  std::vector<VehiclePose> all;
+  std::vector<FloorStance> all;
   for (const double roll : edges(envelope.roll)) {
     for (const double pitch : edges(envelope.pitch)) {
       for (const double yaw : edges(envelope.yaw)) {
         for (const double lateral : edges(envelope.lateral)) {
-          VehiclePose stray;
-          stray.position.x() = lateral;  // to the right
-          stray.heading = yaw;
-          stray.pitch = pitch;
-          stray.roll = roll;
-          all.push_back(stray);
+          all.push_back({rig.vehicle_height, lateral, yaw, pitch, roll});
         }
       }
     }
   }
   return all;
-}
-
-VehiclePose strayed(const CenterlinePoint& point, double vehicle_height, const VehiclePose& stray) {
-  VehiclePose pose = stray;
-  pose.position = point.position + stray.position.x() * right_of(point.heading) +
-                  vehicle_height * Eigen::Vector3d::UnitZ();
-  pose.heading = point.heading + stray.heading;
-  return pose;
 }
 
 class Search {
@@ -54,11 +39,8 @@ class Search {
         rig_(rig),
         model_(survey, rig),
         envelope_(rig.envelope.value_or(VehicleEnvelope{})),
-        strays_(strays(envelope_)) {
-    for (const RigCamera& camera : rig.cameras) {
-      arm_ = std::max(arm_, camera.vehicle_from_camera.translation.norm());
-    }
-  }
+        stances_(stances(rig, envelope_)),
+        arm_(arm_length(rig)) {}
 
   bool sees(std::size_t tag) {
     const double chainage = survey_.tags[tag].chainage;
@@ -77,59 +59,41 @@ class Search {
  private:
   bool sees_from(std::size_t tag, double chainage) {
     const CenterlinePoint point = survey_.tunnel.centerline.at(chainage);
-    const Pose nominal = world_from_vehicle(strayed(point, rig_.vehicle_height, {}));
+    const auto stand = [&](std::size_t camera, const FloorStance& stance) {
+      return model_.stand(camera, world_from_vehicle(vehicle_on_floor(point, stance)),
+                          point.curvature);
+    };
     const double turn = std::hypot(envelope_.yaw, envelope_.roll, envelope_.pitch);
     const double slack = envelope_.lateral + turn * arm_ + 1e-3;
     for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
-      const CameraStand stand = model_.stand(camera, nominal, point.curvature);
-      if (!model_.may_see(camera, stand, tag, slack, turn)) continue;
-      for (const VehiclePose& stray : strays_) {
-        const Pose pose = world_from_vehicle(strayed(point, rig_.vehicle_height, stray));
-        const auto sight =
-            model_.look(camera, model_.stand(camera, pose, point.curvature), tag, around(chainage));
+      if (!model_.may_see(camera, stand(camera, stances_.front()), tag, slack, turn)) continue;
+      for (const FloorStance& stance : stances_) {
+        const auto sight = model_.look(camera, stand(camera, stance), tag, around(chainage));
         if (sight && sight->travel_book >= 0) return true;
       }
     }
     return false;
   }
 
-  // What may stand in the way within a block of the drive.
-  struct Room {
-    std::unique_ptr<TunnelWalls> walls;  // null where they hide nothing
-    FloorAndRoof floor_and_roof;
-  };
-
-  // What may stand in the way near this chainage. Rooms of the blocks behind are given up, so that
-  // a long drive takes no more memory than a short one.
-  Surroundings around(double chainage) {
-    const Room& room = room_at(chainage);
-    return {room.walls.get(), room.floor_and_roof.is_even() ? nullptr : &room.floor_and_roof};
-  }
-
-  const Room& room_at(double chainage) {
+  // What may stand in the way near this chainage. What is kept of it is bounded, so that a long
+  // drive takes no more memory than a short one.
+  const Surroundings& around(double chainage) {
     const int block = static_cast<int>(std::floor(chainage / kBlock));
-    const auto known = rooms_.find(block);
-    if (known != rooms_.end()) return known->second;
+    const auto known = surroundings_.find(block);
+    if (known != surroundings_.end()) return known->second;
     constexpr std::size_t kMostKept = 64;
-    if (rooms_.size() >= kMostKept) rooms_.clear();
-    const double middle = (block + 0.5) * kBlock;
-    const double reach = model_.reach() + kBlock;
-    std::unique_ptr<TunnelWalls> made;
-    if (model_.may_be_hidden_between(middle - reach, middle + reach)) {
-      const double standoff = model_.standoff_between(middle - reach, middle + reach);
-      made = std::make_unique<TunnelWalls>(survey_.tunnel, standoff, middle, reach);
-    }
-    Room room{std::move(made), FloorAndRoof(survey_.tunnel, middle, reach)};
-    return rooms_.emplace(block, std::move(room)).first->second;
+    if (surroundings_.size() >= kMostKept) surroundings_.clear();
+    const double first = block * kBlock;
+    return surroundings_.emplace(block, model_.surroundings(first, first + kBlock)).first->second;
   }
 
   const Survey& survey_;
   const Rig& rig_;
   SightModel model_;
   VehicleEnvelope envelope_;
-  std::vector<VehiclePose> strays_;
+  std::vector<FloorStance> stances_;
   double arm_ = 0;
-  std::map<int, Room> rooms_;
+  std::map<int, Surroundings> surroundings_;  // by block
 };
 
 }  // namespace

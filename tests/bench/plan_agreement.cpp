@@ -63,10 +63,10 @@ VehiclePose random_pose(const Survey& survey, const Rig& rig, std::mt19937_64& r
 std::vector<PlateSight> look(const SightModel& model, std::size_t camera, const Pose& pose) {
   const CameraStand stand = model.stand(camera, pose, 0);
   const double chainage = model.survey().tunnel.centerline.locate(stand.centre.head<2>()).chainage;
-  const TunnelWalls walls(model.survey().tunnel, wall_standoff(model.survey(), chainage), chainage);
+  const Surroundings around = model.surroundings(chainage, chainage);
   std::vector<PlateSight> sights;
   for (std::size_t tag = 0; tag < model.survey().tags.size(); ++tag) {
-    const auto sight = model.look(camera, stand, tag, {&walls});
+    const auto sight = model.look(camera, stand, tag, around);
     if (sight && sight->travel_book >= 0) sights.push_back(*sight);
   }
   return sights;

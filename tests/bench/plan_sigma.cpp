@@ -14,7 +14,7 @@
 
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/paper_method.hpp"
-#include "tagsmith/placement/expected_by_paper.hpp"
+#include "tagsmith/paper_plan/expected_by_paper.hpp"
 #include "tests/bench/bench_site.hpp"
 #include "tests/support/plan_trial.hpp"
 

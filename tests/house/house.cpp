@@ -12,9 +12,10 @@
 namespace tagsmith::house {
 namespace {
 
-constexpr std::array<std::string_view, 19> kLayers{
+constexpr std::array<std::string_view, 20> kLayers{
     "tagsmith/base",    "tagsmith/geometry",     "tagsmith/symbology",
     "tagsmith/tag",     "tagsmith/survey",       "tagsmith/placement",
+    "tagsmith/paper_plan",
     "tagsmith/render",  "tagsmith/cli",          "decoder/image",
     "decoder/simulate", "decoder/feature_frame", "decoder/scan",
     "decoder/reader",   "decoder/paper",         "decoder/localize",

@@ -8,7 +8,7 @@
 
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/paper/closed_form.hpp"
-#include "tagsmith/placement/expected_by_paper.hpp"
+#include "tagsmith/paper_plan/expected_by_paper.hpp"
 #include "tests/placement/corridors.hpp"
 #include "tests/support/plan_trial.hpp"
 
@@ -37,10 +37,8 @@ std::vector<PlateSight> sights_from(const Survey& survey, const Rig& rig, const 
 VehicleCovariance expected(const Survey& survey, const Rig& rig, const VehiclePose& pose,
                            const AccuracyOptions& options) {
   VehicleCovariance information = rig_information(survey, rig, floor_below(survey, pose), pose);
-  for (const PlateSight& sight : sights_from(survey, rig, pose)) {
-    information += with_survey_error(
-        corner_information(survey, rig, vehicle_frame(pose), sight, options), survey.sigma);
-  }
+  information += sights_information(survey, rig, vehicle_frame(pose),
+                                    sights_from(survey, rig, pose), options);
   const auto covariance = covariance_from(information);
   REQUIRE(covariance.has_value());
   return *covariance;
@@ -70,11 +68,12 @@ TEST_CASE("a tag less never makes a position better") {
   pose.position = {0.1, 2, 0.24};
   const auto sights = sights_from(survey, rig, pose);
   REQUIRE(sights.size() >= 2);
-  const auto alone =
-      covariance_from(rig_information(survey, rig, floor_below(survey, pose), pose) +
-                      corner_information(survey, rig, vehicle_frame(pose), sights[0], {}));
   Survey exact = survey;
   exact.sigma = 0;
+  for (PlacedTag& tag : exact.tags) tag.sigma = 0;
+  const auto alone =
+      covariance_from(rig_information(survey, rig, floor_below(survey, pose), pose) +
+                      sights_information(exact, rig, vehicle_frame(pose), {&sights[0], 1}, {}));
   const VehicleCovariance both = expected(exact, rig, pose, {});
   REQUIRE(alone.has_value());
   for (int i = 0; i < 6; ++i) CHECK(both(i, i) <= (*alone)(i, i) * (1 + 1e-9));
@@ -186,7 +185,6 @@ TEST_CASE("calibrations, plates' angles, bends and grades are in the plan's cova
   }
   Survey survey = survey_along({{1, 0, 0.05}, {3, 0.1, -0.1}, {4, -0.1, 0.05}}, 8);
   survey.angle_sigma = radians(0.3);
-  CHECK_FALSE(tags_tell_apart(survey, rig));
   check_ratios(joint_trials(survey, rig, 600));
 }
 
@@ -210,21 +208,4 @@ TEST_CASE("a plate that two cameras see is off for both of them") {
   }
   REQUIRE(twice > 0);
   check_ratios(joint_trials(survey, rig, 400));
-}
-
-TEST_CASE("together and tag by tag the sights say the same where the tags tell apart") {
-  const Survey survey = straight_survey(10, 8);
-  const Rig rig = crawler();
-  REQUIRE(tags_tell_apart(survey, rig));
-  VehiclePose pose;
-  pose.position = {0.1, 2, 0.24};
-  const auto sights = sights_from(survey, rig, pose);
-  const VehicleCovariance together =
-      sights_information(survey, rig, vehicle_frame(pose), sights, {});
-  VehicleCovariance apart = VehicleCovariance::Zero();
-  for (const PlateSight& sight : sights) {
-    apart += with_survey_error(corner_information(survey, rig, vehicle_frame(pose), sight, {}),
-                               survey.sigma);
-  }
-  CHECK((together - apart).norm() < 1e-6 * apart.norm());
 }

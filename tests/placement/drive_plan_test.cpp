@@ -30,8 +30,8 @@ Rig wandering() {
 WallCount seen_by_force(const Survey& survey, const Rig& rig, double chainage) {
   const SightModel model(survey, rig);
   const CenterlinePoint point = survey.tunnel.centerline.at(chainage);
-  const TunnelWalls walls(survey.tunnel, wall_standoff(survey, chainage), chainage);
-  const FloorAndRoof floor_and_roof(survey.tunnel, chainage);
+  const Surroundings around{TunnelWalls(survey.tunnel, wall_standoff(survey, chainage), chainage),
+                            FloorAndRoof(survey.tunnel, chainage)};
   WallCount count;
   for (int h = -2; h <= 2; ++h) {
     for (int l = -2; l <= 2; ++l) {
@@ -45,7 +45,7 @@ WallCount seen_by_force(const Survey& survey, const Rig& rig, double chainage) {
         for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
           const CameraStand stand = model.stand(camera, world_from_vehicle(pose), point.curvature);
           for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
-            if (!model.look(camera, stand, tag, {&walls, &floor_and_roof})) continue;
+            if (!model.look(camera, stand, tag, around)) continue;
             (survey.tags[tag].side == Side::left ? left : right) = true;
           }
         }

@@ -98,11 +98,11 @@ TEST_CASE("the inner wall of a bend hides what lies behind it") {
   const SightModel model(survey, rig);
   const Pose pose = world_from_vehicle({0, 0.2, 0.24}, 0);
   const CameraStand stand = model.stand(1, pose, 0);
-  const TunnelWalls walls(survey.tunnel, wall_standoff(survey, 0), 0);
+  const Surroundings around = model.surroundings(0, 0);
   int open = 0;
   int hidden = 0;
   for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
-    const bool in_open = model.look(1, stand, tag, {&walls}).has_value();
+    const bool in_open = model.look(1, stand, tag, around).has_value();
     if (model.look(1, stand, tag, {})) ++(in_open ? open : hidden);
     if (in_open) CHECK(survey.tags[tag].chainage < 7);
   }

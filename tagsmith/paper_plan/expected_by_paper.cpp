@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/placement/expected_by_paper.hpp"
+#include "tagsmith/paper_plan/expected_by_paper.hpp"
 
 #include <array>
 #include <cmath>
