@@ -103,9 +103,9 @@ Result<std::vector<fs::path>> print_tags(const Demo& demo) {
   style.jobs = demo.jobs;
   const Result<PrintJob> job = plan_print(demo.survey, tags, style);
   if (!job) return fail(job.error().message);
-  PrintExtras extras;
-  extras.files.reads(demo.survey);
-  const Result<PrintRecord> record = run_print(*job, folder, extras);
+  CommandFiles files;
+  files.reads(demo.survey);
+  const Result<PrintRecord> record = run_print(*job, folder, std::move(files));
   if (!record) return fail(record.error().message);
   return pdfs;
 }

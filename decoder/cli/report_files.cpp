@@ -17,6 +17,7 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 
 namespace tagsmith {
@@ -128,7 +129,7 @@ Result<void> write_report(const ReportFiles& report, const Survey& survey,
   if (!report.pdf.empty()) {
     const Result<std::vector<Sheet>> sheets = draw_report(survey, merged);
     if (!sheets) return fail(sheets.error().message);
-    Result<std::string> pdf = render_sheets_pdf(*sheets);
+    Result<std::string> pdf = render_pdf(*sheets);
     if (!pdf) return fail(pdf.error().message);
     written.push_back({report.pdf, std::move(*pdf)});
   }

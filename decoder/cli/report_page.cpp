@@ -11,7 +11,6 @@
 #include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/render/svg_elements.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/revision.hpp"
 

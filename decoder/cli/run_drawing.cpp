@@ -99,7 +99,7 @@ Ellipse ellipse_of(const Vector2d& centre, const Matrix2d& covariance, double fa
   const Vector2d sigmas = axes.eigenvalues().cwiseMax(0).cwiseSqrt();
   const Vector2d first = axes.eigenvectors().col(0);
   Ellipse ellipse;
-  ellipse.centre = centre;
+  ellipse.at = centre;
   ellipse.semi_axes = factor * kEllipse95 * sigmas;
   ellipse.angle = std::atan2(first.y(), first.x());
   ellipse.line = {colours::kBlue, kNarrow, {}};
@@ -144,8 +144,7 @@ void add_track(Sketch& sketch, const PlanStrip& strip, const std::vector<const M
 
 std::vector<DrawingView> plan_views(const Survey& survey, const std::vector<Mark>& marks,
                                     double factor, Paper paper) {
-  const PlanStyle style{paper, false};
-  const std::vector<PlanStrip> strips = plan_strips(survey, style);
+  const std::vector<PlanStrip> strips = plan_strips(survey, paper);
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : strips) {
     const bool is_first = &strip == &strips.front();
@@ -157,7 +156,7 @@ std::vector<DrawingView> plan_views(const Survey& survey, const std::vector<Mark
       }
     }
     if (here.empty()) continue;
-    DrawingView view = plan_view(survey, strip, style);
+    DrawingView view = plan_view(survey, strip);
     if (factor != 1) {
       view.title += fmt::format("; errors and 95 % ellipses magnified {:g} times", factor);
     }

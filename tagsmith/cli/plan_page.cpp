@@ -10,7 +10,6 @@
 
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
-#include "tagsmith/render/svg_elements.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith {
@@ -257,7 +256,9 @@ Json coverage(const Survey& survey, const DrivePlan& plan) {
 
 Json fields(const PlannedDrive& drive) {
   Json all = Json::array();
-  for (const auto& outline : fields_of_view(drive.survey, drive.rig, drive.plan)) {
+  const double from = drive.plan.columns.front().chainage;
+  const double to = drive.plan.columns.back().chainage;
+  for (const auto& outline : fields_of_view(drive.survey, drive.rig, drive.plan, from, to)) {
     Json line = Json::array();
     for (const Eigen::Vector3d& corner : outline) line.push_back(point(corner, drive.survey));
     all.push_back(line);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -36,18 +37,11 @@ struct PrintOptions {
   std::vector<std::string> tags;  // names; empty = all
   std::string only;               // file that names tags; empty = none
   std::string paper;
-  double bleed_mm = 3;
-  double overlap_mm = 10;
-  double bar_adjustment_mm = 0;
-  double tolerance_mm = 0;
   std::string point_order = "PENZD";
-  int dots_per_inch = 0;
-  bool tiled = false;
-  bool single = false;
   bool no_setting_out = false;
   bool proof = false;
   bool json = false;
-  int jobs = 0;  // 0 = all cores
+  PrintStyle style;  // what the options above leave open
 
   bool has(const char* format) const { return std::ranges::count(formats, format) > 0; }
 };
@@ -60,49 +54,42 @@ Error unknown_tag(const Survey& survey, const std::string& option, const std::st
                       meant ? ", did you mean " + *meant + "?" : "")};
 }
 
-// In the survey's order, each once. `names`: those wanted; nothing = all.
-Result<std::vector<const PlacedTag*>> select_tags(
-    const Survey& survey, const std::string& option,
-    const std::optional<std::vector<std::string>>& names) {
-  std::set<std::string> wanted;
-  for (const std::string& name : names.value_or(std::vector<std::string>{})) {
-    if (find_tag(survey, name) == nullptr) return tl::unexpected(unknown_tag(survey, option, name));
-    wanted.insert(name);
+// In the survey's order, each once.
+Result<std::vector<const PlacedTag*>> chosen_tags(const Survey& survey,
+                                                  const PrintOptions& options) {
+  const bool listed = !options.only.empty();
+  const bool all = !listed && options.tags.empty();
+  const Result<std::vector<std::string>> names =
+      listed ? read_tags_to_print(options.only, std::cin) : options.tags;
+  if (!names) return fail(names.error().message);
+  for (const std::string& name : *names) {
+    if (find_tag(survey, name) != nullptr) continue;
+    return tl::unexpected(unknown_tag(survey, listed ? options.only : "--tags", name));
   }
+  const std::set<std::string> wanted(names->begin(), names->end());
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : survey.tags) {
-    if (!names || wanted.contains(tag.name)) tags.push_back(&tag);
+    if (all || wanted.contains(tag.name)) tags.push_back(&tag);
   }
   return tags;
 }
 
-Result<std::vector<const PlacedTag*>> chosen_tags(const Survey& survey,
-                                                  const PrintOptions& options) {
-  if (options.only.empty()) {
-    const auto names = options.tags.empty() ? std::nullopt : std::optional(options.tags);
-    return select_tags(survey, "--tags", names);
-  }
-  const Result<std::vector<std::string>> names = read_tags_to_print(options.only, std::cin);
-  if (!names) return fail(names.error().message);
-  return select_tags(survey, options.only, *names);
-}
-
-Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey) {
-  constexpr double kMillimetre = 1e-3;
-  PrintStyle style;
-  style.pdf = options.has("pdf") || options.has("both");
-  style.svg = options.has("svg") || options.has("both");
-  style.png = options.has("png");
-  style.single = options.single;
-  style.dots_per_inch = options.dots_per_inch;
-  style.bar_adjustment = kMillimetre * options.bar_adjustment_mm;
-  style.bleed = kMillimetre * options.bleed_mm;
-  style.tiled = options.tiled;
-  style.overlap = kMillimetre * options.overlap_mm;
+Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
+                            const ProvePages& prove) {
+  PrintStyle style = options.style;
+  style.formats.clear();
+  const bool both = options.has("both");
+  if (both || options.has("pdf")) style.formats.push_back(SheetFormat::pdf);
+  if (both || options.has("svg")) style.formats.push_back(SheetFormat::svg);
+  if (options.has("png")) style.formats.push_back(SheetFormat::png);
   style.revision = survey_revision(survey);
-  style.jobs = options.jobs;
-  if (options.single && !style.pdf) return fail("--single makes one PDF, but --format has no pdf");
-  if (options.tiled && options.paper.empty()) {
+  style.setting_out = !options.no_setting_out;
+  style.northing_first = options.point_order == "PNEZD";
+  if (options.proof) style.prove = prove;
+  if (style.single && style.formats.front() != SheetFormat::pdf) {
+    return fail("--single makes one PDF, but --format has no pdf");
+  }
+  if (style.tiled && options.paper.empty()) {
     return fail("--tile needs the paper of the tiles: --paper A4");
   }
   if (options.paper.empty()) return style;
@@ -181,7 +168,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
-  const Result<PrintStyle> style = style_of(options, *survey);
+  const Result<PrintStyle> style = style_of(options, *survey, prove);
   if (!style) return fail(style.error().message);
   const auto tags = chosen_tags(*survey, options);
   if (!tags) return fail(tags.error().message);
@@ -191,14 +178,10 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   }
   const Result<PrintJob> job = plan_print(*survey, *tags, *style);
   if (!job) return fail(job.error().message);
-  PrintExtras extras;
-  extras.setting_out = !options.no_setting_out;
-  extras.tolerance = options.tolerance_mm / 1000;
-  extras.northing_first = options.point_order == "PNEZD";
-  if (options.proof) extras.prove = prove;
-  extras.files.reads(*survey);
-  extras.files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
-  const Result<PrintRecord> record = run_print(*job, options.folder, extras);
+  CommandFiles files;
+  files.reads(*survey);
+  files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
+  const Result<PrintRecord> record = run_print(*job, options.folder, std::move(files));
   if (!record) return fail(record.error().message);
   warn(*job);
   if (has_problems(*record)) {
@@ -210,29 +193,36 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   return kExitOk;
 }
 
+// An option in millimetres whose value is kept in metres.
+CLI::Option* add_length(CLI::App& app, const std::string& name, double& metres,
+                        const std::string& text) {
+  return app.add_option_function<double>(
+      name, [&metres](double millimetres) { metres = millimetres / 1000; }, text);
+}
+
 void add_paper_options(CLI::App& app, PrintOptions& options) {
   app.add_option("--paper", options.paper,
                  "A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in mm: as many "
                  "plates a page as it holds (default: the page is one plate with its margin)");
-  app.add_flag("--tile", options.tiled,
+  app.add_flag("--tile", options.style.tiled,
                "Plates in pieces on several sheets of the paper, with an assembly sheet");
-  app.add_option("--overlap", options.overlap_mm, "Of neighbouring tiles, mm (default: 10)")
+  add_length(app, "--overlap", options.style.overlap, "Of neighbouring tiles, mm (default: 10)")
       ->check(number_between(5.0, 50.0));
-  app.add_option("--bleed", options.bleed_mm,
-                 "How far crop marks and bleed box stand off the plate, mm (default: 3)")
+  add_length(app, "--bleed", options.style.bleed,
+             "How far crop marks and bleed box stand off the plate, mm (default: 3)")
       ->check(number_between(0.0, 20.0));
 }
 
 void add_printer_options(CLI::App& app, PrintOptions& options) {
   app.add_option(
-         "--dpi", options.dots_per_inch,
+         "--dpi", options.style.dots_per_inch,
          "The printer's dots per inch: every edge stands on a whole dot; also the resolution "
          "of PNG and of the proof (default: the template's dots_per_inch, else 300 for "
          "those)")
       ->check(CLI::Range(50, 10'000));
-  app.add_option("--bar-adjust", options.bar_adjustment_mm,
-                 "Added to the width of every bar and of the frame, mm; -0.1 takes away what the "
-                 "ink adds (default: 0)")
+  add_length(app, "--bar-adjust", options.style.bar_adjustment,
+             "Added to the width of every bar and of the frame, mm; -0.1 takes away what the "
+             "ink adds (default: 0)")
       ->check(number_between(-10.0, 10.0));
   app.add_flag("--proof", options.proof,
                "Draw the files as pixels, read them, and write nothing unless digits, sizes and "
@@ -242,9 +232,9 @@ void add_printer_options(CLI::App& app, PrintOptions& options) {
 void add_installer_options(CLI::App& app, PrintOptions& options) {
   app.add_flag("--no-setting-out", options.no_setting_out,
                "Without the installer's setting-out.csv and setting-out.pdf");
-  app.add_option("--tolerance", options.tolerance_mm,
-                 "How far P may hang from its place, mm, for the setting-out list (default: twice "
-                 "the survey's sigma, at least 5)")
+  add_length(app, "--tolerance", options.style.tolerance,
+             "How far P may hang from its place, mm, for the setting-out list (default: twice "
+             "the survey's sigma, at least 5)")
       ->check(number_between(0.1, 1000.0));
   app.add_option("--point-order", options.point_order,
                  "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)")
@@ -272,11 +262,11 @@ Command print_command(CLI::App& parent, const ProvePages& prove) {
                   "Only the tags that this file names, one a line; the output of `tagsmith diff` "
                   "will do; - for standard input")
       ->excludes(tags);
-  app->add_flag("--single", options->single, "All pages in one PDF, tags.pdf");
+  app->add_flag("--single", options->style.single, "All pages in one PDF, tags.pdf");
   add_paper_options(*app, *options);
   add_printer_options(*app, *options);
   add_installer_options(*app, *options);
-  add_jobs_option(*app, options->jobs, "Cores to use at most");
+  add_jobs_option(*app, options->style.jobs, "Cores to use at most");
   app->add_flag("--json", options->json, "One JSON object a printed tag, then a summary");
   app->footer(
       "Every page is at true scale, with a 100 mm scale bar in both directions: print at 100 %,\n"

@@ -13,6 +13,7 @@
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/render/page_sheet.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/png.hpp"
 #include "tagsmith/render/svg.hpp"
@@ -138,27 +139,36 @@ Page nested_page(const PrintJob& job, const PrintUnit& unit) {
   return lay_out_nested(drawings, notes_of_several(job, names), *job.nest);
 }
 
-std::string page_file(const PrintUnit& unit, const Page& page, const char* extension) {
-  return unit.name + (page.name.empty() ? "" : "-" + page.name) + extension;
+const char* extension_of(SheetFormat format) {
+  if (format == SheetFormat::pdf) return ".pdf";
+  return format == SheetFormat::svg ? ".svg" : ".png";
 }
 
-Result<void> write_unit(const PrintJob& job, const PrintUnit& unit, const StagedFiles& files) {
-  const std::vector<Page> pages = pages_of(job, unit);
-  if (job.style.pdf && !job.style.single) {
-    const Result<std::string> pdf = render_pdf(pages);
-    if (!pdf) return fail(pdf.error().message);
-    if (auto added = files.add(unit.name + ".pdf", *pdf); !added) return added;
-  }
-  for (const Page& page : pages) {
-    if (job.style.svg) {
-      auto added = files.add(page_file(unit, page, ".svg"), render_svg(page));
-      if (!added) return added;
-    }
-    if (job.style.png) {
-      auto written =
-          write_png(files.staged(page_file(unit, page, ".png")), page, job.png_dots_per_inch());
-      if (!written) return written;
-    }
+bool in_one_pdf(const PrintJob& job, SheetFormat format) {
+  return job.style.single && format == SheetFormat::pdf;
+}
+
+std::vector<Sheet> sheets_of(const std::vector<Page>& pages) {
+  std::vector<Sheet> sheets;
+  for (const Page& page : pages) sheets.push_back(sheet_of(page));
+  return sheets;
+}
+
+// The files of one unit.
+Result<void> write_unit(const PrintJob& job, std::size_t unit, const StagedFiles& files) {
+  const std::vector<Page> pages = pages_of(job, job.units[unit]);
+  const auto bytes_of = [&](const PageInFile& place) -> Result<std::string> {
+    const Page& page = pages[place.index];
+    if (place.format == SheetFormat::pdf) return render_pdf(sheets_of(pages));
+    if (place.format == SheetFormat::svg) return render_svg(sheet_of(page));
+    return render_png(sheet_of(page, false), job.png_dots_per_inch(), PngColours::grey);
+  };
+  for (const PageInFile& place : pages_in_files(job, unit)) {
+    const bool in_pdf = place.format == SheetFormat::pdf;
+    if (in_pdf && (job.style.single || place.index > 0)) continue;
+    const Result<std::string> bytes = bytes_of(place);
+    if (!bytes) return fail(bytes.error().message);
+    if (auto added = files.add(place.file, *bytes); !added) return added;
   }
   return {};
 }
@@ -169,20 +179,18 @@ Result<void> write_single(const PrintJob& job, const StagedFiles& files,
   for (const PrintUnit& unit : job.units) count += unit.tags.size();
   const PageNotes notes =
       notes_of_several(job, fmt::format("{} position tag{}", count, count == 1 ? "" : "s"));
-  const PageSource source = [&](const std::function<void(const Page&)>& add) {
+  return write_pdf(files.staged(kSinglePdf), [&](const std::function<void(const Sheet&)>& add) {
     for (const PrintUnit& unit : job.units) {
-      for (const Page& page : pages_of(job, unit)) add(page);
+      for (Page& page : pages_of(job, unit)) {
+        page.notes = notes;
+        add(sheet_of(page));
+      }
       done();
     }
-  };
-  return write_pdf(files.staged(kSinglePdf), source, notes);
+  });
 }
 
 }  // namespace
-
-int PrintJob::png_dots_per_inch() const {
-  return dots_per_inch() > 0 ? dots_per_inch() : kUsualDotsPerInch;
-}
 
 Result<PrintJob> plan_print(const Survey& survey, const std::vector<const PlacedTag*>& tags,
                             const PrintStyle& style) {
@@ -227,53 +235,43 @@ std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit) {
   return pages;
 }
 
-int pages_a_unit(const PrintJob& job) { return job.tiles ? 1 + job.tiles->tiles() : 1; }
-
-std::vector<PageInFile> pages_in_files(const PrintJob& job, const PrintUnit& unit, int first_page) {
-  std::vector<PageInFile> list;
-  const std::vector<Page> pages = pages_of(job, unit);
-  for (std::size_t i = 0; i < pages.size(); ++i) {
-    const int number = static_cast<int>(i) + (job.style.single ? first_page : 1);
-    if (job.style.pdf) {
-      list.push_back({job.style.single ? kSinglePdf : unit.name + ".pdf", number, i});
+std::vector<PageInFile> pages_in_files(const PrintJob& job, std::size_t unit) {
+  const std::vector<std::string> names =
+      job.tiles ? tile_page_names(*job.tiles) : std::vector<std::string>{""};
+  std::vector<PageInFile> places;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (const SheetFormat format : job.style.formats) {
+      PageInFile place{format, job.units[unit].name, 0, i};
+      if (format == SheetFormat::pdf) {
+        place.number = static_cast<int>(i + (job.style.single ? unit * names.size() : 0)) + 1;
+      } else if (!names[i].empty()) {
+        place.file += "-" + names[i];
+      }
+      place.file = in_one_pdf(job, format) ? kSinglePdf : place.file + extension_of(format);
+      places.push_back(std::move(place));
     }
-    if (job.style.svg) list.push_back({page_file(unit, pages[i], ".svg"), 0, i});
-    if (job.style.png) list.push_back({page_file(unit, pages[i], ".png"), 0, i});
   }
-  return list;
-}
-
-std::vector<std::string> files_of(const PrintJob& job, const PrintUnit& unit) {
-  std::vector<std::string> files;
-  // Without pictures the pages' names are not needed, nor the work of laying them out.
-  if (!job.style.svg && !job.style.png) {
-    return {job.style.single ? kSinglePdf : unit.name + ".pdf"};
-  }
-  for (const PageInFile& page : pages_in_files(job, unit, 1)) {
-    if (std::ranges::count(files, page.file) == 0) files.push_back(page.file);
-  }
-  return files;
+  return places;
 }
 
 Result<void> write_print(const PrintJob& job, const StagedFiles& files,
                          const std::function<void()>& done) {
-  const bool files_a_unit = job.style.svg || job.style.png || (job.style.pdf && !job.style.single);
-  if (files_a_unit) {
-    Result<void> all;
+  const auto one_pdf = [&](SheetFormat format) { return in_one_pdf(job, format); };
+  const bool single = std::ranges::any_of(job.style.formats, one_pdf);
+  Result<void> all;
+  if (!std::ranges::all_of(job.style.formats, one_pdf)) {
     std::atomic<bool> failed = false;
-    const auto count_here = job.style.pdf && job.style.single ? std::function<void()>([] {}) : done;
     run_in_order(job.units.size(), job.style.jobs, [&](std::size_t i) -> Delivery {
-      auto written = std::make_shared<Result<void>>(failed ? Result<void>{}
-                                                           : write_unit(job, job.units[i], files));
+      auto written =
+          std::make_shared<Result<void>>(failed ? Result<void>{} : write_unit(job, i, files));
       if (!*written) failed = true;
       return [&, written] {
         if (all && !*written) all = *written;
-        count_here();
+        if (!single) done();
       };
     });
-    if (!all) return all;
   }
-  return job.style.pdf && job.style.single ? write_single(job, files, done) : Result<void>{};
+  return all && single ? write_single(job, files, done) : all;
 }
 
 }  // namespace tagsmith

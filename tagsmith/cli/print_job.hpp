@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/print_proof.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/nested_pages.hpp"
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/render/print_paper.hpp"
+#include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
 
 struct PrintStyle {
-  bool pdf = true;
-  bool svg = true;
-  bool png = false;
+  std::vector<SheetFormat> formats{SheetFormat::pdf, SheetFormat::svg};
   bool single = false;        // all pages in one PDF, tags.pdf
   int dots_per_inch = 0;      // edges stand on whole dots of this printer; 0 = of the template's
   double bar_adjustment = 0;  // metres added to the width of every bar; negative = less
@@ -29,7 +29,11 @@ struct PrintStyle {
   bool tiled = false;                 // plates in pieces on several sheets of the paper
   double overlap = 0.010;             // of neighbouring tiles, metres
   std::string revision{};             // of the survey, for labels and files; empty = none is shown
-  int jobs = 0;                       // cores to use; 0 = all
+  bool setting_out = true;            // the installer's list, table and drawing go along
+  double tolerance = 0;         // of a plate's place in that list, metres; 0 = usual_tolerance
+  bool northing_first = false;  // y before x in that list (PNEZD instead of PENZD)
+  ProvePages prove{};           // none = no proof
+  int jobs = 0;                 // cores to use; 0 = all
 };
 
 // PNG files have the printer's resolution, or this one where none is stated; so do proofs, and P
@@ -55,7 +59,9 @@ struct PrintJob {
   std::vector<PrintUnit> units;
 
   int dots_per_inch() const { return printed.dots_per_inch; }
-  int png_dots_per_inch() const;
+  int png_dots_per_inch() const {
+    return dots_per_inch() > 0 ? dots_per_inch() : kUsualDotsPerInch;
+  }
 };
 
 // Fails without tags, on names that cannot be files' names, and on a paper that cannot carry a
@@ -68,26 +74,21 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
 std::vector<Page> pages_of(const PrintJob& job, const PrintUnit& unit);
 std::vector<Page> nominal_pages(const PrintJob& job, const PrintUnit& unit);
 
-// Names of the files that hold the unit's pages; tags.pdf among them with `single`.
-std::vector<std::string> files_of(const PrintJob& job, const PrintUnit& unit);
-
 // One page of a unit in a file.
 struct PageInFile {
+  SheetFormat format = SheetFormat::pdf;
   std::string file;
   int number = 0;         // of the page in a PDF, from 1; 0 in a picture
   std::size_t index = 0;  // among the unit's pages
 };
 
-// `first_page`: number of the unit's first page in tags.pdf.
-std::vector<PageInFile> pages_in_files(const PrintJob& job, const PrintUnit& unit, int first_page);
-
-// Pages of one unit; the same for every unit of the job.
-int pages_a_unit(const PrintJob& job);
+// Where the pages of job.units[unit] stand, format by format.
+std::vector<PageInFile> pages_in_files(const PrintJob& job, std::size_t unit);
 
 // The drawing of a tag as this job prints it, in the plate frame, before the bars' adjustment.
 TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag);
 
-// Makes all files. `done` is called after each unit, one at a time.
+// Makes the files of all pages. `done` is called after each unit, one at a time.
 Result<void> write_print(
     const PrintJob& job, const StagedFiles& files, const std::function<void()>& done = [] {});
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/print_manifest.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/csv.hpp"
@@ -44,12 +46,6 @@ void append_point(std::vector<std::string>& fields, const Eigen::Vector3d& point
   for (const double coordinate : point) fields.push_back(format_number(coordinate));
 }
 
-std::string joined(const std::vector<std::string>& files) {
-  std::string text;
-  for (const std::string& file : files) text += (text.empty() ? "" : ";") + file;
-  return text;
-}
-
 // Where the tiles of a plate belong: tile (column, row) shows its window of the page `step` further
 // right and down for each column and row.
 Json tiles_json(const TilePlan& plan) {
@@ -88,9 +84,12 @@ std::string printed_tag_json(const PrintedTag& printed, const std::string& folde
 
 std::vector<PrintedTag> printed_tags(const PrintJob& job) {
   std::vector<PrintedTag> printed;
-  for (const PrintUnit& unit : job.units) {
-    const std::vector<std::string> files = files_of(job, unit);
-    for (const PlacedTag* tag : unit.tags) printed.push_back({tag, files});
+  for (std::size_t unit = 0; unit < job.units.size(); ++unit) {
+    std::vector<std::string> files;
+    for (const PageInFile& page : pages_in_files(job, unit)) {
+      if (std::ranges::count(files, page.file) == 0) files.push_back(page.file);
+    }
+    for (const PlacedTag* tag : job.units[unit].tags) printed.push_back({tag, files});
   }
   return printed;
 }
@@ -141,8 +140,9 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
     append_point(fields, item.tag->p_in_grid);
     append_point(fields, item.tag->coded_in_grid);
     append_point(fields, item.tag->coded_in_grid - item.tag->p_in_grid);
-    fields.insert(fields.end(), {format_number(item.tag->chainage), joined(item.files), tag.name,
-                                 to_string(survey.code.check)});
+    fields.insert(fields.end(),
+                  {format_number(item.tag->chainage), fmt::format("{}", fmt::join(item.files, ";")),
+                   tag.name, to_string(survey.code.check)});
     for (const double length :
          {page.width, page.height, tag.plate_length, tag.plate_height, tag.frame_inner_length,
           tag.frame_inner_height, module_width(tag)}) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <iterator>
 #include <memory>
-#include <set>
 #include <span>
 #include <utility>
 
@@ -15,8 +14,8 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
-#include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith {
@@ -31,8 +30,8 @@ std::string coordinate(double metres) { return fmt::format("{:.4f}", metres + 0.
 
 // Surveyors' P,E,N,Z,D or P,N,E,Z,D: the header names the columns, so that nobody needs to guess.
 std::string setting_out_csv(const Survey& survey, std::span<const SettingOut> list,
-                            const PrintExtras& extras) {
-  const char* plane = extras.northing_first ? "y,x" : "x,y";
+                            bool northing_first) {
+  const char* plane = northing_first ? "y,x" : "x,y";
   std::string csv = csv_row(split(fmt::format("tag,{},z,description,side,chainage,offset,height,"
                                               "tolerance,digits,survey",
                                               plane),
@@ -40,7 +39,7 @@ std::string setting_out_csv(const Survey& survey, std::span<const SettingOut> li
   for (const SettingOut& place : list) {
     const PlacedTag& tag = *place.tag;
     std::array<std::string, 2> xy{coordinate(tag.p_in_grid.x()), coordinate(tag.p_in_grid.y())};
-    if (extras.northing_first) std::swap(xy[0], xy[1]);
+    if (northing_first) std::swap(xy[0], xy[1]);
     csv +=
         csv_row({tag.name, xy[0], xy[1], coordinate(tag.p_in_grid.z()),
                  tag.attitude ? "corner P; the plate " + attitude_text(*tag.attitude) : "corner P",
@@ -57,63 +56,50 @@ Result<std::string> setting_out_pdf(const Survey& survey, std::span<const Settin
   Result<std::vector<Sheet>> drawing = setting_out_drawing(survey, list, revision);
   if (!drawing) return fail(drawing.error().message);
   std::ranges::move(*drawing, std::back_inserter(sheets));
-  return render_sheets_pdf(sheets);
+  return render_pdf(sheets);
 }
 
-Result<void> write_setting_out(const PrintJob& job, const PrintExtras& extras,
-                               const StagedFiles& files, PrintRecord& record) {
-  if (!extras.setting_out) return {};
+Result<void> write_setting_out(const PrintJob& job, const PrintRecord& record,
+                               const StagedFiles& files) {
+  if (!job.style.setting_out) return {};
   const Survey& survey = *job.survey;
   std::vector<const PlacedTag*> tags;
   for (const PrintedTag& printed : record.tags) tags.push_back(printed.tag);
-  const double tolerance = extras.tolerance > 0 ? extras.tolerance : usual_tolerance(survey);
+  const double tolerance = job.style.tolerance > 0 ? job.style.tolerance : usual_tolerance(survey);
   const std::vector<SettingOut> list = setting_out(survey, tags, tolerance);
-  auto added = files.add(kSettingOutList, setting_out_csv(survey, list, extras));
+  auto added = files.add(kSettingOutList, setting_out_csv(survey, list, job.style.northing_first));
   if (!added) return added;
   const Result<std::string> pdf = setting_out_pdf(survey, list, job.style.revision);
-  if (!pdf) return fail(pdf.error().message);
-  record.documents = {kSettingOutList, kSettingOutPdf};
-  return files.add(kSettingOutPdf, *pdf);
+  return pdf ? files.add(kSettingOutPdf, *pdf) : fail(pdf.error().message);
 }
 
-// The unit's pages in files of one extension.
-std::vector<ProofPage> proof_pages(const StagedFiles& files, std::span<const Page> pages,
-                                   std::span<const PageInFile> places, std::string_view extension) {
-  std::vector<ProofPage> list;
-  for (const PageInFile& place : places) {
-    if (!place.file.ends_with(extension)) continue;
-    list.push_back({files.staged(place.file), place.number, &pages[place.index]});
-  }
-  return list;
-}
-
-Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const PrintExtras& extras,
-                                         const StagedFiles& files, std::size_t index) {
-  const PrintUnit& unit = job.units[index];
+Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const StagedFiles& files,
+                                         std::size_t unit) {
   // The reader takes the growth of bars off the frame, so it finds the corners where they will be.
-  const std::vector<Page> pages = nominal_pages(job, unit);
-  const int first_page = static_cast<int>(index) * pages_a_unit(job) + 1;
-  const std::vector<PageInFile> places = pages_in_files(job, unit, first_page);
+  const std::vector<Page> pages = nominal_pages(job, job.units[unit]);
+  const std::vector<PageInFile> places = pages_in_files(job, unit);
   std::vector<TagProof> proofs;
-  for (const std::string_view extension : {".pdf", ".svg", ".png"}) {
-    const std::vector<ProofPage> list = proof_pages(files, pages, places, extension);
-    if (list.empty()) continue;
-    Result<std::vector<TagProof>> more = extras.prove(*job.survey, list, job.png_dots_per_inch());
+  for (const SheetFormat format : job.style.formats) {
+    std::vector<ProofPage> list;
+    for (const PageInFile& place : places) {
+      if (place.format != format) continue;
+      list.push_back({files.staged(place.file), place.number, &pages[place.index]});
+    }
+    Result<std::vector<TagProof>> more =
+        job.style.prove(*job.survey, list, job.png_dots_per_inch());
     if (!more) return more;
     std::ranges::move(*more, std::back_inserter(proofs));
   }
   return proofs;
 }
 
-Result<void> prove_all(const PrintJob& job, const PrintExtras& extras, const StagedFiles& files,
-                       PrintRecord& record) {
-  if (!extras.prove) return {};
+Result<void> prove_all(const PrintJob& job, const StagedFiles& files, PrintRecord& record) {
+  if (!job.style.prove) return {};
   record.proofs.emplace();
   Result<void> all;
   ProgressBar bar("pages proved", job.units.size());
   run_in_order(job.units.size(), job.style.jobs, [&](std::size_t i) -> Delivery {
-    auto proofs =
-        std::make_shared<Result<std::vector<TagProof>>>(prove_unit(job, extras, files, i));
+    auto proofs = std::make_shared<Result<std::vector<TagProof>>>(prove_unit(job, files, i));
     return [&, proofs] {
       bar.advance([] {});
       if (!*proofs) {
@@ -126,30 +112,33 @@ Result<void> prove_all(const PrintJob& job, const PrintExtras& extras, const Sta
   return all;
 }
 
-Result<void> add_checksums(const StagedFiles& files, PrintRecord& record) {
-  std::set<std::string> names(record.documents.begin(), record.documents.end());
+// Tags, documents and the names of all files that hold them, still without checksums.
+PrintRecord planned_record(const PrintJob& job) {
+  PrintRecord record{printed_tags(job), {}};
+  if (job.style.setting_out) record.documents = {kSettingOutList, kSettingOutPdf};
+  for (const std::string& name : record.documents) record.sha256[name];
   for (const PrintedTag& printed : record.tags) {
-    names.insert(printed.files.begin(), printed.files.end());
+    for (const std::string& name : printed.files) record.sha256[name];
   }
-  for (const std::string& name : names) {
-    const Result<std::string> hash = sha256_of_file(files.staged(name));
-    if (!hash) return fail(hash.error().message);
-    record.sha256[name] = *hash;
-  }
-  return {};
+  return record;
 }
 
-// Each name once: a page in tags.pdf is of many tags.
-Result<void> check_files(const PrintRecord& record, const std::filesystem::path& folder,
-                         const PrintExtras& extras) {
-  std::set<std::string> names{kManifestJson, kManifestCsv};
-  if (extras.setting_out) names.insert({kSettingOutList, kSettingOutPdf});
-  for (const PrintedTag& printed : record.tags) {
-    names.insert(printed.files.begin(), printed.files.end());
+Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& record) {
+  {
+    ProgressBar bar("printed", job.units.size());
+    const auto written = write_print(job, files, [&] { bar.advance([] {}); });
+    if (!written) return written;
   }
-  CommandFiles files = extras.files;
-  for (const std::string& name : names) files.writes(folder / name, "--output");
-  return files.check();
+  if (auto written = write_setting_out(job, record, files); !written) return written;
+  if (auto proved = prove_all(job, files, record); !proved || has_problems(record)) return proved;
+  for (auto& [name, hash] : record.sha256) {
+    const Result<std::string> found = sha256_of_file(files.staged(name));
+    if (!found) return fail(found.error().message);
+    hash = *found;
+  }
+  auto added = files.add(kManifestJson, print_manifest_json(job, record));
+  if (added) added = files.add(kManifestCsv, print_manifest_csv(job, record));
+  return added ? files.publish() : added;
 }
 
 }  // namespace
@@ -161,32 +150,15 @@ bool has_problems(const PrintRecord& record) {
 }
 
 Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& folder,
-                              const PrintExtras& extras) {
-  PrintRecord record{printed_tags(job), {}};
-  if (auto usable = check_files(record, folder, extras); !usable) {
-    return fail(usable.error().message);
-  }
-  Result<StagedFiles> files = StagedFiles::begin(folder);
-  if (!files) return fail(files.error().message);
-  {
-    ProgressBar bar("printed", job.units.size());
-    const auto written = write_print(job, *files, [&] { bar.advance([] {}); });
-    if (!written) return fail(written.error().message);
-  }
-  if (auto written = write_setting_out(job, extras, *files, record); !written) {
-    return fail(written.error().message);
-  }
-  if (auto proved = prove_all(job, extras, *files, record); !proved) {
-    return fail(proved.error().message);
-  }
-  if (has_problems(record)) return record;
-  if (auto added = add_checksums(*files, record); !added) return fail(added.error().message);
-  for (const auto& [name, bytes] : {std::pair{kManifestJson, print_manifest_json(job, record)},
-                                    std::pair{kManifestCsv, print_manifest_csv(job, record)}}) {
-    if (auto added = files->add(name, bytes); !added) return fail(added.error().message);
-  }
-  if (auto published = files->publish(); !published) return fail(published.error().message);
-  return record;
+                              CommandFiles files) {
+  PrintRecord record = planned_record(job);
+  for (const auto& [name, hash] : record.sha256) files.writes(folder / name, "--output");
+  for (const char* name : {kManifestJson, kManifestCsv}) files.writes(folder / name, "--output");
+  if (auto usable = files.check(); !usable) return fail(usable.error().message);
+  Result<StagedFiles> staged = StagedFiles::begin(folder);
+  if (!staged) return fail(staged.error().message);
+  const Result<void> written = write_all(job, *staged, record);
+  return written ? Result<PrintRecord>(std::move(record)) : fail(written.error().message);
 }
 
 }  // namespace tagsmith

@@ -16,8 +16,6 @@ using Eigen::Vector2d;
 
 constexpr const char* kDegree = "\u00b0";
 
-std::string metres(double length) { return format_number(length, 3); }
-
 std::vector<SketchPoint> box(const Vector2d& corner, const Vector2d& opposite) {
   return {corner, Vector2d(opposite.x(), corner.y()), opposite, Vector2d(corner.x(), opposite.y())};
 }
@@ -26,15 +24,11 @@ double floor_at(const Survey& survey, const PlacedTag& tag) {
   return survey.tunnel.centerline.at(tag.chainage).position.z();
 }
 
-double height_of_p(const Survey& survey, const PlacedTag& tag) {
-  return tag.world_from_plate.translation.z() - floor_at(survey, tag);
-}
-
 // A plate in the cross section: a thick line on its wall, from its upper to its lower edge.
 void draw_plate_edge(Sketch& sketch, const Survey& survey, const PlacedTag& tag) {
   const TagTemplate& plate = survey.tag_template;
   const double out = tag.side == Side::left ? -1 : 1;
-  const double above = (plate.plate_height - plate.frame_inner_height) / 2 - plate.frame_offset_up;
+  const double top = plate_outline(plate).y;
   const auto in_section = [&](double down) {
     const Eigen::Vector3d point =
         tag.world_from_plate * Eigen::Vector3d(plate.frame_inner_length / 2, down, 0);
@@ -44,8 +38,8 @@ void draw_plate_edge(Sketch& sketch, const Survey& survey, const PlacedTag& tag)
   const double x = in_section(0).x();
   const double p = height_of_p(survey, tag);
   const Vector2d back(out * 0.001, 0);
-  const Vector2d upper = in_section(-above);
-  const Vector2d lower = in_section(plate.plate_height - above);
+  const Vector2d upper = in_section(top);
+  const Vector2d lower = in_section(top + plate.plate_height);
   sketch.layer("tags").add(Area{{upper, lower, {lower, back}, {upper, back}}, colours::kBlack});
   sketch.layer("tags").add(Dot{Vector2d(x, p), 0.0006, colours::kRed});
   sketch.layer("names").add(Words{.text = tag.name,
@@ -81,6 +75,17 @@ void draw_vehicle_section(Sketch& sketch, const Rig& rig) {
   }
 }
 
+// Of a corner of the feature frame.
+Words point_name(const std::string& name, const Vector2d& at, const Vector2d& offset,
+                 TextAlign align) {
+  return {.text = name,
+          .at = {at, offset},
+          .height = 0.0025,
+          .align = align,
+          .level = TextLevel::middle,
+          .colour = colours::kRed};
+}
+
 void draw_angle(SketchLayer& layer, const Vector2d& apex, double from, double to, double radius,
                 const std::string& text) {
   constexpr int kSteps = 24;
@@ -112,18 +117,8 @@ void draw_pair_angle(SketchLayer& layer, const Vector2d& p1, const Vector2d& p2,
       std::remainder(std::atan2((p2 - p1).y(), (p2 - p1).x()) - from, 2 * std::numbers::pi);
   draw_angle(layer, p1, from, from + turn, 0.6 * across,
              "\u03b8 " + format_number(degrees(std::abs(turn)), 2) + kDegree);
-  layer.add(Words{.text = "P1",
-                  .at = {p1, -into_tunnel * 0.0045},
-                  .height = 0.0025,
-                  .align = TextAlign::right,
-                  .level = TextLevel::middle,
-                  .colour = colours::kRed});
-  layer.add(Words{.text = "P2",
-                  .at = {p2, into_tunnel * 0.0045},
-                  .height = 0.0025,
-                  .align = TextAlign::left,
-                  .level = TextLevel::middle,
-                  .colour = colours::kRed});
+  layer.add(point_name("P1", p1, -into_tunnel * 0.0045, TextAlign::right));
+  layer.add(point_name("P2", p2, into_tunnel * 0.0045, TextAlign::left));
   const bool ahead = (p2 - foot).x() >= 0;
   layer.add(Dimension{.from = ahead ? foot : p2,
                       .to = ahead ? p2 : foot,
@@ -172,6 +167,12 @@ void draw_ranges(SketchLayer& layer, const Rig& rig, const Tunnel& tunnel, doubl
 }
 
 }  // namespace
+
+std::string metres(double length) { return format_number(length, 3); }
+
+double height_of_p(const Survey& survey, const PlacedTag& tag) {
+  return tag.world_from_plate.translation.z() - floor_at(survey, tag);
+}
 
 std::optional<TagPair> first_pair(const Survey& survey) {
   for (std::size_t i = 1; i < survey.tags.size(); ++i) {
@@ -271,12 +272,7 @@ DrawingView plate_view(const Survey& survey, const PlacedTag& tag) {
   SketchLayer& points = view.sketch.layer("theta");
   const auto mark = [&](const char* name, double x, double y, const Vector2d& offset) {
     points.add(Dot{Vector2d(x, -y), 0.0008, colours::kRed});
-    points.add(Words{.text = name,
-                     .at = {Vector2d(x, -y), offset},
-                     .height = 0.0025,
-                     .align = TextAlign::centre,
-                     .level = TextLevel::middle,
-                     .colour = colours::kRed});
+    points.add(point_name(name, Vector2d(x, -y), offset, TextAlign::centre));
   };
   mark("P", 0, 0, {0.0025, -0.0025});
   mark("F", inner.width, 0, {-0.0025, -0.0025});

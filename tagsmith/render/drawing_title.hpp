@@ -24,4 +24,7 @@ struct TitleBlock {
 // "1 : 50", "2 : 1".
 std::string scale_text(double denominator);
 
+// 1, 2 or 5 times a power of ten, at least `least`.
+double round_step(double least);
+
 }  // namespace tagsmith

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/dxf.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,13 +27,18 @@ struct DxfLayer {
   int colour;  // AutoCAD colour index
 };
 
-constexpr std::array<DxfLayer, 7> kLayers{{{"CENTERLINE", 8},
+constexpr std::array<DxfLayer, 8> kLayers{{{"0", 7},
+                                           {"CENTERLINE", 8},
                                            {"WALLS", 7},
                                            {"PLATES", 5},
                                            {"FRAMES", 3},
                                            {"P", 1},
                                            {"HOLES", 6},
                                            {"NAMES", 7}}};
+
+// Owners that entries point to before they are written.
+constexpr const char* kModelSpace = "1F";
+constexpr const char* kPaperSpace = "1E";
 
 // Group codes and values, a line each (AutoCAD 2000 DXF Reference, "ASCII DXF Files").
 // Why: docs/decisions/0017-files-and-formats.md.
@@ -42,23 +49,38 @@ class DxfWriter {
     text_ += value;
     text_ += '\n';
   }
-  void group(int code, int value) { group(code, fmt::format("{}", value)); }
+
+  // "100 AcDbText, 70 1": groups separated by commas. The value # makes a handle of its own for an
+  // object; the last of them is returned.
+  std::string groups(const std::string& list) {
+    std::string handle;
+    for (const std::string& each : split(list, ',')) {
+      const std::string_view group_text = trim(each);
+      const std::size_t blank = std::min(group_text.find(' '), group_text.size());
+      std::string value(trim(group_text.substr(blank)));
+      if (value == "#") value = handle = fmt::format("{:X}", next_++);
+      group(std::stoi(each), value);
+    }
+    return handle;
+  }
+
   void real(int code, double value) { group(code, fmt::format("{:.6f}", value + 0.0)); }
   void point(int code, const Vector3d& p) {
     for (int axis = 0; axis < 3; ++axis) real(code + 10 * axis, p[axis]);
   }
-  // Every object has a handle of its own.
-  std::string handle(int code = 5) {
-    const std::string name = fmt::format("{:X}", next_++);
-    group(code, name);
-    return name;
+
+  // The handle of what is begun.
+  std::string entity(std::string_view type, std::string_view layer, std::string_view subclass,
+                     std::string_view owner = kModelSpace) {
+    group(0, type);
+    std::string handle = groups("5 #");
+    group(330, owner);
+    group(100, "AcDbEntity");
+    group(8, layer);
+    if (!subclass.empty()) group(100, subclass);
+    return handle;
   }
-  std::string next_handle() const { return fmt::format("{:X}", next_); }
-  void begin(std::string_view section) {
-    group(0, "SECTION");
-    group(2, section);
-  }
-  void end() { group(0, "ENDSEC"); }
+
   const std::string& text() const { return text_; }
 
  private:
@@ -66,199 +88,94 @@ class DxfWriter {
   int next_ = 0x20;
 };
 
-// Owners that entries point to before they are written.
-constexpr const char* kModelSpace = "1F";
-constexpr const char* kPaperSpace = "1E";
+struct DxfRecord {
+  std::string name;
+  std::string rest{};        // groups behind the name, each after a comma
+  std::string handle = "#";  // # = any
+};
 
-void write_header(DxfWriter& dxf) {
-  dxf.begin("HEADER");
-  dxf.group(9, "$ACADVER");
-  dxf.group(1, "AC1015");
-  dxf.group(9, "$HANDSEED");
-  dxf.group(5, "FFFFFF");
-  dxf.group(9, "$INSUNITS");
-  dxf.group(70, 6);  // metres
-  dxf.group(9, "$MEASUREMENT");
-  dxf.group(70, 1);  // metric
-  dxf.end();
-  dxf.begin("CLASSES");
-  dxf.end();
-}
-
-// A symbol table of `entries` records, each begun by `write`.
-template <class Write>
-void write_table(DxfWriter& dxf, const char* name, int entries, const Write& write) {
-  dxf.group(0, "TABLE");
-  dxf.group(2, name);
-  const std::string table = dxf.handle();
-  dxf.group(330, "0");
-  dxf.group(100, "AcDbSymbolTable");
-  dxf.group(70, entries);
-  if (std::string_view(name) == "DIMSTYLE") dxf.group(100, "AcDbDimStyleTable");
-  write(table);
-  dxf.group(0, "ENDTAB");
-}
-
-void begin_record(DxfWriter& dxf, const char* type, const std::string& table,
-                  const std::string& subclass, const std::string& name,
-                  const char* own_handle = nullptr) {
-  dxf.group(0, type);
-  if (own_handle != nullptr) {
-    dxf.group(5, own_handle);
-  } else {
-    dxf.handle();
+// A symbol table. `subclass`: of its records, without "AcDb" and "TableRecord".
+void write_table(DxfWriter& dxf, const std::string& type, const std::string& subclass = {},
+                 const std::vector<DxfRecord>& records = {}) {
+  const std::string table =
+      dxf.groups(fmt::format("0 TABLE, 2 {}, 5 #, 330 0, 100 AcDbSymbolTable, 70 {}{}", type,
+                             records.size(), type == "DIMSTYLE" ? ", 100 AcDbDimStyleTable" : ""));
+  for (const auto& [name, rest, handle] : records) {
+    dxf.groups(
+        fmt::format("0 {}, 5 {}, 330 {}, 100 AcDbSymbolTableRecord, "
+                    "100 AcDb{}TableRecord, 2 {}{}",
+                    type, handle, table, subclass, name, rest));
   }
-  dxf.group(330, table);
-  dxf.group(100, "AcDbSymbolTableRecord");
-  dxf.group(100, subclass);
-  dxf.group(2, name);
-}
-
-void write_line_types(DxfWriter& dxf) {
-  write_table(dxf, "LTYPE", 3, [&](const std::string& table) {
-    for (const char* name : {"ByBlock", "ByLayer", "Continuous"}) {
-      begin_record(dxf, "LTYPE", table, "AcDbLinetypeTableRecord", name);
-      dxf.group(70, 0);
-      dxf.group(3, "");
-      dxf.group(72, 65);
-      dxf.group(73, 0);
-      dxf.real(40, 0);
-    }
-  });
-}
-
-void write_layers(DxfWriter& dxf) {
-  const auto layer = [&](const std::string& table, const char* name, int colour) {
-    begin_record(dxf, "LAYER", table, "AcDbLayerTableRecord", name);
-    dxf.group(70, 0);
-    dxf.group(62, colour);
-    dxf.group(6, "Continuous");
-  };
-  write_table(dxf, "LAYER", static_cast<int>(kLayers.size()) + 1, [&](const std::string& table) {
-    layer(table, "0", 7);
-    for (const auto& [name, colour] : kLayers) layer(table, name, colour);
-  });
-}
-
-void write_text_style(DxfWriter& dxf) {
-  write_table(dxf, "STYLE", 1, [&](const std::string& table) {
-    begin_record(dxf, "STYLE", table, "AcDbTextStyleTableRecord", "Standard");
-    dxf.group(70, 0);
-    dxf.real(40, 0);
-    dxf.real(41, 1);
-    dxf.real(50, 0);
-    dxf.group(71, 0);
-    dxf.real(42, 0.1);
-    dxf.group(3, "txt");
-    dxf.group(4, "");
-  });
+  dxf.groups("0 ENDTAB");
 }
 
 void write_tables(DxfWriter& dxf) {
-  const auto empty = [](const std::string&) {};
-  dxf.begin("TABLES");
-  write_table(dxf, "VPORT", 0, empty);
-  write_line_types(dxf);
-  write_layers(dxf);
-  write_text_style(dxf);
-  write_table(dxf, "VIEW", 0, empty);
-  write_table(dxf, "UCS", 0, empty);
-  write_table(dxf, "APPID", 1, [&](const std::string& table) {
-    begin_record(dxf, "APPID", table, "AcDbRegAppTableRecord", "ACAD");
-    dxf.group(70, 0);
-  });
-  write_table(dxf, "DIMSTYLE", 0, empty);
-  write_table(dxf, "BLOCK_RECORD", 2, [&](const std::string& table) {
-    begin_record(dxf, "BLOCK_RECORD", table, "AcDbBlockTableRecord", "*Model_Space", kModelSpace);
-    begin_record(dxf, "BLOCK_RECORD", table, "AcDbBlockTableRecord", "*Paper_Space", kPaperSpace);
-  });
-  dxf.end();
+  const std::string line_type = ", 70 0, 3, 72 65, 73 0, 40 0.000000";
+  std::vector<DxfRecord> layers;
+  for (const auto& [name, colour] : kLayers) {
+    layers.push_back({name, fmt::format(", 70 0, 62 {}, 6 Continuous", colour)});
+  }
+  dxf.groups("0 SECTION, 2 TABLES");
+  write_table(dxf, "VPORT");
+  write_table(dxf, "LTYPE", "Linetype",
+              {{"ByBlock", line_type}, {"ByLayer", line_type}, {"Continuous", line_type}});
+  write_table(dxf, "LAYER", "Layer", layers);
+  write_table(
+      dxf, "STYLE", "TextStyle",
+      {{"Standard", ", 70 0, 40 0.000000, 41 1.000000, 50 0.000000, 71 0, 42 0.100000, 3 txt, 4"}});
+  write_table(dxf, "VIEW");
+  write_table(dxf, "UCS");
+  write_table(dxf, "APPID", "RegApp", {{"ACAD", ", 70 0"}});
+  write_table(dxf, "DIMSTYLE");
+  write_table(dxf, "BLOCK_RECORD", "Block",
+              {{"*Model_Space", "", kModelSpace}, {"*Paper_Space", "", kPaperSpace}});
+  dxf.groups("0 ENDSEC");
 }
 
-void write_blocks(DxfWriter& dxf) {
-  dxf.begin("BLOCKS");
+// What stands before the entities: metres, metric; tables; two empty blocks.
+void write_head(DxfWriter& dxf) {
+  dxf.groups("0 SECTION, 2 HEADER, 9 $ACADVER, 1 AC1015, 9 $HANDSEED, 5 FFFFFF, 9 $INSUNITS, 70 6");
+  dxf.groups("9 $MEASUREMENT, 70 1, 0 ENDSEC, 0 SECTION, 2 CLASSES, 0 ENDSEC");
+  write_tables(dxf);
+  dxf.groups("0 SECTION, 2 BLOCKS");
   for (const auto& [name, owner] :
        {std::pair{"*Model_Space", kModelSpace}, std::pair{"*Paper_Space", kPaperSpace}}) {
-    for (const char* type : {"BLOCK", "ENDBLK"}) {
-      const bool begins = std::string_view(type) == "BLOCK";
-      dxf.group(0, type);
-      dxf.handle();
-      dxf.group(330, owner);
-      dxf.group(100, "AcDbEntity");
-      dxf.group(8, "0");
-      dxf.group(100, begins ? "AcDbBlockBegin" : "AcDbBlockEnd");
-      if (!begins) continue;
-      dxf.group(2, name);
-      dxf.group(70, 0);
-      dxf.point(10, {0, 0, 0});
-      dxf.group(3, name);
-      dxf.group(1, "");
-    }
+    dxf.entity("BLOCK", "0", "AcDbBlockBegin", owner);
+    dxf.groups(fmt::format("2 {}, 70 0", name));
+    dxf.point(10, {0, 0, 0});
+    dxf.groups(fmt::format("3 {}, 1", name));
+    dxf.entity("ENDBLK", "0", "AcDbBlockEnd", owner);
   }
-  dxf.end();
+  dxf.groups("0 ENDSEC");
 }
 
-void write_objects(DxfWriter& dxf) {
-  dxf.begin("OBJECTS");
-  dxf.group(0, "DICTIONARY");
-  const std::string root = dxf.handle();
-  dxf.group(330, "0");
-  dxf.group(100, "AcDbDictionary");
-  dxf.group(281, 1);
-  dxf.group(3, "ACAD_GROUP");
-  dxf.group(350, dxf.next_handle());
-  dxf.group(0, "DICTIONARY");
-  dxf.handle();
-  dxf.group(330, root);
-  dxf.group(100, "AcDbDictionary");
-  dxf.group(281, 1);
-  dxf.end();
-}
-
-// The handle of what is begun.
-std::string begin_entity(DxfWriter& dxf, const char* type, const char* layer,
-                         const std::string& owner = kModelSpace) {
-  dxf.group(0, type);
-  std::string handle = dxf.handle();
-  dxf.group(330, owner);
-  dxf.group(100, "AcDbEntity");
-  dxf.group(8, layer);
-  return handle;
-}
-
-void write_line(DxfWriter& dxf, const char* layer, const Vector3d& from, const Vector3d& to) {
-  begin_entity(dxf, "LINE", layer);
-  dxf.group(100, "AcDbLine");
-  dxf.point(10, from);
-  dxf.point(11, to);
+// What stands behind them: a dictionary that holds an empty one.
+void write_tail(DxfWriter& dxf) {
+  const std::string root = dxf.groups("0 SECTION, 2 OBJECTS, 0 DICTIONARY, 5 #");
+  const std::string inner = fmt::format("{:X}", std::stoi(root, nullptr, 16) + 1);
+  dxf.groups("330 0, 100 AcDbDictionary, 281 1, 3 ACAD_GROUP, 350 " + inner);
+  dxf.groups("0 DICTIONARY, 5 #, 330 " + root + ", 100 AcDbDictionary, 281 1, 0 ENDSEC, 0 EOF");
 }
 
 void write_point(DxfWriter& dxf, const char* layer, const Vector3d& at) {
-  begin_entity(dxf, "POINT", layer);
-  dxf.group(100, "AcDbPoint");
+  dxf.entity("POINT", layer, "AcDbPoint");
   dxf.point(10, at);
 }
 
 // One object in space, so that a plate or a wall is picked as a whole.
 void write_polyline(DxfWriter& dxf, const char* layer, std::span<const Vector3d> points,
                     bool closed) {
-  const std::string polyline = begin_entity(dxf, "POLYLINE", layer);
-  dxf.group(100, "AcDb3dPolyline");
-  dxf.group(66, 1);  // vertices follow
+  const std::string polyline = dxf.entity("POLYLINE", layer, "AcDb3dPolyline");
+  dxf.group(66, "1");  // vertices follow
   dxf.point(10, {0, 0, 0});
-  dxf.group(70, closed ? 9 : 8);
+  dxf.group(70, closed ? "9" : "8");
   for (const Vector3d& point : points) {
-    begin_entity(dxf, "VERTEX", layer, polyline);
-    dxf.group(100, "AcDbVertex");
+    dxf.entity("VERTEX", layer, "AcDbVertex", polyline);
     dxf.group(100, "AcDb3dPolylineVertex");
     dxf.point(10, point);
-    dxf.group(70, 32);  // of a polyline in space
+    dxf.group(70, "32");  // of a polyline in space
   }
-  begin_entity(dxf, "SEQEND", layer, polyline);
-}
-
-void write_outline(DxfWriter& dxf, const char* layer, const std::array<Vector3d, 4>& corners) {
-  write_polyline(dxf, layer, corners, true);
+  dxf.entity("SEQEND", layer, "", polyline);
 }
 
 // DXF arcs run counter-clockwise in the drawing's x and y.
@@ -267,8 +184,7 @@ void write_arc(DxfWriter& dxf, const char* layer, const Vector3d& centre, const 
   const auto angle = [&](const Vector3d& p) {
     return degrees(std::atan2(p.y() - centre.y(), p.x() - centre.x()));
   };
-  begin_entity(dxf, "ARC", layer);
-  dxf.group(100, "AcDbCircle");
+  dxf.entity("ARC", layer, "AcDbCircle");
   dxf.point(10, centre);
   dxf.real(40, (from - centre).norm());
   dxf.group(100, "AcDbArc");
@@ -288,7 +204,9 @@ void write_parallel(DxfWriter& dxf, const char* layer, const Survey& survey, dou
     const double end = start + element.length;
     // At the end of an element `at` speaks of the next one, which begins at the same place.
     if (element.curvature == 0) {
-      write_line(dxf, layer, in_grid(start, offset), in_grid(end, offset));
+      dxf.entity("LINE", layer, "AcDbLine");
+      dxf.point(10, in_grid(start, offset));
+      dxf.point(11, in_grid(end, offset));
     } else if (element.grade == 0) {
       const bool turns_left = (element.curvature < 0) != survey.grid.x_axis_left;
       write_arc(dxf, layer, in_grid(start, 1 / element.curvature), in_grid(start, offset),
@@ -326,23 +244,23 @@ void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
   const auto in_grid = [&](double right, double down) {
     return grid_from_world(survey.grid, tag.world_from_plate * Vector3d(right, down, 0));
   };
-  const auto [left, right] = plate_ends(plate);
-  const double top = -(plate.plate_height - plate.frame_inner_height) / 2 + plate.frame_offset_up;
-  const double bottom = top + plate.plate_height;
-  write_outline(
-      dxf, "PLATES",
-      {in_grid(left, top), in_grid(right, top), in_grid(right, bottom), in_grid(left, bottom)});
-  const double length = plate.frame_inner_length;
-  const double height = plate.frame_inner_height;
-  write_outline(dxf, "FRAMES",
-                {in_grid(0, 0), in_grid(length, 0), in_grid(length, height), in_grid(0, height)});
+  const auto write_outline = [&](const char* layer, const Rectangle& box) {
+    const double right = box.x + box.width;
+    const double bottom = box.y + box.height;
+    const std::array<Vector3d, 4> corners{in_grid(box.x, box.y), in_grid(right, box.y),
+                                          in_grid(right, bottom), in_grid(box.x, bottom)};
+    write_polyline(dxf, layer, corners, true);
+  };
+  const Rectangle outline = plate_outline(plate);
+  write_outline("PLATES", outline);
+  write_outline("FRAMES", {0, 0, plate.frame_inner_length, plate.frame_inner_height});
   write_point(dxf, "P", tag.p_in_grid);
   for (const DrillHole& hole : plate.holes) {
     write_point(dxf, "HOLES",
-                in_grid((left + right) / 2 + hole.right, (top + bottom) / 2 - hole.up));
+                in_grid(outline.x + outline.width / 2 + hole.right,
+                        outline.y + outline.height / 2 - hole.up));
   }
-  begin_entity(dxf, "TEXT", "NAMES");
-  dxf.group(100, "AcDbText");
+  dxf.entity("TEXT", "NAMES", "AcDbText");
   dxf.point(10, tag.p_in_grid);
   dxf.real(40, 0.1);
   dxf.group(1, tag.name + "  " + to_string(tag.digits));
@@ -353,16 +271,13 @@ void write_tag(DxfWriter& dxf, const Survey& survey, const PlacedTag& tag) {
 
 std::string render_dxf(const Survey& survey) {
   DxfWriter dxf;
-  write_header(dxf);
-  write_tables(dxf);
-  write_blocks(dxf);
-  dxf.begin("ENTITIES");
+  write_head(dxf);
+  dxf.groups("0 SECTION, 2 ENTITIES");
   write_parallel(dxf, "CENTERLINE", survey, 0);
   for (const Side side : {Side::left, Side::right}) write_rock(dxf, survey, side);
   for (const PlacedTag& tag : survey.tags) write_tag(dxf, survey, tag);
-  dxf.end();
-  write_objects(dxf);
-  dxf.group(0, "EOF");
+  dxf.groups("0 ENDSEC");
+  write_tail(dxf);
   return dxf.text();
 }
 

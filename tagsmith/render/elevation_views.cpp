@@ -12,13 +12,12 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/survey_views.hpp"
+#include "tagsmith/render/tag_text.hpp"
 
 namespace tagsmith {
 namespace {
 
 using Eigen::Vector2d;
-
-std::string metres(double length) { return format_number(length, 3); }
 
 std::string point_text(const Survey& survey, const Eigen::Vector3d& point_in_world) {
   const Eigen::Vector3d p = grid_from_world(survey.grid, point_in_world);
@@ -56,13 +55,23 @@ void draw_origin(SketchLayer& layer, const Survey& survey, const PlanStrip& stri
   const Vector2d origin = strip.view_from_world * Vector2d(0, 0);
   const ViewAxes axes = plan_axes(survey, strip);
   layer.add(Ellipse{
-      .centre = origin, .semi_axes = {0.0012, 0.0012}, .on_paper = true, .line = {.width = kWide}});
+      .at = origin, .semi_axes = {0.0012, 0.0012}, .on_paper = true, .line = {.width = kWide}});
   layer.add(Arrow{origin, {origin, axes.x * 0.012}, {colours::kRed, kWide, {}}});
   layer.add(Arrow{origin, {origin, axes.y * 0.012}, {colours::kGreen, kWide, {}}});
   layer.add(Words{.text = "origin of the grid",
                   .at = {origin, Vector2d(-0.002, -0.0035)},
                   .height = 0.0018,
                   .align = TextAlign::right});
+}
+
+DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, bool first) {
+  const Centerline& line = survey.tunnel.centerline;
+  DrawingView view = plan_view(survey, strip);
+  view.title += "; center line from " + point_text(survey, line.at(strip.from).position) + " to " +
+                point_text(survey, line.at(strip.to).position);
+  draw_origin(view.sketch.layer("grid"), survey, strip);
+  if (first) draw_start(view.sketch.layer("grid"), survey, strip);
+  return view;
 }
 
 // Where a wall's points come to lie when it is unrolled.
@@ -78,8 +87,7 @@ class Unrolled {
   // A point of a tag's plate, metres right of and below P.
   Vector2d on_plate(const PlacedTag& tag, double right, double down) const {
     const Pose& pose = tag.world_from_plate;
-    const auto [left_end, right_end] = plate_ends(survey_.tag_template);
-    const double middle = (left_end + right_end) / 2;
+    const double middle = plate_middle(survey_.tag_template);
     const Eigen::Vector3d centre = pose * Eigen::Vector3d(middle, 0, 0);
     const double chainage = survey_.tunnel.centerline.locate(centre.head<2>()).chainage;
     if (tag.attitude) {
@@ -87,14 +95,9 @@ class Unrolled {
       const Eigen::Vector3d along = direction_of(survey_.tunnel.centerline.at(chainage).heading);
       const double rightwards = side_ == Side::left ? 1.0 : -1.0;
       return {across(chainage) + rightwards * along.dot(from_centre),
-              height_of_p(tag) + centre.z() - pose.translation.z() + from_centre.z()};
+              height_of_p(survey_, tag) + centre.z() - pose.translation.z() + from_centre.z()};
     }
-    return {across(chainage) + right - middle, height_of_p(tag) - down};
-  }
-
-  double height_of_p(const PlacedTag& tag) const {
-    return tag.world_from_plate.translation.z() -
-           survey_.tunnel.centerline.at(tag.chainage).position.z();
+    return {across(chainage) + right - middle, height_of_p(survey_, tag) - down};
   }
 
  private:
@@ -103,11 +106,11 @@ class Unrolled {
   Side side_;
 };
 
-// A rectangle on a tag's plate, between two heights below P.
-std::vector<SketchPoint> box(const Unrolled& wall, const PlacedTag& tag, double left, double top,
-                             double right, double bottom) {
-  return {wall.on_plate(tag, left, top), wall.on_plate(tag, right, top),
-          wall.on_plate(tag, right, bottom), wall.on_plate(tag, left, bottom)};
+std::vector<SketchPoint> box(const Unrolled& wall, const PlacedTag& tag,
+                             const Rectangle& on_plate) {
+  const auto& [left, top, width, height] = on_plate;
+  return {wall.on_plate(tag, left, top), wall.on_plate(tag, left + width, top),
+          wall.on_plate(tag, left + width, top + height), wall.on_plate(tag, left, top + height)};
 }
 
 // The roof over the strip as it is unrolled, from its start.
@@ -125,14 +128,12 @@ std::vector<SketchPoint> roof_line(const Survey& survey, const PlanStrip& strip,
 
 void draw_plate(Sketch& sketch, const Survey& survey, const Unrolled& wall, const PlacedTag& tag) {
   const TagTemplate& plate = survey.tag_template;
-  const auto [left, right] = plate_ends(plate);
-  const double top = -(plate.plate_height - plate.frame_inner_height) / 2 + plate.frame_offset_up;
   const LineStyle line{.width = kNarrow};
-  const auto upper = box(wall, tag, left, top, right, top + plate.plate_height);
-  sketch.layer("tags").add(Area{upper, colours::kWhite});
-  sketch.layer("tags").add(Polyline{upper, line, true});
+  const auto outline = box(wall, tag, plate_outline(plate));
+  sketch.layer("tags").add(Area{outline, colours::kWhite});
+  sketch.layer("tags").add(Polyline{outline, line, true});
   sketch.layer("tags").add(Polyline{
-      box(wall, tag, 0, 0, plate.frame_inner_length, plate.frame_inner_height), line, true});
+      box(wall, tag, {0, 0, plate.frame_inner_length, plate.frame_inner_height}), line, true});
   sketch.layer("tags").add(Dot{wall.on_plate(tag, 0, 0), 0.0005, colours::kRed});
 }
 
@@ -172,7 +173,8 @@ void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& w
                       .text = metres(height)});
   if (tags.size() < 2) return;
   const PlacedTag& tag = *tags.front();
-  const auto [left, right] = plate_ends(survey.tag_template);
+  const double left = plate_outline(survey.tag_template).x;
+  const double right = left + survey.tag_template.plate_length;
   const Vector2d a = wall.on_plate(tag, left, 0);
   const Vector2d b = wall.on_plate(tag, right, 0);
   const Vector2d c = wall.on_plate(*tags[1], left, 0);
@@ -190,11 +192,6 @@ void draw_dimensions(SketchLayer& layer, const Survey& survey, const Unrolled& w
                       .text = "plate " + metres(b.x() - a.x())});
 }
 
-// To the millimetre as the table beside it has them, never "-0.000".
-std::string millimetres(double metres) {
-  return fmt::format("{:.3f}", std::round(metres * 1000) / 1000 + 0.0);
-}
-
 // What a tape shows from P to P; on a curve neither the chainage nor the unrolled wall does.
 double distance(const PlacedTag& a, const PlacedTag& b) {
   return (a.p_in_grid - b.p_in_grid).norm();
@@ -202,15 +199,16 @@ double distance(const PlacedTag& a, const PlacedTag& b) {
 
 }  // namespace
 
-DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style,
-                           bool first) {
-  const Centerline& line = survey.tunnel.centerline;
-  DrawingView view = plan_view(survey, strip, style);
-  view.title += "; center line from " + point_text(survey, line.at(strip.from).position) + " to " +
-                point_text(survey, line.at(strip.to).position);
-  draw_origin(view.sketch.layer("grid"), survey, strip);
-  if (first) draw_start(view.sketch.layer("grid"), survey, strip);
-  return view;
+DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view) {
+  DrawingPart part{{}, {paper, coarsest_plan_scale(survey)}};
+  for (const PlanStrip& strip : plan_strips(survey, paper)) {
+    const bool first = part.views.empty();
+    part.views.push_back(annotated_plan(survey, strip, first));
+    for (const Side side : {Side::left, Side::right}) {
+      part.views.push_back(wall_view(strip, side, first));
+    }
+  }
+  return part;
 }
 
 DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side side,
@@ -227,8 +225,7 @@ DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side si
     if (!inside || tag.side != side) continue;
     tags.push_back(&tag);
     draw_plate(view.sketch, survey, wall, tag);
-    const auto [left, right] = plate_ends(survey.tag_template);
-    const Vector2d middle = wall.on_plate(tag, (left + right) / 2, 0);
+    const Vector2d middle = wall.on_plate(tag, plate_middle(survey.tag_template), 0);
     view.sketch.layer("names").add(
         Words{.text = tag.name,
               .at = {{middle.x(), survey.tunnel.height.at(tag.chainage)}, {0, 0.001}},
@@ -256,9 +253,9 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
     if (!inside || place.tag->side != side) continue;
     const Vector2d p = wall.on_plate(*place.tag, 0, 0);
     const Vector2d foot(p.x(), 0);
-    layer.add(Dimension{.from = foot, .to = p, .offset = 0, .text = millimetres(place.height)});
+    layer.add(Dimension{.from = foot, .to = p, .offset = 0, .text = to_millimetre(place.height)});
     layer.add(Polyline{{foot, {foot, Vector2d(0, -0.005)}}, {.width = kExtraNarrow}});
-    layer.add(Words{.text = millimetres(place.chainage),
+    layer.add(Words{.text = to_millimetre(place.chainage),
                     .at = {foot, Vector2d(-0.0013, -0.0055)},
                     .angle = std::numbers::pi / 2,
                     .align = TextAlign::right,
@@ -268,7 +265,7 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
       layer.add(Dimension{.from = rightwards ? *last : foot,
                           .to = rightwards ? foot : *last,
                           .offset = -0.020,
-                          .text = millimetres(distance(*last_tag, *place.tag))});
+                          .text = to_millimetre(distance(*last_tag, *place.tag))});
     }
     last = foot;
     last_tag = place.tag;

@@ -9,12 +9,10 @@
 namespace tagsmith {
 namespace {
 
-constexpr double kMarkGap = 0.001;
-constexpr double kMarkLength = 0.004;
 constexpr double kRounding = 1e-9;
 
 // A plate's share of the page: itself and half the gap around it, which holds its crop marks.
-double gap_of(double bleed) { return 2 * std::max(bleed, kMarkGap + kMarkLength); }
+double gap_of(double bleed) { return 2 * std::max(bleed, kPaperMarkGap + kPaperMarkLength); }
 
 int count_along(double room, double side, double gap) {
   return static_cast<int>(std::floor((room + kRounding) / (side + gap)));
@@ -77,19 +75,6 @@ std::string papers_for(const Rectangle& plate, double bleed) {
   return text + (text.empty() ? "" : " or ") + "a roll of " + mm(std::min(upright, across)) + " mm";
 }
 
-void add_paper_notes(Page& page, const std::string& first, const std::string& second) {
-  double baseline = 0.0085;
-  for (const std::string& line : {first, second}) {
-    page.texts.push_back({.text = line,
-                          .x = page.width / 2,
-                          .y = baseline,
-                          .height = kNoteHeight,
-                          .max_width = page.width - PaperBorder::kLeft - PaperBorder::kRight,
-                          .centred = true});
-    baseline += 1.6 * kNoteHeight;
-  }
-}
-
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan) {
   Page page;
@@ -112,13 +97,13 @@ Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
     const NamedDrawing& tag = tags[static_cast<std::size_t>(i)];
     const TagDrawing drawing = moved(tag.drawing, at_dot(place.x - plate.x, plan.dots_per_inch),
                                      at_dot(place.y - plate.y, plan.dots_per_inch));
-    add_crop_marks(page, drawing.plate, kMarkGap, kMarkLength);
+    add_crop_marks(page, drawing.plate, kPaperMarkGap, kPaperMarkLength);
     page.tags.push_back({tag.name, drawing});
   }
   add_scale_bars(page, 0.007, page.height - 0.007);
   add_paper_notes(page, notes.title + "  \u00b7  " + notes.subject,
-                  dimensions_text(tags.front().drawing) +
-                      "  \u00b7  print at 100 %, then measure both 100 mm bars");
+                  what_to_measure(tags.front().drawing),
+                  page.width - PaperBorder::kLeft - PaperBorder::kRight);
   return page;
 }
 

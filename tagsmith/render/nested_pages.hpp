@@ -41,7 +41,4 @@ struct NamedDrawing {
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan);
 
-// The line above the content of pages on paper.
-void add_paper_notes(Page& page, const std::string& first, const std::string& second);
-
 }  // namespace tagsmith

@@ -52,24 +52,12 @@ void add_vertical_scale_bar(Page& page, double x) {
                         .upwards = true});
 }
 
-void add_note(Page& page, const std::string& text, double baseline, double width) {
-  page.texts.push_back({.text = text,
-                        .x = page.width / 2,
-                        .y = baseline,
-                        .height = kNoteHeight,
-                        .max_width = width,
-                        .centred = true});
-}
-
 // Two lines over the whole page, the others between the crop marks.
 void add_notes(Page& page, const TagDrawing& tag) {
   double baseline = kScaleBarInset;
   const double width = page.width - 0.03;
   add_note(page, page.notes.title + "  \u00b7  " + page.notes.subject, baseline, width);
-  add_note(page,
-           dimensions_text(tag) + "  \u00b7  print at 100 %, then measure both " +
-               scale_bar_text() + " bars",
-           baseline += kNoteStep, width);
+  add_note(page, what_to_measure(tag), baseline += kNoteStep, width);
   const double between_marks = std::min(width, tag.plate.width - 2 * kLeastCropGap);
   for (const std::string& line : page.notes.more) {
     add_note(page, line, baseline += kNoteStep, between_marks);
@@ -95,11 +83,21 @@ double at_dot(double value, int dots_per_inch) {
   return std::floor(value / dot + kRounding) * dot;
 }
 
-std::string dimensions_text(const TagDrawing& tag) {
+void add_note(Page& page, const std::string& text, double baseline, double max_width) {
+  page.texts.push_back({.text = text,
+                        .x = page.width / 2,
+                        .y = baseline,
+                        .height = kNoteHeight,
+                        .max_width = max_width,
+                        .centred = true});
+}
+
+std::string what_to_measure(const TagDrawing& tag) {
   const auto mm = [](double length) { return format_number(length * 1000, 3); };
   return "feature frame inside " + mm(tag.frame_inner.width) + " \u00d7 " +
          mm(tag.frame_inner.height) + " mm  \u00b7  plate " + mm(tag.plate.width) + " \u00d7 " +
-         mm(tag.plate.height) + " mm";
+         mm(tag.plate.height) + " mm  \u00b7  print at 100 %, then measure both " +
+         scale_bar_text() + " bars";
 }
 
 void add_crop_marks(Page& page, const Rectangle& plate, double gap, double length) {

@@ -75,8 +75,11 @@ void add_crop_marks(Page& page, const Rectangle& plate, double gap, double lengt
 // the vertical one in the middle along `x`.
 void add_scale_bars(Page& page, double x, double y);
 
-// "feature frame inside 343 x 168 mm": what to check with a tape.
-std::string dimensions_text(const TagDrawing& tag);
+// A line of text in the middle of the page.
+void add_note(Page& page, const std::string& text, double baseline, double max_width);
+
+// "feature frame inside 343 x 168 mm ...": what to check with a tape.
+std::string what_to_measure(const TagDrawing& tag);
 
 // The nearest place at or before which a dot begins; `value` itself for 0 dots per inch.
 double at_dot(double value, int dots_per_inch);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cairo-pdf.h>
-#include <cairo.h>
 #include <fstream>
 #include <string_view>
 #include <utility>
@@ -11,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/printable.hpp"
-#include "tagsmith/render/page_on_cairo.hpp"
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/print_settings.hpp"
-#include "tagsmith/render/text.hpp"
+#include "tagsmith/render/sheet_on_cairo.hpp"
 
 namespace tagsmith {
 namespace {
@@ -27,117 +26,85 @@ cairo_status_t take(void* filter, const unsigned char* data, unsigned int length
                                                                 : CAIRO_STATUS_WRITE_ERROR;
 }
 
-void set_metadata(cairo_surface_t* surface, const PageNotes& notes) {
+void set_metadata(cairo_surface_t* surface, const Sheet& sheet) {
   const auto set = [&](cairo_pdf_metadata_t key, const std::string& text) {
     if (!text.empty()) cairo_pdf_surface_set_metadata(surface, key, printable_text(text).c_str());
   };
-  set(CAIRO_PDF_METADATA_TITLE, notes.title);
-  set(CAIRO_PDF_METADATA_SUBJECT, notes.subject);
-  set(CAIRO_PDF_METADATA_KEYWORDS, notes.keywords);
+  set(CAIRO_PDF_METADATA_TITLE, sheet.title);
+  set(CAIRO_PDF_METADATA_SUBJECT, sheet.subject);
+  set(CAIRO_PDF_METADATA_KEYWORDS, sheet.keywords);
   set(CAIRO_PDF_METADATA_CREATOR, "tagsmith");
+  cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "");  // none
 }
 
-// In points from the page's lower left corner, as PDF has it.
-PdfRectangle in_points(const Rectangle& box, const Page& page) {
-  return {box.x * kPointsPerMetre, (page.height - box.y - box.height) * kPointsPerMetre,
-          (box.x + box.width) * kPointsPerMetre, (page.height - box.y) * kPointsPerMetre};
-}
-
-PdfPageSettings settings_of(const Page& page) {
+PdfPageSettings settings_of(const Sheet& sheet) {
   PdfPageSettings settings;
-  if (page.trim) settings.trim = in_points(*page.trim, page);
-  if (page.bleed) settings.bleed = in_points(*page.bleed, page);
-  settings.has_contour =
-      std::ranges::any_of(page.tags, [](const PageTag& tag) { return tag.drawing.cut_contour; });
+  // In points from the page's lower left corner.
+  const auto add = [&](const char* name, const std::optional<Eigen::AlignedBox2d>& box) {
+    if (!box) return;
+    const auto points = [](double metres) { return format_number(metres * kPointsPerMetre, 5); };
+    settings.boxes += fmt::format("\n   /{} [ {} {} {} {} ]", name, points(box->min().x()),
+                                  points(sheet.height - box->max().y()), points(box->max().x()),
+                                  points(sheet.height - box->min().y()));
+  };
+  add("TrimBox", sheet.trim);
+  add("BleedBox", sheet.bleed);
+  settings.has_contour = std::ranges::count(sheet.layers, kCutContour, &SheetLayer::name) > 0;
   return settings;
 }
 
-// A PDF that goes to the sink page by page.
-class CairoPdf {
- public:
-  CairoPdf(PrintSettingsFilter::Sink sink, const PageNotes& notes)
-      : filter_(std::move(sink)),
-        surface_(cairo_pdf_surface_create_for_stream(take, &filter_, 0, 0)),
-        context_(cairo_create(surface_)) {
-    cairo_pdf_surface_restrict_to_version(surface_, CAIRO_PDF_VERSION_1_4);
-    set_metadata(surface_, notes);
-  }
-  ~CairoPdf() {
-    cairo_destroy(context_);
-    cairo_surface_destroy(surface_);
-  }
-  CairoPdf(const CairoPdf&) = delete;
-  CairoPdf& operator=(const CairoPdf&) = delete;
-
-  void add(const Page& page) {
-    if (std::max(page.width, page.height) * kPointsPerMetre > kMostPoints) {
-      if (problem_.empty()) problem_ = too_large(page);
-      return;
+// Draws all sheets and hands the bytes to the sink.
+Result<void> draw_pdf(const SheetSource& sheets, PrintSettingsFilter::Sink sink) {
+  PrintSettingsFilter filter(std::move(sink));
+  const CairoSurface surface(cairo_pdf_surface_create_for_stream(take, &filter, 0, 0));
+  cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);
+  CairoContext context(cairo_create(surface.get()));
+  bool has_page = false;
+  std::string problem;
+  sheets([&](const Sheet& sheet) {
+    if (!has_page) set_metadata(surface.get(), sheet);
+    has_page = true;
+    if (std::max(sheet.width, sheet.height) * kPointsPerMetre > kMostPoints && problem.empty()) {
+      problem = fmt::format("PDF: the page of {} is {:.2f} x {:.2f} m, expected at most 5.08 m",
+                            sheet.title, sheet.width, sheet.height);
     }
-    cairo_pdf_surface_set_size(surface_, page.width * kPointsPerMetre,
-                               page.height * kPointsPerMetre);
-    cairo_save(context_);
-    cairo_scale(context_, kPointsPerMetre, kPointsPerMetre);
-    draw_page(context_, page, true);
-    cairo_restore(context_);
-    filter_.add_page(settings_of(page));
-    cairo_show_page(context_);
-    has_page_ = true;
-  }
-
-  Result<void> finish() {
-    const cairo_status_t drawn = cairo_status(context_);
-    cairo_surface_finish(surface_);
-    const cairo_status_t finished = drawn ? drawn : cairo_surface_status(surface_);
-    if (!problem_.empty()) return fail(problem_);
-    if (!has_page_) return fail("PDF: no page to print, expected at least one");
-    if (finished) return fail(std::string("PDF: ") + cairo_status_to_string(finished));
-    return filter_.finish();
-  }
-
- private:
-  static std::string too_large(const Page& page) {
-    return fmt::format("PDF: the page of {} is {:.2f} x {:.2f} m, expected at most 5.08 m",
-                       page.notes.title, page.width, page.height);
-  }
-
-  PrintSettingsFilter filter_;
-  cairo_surface_t* surface_;
-  cairo_t* context_;
-  bool has_page_ = false;
-  std::string problem_;
-};
+    if (!problem.empty()) return;
+    cairo_pdf_surface_set_size(surface.get(), sheet.width * kPointsPerMetre,
+                               sheet.height * kPointsPerMetre);
+    draw_sheet(context.get(), sheet, kPointsPerMetre);
+    filter.add_page(settings_of(sheet));
+    cairo_show_page(context.get());
+  });
+  const cairo_status_t drawn = cairo_status(context.get());
+  context.reset();
+  cairo_surface_finish(surface.get());
+  const cairo_status_t finished = drawn ? drawn : cairo_surface_status(surface.get());
+  if (!problem.empty()) return fail(problem);
+  if (!has_page) return fail("PDF: no page to print, expected at least one");
+  if (finished) return fail(std::string("PDF: ") + cairo_status_to_string(finished));
+  return filter.finish();
+}
 
 }  // namespace
 
-Result<std::string> render_pdf(std::span<const Page> pages) {
-  return render_pdf(pages, pages.empty() ? PageNotes{} : pages.front().notes);
-}
-
-Result<std::string> render_pdf(std::span<const Page> pages, const PageNotes& notes) {
+Result<std::string> render_pdf(std::span<const Sheet> sheets) {
   std::string bytes;
-  CairoPdf pdf(
-      [&](std::string_view part) {
-        bytes += part;
-        return true;
-      },
-      notes);
-  for (const Page& page : pages) pdf.add(page);
-  const Result<void> finished = pdf.finish();
-  return finished ? Result<std::string>(std::move(bytes)) : fail(finished.error().message);
+  const auto keep = [&](std::string_view part) {
+    bytes += part;
+    return true;
+  };
+  const Result<void> drawn =
+      draw_pdf([&](const auto& add) { std::ranges::for_each(sheets, add); }, keep);
+  return drawn ? Result<std::string>(std::move(bytes)) : fail(drawn.error().message);
 }
 
-Result<void> write_pdf(const std::filesystem::path& path, const PageSource& pages,
-                       const PageNotes& notes) {
+Result<void> write_pdf(const std::filesystem::path& path, const SheetSource& sheets) {
   std::ofstream stream(path, std::ios::binary);
-  CairoPdf pdf(
-      [&](std::string_view part) {
-        stream.write(part.data(), static_cast<std::streamsize>(part.size()));
-        return stream.good();
-      },
-      notes);
-  pages([&](const Page& page) { pdf.add(page); });
-  if (auto finished = pdf.finish(); !finished) return finished;
+  auto drawn = draw_pdf(sheets, [&](std::string_view part) {
+    stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+    return stream.good();
+  });
+  if (!drawn) return drawn;
   stream.close();
   return stream ? Result<void>{} : fail(path.string() + ": cannot be written, is the disk full?");
 }

@@ -49,12 +49,13 @@ std::vector<Run> runs(const DrivePlan& plan, double from, double to) {
   return all;
 }
 
+LineStyle line_of(Service service) { return {colour_of(service), kCoverageWidth, {}}; }
+
 void draw_coverage(const Survey& survey, const DrivePlan& plan, const PlanStrip& strip,
                    Sketch& sketch) {
   constexpr double kSag = 0.001;  // metres that straight pieces miss a bend by
   for (const Run& run : runs(plan, strip.from, strip.to)) {
-    Polyline line;
-    line.line = {colour_of(run.service), kCoverageWidth, {}};
+    Polyline line{{}, line_of(run.service)};
     const double from = plan.columns[run.first].chainage;
     const double to = plan.columns[run.last].chainage;
     for (const SidePoint& point : side_points(survey.tunnel.centerline, 0, from, to, kSag)) {
@@ -78,9 +79,7 @@ double usual_reach(const Survey& survey, const DrivePlan& plan) {
 void draw_fields(const std::vector<std::vector<Eigen::Vector3d>>& fields, const PlanStrip& strip,
                  Sketch& sketch) {
   for (const auto& field : fields) {
-    Polyline outline;
-    outline.closed = true;
-    outline.line = {colours::kBlue, kNarrow, dashed()};
+    Polyline outline{{}, {colours::kBlue, kNarrow, dashed()}, true};
     for (const Eigen::Vector3d& corner : field) {
       outline.points.emplace_back(strip.view_from_world * Vector2d(corner.head<2>()));
     }
@@ -88,19 +87,18 @@ void draw_fields(const std::vector<std::vector<Eigen::Vector3d>>& fields, const 
   }
 }
 
-void draw_legend(Sketch& sketch) {
+struct LegendEntry {
+  LineStyle line;
+  const char* text;
+};
+
+// Lines with what they mean, beside each other; `y`: of their words, metres on paper.
+void draw_legend(SketchLayer& layer, const std::vector<LegendEntry>& entries, double y) {
+  const auto on_paper = [](double x, double at_y) { return SketchPoint({0, 0}, {x, at_y}); };
   double x = 0;
-  const std::array<std::pair<Service, const char*>, 4> entries{
-      {{Service::both_walls, "tags on both walls, every pose"},
-       {Service::one_wall, "a tag, every pose"},
-       {Service::some_poses, "some poses have none"},
-       {Service::none, "no tag"}}};
-  for (const auto& [service, text] : entries) {
-    Polyline line;
-    line.line = {colour_of(service), kCoverageWidth, {}};
-    line.points = {SketchPoint({0, 0}, {x, 0.001}), SketchPoint({0, 0}, {x + 0.010, 0.001})};
-    sketch.layer("legend").add(std::move(line));
-    sketch.layer("legend").add(Words{text, SketchPoint({0, 0}, {x + 0.012, 0}), 0.0018});
+  for (const auto& [line, text] : entries) {
+    layer.add(Polyline{{on_paper(x, y + 0.001), on_paper(x + 0.010, y + 0.001)}, line});
+    layer.add(Words{text, on_paper(x + 0.012, y), 0.0018});
     x += 0.070;
   }
 }
@@ -123,23 +121,12 @@ std::string sigma_text(double metres) {
   return metres < 0.999 ? format_number(1000 * metres, 2) + " mm" : format_number(metres, 2) + " m";
 }
 
-// 1, 2 or 5 times a power of ten, not less than this.
-double round_step(double least) {
-  const double decade = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
-  }
-  return 10 * decade;
-}
-
 void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
   SketchLayer& layer = sketch.layer("axes");
   for (int decade = 0; decade <= axes.decades; ++decade) {
     const double sigma = axes.least * std::pow(10.0, decade);
-    Polyline line;
-    line.line = {colours::kPale, kExtraNarrow, {}};
-    line.points = {axes.at(axes.from, sigma), axes.at(axes.to, sigma)};
-    layer.add(std::move(line));
+    layer.add(Polyline{{axes.at(axes.from, sigma), axes.at(axes.to, sigma)},
+                       {colours::kPale, kExtraNarrow, {}}});
     SketchPoint place = axes.at(axes.from, sigma);
     place.paper.x() -= 0.002;
     layer.add(Words{sigma_text(sigma), place, 0.0018, 0, TextAlign::right, TextLevel::middle});
@@ -157,8 +144,7 @@ void draw_axes(const ProfileAxes& axes, Sketch& sketch) {
 // Coverage below the axis, as on the center line.
 void draw_coverage_strip(const DrivePlan& plan, const ProfileAxes& axes, Sketch& sketch) {
   for (const Run& run : runs(plan, axes.from, axes.to)) {
-    Polyline line;
-    line.line = {colour_of(run.service), kCoverageWidth, {}};
+    Polyline line{{}, line_of(run.service)};
     for (const std::size_t column : {run.first, run.last}) {
       line.points.push_back(axes.at(plan.columns[column].chainage, axes.least));
       line.points.back().paper.y() -= 0.002;
@@ -172,8 +158,7 @@ void draw_coverage_strip(const DrivePlan& plan, const ProfileAxes& axes, Sketch&
 void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle& style,
                 const std::function<double(const PlanColumn&)>& value, Sketch& sketch) {
   const std::size_t stride = std::max<std::size_t>(1, plan.columns.size() / 2000);
-  Polyline line;
-  line.line = style;
+  Polyline line{{}, style};
   const auto finish = [&] {
     if (line.points.size() > 1) sketch.layer("sigma").add(line);
     line.points.clear();
@@ -222,30 +207,20 @@ DrawingView profile_view(const DrivePlan& plan) {
   view.new_row = true;
   draw_axes(axes, view.sketch);
   draw_coverage_strip(plan, axes, view.sketch);
-  draw_curve(
-      plan, axes, {colours::kGrey, kNarrow, dashed()},
-      [](const PlanColumn& column) { return column.paper.sigma.plane; }, view.sketch);
-  draw_curve(
-      plan, axes, {colours::kOrange, kNarrow, {}},
-      [](const PlanColumn& column) { return column.worst.plane; }, view.sketch);
-  draw_curve(
-      plan, axes, {colours::kBlue, kWide, {}},
-      [](const PlanColumn& column) { return column.nominal.plane; }, view.sketch);
-  double x = 0;
-  const std::array<std::pair<LineStyle, const char*>, 3> curves{
-      {{{colours::kBlue, kWide, {}}, "on the center line"},
-       {{colours::kOrange, kNarrow, {}}, "worst pose of the envelope"},
-       {{colours::kGrey, kNarrow, dashed()}, "the paper's method"}}};
-  for (const auto& [style, text] : curves) {
-    Polyline line;
-    line.line = style;
-    line.points = {SketchPoint({0, 0}, {x, kProfileHeight + 0.005}),
-                   SketchPoint({0, 0}, {x + 0.010, kProfileHeight + 0.005})};
-    view.sketch.layer("legend").add(std::move(line));
-    view.sketch.layer("legend").add(
-        Words{text, SketchPoint({0, 0}, {x + 0.012, kProfileHeight + 0.0042}), 0.0018});
-    x += 0.070;
-  }
+  const LineStyle paper{colours::kGrey, kNarrow, dashed()};
+  const LineStyle worst{colours::kOrange, kNarrow, {}};
+  const LineStyle nominal{colours::kBlue, kWide, {}};
+  const auto draw = [&](const LineStyle& style, const auto& value) {
+    draw_curve(plan, axes, style, value, view.sketch);
+  };
+  draw(paper, [](const PlanColumn& column) { return column.paper.sigma.plane; });
+  draw(worst, [](const PlanColumn& column) { return column.worst.plane; });
+  draw(nominal, [](const PlanColumn& column) { return column.nominal.plane; });
+  draw_legend(view.sketch.layer("legend"),
+              {{nominal, "on the center line"},
+               {worst, "worst pose of the envelope"},
+               {paper, "the paper's method"}},
+              kProfileHeight + 0.0042);
   return view;
 }
 
@@ -299,12 +274,6 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
   return fields;
 }
 
-std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
-                                                         const DrivePlan& plan) {
-  return fields_of_view(survey, rig, plan, plan.columns.front().chainage,
-                        plan.columns.back().chainage);
-}
-
 Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan) {
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : plan_strips(survey)) {
@@ -319,7 +288,12 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
   DrawingView legend;
   legend.title = "Position along the center line";
   legend.new_row = true;
-  draw_legend(legend.sketch);
+  draw_legend(legend.sketch.layer("legend"),
+              {{line_of(Service::both_walls), "tags on both walls, every pose"},
+               {line_of(Service::one_wall), "a tag, every pose"},
+               {line_of(Service::some_poses), "some poses have none"},
+               {line_of(Service::none), "no tag"}},
+              0);
   views.push_back(std::move(legend));
   views.push_back(profile_view(plan));
   TitleBlock block;

@@ -25,8 +25,6 @@ Colour colour_of(Service service);
 std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
                                                          const DrivePlan& plan, double from,
                                                          double to);
-std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, const Rig& rig,
-                                                         const DrivePlan& plan);
 
 // Sheets with the plan of the tunnel and the profile of the plane's sigma. Fails when there is
 // nothing to draw.

@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cairo.h>
 #include <cmath>
-#include <cstdio>
-#include <memory>
+#include <cstdint>
 #include <png.h>
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "tagsmith/base/printable.hpp"
-#include "tagsmith/render/page_on_cairo.hpp"
-#include "tagsmith/render/text.hpp"
+#include "tagsmith/render/sheet_on_cairo.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith {
@@ -23,80 +20,73 @@ namespace {
 constexpr int kMostSide = 30'000;  // Cairo's limit is 32767
 constexpr int kBandRows = 512;
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
-struct Destroy {
-  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
-  void operator()(cairo_t* context) const { cairo_destroy(context); }
-};
-using Surface = std::unique_ptr<cairo_surface_t, Destroy>;
-using Context = std::unique_ptr<cairo_t, Destroy>;
-
-struct PixelSize {
-  int width = 0;
-  int height = 0;
-};
-
-Result<PixelSize> pixel_size(const Page& page, double pixels_per_metre, int dots_per_inch) {
-  constexpr double kRounding = 1e-6;  // pixels: whole ones stay what they are
-  const double width = std::ceil(page.width * pixels_per_metre - kRounding);
-  const double height = std::ceil(page.height * pixels_per_metre - kRounding);
-  if (std::max(width, height) <= kMostSide) {
-    return PixelSize{static_cast<int>(width), static_cast<int>(height)};
-  }
-  return fail(
-      fmt::format("PNG: the page of {} would have {:.0f} x {:.0f} pixels at {} dpi, expected "
-                  "at most {} a side: fewer dpi, or PDF",
-                  page.notes.title, width, height, dots_per_inch, kMostSide));
-}
-
-// Rows of the page as coverage by ink, 0 to 255.
+// Rows of the sheet as PNG has them.
 class BandPainter {
  public:
-  BandPainter(const Page& page, const PixelSize& size, double pixels_per_metre)
-      : page_(page),
+  BandPainter(const Sheet& sheet, int width, int height, double pixels_per_metre,
+              PngColours colours)
+      : sheet_(sheet),
+        width_(width),
         scale_(pixels_per_metre),
-        surface_(cairo_image_surface_create(CAIRO_FORMAT_A8, size.width,
-                                            std::min(kBandRows, size.height))) {}
+        grey_(colours == PngColours::grey),
+        surface_(cairo_image_surface_create(grey_ ? CAIRO_FORMAT_A8 : CAIRO_FORMAT_RGB24, width,
+                                            std::min(kBandRows, height))),
+        row_(static_cast<std::size_t>(width) * (grey_ ? 1 : 3)) {}
 
   bool ok() const { return cairo_surface_status(surface_.get()) == CAIRO_STATUS_SUCCESS; }
 
-  void paint(int first_row) {
-    const Context context(cairo_create(surface_.get()));
-    cairo_set_operator(context.get(), CAIRO_OPERATOR_CLEAR);
-    cairo_paint(context.get());
-    cairo_set_operator(context.get(), CAIRO_OPERATOR_OVER);
-    cairo_translate(context.get(), 0, -first_row);
-    cairo_scale(context.get(), scale_, scale_);
-    draw_page(context.get(), page_, false);
-    cairo_surface_flush(surface_.get());
-  }
-
-  const unsigned char* row(int row_of_band) const {
-    return cairo_image_surface_get_data(surface_.get()) +
-           static_cast<std::ptrdiff_t>(row_of_band) *
-               cairo_image_surface_get_stride(surface_.get());
+  // Rows are asked for one after the other.
+  const unsigned char* row(int number) {
+    if (number % kBandRows == 0) paint(number);
+    const unsigned char* pixels = cairo_image_surface_get_data(surface_.get()) +
+                                  static_cast<std::ptrdiff_t>(number % kBandRows) *
+                                      cairo_image_surface_get_stride(surface_.get());
+    if (grey_) {  // coverage by ink
+      std::transform(pixels, pixels + width_, row_.begin(),
+                     [](unsigned char cover) { return static_cast<unsigned char>(255 - cover); });
+      return row_.data();
+    }
+    const auto* colours = reinterpret_cast<const std::uint32_t*>(pixels);
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      row_[i] = static_cast<unsigned char>(colours[i / 3] >> (8 * (2 - i % 3)));
+    }
+    return row_.data();
   }
 
  private:
-  const Page& page_;
+  void paint(int first_row) {
+    const CairoContext context(cairo_create(surface_.get()));
+    cairo_set_source_rgba(context.get(), 1, 1, 1, grey_ ? 0 : 1);
+    cairo_set_operator(context.get(), CAIRO_OPERATOR_SOURCE);
+    cairo_paint(context.get());
+    cairo_set_operator(context.get(), CAIRO_OPERATOR_OVER);
+    cairo_translate(context.get(), 0, -first_row);
+    draw_sheet(context.get(), sheet_, scale_);
+    cairo_surface_flush(surface_.get());
+  }
+
+  const Sheet& sheet_;
+  int width_;
   double scale_;
-  Surface surface_;
+  bool grey_;
+  CairoSurface surface_;
+  std::vector<unsigned char> row_;
 };
 
+void append(png_structp png, png_bytep data, png_size_t length) {
+  static_cast<std::string*>(png_get_io_ptr(png))
+      ->append(reinterpret_cast<const char*>(data), length);
+}
+
 // libpng reports errors by a long jump to here; nothing with a destructor is made behind it.
-bool write_rows(png_structp png, png_infop info, std::FILE* file, const PixelSize& size,
-                double pixels_per_metre, const char* title, BandPainter& painter,
-                std::vector<unsigned char>& grey) {
+bool write_rows(png_structp png, png_infop info, std::string& bytes, png_uint_32 width,
+                png_uint_32 height, int colour_type, double pixels_per_metre, const char* title,
+                BandPainter& painter) {
   if (setjmp(png_jmpbuf(png))) return false;
-  png_init_io(png, file);
+  png_set_write_fn(png, &bytes, append, nullptr);
   png_set_compression_level(png, 6);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);  // rows repeat those above them
-  png_set_IHDR(png, info, static_cast<png_uint_32>(size.width),
-               static_cast<png_uint_32>(size.height), 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+  png_set_IHDR(png, info, width, height, 8, colour_type, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   const auto resolution = static_cast<png_uint_32>(std::lround(pixels_per_metre));
   png_set_pHYs(png, info, resolution, resolution, PNG_RESOLUTION_METER);
@@ -106,12 +96,8 @@ bool write_rows(png_structp png, png_infop info, std::FILE* file, const PixelSiz
   text.text = const_cast<char*>(title);
   png_set_text(png, info, &text, 1);
   png_write_info(png, info);
-  for (int row = 0; row < size.height; ++row) {
-    if (row % kBandRows == 0) painter.paint(row);
-    const unsigned char* ink = painter.row(row % kBandRows);
-    std::transform(ink, ink + size.width, grey.begin(),
-                   [](unsigned char cover) { return static_cast<unsigned char>(255 - cover); });
-    png_write_row(png, grey.data());
+  for (png_uint_32 row = 0; row < height; ++row) {
+    png_write_row(png, painter.row(static_cast<int>(row)));
   }
   png_write_end(png, info);
   return true;
@@ -119,26 +105,31 @@ bool write_rows(png_structp png, png_infop info, std::FILE* file, const PixelSiz
 
 }  // namespace
 
-Result<void> write_png(const std::filesystem::path& path, const Page& page, int dots_per_inch) {
+Result<std::string> render_png(const Sheet& sheet, double dots_per_inch, PngColours colours) {
+  constexpr double kRounding = 1e-6;  // pixels: whole ones stay what they are
   const double pixels_per_metre = dots_per_inch / kMetresPerInch;
-  const Result<PixelSize> size = pixel_size(page, pixels_per_metre, dots_per_inch);
-  if (!size) return fail(size.error().message);
-  const auto cannot = [&] {
-    return fail(path.string() + ": cannot be written, is the disk full?");
-  };
-  BandPainter painter(page, *size, pixels_per_metre);
-  std::vector<unsigned char> grey(static_cast<std::size_t>(size->width));
-  if (!painter.ok()) return fail("PNG: no memory for the page of " + page.notes.title);
-  const File file(std::fopen(path.c_str(), "wb"));
-  if (!file) return cannot();
-  const std::string title = printable_text(page.notes.title);
+  const double width = std::ceil(sheet.width * pixels_per_metre - kRounding);
+  const double height = std::ceil(sheet.height * pixels_per_metre - kRounding);
+  if (std::max(width, height) > kMostSide) {
+    return fail(
+        fmt::format("PNG: the page of {} would have {:.0f} x {:.0f} pixels at {} dpi, expected "
+                    "at most {} a side: fewer dpi, or PDF",
+                    sheet.title, width, height, dots_per_inch, kMostSide));
+  }
+  BandPainter painter(sheet, static_cast<int>(width), static_cast<int>(height), pixels_per_metre,
+                      colours);
+  std::string bytes;
+  const std::string title = printable_text(sheet.title);
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
-  const bool written =
-      write_rows(png, info, file.get(), *size, pixels_per_metre, title.c_str(), painter, grey) &&
-      std::fflush(file.get()) == 0;
+  const bool written = painter.ok() && write_rows(png, info, bytes, static_cast<png_uint_32>(width),
+                                                  static_cast<png_uint_32>(height),
+                                                  colours == PngColours::grey ? PNG_COLOR_TYPE_GRAY
+                                                                              : PNG_COLOR_TYPE_RGB,
+                                                  pixels_per_metre, title.c_str(), painter);
   png_destroy_write_struct(&png, &info);
-  return written ? Result<void>{} : cannot();
+  if (!written) return fail("PNG: no memory for the page of " + sheet.title);
+  return bytes;
 }
 
 }  // namespace tagsmith

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page as PNG.
+// A sheet as PNG.
 #pragma once
 
-#include <filesystem>
+#include <string>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/render/page.hpp"
+#include "tagsmith/render/sheet.hpp"
 
 namespace tagsmith {
 
-// Writes the page at true scale in 8-bit grey, with its resolution (pHYs chunk) and title. Edges
-// that stand on whole dots are sharp, others grey by coverage; cut contours are left out. Memory
-// for a band of it is taken at a time. The same page gives the same bytes. Fails when the page
-// would have more than 2 000 000 000 pixels or more than 30 000 a side, or the file cannot be
-// written.
-Result<void> write_png(const std::filesystem::path& path, const Page& page, int dots_per_inch);
+enum class PngColours { rgb, grey };  // grey: of 8 bits, for what is black on white
+
+// The sheet at true scale on white, with its resolution (pHYs chunk) and title. Edges that stand on
+// whole dots are sharp, others grey by coverage. Memory for a band of it is taken at a time. The
+// same sheet gives the same bytes. Fails when it would have more than 30 000 pixels a side.
+Result<std::string> render_png(const Sheet& sheet, double dots_per_inch, PngColours colours);
 
 }  // namespace tagsmith

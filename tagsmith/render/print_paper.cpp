@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/render/page.hpp"
 
 namespace tagsmith {
 namespace {
@@ -74,6 +73,13 @@ Rectangle content_area(double page_width, double page_height) {
   return {PaperBorder::kLeft, PaperBorder::kTop,
           page_width - PaperBorder::kLeft - PaperBorder::kRight,
           page_height - PaperBorder::kTop - PaperBorder::kBottom};
+}
+
+void add_paper_notes(Page& page, const std::string& first, const std::string& second,
+                     double max_width) {
+  constexpr double kBaseline = 0.0085;
+  add_note(page, first, kBaseline, max_width);
+  add_note(page, second, kBaseline + 1.6 * kNoteHeight, max_width);
 }
 
 }  // namespace tagsmith

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/tag/drawing.hpp"
+#include "tagsmith/render/page.hpp"
 
 namespace tagsmith {
 
@@ -40,5 +40,13 @@ inline constexpr double kLongestPage = 5.0;
 
 // The part of a page of this size that holds plates.
 Rectangle content_area(double page_width, double page_height);
+
+// Crop marks beside a plate or a tile on paper.
+inline constexpr double kPaperMarkGap = 0.001;
+inline constexpr double kPaperMarkLength = 0.004;
+
+// The two lines above the content.
+void add_paper_notes(Page& page, const std::string& first, const std::string& second,
+                     double max_width);
 
 }  // namespace tagsmith

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Cairo leaves unsaid in a PDF that must be printed at true scale.
+// What Cairo leaves unsaid in a PDF that must be printed at true scale. Internal to
+// tagsmith/render.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,19 +15,10 @@
 
 namespace tagsmith {
 
-// A rectangle as PDF has it: points from the page's lower left corner.
-struct PdfRectangle {
-  double left = 0;
-  double bottom = 0;
-  double right = 0;
-  double top = 0;
-};
-
 // What a page says to those who cut it.
 struct PdfPageSettings {
-  std::optional<PdfRectangle> trim{};   // /TrimBox (ISO 32000-2, 14.11.2)
-  std::optional<PdfRectangle> bleed{};  // /BleedBox
-  bool has_contour = false;             // pure magenta strokes are a cut contour
+  std::string boxes;  // entries of the page's dictionary (ISO 32000-2, 14.11.2); may be empty
+  bool has_contour = false;  // pure magenta strokes are a cut contour
 };
 
 // Stands between Cairo, which writes a PDF of version 1.4 object by object, and the file; holds one
@@ -38,8 +28,8 @@ struct PdfPageSettings {
 // - black as DeviceGray 0, which a printer sets in black ink alone, not as a mixture,
 // - the pages' settings; cut contours are strokes in the spot colour CutContour, which cutting
 //   plotters look for,
-// - no transparency groups and no creation date, and an ID that follows from the content, so that
-//   equal input gives equal bytes.
+// - no transparency groups, which mix colours as RGB, and an ID that follows from the content, so
+//   that equal input gives equal bytes.
 class PrintSettingsFilter {
  public:
   // Takes the next bytes of the file; false when they cannot be written.
@@ -59,26 +49,22 @@ class PrintSettingsFilter {
 
  private:
   void take_object(std::string_view object);
-  void put_object(std::size_t number, std::string_view body);
-  void put_stream(std::size_t number, std::string_view dictionary, std::string_view data);
   void put(std::string_view bytes);
-  std::string with_page_settings(std::string page);
 
   Sink sink_;
   bool written_ = true;
-  std::string held_;          // not yet a whole object
-  std::size_t searched_ = 0;  // so much of it holds no end of an object
-  std::string id_;            // checksum of all objects so far
+  std::string held_;  // not yet a whole object
+  std::string id_;    // checksum of all objects so far
   std::uint64_t position_ = 0;
   std::vector<std::uint64_t> offsets_;    // by object number; 0 = there is none
-  std::set<std::size_t> lengths_;         // numbers of objects that held the length of a stream
+  std::string new_length_;                // of the stream before the object that holds its length
   std::deque<PdfPageSettings> settings_;  // of the pages that Cairo has not yet written
-  std::size_t contours_asked_ = 0;
-  std::size_t contours_made_ = 0;
+  std::size_t contours_missing_ = 0;
   bool has_catalog_ = false;
 };
 
-// A whole PDF of Cairo's through the filter, without settings of pages.
-Result<std::string> with_print_settings(std::string_view cairo_pdf);
+// The content of a page (ISO 32000-2, 7.8.2) with `0 0 0 rg` as `0 g` and `0 0 0 RG` as `0 G`, and
+// with a contour `1 0 1 RG` as the colour space CutContour in full. Text in brackets stays.
+std::string with_print_colours(std::string_view content, bool has_contour);
 
 }  // namespace tagsmith

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
-#include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith {
 namespace {
@@ -30,21 +29,23 @@ constexpr double kPadding = 0.0012;
 
 struct Column {
   const char* head;
-  const char* unit;
   double width;
 };
 
-constexpr std::array<Column, 11> kColumns{{{"tag", "", 0.015},
-                                           {"side", "", 0.011},
-                                           {"chainage", "m", 0.021},
-                                           {"offset", "m", 0.017},
-                                           {"height", "m", 0.017},
-                                           {"x", "m", 0.019},
-                                           {"y", "m", 0.019},
-                                           {"z", "m", 0.017},
-                                           {"tol.", "mm", 0.014},
-                                           {"digits", "", 0.0265},
-                                           {"hung", "", 0.0085}}};
+constexpr std::array<Column, 11> kColumns{{{"tag", 0.015},
+                                           {"side", 0.011},
+                                           {"chainage (m)", 0.021},
+                                           {"offset (m)", 0.017},
+                                           {"height (m)", 0.017},
+                                           {"x (m)", 0.019},
+                                           {"y (m)", 0.019},
+                                           {"z (m)", 0.017},
+                                           {"tol. (mm)", 0.014},
+                                           {"digits", 0.0265},
+                                           {"hung", 0.0085}}};
+
+// A text for each column, or a single one across them all.
+using TableRow = std::vector<std::string>;
 
 constexpr auto kRowsAPage = static_cast<std::size_t>((kLastRowEnd - kHeadTop) / kRowHeight) - 1;
 
@@ -65,34 +66,23 @@ class TablePage {
     add(SheetLine{.points = {from, to}, .line = {.width = width}});
   }
 
-  // Texts of one row below `top`.
-  void row(double top, const std::array<std::string, kColumns.size()>& texts) {
+  // A row below `top`.
+  void row(double top, const TableRow& texts) {
+    const auto upright = [&](double x) { line({x, top}, {x, top + kRowHeight}, kExtraNarrow); };
     double x = kLeft;
-    for (std::size_t i = 0; i < kColumns.size(); ++i) {
-      text(x + kPadding, top + kRowHeight - 0.002, texts[i], kTextHeight,
-           kColumns[i].width - 2 * kPadding);
-      upright(x, top);
-      x += kColumns[i].width;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const double width = texts.size() == 1 ? kRight - kLeft : kColumns[i].width;
+      text(x + kPadding, top + kRowHeight - 0.002, texts[i], kTextHeight, width - 2 * kPadding);
+      upright(x);
+      x += width;
     }
-    upright(x, top);
-    line({kLeft, top + kRowHeight}, {kRight, top + kRowHeight}, kExtraNarrow);
-  }
-
-  // Words across the whole row below `top`.
-  void note(double top, const std::string& words) {
-    text(kLeft + kPadding, top + kRowHeight - 0.002, words, kTextHeight,
-         kRight - kLeft - 2 * kPadding);
-    upright(kLeft, top);
-    upright(kRight, top);
+    upright(x);
     line({kLeft, top + kRowHeight}, {kRight, top + kRowHeight}, kExtraNarrow);
   }
 
   Sheet finished() { return std::move(sheet_); }
 
  private:
-  // Beside one row.
-  void upright(double x, double top) { line({x, top}, {x, top + kRowHeight}, kExtraNarrow); }
-
   template <class Item>
   void add(Item item) {
     sheet_.layers.front().items.push_back(std::move(item));
@@ -101,37 +91,31 @@ class TablePage {
   Sheet sheet_;
 };
 
-std::string metres(double value) {
-  return fmt::format("{:.3f}", std::round(value * 1000) / 1000 + 0.0);
-}
-
-std::array<std::string, kColumns.size()> texts_of(const Survey& survey, const SettingOut& place) {
+TableRow texts_of(const Survey& survey, const SettingOut& place) {
   const PlacedTag& tag = *place.tag;
   const Eigen::Vector3d& p = tag.p_in_grid;
   return {tag.name,
           to_string(tag.side),
-          metres(place.chainage),
-          metres(place.offset),
-          metres(place.height),
-          metres(p.x()),
-          metres(p.y()),
-          metres(p.z()),
+          to_millimetre(place.chainage),
+          to_millimetre(place.offset),
+          to_millimetre(place.height),
+          to_millimetre(p.x()),
+          to_millimetre(p.y()),
+          to_millimetre(p.z()),
           format_number(place.tolerance * 1000, 1),
           grouped_digits(survey.code, tag.digits),
           ""};
 }
 
-// A row of the table: a place, or how its plate turns out of its wall.
-struct TableRow {
-  const SettingOut* place = nullptr;
-  bool is_note = false;
-};
-
-std::vector<TableRow> rows_of(std::span<const SettingOut> list) {
+// The places, each followed by how its plate turns out of its wall.
+std::vector<TableRow> rows_of(const Survey& survey, std::span<const SettingOut> list) {
   std::vector<TableRow> rows;
   for (const SettingOut& place : list) {
-    rows.push_back({&place, false});
-    if (place.tag->attitude) rows.push_back({&place, true});
+    rows.push_back(texts_of(survey, place));
+    const std::optional<PlateAttitude>& attitude = place.tag->attitude;
+    if (!attitude) continue;
+    rows.push_back({"the plate of " + place.tag->name + " " + attitude_text(*attitude) +
+                    (attitude->facing ? ", from +y towards +x of the grid" : "")});
   }
   return rows;
 }
@@ -156,11 +140,8 @@ void add_heading(TablePage& page, const Survey& survey, const std::string& revis
 }
 
 void add_head(TablePage& page) {
-  std::array<std::string, kColumns.size()> heads;
-  for (std::size_t i = 0; i < heads.size(); ++i) {
-    heads[i] = kColumns[i].head;
-    if (*kColumns[i].unit != '\0') heads[i] += std::string(" (") + kColumns[i].unit + ")";
-  }
+  TableRow heads;
+  for (const Column& column : kColumns) heads.emplace_back(column.head);
   page.line({kLeft, kHeadTop}, {kRight, kHeadTop}, kWide);
   page.row(kHeadTop, heads);
   page.line({kLeft, kHeadTop + kRowHeight}, {kRight, kHeadTop + kRowHeight}, kWide);
@@ -170,7 +151,7 @@ void add_head(TablePage& page) {
 
 std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
                                      const std::string& revision) {
-  const std::vector<TableRow> rows = rows_of(list);
+  const std::vector<TableRow> rows = rows_of(survey, list);
   const std::size_t count = std::max<std::size_t>(1, (rows.size() + kRowsAPage - 1) / kRowsAPage);
   std::vector<Sheet> sheets;
   for (std::size_t number = 0; number < count; ++number) {
@@ -180,13 +161,7 @@ std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const Setti
     double top = kHeadTop + kRowHeight;
     const std::size_t last = std::min(rows.size(), (number + 1) * kRowsAPage);
     for (std::size_t i = number * kRowsAPage; i < last; ++i) {
-      const PlacedTag& tag = *rows[i].place->tag;
-      if (rows[i].is_note) {
-        page.note(top, "the plate of " + tag.name + " " + attitude_text(*tag.attitude) +
-                           (tag.attitude->facing ? ", from +y towards +x of the grid" : ""));
-      } else {
-        page.row(top, texts_of(survey, *rows[i].place));
-      }
+      page.row(top, rows[i]);
       top += kRowHeight;
     }
     sheets.push_back(page.finished());
@@ -197,23 +172,17 @@ std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const Setti
 Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
                                                std::span<const SettingOut> list,
                                                const std::string& revision) {
-  const Rectangle plate = draw_tag(survey.tag_template, Digits{}).plate;
+  const Rectangle plate = plate_outline(survey.tag_template);
   TitleBlock block{survey.name, "Setting-out of position tags", {}};
   if (!revision.empty()) block.fields.push_back({"Revision", revision});
   block.fields.push_back({"Plate", survey.tag_template.name});
   block.fields.push_back(
       {"P from its upper left corner", format_number(-plate.x * 1000, 1) + " right, " +
                                            format_number(-plate.y * 1000, 1) + " down (mm)"});
-  const PlanStyle style{Paper::a3, false};
-  DrawingPart part{{}, {Paper::a3, coarsest_plan_scale(survey)}};
-  bool first = true;
-  for (const PlanStrip& strip : plan_strips(survey, style)) {
-    part.views.push_back(annotated_plan(survey, strip, style, first));
-    for (const Side side : {Side::left, Side::right}) {
-      part.views.push_back(setting_out_elevation(survey, strip, side, list));
-    }
-    first = false;
-  }
+  const DrawingPart part =
+      drive_by_strips(survey, Paper::a3, [&](const PlanStrip& strip, Side side, bool) {
+        return setting_out_elevation(survey, strip, side, list);
+      });
   return lay_out_sheets(block, std::span(&part, 1));
 }
 

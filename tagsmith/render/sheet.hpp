@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sheet of a technical drawing: everything at its place on paper.
+// A sheet of paper with everything at its place on it: what PDF, SVG and PNG are written from, for
+// technical drawings and for pages with plates alike.
 #pragma once
 
-#include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "tagsmith/render/sketch.hpp"
 
@@ -15,14 +17,12 @@ namespace tagsmith {
 
 // Sheet frame: origin at the upper left corner, x to the right, y down, metres on paper. Angles are
 // counter-clockwise as one sees them.
-struct SheetLine {
-  std::vector<Eigen::Vector2d> points;
-  LineStyle line{};
-  bool closed = false;
-};
+using SheetLine = LineThrough<Eigen::Vector2d>;
+using SheetPicture = PictureAt<Eigen::Vector2d>;
 
+// The area inside an odd number of these outlines: one polygon, or one with holes.
 struct SheetArea {
-  std::vector<Eigen::Vector2d> points;
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
   Colour fill{};
 };
 
@@ -33,17 +33,7 @@ struct SheetText {
   double angle = 0;
   double max_width = 0;  // the text is shrunk, then cut, to fit
   Colour colour{};
-};
-
-// A grey picture; samples row by row, 0 black to 255 white.
-struct SheetPicture {
-  Eigen::Vector2d at{0, 0};  // upper left corner
-  double width = 0;
-  double height = 0;
-  int columns = 0;  // pixels
-  int rows = 0;
-  std::vector<std::uint8_t> samples;
-  std::string jpeg;  // the same as a JPEG file; empty = none
+  bool centred = false;  // `at` is the middle of the baseline
 };
 
 using SheetItem = std::variant<SheetLine, SheetArea, SheetText, SheetPicture>;
@@ -51,7 +41,14 @@ using SheetItem = std::variant<SheetLine, SheetArea, SheetText, SheetPicture>;
 struct SheetLayer {
   std::string name;
   std::vector<SheetItem> items;
+  std::string title{};                          // of the group in SVG; empty = none
+  std::optional<Eigen::AlignedBox2d> window{};  // the part that is shown; none = all
 };
+
+// A layer of this name holds the lines that a cutting plotter follows, in kCutColour: PDF has them
+// in the spot colour of this name.
+inline constexpr const char* kCutContour = "CutContour";
+inline constexpr Colour kCutColour{1, 0, 1};
 
 struct Sheet {
   double width = 0;  // metres
@@ -59,6 +56,9 @@ struct Sheet {
   std::string title;
   std::string subject;
   std::vector<SheetLayer> layers;
+  std::string keywords{};
+  std::optional<Eigen::AlignedBox2d> trim{};   // what is cut out, where that is one piece
+  std::optional<Eigen::AlignedBox2d> bleed{};  // to where its surface is printed
 };
 
 }  // namespace tagsmith

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sheets as PDF, SVG and PNG.
+// Sheets as files of the format that their name says.
 #pragma once
 
 #include <filesystem>
@@ -17,16 +17,6 @@ enum class SheetFormat { pdf, svg, png };
 
 // By the file's extension, in any case of letters; nothing for other extensions.
 std::optional<SheetFormat> sheet_format_of(const std::filesystem::path& path);
-
-// A PDF of all sheets at true scale, fonts embedded, told to print unscaled.
-Result<std::string> render_sheets_pdf(std::span<const Sheet> sheets);
-
-// SVG 1.1 in millimetres, a group for each layer (`id` = its name), text as outlines with the words
-// as their title.
-std::string render_sheet_svg(const Sheet& sheet);
-
-// An RGB picture on white.
-Result<std::string> render_sheet_png(const Sheet& sheet, double dots_per_inch = 150);
 
 struct SheetFile {
   std::filesystem::path path;

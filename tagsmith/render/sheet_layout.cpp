@@ -26,22 +26,24 @@ constexpr double kAxisLength = 0.0075;
 constexpr int kMostScales = 80;  // 20 powers of ten
 
 struct PlacedView {
-  Vector2d corner;  // upper left, within the drawing area
-  std::size_t view = 0;
+  const DrawingView* view = nullptr;
   SketchOnPaper sketch;
+  Vector2d size{0, 0};    // with title and axes
+  Vector2d corner{0, 0};  // upper left, within the drawing area
+  int row = 0;
 };
 
 using SheetViews = std::vector<PlacedView>;
 
 // A view with its title and axes.
-Vector2d size_of(const DrawingView& view, const SketchOnPaper& sketch, const TextWidths& widths) {
+Vector2d size_of(const DrawingView& view, const SketchOnPaper& sketch) {
   Vector2d size = sketch.bounds.isEmpty() ? Vector2d(0, 0) : Vector2d(sketch.bounds.sizes());
   if (view.axes) {
     size.x() += kAxesRoom;
     size.y() = std::max(size.y(), kAxesRoom);
   }
   if (!view.title.empty()) {
-    size.x() = std::max(size.x(), widths(view.title, kTitleHeight));
+    size.x() = std::max(size.x(), text_width(view.title, kTitleHeight));
     size.y() += kTitleRoom;
   }
   return size;
@@ -49,28 +51,32 @@ Vector2d size_of(const DrawingView& view, const SketchOnPaper& sketch, const Tex
 
 // Rows of views, as many sheets as they take; nothing when a view is larger than a sheet.
 std::optional<std::vector<SheetViews>> flow(std::span<const DrawingView> views, double scale,
-                                            const Vector2d& room, const TextWidths& widths) {
+                                            const Vector2d& room) {
   std::vector<SheetViews> sheets(1);
   Vector2d cursor(0, 0);
   double row_height = 0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    PlacedView placed{cursor, i,
-                      sketch_on_paper(views[i].sketch, views[i].scale.value_or(scale), widths)};
-    const Vector2d size = size_of(views[i], placed.sketch, widths);
+  int row = 0;
+  for (const DrawingView& view : views) {
+    PlacedView placed{&view, sketch_on_paper(view.sketch, view.scale.value_or(scale))};
+    placed.size = size_of(view, placed.sketch);
+    const Vector2d& size = placed.size;
     if ((size.array() > room.array()).any()) return std::nullopt;
-    if (cursor.x() > 0 && (views[i].new_row || cursor.x() + size.x() > room.x())) {
+    if (cursor.x() > 0 && (view.new_row || cursor.x() + size.x() > room.x())) {
       cursor = {0, cursor.y() + row_height + kViewGap};
       row_height = 0;
+      ++row;
     }
     if (cursor.y() > 0 && cursor.y() + size.y() > room.y()) {
       sheets.emplace_back();
       cursor = {0, 0};
       row_height = 0;
+      row = 0;
     }
     placed.corner = cursor;
-    sheets.back().push_back(std::move(placed));
+    placed.row = row;
     cursor.x() += size.x() + kViewGap;
     row_height = std::max(row_height, size.y());
+    sheets.back().push_back(std::move(placed));
   }
   return sheets;
 }
@@ -93,13 +99,12 @@ struct Flow {
   std::vector<SheetViews> sheets;
 };
 
-Result<Flow> choose_scale(std::span<const DrawingView> views, const DrawingStyle& style,
-                          const TextWidths& widths) {
+Result<Flow> choose_scale(std::span<const DrawingView> views, const DrawingStyle& style) {
   const Vector2d room = drawing_area(style.paper);
   double scale = finest_scale(views, room);
   for (int i = 0; i < kMostScales; ++i) {
     const double next = next_round_scale(scale);
-    if (auto sheets = flow(views, scale, room, widths)) {
+    if (auto sheets = flow(views, scale, room)) {
       if (sheets->size() == 1 || next > style.coarsest_scale * 1.0001) {
         return Flow{scale, std::move(*sheets)};
       }
@@ -110,11 +115,16 @@ Result<Flow> choose_scale(std::span<const DrawingView> views, const DrawingStyle
 }
 
 void add_moved(SheetLayer& to, const std::vector<SheetItem>& items, const Vector2d& by) {
+  const auto move = [&](std::vector<Vector2d>& points) {
+    for (Vector2d& point : points) point += by;
+  };
   for (SheetItem item : items) {
     std::visit(
         [&](auto& value) {
-          if constexpr (requires { value.points; }) {
-            for (Vector2d& point : value.points) point += by;
+          if constexpr (requires { value.outlines; }) {
+            std::ranges::for_each(value.outlines, move);
+          } else if constexpr (requires { value.points; }) {
+            move(value.points);
           } else {
             value.at += by;
           }
@@ -152,19 +162,19 @@ Sketch axes_sketch(const ViewAxes& axes) {
   return sketch;
 }
 
-void add_view(Sheet& sheet, const DrawingView& view, const PlacedView& placed,
-              const Vector2d& area_corner, const TextWidths& widths) {
+void add_view(Sheet& sheet, const PlacedView& placed, const Vector2d& area_corner) {
+  const DrawingView& view = *placed.view;
   Vector2d corner = area_corner + placed.corner;
   if (!view.title.empty()) {
     layer_of(sheet, "titles")
         .items.push_back(SheetText{.text = view.title,
                                    .at = corner + Vector2d(0, kTitleHeight * 1.2),
                                    .height = kTitleHeight,
-                                   .max_width = widths(view.title, kTitleHeight)});
+                                   .max_width = text_width(view.title, kTitleHeight)});
     corner.y() += kTitleRoom;
   }
   if (view.axes) {
-    const SketchOnPaper axes = sketch_on_paper(axes_sketch(*view.axes), 1, widths);
+    const SketchOnPaper axes = sketch_on_paper(axes_sketch(*view.axes), 1);
     add_moved(layer_of(sheet, "axes"), axes.layers.front().items,
               corner + Vector2d(kAxesRoom / 2, kAxesRoom / 2));
     corner.x() += kAxesRoom;
@@ -177,26 +187,14 @@ void add_view(Sheet& sheet, const DrawingView& view, const PlacedView& placed,
 }
 
 // Moves rows apart so that they fill the sheet evenly, though not by much.
-void spread(SheetViews& views, std::span<const DrawingView> all, const Vector2d& room,
-            const TextWidths& widths) {
+void spread(SheetViews& views, const Vector2d& room) {
   constexpr double kMostMore = 0.02;
   double bottom = 0;
-  int rows = 0;
-  double last = -1;
   for (const PlacedView& placed : views) {
-    bottom =
-        std::max(bottom, placed.corner.y() + size_of(all[placed.view], placed.sketch, widths).y());
-    rows += placed.corner.y() > last ? 1 : 0;
-    last = placed.corner.y();
+    bottom = std::max(bottom, placed.corner.y() + placed.size.y());
   }
-  const double more = std::min(kMostMore, (room.y() - bottom) / (rows + 1));
-  int row = 0;
-  last = -1;
-  for (PlacedView& placed : views) {
-    row += placed.corner.y() > last ? 1 : 0;
-    last = placed.corner.y();
-    placed.corner.y() += row * more;
-  }
+  const double more = std::min(kMostMore, (room.y() - bottom) / (views.back().row + 2));
+  for (PlacedView& placed : views) placed.corner.y() += (placed.row + 1) * more;
 }
 
 Result<void> check_views(std::span<const DrawingView> views) {
@@ -209,18 +207,17 @@ Result<void> check_views(std::span<const DrawingView> views) {
   return {};
 }
 
-Sheet make_sheet(const TitleBlock& block, const DrawingPart& part, SheetViews& placed, double scale,
-                 const SheetNumber& number, const TextWidths& widths) {
-  const SheetFrame frame = sheet_frame(part.style.paper);
-  spread(placed, part.views, frame.views.sizes(), widths);
+Sheet make_sheet(const TitleBlock& block, Paper paper, SheetViews& views, double scale,
+                 const SheetNumber& number) {
+  const SheetFrame frame = sheet_frame(paper);
+  spread(views, frame.views.sizes());
   Sheet sheet{frame.paper.x(), frame.paper.y(), block.title, block.subject, {}};
   bool scaled = false;
-  for (const PlacedView& view : placed) {
-    add_view(sheet, part.views[view.view], view, frame.views.min(), widths);
-    scaled = scaled || !part.views[view.view].scale;
+  for (const PlacedView& placed : views) {
+    add_view(sheet, placed, frame.views.min());
+    scaled = scaled || !placed.view->scale;
   }
-  add_title_block(sheet, block, number, scaled ? std::optional(scale) : std::nullopt, frame,
-                  widths);
+  add_title_block(sheet, block, number, scaled ? std::optional(scale) : std::nullopt, frame);
   return sheet;
 }
 
@@ -247,13 +244,11 @@ Vector2d drawing_area(Paper paper) {
 
 Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
                                           std::span<const DrawingPart> parts) {
-  const TextWidths widths;
   std::vector<Flow> flows;
   std::size_t count = 0;
   for (const DrawingPart& part : parts) {
-    Result<Flow> chosen = check_views(part.views).and_then([&] {
-      return choose_scale(part.views, part.style, widths);
-    });
+    Result<Flow> chosen =
+        check_views(part.views).and_then([&] { return choose_scale(part.views, part.style); });
     if (!chosen) return tl::unexpected(chosen.error());
     count += chosen->sheets.size();
     flows.push_back(std::move(*chosen));
@@ -263,7 +258,7 @@ Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (SheetViews& placed : flows[i].sheets) {
       const SheetNumber number{sheets.size() + 1, count};
-      sheets.push_back(make_sheet(block, parts[i], placed, flows[i].scale, number, widths));
+      sheets.push_back(make_sheet(block, parts[i].style.paper, placed, flows[i].scale, number));
     }
   }
   return sheets;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -60,11 +61,14 @@ struct SketchPoint {
   Eigen::Vector2d paper = Eigen::Vector2d::Zero();
 };
 
-struct Polyline {
-  std::vector<SketchPoint> points;
+// A line through points: SketchPoint in a sketch, a place on paper in a sheet.
+template <class Point>
+struct LineThrough {
+  std::vector<Point> points;
   LineStyle line{};
   bool closed = false;
 };
+using Polyline = LineThrough<SketchPoint>;
 
 // A filled polygon without an outline.
 struct Area {
@@ -74,7 +78,7 @@ struct Area {
 
 // An outlined ellipse; equal semi-axes make a circle.
 struct Ellipse {
-  SketchPoint centre{Eigen::Vector2d::Zero()};
+  SketchPoint at{Eigen::Vector2d::Zero()};
   Eigen::Vector2d semi_axes{0, 0};  // metres on the ground, or on paper
   bool on_paper = false;            // semi_axes are metres on paper
   double angle = 0;                 // of the first semi-axis, radians from x towards y
@@ -83,14 +87,15 @@ struct Ellipse {
 
 // A filled disc, radius in metres on paper.
 struct Dot {
-  SketchPoint centre{Eigen::Vector2d::Zero()};
+  SketchPoint at{Eigen::Vector2d::Zero()};
   double radius = 0.0005;
   Colour fill{};
 };
 
 // A grey picture, its upper left corner at `at`, metres on paper.
-struct Picture {
-  SketchPoint at{Eigen::Vector2d::Zero()};
+template <class Point>
+struct PictureAt {
+  Point at{Eigen::Vector2d::Zero()};
   double width = 0;
   double height = 0;
   int columns = 0;  // pixels
@@ -98,6 +103,7 @@ struct Picture {
   std::vector<std::uint8_t> samples;  // row by row, 0 black to 255 white
   std::string jpeg{};                 // the same as a JPEG file, which PDF and SVG carry
 };
+using Picture = PictureAt<SketchPoint>;
 
 enum class TextAlign { left, centre, right };
 enum class TextLevel { baseline, middle, top };
@@ -139,14 +145,10 @@ struct SketchLayer {
   std::string name;
   std::vector<SketchItem> items;
 
-  void add(Area area);
-  void add(Polyline line);
-  void add(const Ellipse& ellipse);
-  void add(const Dot& dot);
-  void add(const Arrow& arrow);
-  void add(Words words);
-  void add(Dimension dimension);
-  void add(Picture picture);
+  template <class Item>
+  void add(Item item) {
+    items.emplace_back(std::move(item));
+  }
 };
 
 // x to the right and y up.

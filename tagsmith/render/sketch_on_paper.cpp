@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/sketch_on_paper.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "tagsmith/render/text.hpp"
+#include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith {
 namespace {
@@ -33,8 +35,7 @@ double reading_angle(const Vector2d& direction) {
 
 class Drafter {
  public:
-  Drafter(double scale_denominator, const TextWidths& widths)
-      : scale_(1 / scale_denominator), widths_(widths) {}
+  explicit Drafter(double scale_denominator) : scale_(1 / scale_denominator) {}
 
   SketchOnPaper take() && { return std::move(result_); }
 
@@ -46,11 +47,11 @@ class Drafter {
 
   void operator()(const Ellipse& ellipse) {
     const Vector2d axes = ellipse.semi_axes * (ellipse.on_paper ? 1 : scale_);
-    add_line(oval(on_paper(ellipse.centre), axes, ellipse.angle), ellipse.line, true);
+    add_line(oval(on_paper(ellipse.at), axes, ellipse.angle), ellipse.line, true);
   }
 
   void operator()(const Dot& dot) {
-    add_area(oval(on_paper(dot.centre), {dot.radius, dot.radius}, 0), dot.fill);
+    add_area(oval(on_paper(dot.at), {dot.radius, dot.radius}, 0), dot.fill);
   }
 
   void operator()(const Arrow& arrow) {
@@ -109,7 +110,7 @@ class Drafter {
     const Vector2d reading = direction_at(angle);
     const Vector2d up = turned_left(reading);
     const double length = (to - from).norm();
-    if (widths_(dimension.text, kDimensionText) <= length) {
+    if (text_width(dimension.text, kDimensionText) <= length) {
       add_words(dimension.text, (from + to) / 2 + up * 0.0007, kDimensionText, angle,
                 TextAlign::centre, TextLevel::baseline, dimension.colour);
       return;
@@ -160,7 +161,7 @@ class Drafter {
 
   void add_words(const std::string& text, const Vector2d& at, double height, double angle,
                  TextAlign align, TextLevel level, const Colour& colour) {
-    const double width = widths_(text, height);
+    const double width = text_width(text, height);
     const Vector2d reading = direction_at(angle);
     const Vector2d down = -turned_left(reading);
     const double back = align == TextAlign::left ? 0 : align == TextAlign::centre ? 0.5 : 1;
@@ -182,7 +183,7 @@ class Drafter {
 
   void add_area(std::vector<Vector2d> points, const Colour& fill) {
     extend(points);
-    result_.layers.back().items.push_back(SheetArea{std::move(points), fill});
+    result_.layers.back().items.push_back(SheetArea{{std::move(points)}, fill});
   }
 
   void extend(const std::vector<Vector2d>& points) {
@@ -190,53 +191,30 @@ class Drafter {
   }
 
   double scale_;
-  const TextWidths& widths_;
   SketchOnPaper result_;
 };
 
-struct ModelBounds {
-  AlignedBox2d box;
-  bool finite = true;
-
-  void add(const SketchPoint& point, const Vector2d& reach = {0, 0}) {
-    finite = finite && point.model.allFinite() && point.paper.allFinite();
-    box.extend(Vector2d(point.model - reach));
-    box.extend(Vector2d(point.model + reach));
-  }
-  void operator()(const Area& area) {
-    for (const SketchPoint& point : area.points) add(point);
-  }
-  void operator()(const Polyline& line) {
-    for (const SketchPoint& point : line.points) add(point);
-  }
-  void operator()(const Ellipse& ellipse) {
-    const double reach = ellipse.on_paper ? 0 : ellipse.semi_axes.minCoeff();
-    add(ellipse.centre, {reach, reach});
-  }
-  void operator()(const Dot& dot) { add(dot.centre); }
-  void operator()(const Arrow& arrow) {
-    add(arrow.from);
-    add(arrow.to);
-  }
-  void operator()(const Words& words) { add(words.at); }
-  void operator()(const Picture& picture) { add(picture.at); }
-  void operator()(const Dimension& dimension) {
-    add(dimension.from);
-    add(dimension.to);
-  }
-};
+// Calls the function with every point that places the item.
+template <class Function>
+void for_each_point(const SketchItem& any, const Function& function) {
+  std::visit(
+      [&](const auto& item) {
+        if constexpr (requires { item.points; }) {
+          std::ranges::for_each(item.points, function);
+        } else if constexpr (requires { item.from; }) {
+          function(item.from);
+          function(item.to);
+        } else {
+          function(item.at);
+        }
+      },
+      any);
+}
 
 }  // namespace
 
-double TextWidths::operator()(const std::string& text, double height) const {
-  const auto [entry, is_new] = widths_.emplace(text, 0);
-  if (is_new) entry->second = text_width(text, 1);
-  return entry->second * height;
-}
-
-SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator,
-                              const TextWidths& widths) {
-  Drafter drafter(scale_denominator, widths);
+SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator) {
+  Drafter drafter(scale_denominator);
   for (const SketchLayer& layer : sketch.layers) {
     drafter.begin_layer(layer.name);
     for (const SketchItem& item : layer.items) std::visit(drafter, item);
@@ -245,12 +223,18 @@ SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator,
 }
 
 std::optional<Vector2d> model_extent(const Sketch& sketch) {
-  ModelBounds bounds;
+  AlignedBox2d box;
+  bool finite = true;
   for (const SketchLayer& layer : sketch.layers) {
-    for (const SketchItem& item : layer.items) std::visit(bounds, item);
+    for (const SketchItem& item : layer.items) {
+      for_each_point(item, [&](const SketchPoint& point) {
+        finite = finite && point.model.allFinite() && point.paper.allFinite();
+        box.extend(point.model);
+      });
+    }
   }
-  if (!bounds.finite) return std::nullopt;
-  return bounds.box.isEmpty() ? Vector2d(0, 0) : Vector2d(bounds.box.sizes());
+  if (!finite) return std::nullopt;
+  return box.isEmpty() ? Vector2d(0, 0) : Vector2d(box.sizes());
 }
 
 }  // namespace tagsmith

@@ -2,9 +2,7 @@
 // A sketch at a scale: every item at its place on paper. Internal to tagsmith/render.
 #pragma once
 
-#include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -14,24 +12,13 @@
 
 namespace tagsmith {
 
-// Widths of texts, each measured once.
-class TextWidths {
- public:
-  // Metres, with capital letters of this height.
-  double operator()(const std::string& text, double height) const;
-
- private:
-  mutable std::map<std::string, double> widths_;  // at a height of 1
-};
-
 // Paper frame: x right, y down, metres; the origin is the sketch's.
 struct SketchOnPaper {
   std::vector<SheetLayer> layers;
   Eigen::AlignedBox2d bounds;  // of all ink; empty without items
 };
 
-SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator,
-                              const TextWidths& widths);
+SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator);
 
 // Width and height of the sketch's points on the ground, metres; nothing when a point
 // is not finite.

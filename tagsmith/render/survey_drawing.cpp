@@ -6,22 +6,16 @@
 #include <utility>
 #include <variant>
 
+#include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/survey_views.hpp"
 
 namespace tagsmith {
 namespace {
 
 DrawingPart plan_part(const Survey& survey, Paper paper) {
-  const PlanStyle style{paper, false};
-  DrawingPart part{{}, {paper, coarsest_plan_scale(survey)}};
-  bool first = true;
-  for (const PlanStrip& strip : plan_strips(survey, style)) {
-    part.views.push_back(annotated_plan(survey, strip, style, first));
-    part.views.push_back(wall_elevation(survey, strip, Side::left, first));
-    part.views.push_back(wall_elevation(survey, strip, Side::right, first));
-    first = false;
-  }
-  return part;
+  return drive_by_strips(survey, paper, [&](const PlanStrip& strip, Side side, bool first) {
+    return wall_elevation(survey, strip, side, first);
+  });
 }
 
 DrawingPart detail_part(const Survey& survey, const std::optional<Rig>& rig, Paper paper) {
@@ -48,18 +42,6 @@ void add_all(Sketch& sketch, const Sketch& other) {
     std::vector<SketchItem>& items = sketch.layer(layer.name).items;
     items.insert(items.end(), layer.items.begin(), layer.items.end());
   }
-}
-
-Eigen::Vector2d extent_of(const Sketch& sketch) {
-  Eigen::AlignedBox2d box;
-  for (const SketchLayer& layer : sketch.layers) {
-    for (const SketchItem& item : layer.items) {
-      const auto* line = std::get_if<Polyline>(&item);
-      if (line == nullptr) continue;
-      for (const SketchPoint& point : line->points) box.extend(point.model);
-    }
-  }
-  return box.isEmpty() ? Eigen::Vector2d(1, 1) : Eigen::Vector2d(box.sizes());
 }
 
 void name_drive(Sketch& sketch, const Survey& survey) {
@@ -93,7 +75,8 @@ Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Pap
     block.fields.push_back({"Survey", survey.name});
   }
   const Eigen::Vector2d room = drawing_area(paper);
-  const double scale = (extent_of(view.sketch).array() / room.array()).maxCoeff();
+  const Eigen::Vector2d extent = model_extent(view.sketch).value_or(room);
+  const double scale = (extent.array() / room.array()).maxCoeff();
   if (scale > coarsest) {
     for (const char* layer : {"names", "centerline"}) {
       std::erase_if(view.sketch.layer(layer).items,

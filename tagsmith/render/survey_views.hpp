@@ -2,6 +2,7 @@
 // The views that the drawing of a survey is made of. Internal to tagsmith/render.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,10 +16,17 @@
 
 namespace tagsmith {
 
-// The strip's plan; `first` adds the start of the drive with its coordinates and heading, and the
-// grid's origin where it is near.
-DrawingView annotated_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style,
-                           bool first);
+// A length in words of a drawing: to the millimetre, without zeros at its end.
+std::string metres(double length);
+
+// Of corner P above the floor at its chainage.
+double height_of_p(const Survey& survey, const PlacedTag& tag);
+
+// The plan and the elevation of each wall by strips, at the scale at which the plan can be read.
+// The first plan shows the start of the drive with its coordinates and heading, and each the grid's
+// origin where it is near.
+using WallView = std::function<DrawingView(const PlanStrip& strip, Side side, bool first)>;
+DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view);
 
 // A wall seen from inside the tunnel, unrolled along the chainage, heights above the floor. Facing
 // the left wall the drive runs to the right, facing the right wall to the left. `dimensions` adds

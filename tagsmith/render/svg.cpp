@@ -1,160 +1,107 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/svg.hpp"
 
-#include <span>
+#include <algorithm>
+#include <cmath>
+#include <string_view>
 
+#include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/printable.hpp"
-#include "tagsmith/render/svg_elements.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/text.hpp"
 
 namespace tagsmith {
 namespace {
 
-std::string point(double x, double y) { return svg_mm(x) + " " + svg_mm(y); }
+using Points = std::vector<Eigen::Vector2d>;
 
-std::string rectangle_path(const Rectangle& rectangle) {
-  return "M" + point(rectangle.x, rectangle.y) + "H" + svg_mm(rectangle.x + rectangle.width) + "V" +
-         svg_mm(rectangle.y + rectangle.height) + "H" + svg_mm(rectangle.x) + "Z";
+// Ten nanometres are finer than any plotter, and keep files small.
+std::string mm(double metres) { return format_number(metres * 1000, 5); }
+
+std::string colour(std::string_view attribute, const Colour& colour) {
+  constexpr std::string_view kHex = "0123456789abcdef";
+  std::string text = " " + std::string(attribute) + "=\"#";
+  for (const double share : {colour.red, colour.green, colour.blue}) {
+    const auto level = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255));
+    text += {kHex[level / 16], kHex[level % 16]};
+  }
+  return text + "\"";
 }
 
-std::string arrow_path(const UpArrow& arrow) {
+std::string path_data(const Points& points, bool closed) {
   std::string path;
-  for (const PlatePoint& corner : outline_of(arrow)) {
-    path += (path.empty() ? "M" : "L") + point(corner.x, corner.y);
+  for (const Eigen::Vector2d& point : points) {
+    path += (path.empty() ? "M" : "L") + mm(point.x()) + " " + mm(point.y());
   }
-  return path + "Z";
+  return path + (closed ? "Z" : "");
 }
 
-std::string element(const std::string& id, const std::string& path) {
-  return "<path id=\"" + id + "\" d=\"" + path + "\"/>\n";
+std::string element(const SheetLine& line) {
+  std::string dashes;
+  for (const double dash : line.line.dashes) dashes += (dashes.empty() ? "" : " ") + mm(dash);
+  return "<path fill=\"none\"" + colour("stroke", line.line.colour) + " stroke-width=\"" +
+         mm(line.line.width) + "\" stroke-linejoin=\"round\"" +
+         (dashes.empty() ? "" : " stroke-dasharray=\"" + dashes + "\"") + " d=\"" +
+         path_data(line.points, line.closed) + "\"/>\n";
 }
 
-// The text itself goes along as the outline's title, for people who look for it.
-std::string text_group(const std::string& id, std::span<const TextItem> items) {
-  std::string group = "<g id=\"" + id + "\">\n";
-  for (const TextItem& item : items) {
-    group += "<path d=\"" + svg_outline(item) + "\"><title>" + markup_text(item.text) +
-             "</title></path>\n";
-  }
-  return group + "</g>\n";
-}
-
-std::string circle(const HoleOutline& hole) {
-  return "<circle cx=\"" + svg_mm(hole.centre.x) + "\" cy=\"" + svg_mm(hole.centre.y) + "\" r=\"" +
-         svg_mm(hole.radius) + "\"/>\n";
-}
-
-std::string cross_path(const HoleOutline& hole) {
-  const auto& [x, y] = hole.centre;
-  return "M" + point(x - hole.radius, y) + "H" + svg_mm(x + hole.radius) + "M" +
-         point(x, y - hole.radius) + "V" + svg_mm(y + hole.radius);
-}
-
-// Outlines of `width` millimetres without a fill.
-std::string stroked_group(const std::string& id, const char* colour, double width,
-                          const std::string& elements) {
-  return "<g id=\"" + id + "\" fill=\"none\" stroke=\"" + colour + "\" stroke-width=\"" +
-         svg_mm(width) + "\">\n" + elements + "</g>\n";
-}
-
-std::string hole_elements(const TagDrawing& tag, double line_width) {
-  std::string elements;
-  std::string crosses;
-  for (const HoleOutline& hole : tag.holes) {
-    if (!tag.cut_contour) elements += circle(hole);
-    crosses += cross_path(hole);
-  }
-  return stroked_group("drill-holes", "#000000", line_width,
-                       elements + "<path d=\"" + crosses + "\"/>\n");
-}
-
-// Cutting plotters take the group by its name or its colour.
-std::string contour_elements(const TagDrawing& tag, double line_width) {
-  const Rectangle& plate = tag.plate;
-  std::string elements = "<rect x=\"" + svg_mm(plate.x) + "\" y=\"" + svg_mm(plate.y) +
-                         "\" width=\"" + svg_mm(plate.width) + "\" height=\"" +
-                         svg_mm(plate.height) + "\" rx=\"" + svg_mm(tag.corner_radius) + "\"/>\n";
-  for (const HoleOutline& hole : tag.holes) elements += circle(hole);
-  return stroked_group("CutContour", "#ff00ff", line_width, elements);
-}
-
-std::string patch_elements(const ReferencePatches& patches, double line_width) {
-  return element("black-patch", rectangle_path(patches.black)) +
-         stroked_group("white-patch", "#000000", line_width,
-                       "<path d=\"" + rectangle_path(patches.white) + "\"/>\n");
-}
-
-std::string tag_elements(const TagDrawing& tag, double line_width) {
-  std::string bars;
-  for (const Rectangle& bar : tag.bars) bars += rectangle_path(bar);
-  std::string arrows;
-  for (const UpArrow& arrow : tag.arrows) arrows += arrow_path(arrow);
-  std::string elements = "<path id=\"feature-frame\" fill-rule=\"evenodd\" d=\"" +
-                         rectangle_path(tag.frame_outer) + rectangle_path(tag.frame_inner) +
-                         "\"/>\n" + element("bars", bars);
-  if (!arrows.empty()) elements += element("up-arrow", arrows);
-  if (tag.patches) elements += patch_elements(*tag.patches, line_width);
-  if (!tag.holes.empty()) elements += hole_elements(tag, line_width);
-  if (!tag.label.empty()) elements += text_group("label", tag.label);
-  if (tag.cut_contour) elements += contour_elements(tag, line_width);
-  return elements;
-}
-
-// A page of one tag has its parts at the top; of several tags each is a group, its parts named
-// after it, because an `id` is unique.
-std::string tags_elements(const Page& page) {
-  if (page.tags.size() == 1 && !page.tags[0].window) {
-    return tag_elements(page.tags[0].drawing, page.line_width);
-  }
-  std::string elements;
-  for (std::size_t i = 0; i < page.tags.size(); ++i) {
-    const PageTag& tag = page.tags[i];
-    const std::string number = std::to_string(i + 1);
-    std::string clip;
-    if (tag.window) {
-      clip = " clip-path=\"url(#window-" + number + ")\"";
-      elements += "<clipPath id=\"window-" + number + "\"><path d=\"" +
-                  rectangle_path(*tag.window) + "\"/></clipPath>\n";
-    }
-    std::string parts = tag_elements(tag.drawing, page.line_width);
-    for (std::size_t at = parts.find(" id=\""); at != std::string::npos;
-         at = parts.find(" id=\"", at + 1)) {
-      parts.insert(at + 5, "tag-" + number + "-");
-    }
-    elements += "<g id=\"tag-" + number + "\"" + clip + ">\n<title>" + markup_text(tag.name) +
-                "</title>\n" + parts + "</g>\n";
-  }
-  return elements;
-}
-
-std::string lines_element(const Page& page, bool dashed) {
+std::string element(const SheetArea& area) {
   std::string path;
-  for (const PageLine& line : page.lines) {
-    if (line.dashed != dashed) continue;
-    path += "M" + point(line.from.x, line.from.y) + "L" + point(line.to.x, line.to.y);
-  }
-  if (path.empty()) return {};
-  return std::string("<path id=\"") + (dashed ? "dashed-marks" : "marks") +
-         "\" fill=\"none\" stroke=\"#000000\" stroke-width=\"" + svg_mm(page.line_width) + "\"" +
-         (dashed ? " stroke-dasharray=\"2 1\"" : "") + " d=\"" + path + "\"/>\n";
+  for (const Points& outline : area.outlines) path += path_data(outline, true);
+  return "<path" + colour("fill", area.fill) +
+         (area.outlines.size() > 1 ? " fill-rule=\"evenodd\"" : "") + " d=\"" + path + "\"/>\n";
 }
 
-std::string mark_elements(const Page& page) {
-  return lines_element(page, false) + lines_element(page, true) + text_group("notes", page.texts);
+std::string element(const SheetText& text) {
+  const std::string turn =
+      text.angle == 0 ? "" : " rotate(" + format_number(-degrees(text.angle), 6) + ")";
+  return "<path" + colour("fill", text.colour) + " transform=\"translate(" + mm(text.at.x()) + " " +
+         mm(text.at.y()) + ")" + turn + "\" d=\"" + text_path(text) + "\"><title>" +
+         markup_text(text.text) + "</title></path>\n";
+}
+
+std::string element(const SheetPicture& picture) {
+  if (picture.jpeg.empty()) return "";
+  return "<image x=\"" + mm(picture.at.x()) + "\" y=\"" + mm(picture.at.y()) + "\" width=\"" +
+         mm(picture.width) + "\" height=\"" + mm(picture.height) +
+         "\" preserveAspectRatio=\"none\" href=\"data:image/jpeg;base64," + base64(picture.jpeg) +
+         "\"/>\n";
+}
+
+std::string group(const SheetLayer& layer) {
+  const std::string id = markup_text(layer.name);
+  std::string text;
+  if (layer.window) {
+    const Eigen::Vector2d from = layer.window->min();
+    const Eigen::Vector2d to = layer.window->max();
+    text += "<clipPath id=\"" + id + "-window\"><path d=\"" +
+            path_data({from, {to.x(), from.y()}, to, {from.x(), to.y()}}, true) +
+            "\"/></clipPath>\n";
+  }
+  text += "<g id=\"" + id + "\"" + (layer.window ? " clip-path=\"url(#" + id + "-window)\"" : "") +
+          ">\n";
+  if (!layer.title.empty()) text += "<title>" + markup_text(layer.title) + "</title>\n";
+  for (const SheetItem& item : layer.items) {
+    text += std::visit([](const auto& value) { return element(value); }, item);
+  }
+  return text + "</g>\n";
 }
 
 }  // namespace
 
-std::string render_svg(const Page& page) {
-  const std::string width = svg_mm(page.width);
-  const std::string height = svg_mm(page.height);
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-         "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" +
-         width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height +
-         "\" fill=\"#000000\">\n<title>" + markup_text(page.notes.title) + "</title>\n<desc>" +
-         markup_text(page.notes.subject +
-                     (page.notes.keywords.empty() ? "" : "; " + page.notes.keywords)) +
-         "</desc>\n<rect id=\"page\" width=\"" + width + "\" height=\"" + height +
-         "\" fill=\"#ffffff\"/>\n" + tags_elements(page) + mark_elements(page) + "</svg>\n";
+std::string render_svg(const Sheet& sheet) {
+  const std::string width = mm(sheet.width);
+  const std::string height = mm(sheet.height);
+  const std::string subject = sheet.subject + (sheet.keywords.empty() ? "" : "; " + sheet.keywords);
+  std::string svg =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"" +
+      width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height +
+      "\">\n<title>" + markup_text(sheet.title) + "</title>\n<desc>" + markup_text(subject) +
+      "</desc>\n<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#ffffff\"/>\n";
+  for (const SheetLayer& layer : sheet.layers) svg += group(layer);
+  return svg + "</svg>\n";
 }
 
 }  // namespace tagsmith

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page as SVG.
+// A sheet as SVG.
 #pragma once
 
 #include <string>
 
-#include "tagsmith/render/page.hpp"
+#include "tagsmith/render/sheet.hpp"
 
 namespace tagsmith {
 
-// An SVG 1.1 document whose user unit is one millimetre, with the page's size in mm. Everything is
-// a path or a line in pure black on a white page, text as outlines: it opens alike where fonts are
-// missing. Feature frame, bars, label and marks are groups of their own (`id`); the cut contour is
-// a magenta one named CutContour. On pages of several tags each is a group with its name as title.
-// The same page gives the same bytes.
-std::string render_svg(const Page& page);
+// An SVG 1.1 document whose user unit is one millimetre, with the sheet's size in mm on white. Each
+// layer is a group of its own (`id` = its name). Text is outlines with the words as their title: it
+// looks alike where fonts are missing. The same sheet gives the same bytes.
+std::string render_svg(const Sheet& sheet);
 
 }  // namespace tagsmith

@@ -20,8 +20,6 @@ using Eigen::Vector2d;
 
 constexpr double kRow = 0.0034;
 
-std::string metres(double length) { return format_number(length, 3); }
-
 std::string element_text(const CenterlineElement& element) {
   const std::string grade =
       element.grade == 0 ? "" : ", grade " + format_number(100 * element.grade, 2) + " %";
@@ -169,17 +167,13 @@ void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double
 }
 
 std::array<std::string, 8> cells_of(const Survey& survey, const PlacedTag& tag) {
-  const auto fixed = [](double value) {
-    return fmt::format("{:.3f}", std::round(value * 1000) / 1000 + 0.0);
-  };
-  const double floor = survey.tunnel.centerline.at(tag.chainage).position.z();
   return {tag.name,
           grouped_digits(survey.code, tag.digits),
-          fixed(tag.p_in_grid.x()),
-          fixed(tag.p_in_grid.y()),
-          fixed(tag.p_in_grid.z()),
-          fixed(tag.chainage),
-          fixed(tag.world_from_plate.translation.z() - floor),
+          to_millimetre(tag.p_in_grid.x()),
+          to_millimetre(tag.p_in_grid.y()),
+          to_millimetre(tag.p_in_grid.z()),
+          to_millimetre(tag.chainage),
+          to_millimetre(height_of_p(survey, tag)),
           tag.surveyed ? "*" : ""};
 }
 

@@ -8,14 +8,15 @@
 namespace tagsmith {
 namespace {
 
-// To the millimetre, never "-0.000".
-double whole_millimetres(double metres) { return std::round(metres * 1000) / 1000 + 0.0; }
-
 std::string with_revision(const std::string& name, const std::string& revision) {
   return revision.empty() ? name : name + " revision " + revision;
 }
 
 }  // namespace
+
+std::string to_millimetre(double metres) {
+  return fmt::format("{:.3f}", std::round(metres * 1000) / 1000 + 0.0);
+}
 
 std::string grouped_digits(const PositionCode& code, const Digits& digits) {
   std::string text = to_string(digits);
@@ -29,11 +30,11 @@ std::string grouped_digits(const PositionCode& code, const Digits& digits) {
 }
 
 TagText tag_text(const Survey& survey, const PlacedTag& tag, const std::string& revision) {
-  const Eigen::Vector3d p = tag.p_in_grid.unaryExpr(&whole_millimetres);
+  const Eigen::Vector3d& p = tag.p_in_grid;
   return {{tag.name + " " + to_string(tag.side) + "  \u00b7  " +
                grouped_digits(survey.code, tag.digits),
-           fmt::format("chainage {:.3f} m  \u00b7  x {:.3f}  y {:.3f}  z {:.3f} m",
-                       whole_millimetres(tag.chainage), p.x(), p.y(), p.z()),
+           "chainage " + to_millimetre(tag.chainage) + " m  \u00b7  x " + to_millimetre(p.x()) +
+               "  y " + to_millimetre(p.y()) + "  z " + to_millimetre(p.z()) + " m",
            with_revision(survey.name, revision)}};
 }
 

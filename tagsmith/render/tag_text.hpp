@@ -10,6 +10,9 @@
 
 namespace tagsmith {
 
+// To the millimetre, never "-0.000".
+std::string to_millimetre(double metres);
+
 // The digits in groups: one an axis, then the check digit: "0190 0000 040 4".
 std::string grouped_digits(const PositionCode& code, const Digits& digits);
 

@@ -5,12 +5,13 @@
 #include <cairo.h>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <tuple>
 
 #include <pango/pangocairo.h>
 
 #include "tagsmith/base/printable.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith {
 namespace {
@@ -107,16 +108,16 @@ void ellipsize(PangoLayout* layout, double width) {
   pango_layout_set_width(layout, static_cast<int>(units));
 }
 
-SetText lay_out_text(const TextItem& item) {
+SetText lay_out_text(const SheetText& text) {
   SetText set;
   const auto& [context, capital] = text_tools();
   if (capital <= 0) return set;
-  set.layout = make_layout(context.get(), printable_text(item.text));
-  const double scale = item.height / capital;
-  double shrink = shrink_to(item.max_width / scale, extents_of(set.layout.get()).width);
+  set.layout = make_layout(context.get(), printable_text(text.text));
+  const double scale = text.height / capital;
+  double shrink = shrink_to(text.max_width / scale, extents_of(set.layout.get()).width);
   if (shrink < kLeastShrink) {
     shrink = kLeastShrink;
-    ellipsize(set.layout.get(), item.max_width / (scale * shrink));
+    ellipsize(set.layout.get(), text.max_width / (scale * shrink));
   }
   const Extents extents = extents_of(set.layout.get());
   shrink = std::min({shrink, shrink_to(kTextAscent * capital, extents.ascent),
@@ -127,102 +128,93 @@ SetText lay_out_text(const TextItem& item) {
 }
 
 // Pages of one print repeat most of their texts: the last ones are kept, for each thread its own.
-const SetText& set_text(const TextItem& item) {
+const SetText& set_text(const SheetText& text) {
   constexpr std::size_t kKept = 64;
   using Key = std::tuple<std::string, double, double>;
   thread_local std::map<Key, SetText> kept;
-  const Key key{item.text, item.height, item.max_width};
+  const Key key{text.text, text.height, text.max_width};
   if (const auto found = kept.find(key); found != kept.end()) return found->second;
   if (kept.size() == kKept) kept.clear();
-  return kept.emplace(key, lay_out_text(item)).first->second;
-}
-
-// User space becomes layout units with the origin at the left end of the baseline.
-void enter_text_space(cairo_t* context, const TextItem& item, const SetText& set) {
-  cairo_translate(context, item.x, item.y);
-  if (item.upwards) cairo_rotate(context, -std::numbers::pi / 2);
-  cairo_scale(context, set.scale, set.scale);
-  if (item.centred) cairo_translate(context, -set.width / 2, 0);
+  return kept.emplace(key, lay_out_text(text)).first->second;
 }
 
 PangoLayoutLine* only_line(const SetText& set) {
   return pango_layout_get_line_readonly(set.layout.get(), 0);
 }
 
-PathSegment segment_of(const cairo_path_data_t* data, const cairo_matrix_t& item_from_text) {
-  PathSegment segment;
-  switch (data->header.type) {
-    case CAIRO_PATH_MOVE_TO:
-      segment.verb = PathVerb::move;
-      break;
-    case CAIRO_PATH_LINE_TO:
-      segment.verb = PathVerb::line;
-      break;
-    case CAIRO_PATH_CURVE_TO:
-      segment.verb = PathVerb::curve;
-      break;
-    case CAIRO_PATH_CLOSE_PATH:
-      segment.verb = PathVerb::close;
-      break;
+// Where the line begins, layout units from the text's place.
+double start_of(const SheetText& text, const SetText& set) {
+  return text.centred ? -set.width / 2 : 0;
+}
+
+std::string path_data(const cairo_path_t& path) {
+  // Finer than a printer's dot by far; nanometres would only swell the file.
+  constexpr int kDecimals = 4;
+  std::string data;
+  for (int i = 0; i < path.num_data; i += path.data[i].header.length) {
+    data += "MLCZ"[path.data[i].header.type];
+    for (int point = 1; point < path.data[i].header.length; ++point) {
+      const auto& [x, y] = path.data[i + point].point;
+      data +=
+          (point > 1 ? " " : "") + format_number(x, kDecimals) + " " + format_number(y, kDecimals);
+    }
   }
-  for (int i = 1; i < data->header.length; ++i) {
-    double x = data[i].point.x;
-    double y = data[i].point.y;
-    cairo_matrix_transform_point(&item_from_text, &x, &y);
-    segment.points[static_cast<std::size_t>(i - 1)] = {x, y};
-  }
-  return segment;
+  return data;
 }
 
 }  // namespace
 
 bool has_glyphs(const std::string& text) {
-  const Context context = make_context();
-  const Layout layout = make_layout(context.get(), printable_text(text));
+  const Layout layout = make_layout(text_tools().context.get(), printable_text(text));
   return pango_layout_get_unknown_glyphs_count(layout.get()) == 0;
 }
 
 double text_width(const std::string& text, double height) {
-  const Context context = make_context();
-  const double capital = extents_of(make_layout(context.get(), "H").get()).ascent;
+  // Drawings are laid out at one scale after the other: each text is measured once.
+  constexpr std::size_t kKept = 100'000;
+  thread_local std::map<std::string, double> widths;  // with capital letters of height 1
+  const auto& [context, capital] = text_tools();
   if (capital <= 0) return 0;
-  const Layout layout = make_layout(context.get(), printable_text(text));
-  return extents_of(layout.get()).width * height / capital;
+  if (widths.size() == kKept) widths.clear();
+  const auto [entry, is_new] = widths.emplace(text, 0);
+  if (is_new) {
+    entry->second =
+        extents_of(make_layout(context.get(), printable_text(text)).get()).width / capital;
+  }
+  return entry->second * height;
 }
 
-void show_text(cairo_t* context, const TextItem& item) {
-  const SetText& set = set_text(item);
+void show_text(cairo_t* context, const SheetText& text) {
+  const SetText& set = set_text(text);
   if (set.layout == nullptr) return;
   cairo_save(context);
-  enter_text_space(context, item, set);
-  cairo_move_to(context, 0, 0);
+  cairo_translate(context, text.at.x(), text.at.y());
+  cairo_rotate(context, -text.angle);
+  cairo_scale(context, set.scale, set.scale);
+  cairo_move_to(context, start_of(text, set), 0);
   pango_cairo_show_layout_line(context, only_line(set));
   cairo_restore(context);
 }
 
-std::vector<PathSegment> text_outline(const TextItem& item) {
-  const SetText& set = set_text(item);
+std::string text_path(const SheetText& text) {
+  const SetText& set = set_text(text);
   if (set.layout == nullptr) return {};
   // Cairo keeps paths in 1/256 of a device unit: the device is made fine enough.
   constexpr double kDeviceScale = 64;
   cairo_surface_t* surface = cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, nullptr);
   cairo_t* context = cairo_create(surface);
   cairo_scale(context, kDeviceScale, kDeviceScale);
+  cairo_save(context);
+  cairo_translate(context, start_of(text, set), 0);
   pango_cairo_layout_line_path(context, only_line(set));
+  cairo_restore(context);
+  cairo_scale(context, 0.001 / set.scale, 0.001 / set.scale);  // the path is read in millimetres
   cairo_path_t* path = cairo_copy_path(context);
-
-  cairo_identity_matrix(context);
-  enter_text_space(context, item, set);
-  cairo_matrix_t item_from_text{};
-  cairo_get_matrix(context, &item_from_text);
-  std::vector<PathSegment> outline;
-  for (int i = 0; i < path->num_data; i += path->data[i].header.length) {
-    outline.push_back(segment_of(&path->data[i], item_from_text));
-  }
+  std::string data = path_data(*path);
   cairo_path_destroy(path);
   cairo_destroy(context);
   cairo_surface_destroy(surface);
-  return outline;
+  return data;
 }
 
 }  // namespace tagsmith

@@ -3,12 +3,9 @@
 // whatever font has them. Safe to call from several threads at once.
 #pragma once
 
-#include <array>
 #include <string>
-#include <string_view>
-#include <vector>
 
-#include "tagsmith/tag/drawing.hpp"
+#include "tagsmith/render/sheet.hpp"
 
 typedef struct _cairo cairo_t;  // NOLINT(bugprone-reserved-identifier): as cairo.h has it
 
@@ -20,23 +17,14 @@ bool has_glyphs(const std::string& text);
 // Length of the text, set with capital letters of this height, metres; 0 without any font.
 double text_width(const std::string& text, double height);
 
-enum class PathVerb { move, line, curve, close };
-
-// `points` holds one point for a move or a line, three for a Bezier curve, none for a close.
-struct PathSegment {
-  PathVerb verb = PathVerb::close;
-  std::array<PlatePoint, 3> points{};
-};
-
-// Both set the item so that its ink keeps inside max_width, kTextAscent and kTextDescent: text too
+// Both set the text so that its ink keeps inside max_width, kTextAscent and kTextDescent: text too
 // wide is shrunk to 60 %, what is still too wide then ends in an ellipsis. Without any font on the
 // machine there is no text.
 
-// Shows the text as glyphs in the context's current colour; the context's user space is the item's
-// frame in metres.
-void show_text(cairo_t* context, const TextItem& item);
+// Shows the text as glyphs; the context's user space is the sheet's frame.
+void show_text(cairo_t* context, const SheetText& text);
 
-// The glyphs' outlines in the item's frame.
-std::vector<PathSegment> text_outline(const TextItem& item);
+// The glyphs' outlines as path data of SVG, millimetres from the text's place along its baseline.
+std::string text_path(const SheetText& text);
 
 }  // namespace tagsmith

@@ -6,16 +6,13 @@
 #include <cmath>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/render/nested_pages.hpp"
 
 namespace tagsmith {
 namespace {
 
 constexpr double kWaste = 0.008;      // shown beyond the plate's edge
 constexpr double kCrossArm = 0.0025;  // half the length of an alignment cross's lines
-constexpr double kMarkGap = 0.001;
-constexpr double kMarkLength = 0.004;
-constexpr double kLeastStep = 0.05;  // of new plate on every further sheet
+constexpr double kLeastStep = 0.05;   // of new plate on every further sheet
 
 // Sheets along one side of the plate.
 struct Tiling {
@@ -79,13 +76,17 @@ void add_clipped(Page& page, const Rectangle& window, PlatePoint from, PlatePoin
   page.lines.push_back({from, to});
 }
 
+std::array<PlatePoint, 4> corners_of(const Rectangle& box) {
+  const double right = box.x + box.width;
+  const double bottom = box.y + box.height;
+  return {{{box.x, box.y}, {right, box.y}, {right, bottom}, {box.x, bottom}}};
+}
+
 void add_plate_edge(Page& page, const Rectangle& plate, const Rectangle& window) {
-  const double right = plate.x + plate.width;
-  const double bottom = plate.y + plate.height;
-  add_clipped(page, window, {plate.x, plate.y}, {right, plate.y});
-  add_clipped(page, window, {plate.x, bottom}, {right, bottom});
-  add_clipped(page, window, {plate.x, plate.y}, {plate.x, bottom});
-  add_clipped(page, window, {right, plate.y}, {right, bottom});
+  const std::array<PlatePoint, 4> corners = corners_of(plate);
+  for (std::size_t i = 0; i < 4; ++i) {
+    add_clipped(page, window, corners[i], corners[(i + 1) % 4]);
+  }
 }
 
 // Crosses in the waste at both ends of every seam; plate frame.
@@ -159,11 +160,7 @@ void add_tile_texts(Page& page, const std::string& name, const TagDrawing& tag,
                   page.notes.title + "  \u00b7  " + name + " sheet " + page.name + " of " +
                       tile_address(0, 0) + " to " + tile_address(plan.columns - 1, plan.rows - 1) +
                       (place.empty() ? "" : "  \u00b7  " + place),
-                  dimensions_text(tag) + "  \u00b7  print at 100 %, then measure both 100 mm bars");
-  for (TextItem& item : page.texts) {
-    if (!item.centred || item.upwards) continue;
-    item.max_width = std::min(item.max_width, page.width - 2 * (plan.window.x + 0.018));
-  }
+                  what_to_measure(tag), page.width - 2 * (plan.window.x + 0.018));
 }
 
 Page lay_out_tile(const std::string& name, const TagDrawing& tag, const PageNotes& notes,
@@ -180,7 +177,7 @@ Page lay_out_tile(const std::string& name, const TagDrawing& tag, const PageNote
   drawing.cut_contour = false;  // a cutting plotter has no use for a plate in pieces
   add_plate_edge(page, drawing.plate, plan.window);
   page.tags.push_back({name, std::move(drawing), plan.window});
-  add_crop_marks(page, plan.window, kMarkGap, kMarkLength);
+  add_crop_marks(page, plan.window, kPaperMarkGap, kPaperMarkLength);
   add_overlap_lines(page, plan, column, row);
   add_crosses(page, plan, tag.plate, page_from_plate);
   add_tile_texts(page, name, tag, plan, column, row);
@@ -233,23 +230,21 @@ void add_tile_map(Page& page, const TilePlan& plan, const PlatePoint& at, double
   for (int row = 0; row < plan.rows; ++row) {
     for (int column = 0; column < plan.columns; ++column) {
       const PlatePoint corner = window_in_plate(plan, column, row);
-      const double left = at.x + scale * corner.x;
-      const double top = at.y + scale * corner.y;
-      const double right = left + scale * plan.window.width;
-      const double bottom = top + scale * plan.window.height;
-      const std::array<PlatePoint, 4> corners{
-          {{left, top}, {right, top}, {right, bottom}, {left, bottom}}};
-      for (std::size_t i = 0; i < corners.size(); ++i) {
-        page.lines.push_back({corners[i], corners[(i + 1) % corners.size()], true});
+      const Rectangle shown{at.x + scale * corner.x, at.y + scale * corner.y,
+                            scale * plan.window.width, scale * plan.window.height};
+      const std::array<PlatePoint, 4> corners = corners_of(shown);
+      for (std::size_t i = 0; i < 4; ++i) {
+        page.lines.push_back({corners[i], corners[(i + 1) % 4], true});
       }
-      page.texts.push_back(
-          {.text = tile_address(column, row),
-           .x = shown_middle(left, right, frame_inner.x, frame_inner.x + frame_inner.width),
-           .y = shown_middle(top, bottom, frame_inner.y, frame_inner.y + frame_inner.height) +
-                kAddressHeight / 2,
-           .height = kAddressHeight,
-           .max_width = 0.03,
-           .centred = true});
+      page.texts.push_back({.text = tile_address(column, row),
+                            .x = shown_middle(shown.x, shown.x + shown.width, frame_inner.x,
+                                              frame_inner.x + frame_inner.width),
+                            .y = shown_middle(shown.y, shown.y + shown.height, frame_inner.y,
+                                              frame_inner.y + frame_inner.height) +
+                                 kAddressHeight / 2,
+                            .height = kAddressHeight,
+                            .max_width = 0.03,
+                            .centred = true});
     }
   }
 }
@@ -283,7 +278,8 @@ Page lay_out_assembly(const std::string& name, const TagDrawing& tag, const Page
   add_tile_map(page, plan, at, scale, frame_inner);
   add_instructions(page, lines, area.y + scale * map_height + 0.008);
   add_paper_notes(page, notes.title + "  \u00b7  " + notes.subject,
-                  "how the sheets of " + name + " go together; not to scale");
+                  "how the sheets of " + name + " go together; not to scale",
+                  page.width - PaperBorder::kLeft - PaperBorder::kRight);
   return page;
 }
 
@@ -313,13 +309,19 @@ std::string tile_address(int column, int row) {
   return letters + std::to_string(column + 1);
 }
 
+std::vector<std::string> tile_page_names(const TilePlan& plan) {
+  std::vector<std::string> names{"assembly"};
+  for (int tile = 0; tile < plan.tiles(); ++tile) {
+    names.push_back(tile_address(tile % plan.columns, tile / plan.columns));
+  }
+  return names;
+}
+
 std::vector<Page> lay_out_tiles(const std::string& name, const TagDrawing& tag,
                                 const PageNotes& notes, const TilePlan& plan) {
   std::vector<Page> pages{lay_out_assembly(name, tag, notes, plan)};
-  for (int row = 0; row < plan.rows; ++row) {
-    for (int column = 0; column < plan.columns; ++column) {
-      pages.push_back(lay_out_tile(name, tag, notes, plan, column, row));
-    }
+  for (int tile = 0; tile < plan.tiles(); ++tile) {
+    pages.push_back(lay_out_tile(name, tag, notes, plan, tile % plan.columns, tile / plan.columns));
   }
   return pages;
 }

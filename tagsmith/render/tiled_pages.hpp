@@ -35,11 +35,13 @@ Result<TilePlan> plan_tiles(const Rectangle& plate, const PrintPaper& paper, dou
 // Rows are letters, columns numbers: "A1" is the upper left sheet. Row 27 is "AA".
 std::string tile_address(int column, int row);
 
-// The assembly sheet and the tiles, row by row. The assembly sheet shows the plate reduced with the
-// addresses, and says how to put it together and what to measure. Page names are "assembly" and the
-// addresses. A tile has crop marks at its window's corners, a dashed line where the edge of the
-// next sheet comes to lie, crosses at the ends of each seam that must coincide, and the plate's
-// edge as a line.
+// Names of a plate's pages: "assembly", then the tiles' addresses row by row.
+std::vector<std::string> tile_page_names(const TilePlan& plan);
+
+// The assembly sheet and the tiles, row by row, so named. The assembly sheet shows the plate
+// reduced with the addresses, and says how to put it together and what to measure. A tile has crop
+// marks at its window's corners, a dashed line where the edge of the next sheet comes to lie,
+// crosses at the ends of each seam that must coincide, and the plate's edge as a line.
 std::vector<Page> lay_out_tiles(const std::string& name, const TagDrawing& tag,
                                 const PageNotes& notes, const TilePlan& plan);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/render/text.hpp"
 
 namespace tagsmith {
 namespace {
@@ -23,6 +24,12 @@ constexpr double kNameHeight = 0.0014;
 
 std::vector<Vector2d> corners(const AlignedBox2d& box) {
   return {box.min(), {box.max().x(), box.min().y()}, box.max(), {box.min().x(), box.max().y()}};
+}
+
+void add_text(SheetLayer& layer, const std::string& text, const Vector2d& at, double height,
+              double max_width, const Colour& colour = {}) {
+  layer.items.push_back(SheetText{
+      .text = text, .at = at, .height = height, .max_width = max_width, .colour = colour});
 }
 
 std::vector<TitleField> all_fields(const TitleBlock& block, const SheetNumber& number,
@@ -50,59 +57,37 @@ void add_fields(SheetLayer& layer, const std::vector<TitleField>& fields, const 
     const Vector2d corner = box.min() + Vector2d(static_cast<double>(i % columns) * cell.x(),
                                                  static_cast<double>(i / columns) * cell.y());
     const double width = cell.x() - kPadding;
-    layer.items.push_back(SheetText{.text = fields[i].name,
-                                    .at = corner + Vector2d(kPadding / 2, 0.0028),
-                                    .height = kNameHeight,
-                                    .max_width = width,
-                                    .colour = colours::kGrey});
-    layer.items.push_back(SheetText{.text = fields[i].value,
-                                    .at = corner + Vector2d(kPadding / 2, 0.0075),
-                                    .height = kValueHeight,
-                                    .max_width = width});
+    add_text(layer, fields[i].name, corner + Vector2d(kPadding / 2, 0.0028), kNameHeight, width,
+             colours::kGrey);
+    add_text(layer, fields[i].value, corner + Vector2d(kPadding / 2, 0.0075), kValueHeight, width);
   }
 }
 
-// A round length on the ground of 25 to 60 mm on paper.
-double scale_bar_length(double scale) {
-  constexpr double kLeast = 0.025;
-  double length = std::pow(10, std::floor(std::log10(kLeast * scale)));
-  for (const double step : {1.0, 2.0, 5.0, 10.0}) {
-    if (length * step / scale >= kLeast) return length * step;
-  }
-  return length * 10;
-}
-
-void add_scale_bar(SheetLayer& layer, double scale, const Vector2d& left_end,
-                   const TextWidths& widths) {
+void add_scale_bar(SheetLayer& layer, double scale, const Vector2d& left_end) {
   constexpr int kParts = 4;
   constexpr double kThickness = 0.0015;
   constexpr double kTextHeight = 0.0018;
-  const double ground = scale_bar_length(scale);
+  constexpr double kLeastLength = 0.025;  // on paper
+  const double ground = round_step(kLeastLength * scale);
   const double part = ground / scale / kParts;
   const LineStyle line{.width = kNarrow};
   for (int i = 0; i < kParts; ++i) {
     const Vector2d corner = left_end + Vector2d(i * part, 0);
     const std::vector<Vector2d> box =
         corners({corner, Vector2d(corner + Vector2d(part, kThickness))});
-    if (i % 2 == 0) layer.items.push_back(SheetArea{box, colours::kBlack});
+    if (i % 2 == 0) layer.items.push_back(SheetArea{{box}, colours::kBlack});
     layer.items.push_back(SheetLine{box, line, true});
   }
   for (const int tick : {0, kParts / 2, kParts}) {
     const std::string text =
         format_number(ground * tick / kParts, 6) + (tick == kParts ? " m" : "");
-    const double width = widths(text, kTextHeight);
+    const double width = text_width(text, kTextHeight);
     const double centred = left_end.x() + tick * part -
-                           widths(format_number(ground * tick / kParts, 6), kTextHeight) / 2;
-    layer.items.push_back(SheetText{.text = text,
-                                    .at = {centred, left_end.y() - 0.0012},
-                                    .height = kTextHeight,
-                                    .max_width = width * 1.001});
+                           text_width(format_number(ground * tick / kParts, 6), kTextHeight) / 2;
+    add_text(layer, text, Vector2d{centred, left_end.y() - 0.0012}, kTextHeight, width * 1.001);
   }
   const std::string text = scale_text(scale);
-  layer.items.push_back(SheetText{.text = text,
-                                  .at = left_end + Vector2d(0, 0.0055),
-                                  .height = 0.0025,
-                                  .max_width = widths(text, 0.0025) * 1.001});
+  add_text(layer, text, left_end + Vector2d(0, 0.0055), 0.0025, text_width(text, 0.0025) * 1.001);
 }
 
 }  // namespace
@@ -110,6 +95,14 @@ void add_scale_bar(SheetLayer& layer, double scale, const Vector2d& left_end,
 std::string scale_text(double denominator) {
   return denominator < 1 ? format_number(1 / denominator, 3) + " : 1"
                          : "1 : " + format_number(denominator, 3);
+}
+
+double round_step(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (step * power >= least * (1 - 1e-9)) return step * power;
+  }
+  return 10 * power;
 }
 
 SheetFrame sheet_frame(Paper paper) {
@@ -128,30 +121,22 @@ SheetFrame sheet_frame(Paper paper) {
 }
 
 void add_title_block(Sheet& sheet, const TitleBlock& block, const SheetNumber& number,
-                     std::optional<double> scale_denominator, const SheetFrame& frame,
-                     const TextWidths& widths) {
+                     std::optional<double> scale_denominator, const SheetFrame& frame) {
   SheetLayer layer{"title-block", {}};
   layer.items.push_back(SheetLine{corners(frame.border), {.width = 0.0007}, true});
   layer.items.push_back(SheetLine{corners(frame.block), {.width = kWide}, true});
   const Vector2d corner = frame.block.min();
-  layer.items.push_back(SheetText{.text = block.title,
-                                  .at = corner + Vector2d(kPadding, 0.0075),
-                                  .height = 0.0035,
-                                  .max_width = kTitleWidth - 2 * kPadding});
-  layer.items.push_back(SheetText{.text = block.subject,
-                                  .at = corner + Vector2d(kPadding, 0.0135),
-                                  .height = 0.0022,
-                                  .max_width = kTitleWidth - 2 * kPadding});
-  layer.items.push_back(SheetText{.text = "tagsmith",
-                                  .at = corner + Vector2d(kPadding, 0.0180),
-                                  .height = kNameHeight,
-                                  .max_width = kTitleWidth - 2 * kPadding,
-                                  .colour = colours::kGrey});
+  add_text(layer, block.title, corner + Vector2d(kPadding, 0.0075), 0.0035,
+           kTitleWidth - 2 * kPadding);
+  add_text(layer, block.subject, corner + Vector2d(kPadding, 0.0135), 0.0022,
+           kTitleWidth - 2 * kPadding);
+  add_text(layer, "tagsmith", corner + Vector2d(kPadding, 0.0180), kNameHeight,
+           kTitleWidth - 2 * kPadding, colours::kGrey);
   add_fields(layer, all_fields(block, number, scale_denominator),
              {Vector2d(corner + Vector2d(kTitleWidth, 0)), frame.block.max()});
   if (scale_denominator) {
     add_scale_bar(layer, *scale_denominator,
-                  {frame.border.min().x() + 0.006, frame.border.max().y() - 0.010}, widths);
+                  {frame.border.min().x() + 0.006, frame.border.max().y() - 0.010});
   }
   sheet.layers.push_back(std::move(layer));
 }

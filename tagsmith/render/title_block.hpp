@@ -9,7 +9,6 @@
 
 #include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
-#include "tagsmith/render/sketch_on_paper.hpp"
 
 namespace tagsmith {
 
@@ -30,7 +29,6 @@ struct SheetNumber {
 
 // Border, title block and, of the scale that the drawing is in, a scale bar.
 void add_title_block(Sheet& sheet, const TitleBlock& block, const SheetNumber& number,
-                     std::optional<double> scale_denominator, const SheetFrame& frame,
-                     const TextWidths& widths);
+                     std::optional<double> scale_denominator, const SheetFrame& frame);
 
 }  // namespace tagsmith

@@ -9,7 +9,6 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/side_line.hpp"
-#include "tagsmith/render/tag_text.hpp"
 
 namespace tagsmith {
 namespace {
@@ -100,15 +99,6 @@ Vector2d room_for_strips(Paper paper) {
   return drawing_area(paper) - Vector2d(kAxesOverhead, kStripOverhead);
 }
 
-// 1, 2 or 5 times a power of ten, at least `least`.
-double round_step(double least) {
-  const double power = std::pow(10, std::floor(std::log10(least)));
-  for (const double step : {1.0, 2.0, 5.0}) {
-    if (step * power >= least * (1 - 1e-9)) return step * power;
-  }
-  return 10 * power;
-}
-
 // The longest strip from here on that fits the room, ending at a multiple of the step.
 PlanStrip longest_strip(const Survey& survey, double from, double to, const Vector2d& room,
                         double step) {
@@ -171,7 +161,8 @@ void draw_chainages(SketchLayer& layer, const Survey& survey, const PlanStrip& s
 void draw_plate(SketchLayer& layer, const Survey& survey, const PlanStrip& strip,
                 const PlacedTag& tag) {
   const Pose& pose = tag.world_from_plate;
-  const auto [left, right] = plate_ends(survey.tag_template);
+  const double left = plate_outline(survey.tag_template).x;
+  const double right = left + survey.tag_template.plate_length;
   const Vector2d from = in_view(strip, pose * Eigen::Vector3d(left, 0, 0));
   const Vector2d to = in_view(strip, pose * Eigen::Vector3d(right, 0, 0));
   const Vector2d middle = (from + to) / 2;
@@ -186,17 +177,16 @@ void draw_plate(SketchLayer& layer, const Survey& survey, const PlanStrip& strip
   layer.add(Dot{in_view(strip, pose.translation), 0.0004, colours::kRed});
 }
 
-Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag, bool digits) {
+Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag) {
   const Pose& pose = tag.world_from_plate;
-  const auto [left, right] = plate_ends(survey.tag_template);
-  const Vector2d middle = in_view(strip, pose * Eigen::Vector3d((left + right) / 2, 0, 0));
+  const Vector2d middle =
+      in_view(strip, pose * Eigen::Vector3d(plate_middle(survey.tag_template), 0, 0));
   const Vector2d outward = turned_to_view(strip, pose.rotation.col(2)).normalized();
   const double angle = std::atan2(outward.y(), outward.x());
   // Read from the right rather than turned over by a bend of the wall.
   const bool upside_down = angle > radians(105) || angle <= radians(-75);
   Words words;
   words.text = tag.name;
-  if (digits) words.text += "  " + grouped_digits(survey.code, tag.digits);
   words.at = {middle, outward * kNameClear};
   words.height = kNameHeight;
   words.angle = upside_down ? angle + std::numbers::pi : angle;
@@ -237,9 +227,10 @@ double coarsest_plan_scale(const Survey& survey) {
   return scale;
 }
 
-PlateEnds plate_ends(const TagTemplate& tag) {
-  const double left = -(tag.plate_length - tag.frame_inner_length) / 2 - tag.frame_offset_right;
-  return {left, left + tag.plate_length};
+Rectangle plate_outline(const TagTemplate& tag) { return draw_tag(tag, Digits{}).plate; }
+
+double plate_middle(const TagTemplate& tag) {
+  return tag.frame_inner_length / 2 - tag.frame_offset_right;
 }
 
 std::vector<double> plan_ticks(const PlanStrip& strip) {
@@ -256,9 +247,9 @@ PlanStrip plan_strip(const Survey& survey, double from, double to) {
   return make_strip(survey.tunnel.centerline, from, to);
 }
 
-std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style) {
+std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper) {
   const auto [from, to] = drawn_chainages(survey);
-  const Vector2d room = room_for_strips(style.paper);
+  const Vector2d room = room_for_strips(paper);
   const PlanStrip whole = make_strip(survey.tunnel.centerline, from, to);
   const double needed = (extent_of(survey, whole).array() / room.array()).maxCoeff();
   double scale = coarsest_plan_scale(survey);
@@ -268,7 +259,7 @@ std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style)
   return cut_into_strips(survey, from, to, room * scale);
 }
 
-Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style) {
+Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip) {
   Sketch sketch;
   draw_tunnel(sketch, survey, strip);
   draw_chainages(sketch.layer("centerline"), survey, strip);
@@ -276,7 +267,7 @@ Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle
     const bool inside = tag.chainage >= strip.from && tag.chainage < strip.to;
     if (!inside) continue;
     draw_plate(sketch.layer("tags"), survey, strip, tag);
-    sketch.layer("names").add(name_of(survey, strip, tag, style.digits));
+    sketch.layer("names").add(name_of(survey, strip, tag));
   }
   return sketch;
 }
@@ -288,11 +279,11 @@ ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip) {
   return axes;
 }
 
-DrawingView plan_view(const Survey& survey, const PlanStrip& strip, const PlanStyle& style) {
+DrawingView plan_view(const Survey& survey, const PlanStrip& strip) {
   DrawingView view;
   view.title =
       "Plan, chainage " + format_number(strip.from, 1) + " to " + format_number(strip.to, 1) + " m";
-  view.sketch = tunnel_plan(survey, strip, style);
+  view.sketch = tunnel_plan(survey, strip);
   view.axes = plan_axes(survey, strip);
   view.new_row = true;
   return view;

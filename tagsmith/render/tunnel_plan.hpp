@@ -9,6 +9,7 @@
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/sketch.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/drawing.hpp"
 
 namespace tagsmith {
 
@@ -18,11 +19,6 @@ struct PlanStrip {
   double from = 0;  // chainage
   double to = 0;
   Eigen::Isometry2d view_from_world = Eigen::Isometry2d::Identity();
-};
-
-struct PlanStyle {
-  Paper paper = Paper::a3;
-  bool digits = false;  // the tags' codes beside their names
 };
 
 // The least scale (its denominator) at which the tags' names do not run into each other and the
@@ -37,28 +33,27 @@ PlanStrip plan_strip(const Survey& survey, double from, double to);
 // The tunnel, and its ends beyond where tags hang there, in as few strips as can be read: one when
 // it fits the paper at coarsest_plan_scale or better, else pieces of a sheet's width that end at
 // round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
-std::vector<PlanStrip> plan_strips(const Survey& survey, const PlanStyle& style = {});
+std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper = Paper::a3);
 
 // Layers `floor`, `walls`, `centerline` (with chainage ticks), `tags` (plates,
 // corner P as a dot, an arrow for the way they face) and `names`. Points are in the strip's view:
 // view_from_world * point. Tags with a chainage outside the strip are left out.
-Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip, const PlanStyle& style = {});
+Sketch tunnel_plan(const Survey& survey, const PlanStrip& strip);
 
 // The round chainages that the strip marks.
 std::vector<double> plan_ticks(const PlanStrip& strip);
 
-// Ends of a plate along its length, metres to the right of P.
-struct PlateEnds {
-  double left = 0;
-  double right = 0;
-};
-PlateEnds plate_ends(const TagTemplate& tag);
+// The plate's edges in the plate frame.
+Rectangle plate_outline(const TagTemplate& tag);
+
+// The middle of a plate along its length, metres to the right of P.
+double plate_middle(const TagTemplate& tag);
 
 // The grid's axes as the strip's view shows them.
 ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip);
 
 // The strip's plan as a view of a drawing, titled with its chainages. Who draws more onto it adds
 // to its sketch, with points as strip.view_from_world has them.
-DrawingView plan_view(const Survey& survey, const PlanStrip& strip, const PlanStyle& style = {});
+DrawingView plan_view(const Survey& survey, const PlanStrip& strip);
 
 }  // namespace tagsmith

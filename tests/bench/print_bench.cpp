@@ -42,7 +42,7 @@ void print_into_one_pdf(benchmark::State& state) {
   std::vector<const PlacedTag*> tags;
   for (const PlacedTag& tag : survey.tags) tags.push_back(&tag);
   PrintStyle style;
-  style.svg = false;
+  style.formats = {SheetFormat::pdf};
   style.single = true;
   style.revision = survey_revision(survey);
   const fs::path folder = fs::temp_directory_path() / "tagsmith-bench";

@@ -10,6 +10,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tagsmith/render/page_sheet.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tests/render/sample_survey.hpp"
@@ -27,7 +28,8 @@ struct Files {
 };
 
 Files render(const Page& page) {
-  return {render_pdf(std::span(&page, 1)).value(), render_svg(page)};
+  const Sheet sheet = sheet_of(page);
+  return {render_pdf(std::span(&sheet, 1)).value(), render_svg(sheet)};
 }
 
 std::vector<Page> many_pages() {
@@ -130,19 +132,20 @@ TEST_CASE("black is the grey 0 of the black ink alone") {
 TEST_CASE("names that look like PDF stay names") {
   REQUIRE_MESSAGE(has_program("qpdf"), "qpdf is missing: install qpdf");
   const Page page = sample_page(small_template(), "0 0 0 rg /Type /Page endobj /CreationDate (D:");
-  const Result<std::string> pdf = render_pdf(std::span(&page, 1));
-  REQUIRE(pdf);
-  CHECK(run_on_pdf(*pdf, "qpdf --check FILE", "qpdf").find("No syntax or stream encoding errors") !=
+  const std::string pdf = render(page).pdf;
+  CHECK(run_on_pdf(pdf, "qpdf --check FILE", "qpdf").find("No syntax or stream encoding errors") !=
         std::string::npos);
-  const std::string text = run_on_pdf(*pdf, "pdftotext -layout FILE -", "pdftotext");
+  const std::string text = run_on_pdf(pdf, "pdftotext -layout FILE -", "pdftotext");
   CHECK(text.find("0 0 0 rg /Type /Page endobj /CreationDate (D:") != std::string::npos);
-  const std::string info = run_on_pdf(*pdf, "pdfinfo FILE", "pdfinfo");
+  const std::string info = run_on_pdf(pdf, "pdfinfo FILE", "pdfinfo");
   CHECK(info.find("CreationDate: ") == std::string::npos);
 }
 
 TEST_CASE("several pages make one PDF") {
-  const std::vector<Page> pages = many_pages();
-  const Result<std::string> pdf = render_pdf(pages, {"corridor", "24 position tags"});
+  std::vector<Sheet> sheets;
+  for (const Page& page : many_pages()) sheets.push_back(sheet_of(page));
+  sheets.front().subject = "24 position tags";
+  const Result<std::string> pdf = render_pdf(sheets);
   REQUIRE(pdf);
   const std::string info = run_on_pdf(*pdf, "pdfinfo FILE", "pdfinfo");
   CHECK(info.find("Pages:           24\n") != std::string::npos);
@@ -153,8 +156,9 @@ TEST_CASE("no page and pages larger than PDF can say are errors") {
   CHECK(render_pdf({}).error().message == "PDF: no page to print, expected at least one");
   TagTemplate huge = small_template();
   huge.plate_length = 6;
-  const Page page = sample_page(huge);
-  CHECK(render_pdf(std::span(&page, 1)).error().message.find("6.05 x 0.35 m") != std::string::npos);
+  const Sheet sheet = sheet_of(sample_page(huge));
+  CHECK(render_pdf(std::span(&sheet, 1)).error().message.find("6.05 x 0.35 m") !=
+        std::string::npos);
 }
 
 TEST_CASE("the SVG's unit is the millimetre and its names are escaped") {

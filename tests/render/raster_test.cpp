@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
+#include "tagsmith/render/page_sheet.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -30,7 +31,10 @@ struct Rendering {
   Raster raster;
 };
 
-std::string pdf_of(const Page& page) { return render_pdf(std::span(&page, 1)).value(); }
+std::string pdf_of(const Page& page) {
+  const Sheet sheet = sheet_of(page);
+  return render_pdf(std::span(&sheet, 1)).value();
+}
 
 // Both templates in both formats. 300 dpi, half of it for the large plate to keep the test quick.
 const std::vector<Rendering>& renderings() {
@@ -40,7 +44,7 @@ const std::vector<Rendering>& renderings() {
       const double dpi = tag.plate_length > 0.5 ? 150 : 300;
       const Page page = sample_page(tag);
       list.push_back({tag.name + " PDF", page, rasterize_pdf(pdf_of(page), dpi)});
-      list.push_back({tag.name + " SVG", page, rasterize_svg(render_svg(page), dpi)});
+      list.push_back({tag.name + " SVG", page, rasterize_svg(render_svg(sheet_of(page)), dpi)});
     }
     return list;
   }();

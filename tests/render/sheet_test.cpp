@@ -8,8 +8,11 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
+#include "tagsmith/render/pdf.hpp"
+#include "tagsmith/render/png.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
+#include "tagsmith/render/svg.hpp"
 #include "tests/render/raster.hpp"
 
 using namespace tagsmith;
@@ -87,8 +90,8 @@ TEST_CASE("lengths are true to the scale that the title block says, in PDF and S
   REQUIRE(sheets.size() == 1);
   REQUIRE(says(sheets[0], "1 : 50"));
   const double dpi = 200;
-  for (const Raster& raster : {rasterize_pdf(render_sheets_pdf(sheets).value(), dpi),
-                               rasterize_svg(render_sheet_svg(sheets[0]), dpi)}) {
+  for (const Raster& raster : {rasterize_pdf(render_pdf(sheets).value(), dpi),
+                               rasterize_svg(render_svg(sheets[0]), dpi)}) {
     CHECK(raster.image.width / raster.pixels_per_mm == Approx(297).epsilon(0.001));
     const std::vector<double> sides = sides_mm(raster, sheets[0]);
     REQUIRE(sides.size() == 2);
@@ -104,8 +107,8 @@ TEST_CASE("a dashed line has its gaps in PDF and SVG") {
   const std::vector<Sheet> sheets = sheets_of({view});
   const auto& line = std::get<SheetLine>(layer_named(sheets[0], "dashes").items.front()).points;
   const Rectangle strip{line[0].x() - 0.001, line[0].y() - 1e-4, 0.041, 2e-4};
-  for (const Raster& raster : {rasterize_pdf(render_sheets_pdf(sheets).value(), 600),
-                               rasterize_svg(render_sheet_svg(sheets[0]), 600)}) {
+  for (const Raster& raster : {rasterize_pdf(render_pdf(sheets).value(), 600),
+                               rasterize_svg(render_svg(sheets[0]), 600)}) {
     CHECK(lines_mm(profile_of(raster, strip, false)).size() == 10);
   }
 }
@@ -128,11 +131,11 @@ TEST_CASE("the same sheets give the same bytes, the formats their own files") {
   CHECK_FALSE(render_sheets(one, "out/d.dwg"));
   CHECK_FALSE(render_sheets(one, "out/d"));
   CHECK_FALSE(render_sheets({}, "out/d.svg"));
-  CHECK_FALSE(render_sheets_pdf({}));
+  CHECK_FALSE(render_pdf({}));
 }
 
 TEST_CASE("an SVG has the layers as groups and its words escaped") {
-  const std::string svg = render_sheet_svg(sheets_of({square_view()})[0]);
+  const std::string svg = render_svg(sheets_of({square_view()})[0]);
   CHECK(svg.find("<g id=\"outline\">") != std::string::npos);
   CHECK(svg.find("<title>a &lt; b</title>") != std::string::npos);
 }
@@ -204,13 +207,13 @@ TEST_CASE("a picture stands in PNG as its pixels and in SVG as its JPEG") {
   REQUIRE(layer.items.size() == 1);
   const auto& placed = std::get<SheetPicture>(layer.items.front());
   const GrayImage page =
-      decode_gray_image("sheet", render_sheet_png(sheets.front(), 254).value()).value();
+      decode_gray_image("sheet", render_png(sheets.front(), 254, PngColours::rgb).value()).value();
   const auto pixel = [&](double x, double y) {
     return page.view().at(static_cast<int>(1e4 * (placed.at.x() + x)),
                           static_cast<int>(1e4 * (placed.at.y() + y)));
   };
   CHECK(pixel(0.003, 0.005) < 40);
   CHECK(pixel(0.017, 0.005) > 215);
-  const std::string svg = render_sheet_svg(sheets.front());
+  const std::string svg = render_svg(sheets.front());
   CHECK(svg.find("href=\"data:image/jpeg;base64,anBlZw==\"") != std::string::npos);
 }

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/page_sheet.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tagsmith {
+namespace {
+
+using Eigen::Vector2d;
+using Points = std::vector<Vector2d>;
+
+Vector2d point(const PlatePoint& p) { return {p.x, p.y}; }
+
+Eigen::AlignedBox2d box_of(const Rectangle& r) {
+  return {Vector2d(r.x, r.y), Vector2d(r.x + r.width, r.y + r.height)};
+}
+
+Points corners_of(const Rectangle& r) {
+  const double right = r.x + r.width;
+  const double bottom = r.y + r.height;
+  return {{r.x, r.y}, {right, r.y}, {right, bottom}, {r.x, bottom}};
+}
+
+// Adds a quarter of a circle, clockwise from the angle (0 = to the right, then down). Its sides
+// miss the arc by less than a thousandth of the radius: finer than any plotter.
+void add_quarter(Points& points, const Vector2d& centre, double radius, double angle) {
+  constexpr int kSides = 36;
+  for (int i = 0; i <= kSides; ++i) {
+    const double turn = angle + std::numbers::pi / 2 * i / kSides;
+    points.push_back(centre + radius * Vector2d(std::cos(turn), std::sin(turn)));
+  }
+}
+
+// The rectangle with round corners; of no size, a circle.
+Points rounded(const Rectangle& r, double radius) {
+  if (radius <= 0) return corners_of(r);
+  const double right = r.x + r.width - radius;
+  const double bottom = r.y + r.height - radius;
+  Points points;
+  const Points centres{
+      {right, bottom}, {r.x + radius, bottom}, {r.x + radius, r.y + radius}, {right, r.y + radius}};
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    add_quarter(points, centres[i], radius, std::numbers::pi / 2 * static_cast<double>(i));
+  }
+  return points;
+}
+
+Points circle(const HoleOutline& hole) {
+  const auto& [x, y] = hole.centre;
+  const double radius = hole.radius;
+  return rounded({x - radius, y - radius, 2 * radius, 2 * radius}, radius);
+}
+
+SheetText text(const TextItem& item) {
+  return {.text = item.text,
+          .at = {item.x, item.y},
+          .height = item.height,
+          .angle = item.upwards ? std::numbers::pi / 2 : 0,
+          .max_width = item.max_width,
+          .centred = item.centred};
+}
+
+// The layers of one tag. The frame is one area, for four rectangles would leave hairline seams on
+// some printers. So are the bars: renderers move the edges of a rectangle that stands alone onto
+// whole pixels.
+std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool with_contour) {
+  const LineStyle line{.width = line_width};
+  std::vector<SheetLayer> layers{
+      {"feature-frame", {SheetArea{{corners_of(tag.frame_outer), corners_of(tag.frame_inner)}}}}};
+  const auto layer = [&](const char* name) -> std::vector<SheetItem>& {
+    return layers.emplace_back(SheetLayer{name, {}}).items;
+  };
+  SheetArea bars;
+  for (const Rectangle& bar : tag.bars) bars.outlines.push_back(corners_of(bar));
+  if (!tag.bars.empty()) layer("bars") = {bars};
+  auto& arrows = layer("up-arrow");
+  for (const UpArrow& arrow : tag.arrows) {
+    Points corners;
+    for (const PlatePoint& corner : outline_of(arrow)) corners.push_back(point(corner));
+    arrows.push_back(SheetArea{{corners}});
+  }
+  if (tag.patches) {
+    layer("patches") = {SheetArea{{corners_of(tag.patches->black)}},
+                        SheetLine{corners_of(tag.patches->white), line, true}};
+  }
+  auto& holes = layer("drill-holes");
+  for (const HoleOutline& hole : tag.holes) {
+    if (!with_contour) holes.push_back(SheetLine{circle(hole), line, true});
+    const Vector2d centre = point(hole.centre);
+    for (const Vector2d& arm : {Vector2d(hole.radius, 0), Vector2d(0, hole.radius)}) {
+      holes.push_back(SheetLine{{centre - arm, centre + arm}, line});
+    }
+  }
+  auto& label = layer("label");
+  for (const TextItem& item : tag.label) label.push_back(text(item));
+  std::erase_if(layers, [](const SheetLayer& each) { return each.items.empty(); });
+  return layers;
+}
+
+void add_contour(SheetLayer& contour, const TagDrawing& tag, double line_width) {
+  const LineStyle line{kCutColour, line_width};
+  contour.items.push_back(SheetLine{rounded(tag.plate, tag.corner_radius), line, true});
+  for (const HoleOutline& hole : tag.holes) {
+    contour.items.push_back(SheetLine{circle(hole), line, true});
+  }
+}
+
+SheetLayer marks_of(const Page& page) {
+  SheetLayer marks{"marks", {}};
+  for (const PageLine& line : page.lines) {
+    LineStyle style{.width = page.line_width};
+    if (line.dashed) style.dashes = {0.002, 0.001};
+    marks.items.push_back(SheetLine{{point(line.from), point(line.to)}, style});
+  }
+  return marks;
+}
+
+}  // namespace
+
+Sheet sheet_of(const Page& page, bool with_contour) {
+  Sheet sheet{page.width, page.height, page.notes.title, page.notes.subject, {}};
+  sheet.keywords = page.notes.keywords;
+  if (page.trim) sheet.trim = box_of(*page.trim);
+  if (page.bleed) sheet.bleed = box_of(*page.bleed);
+  const bool alone = page.tags.size() == 1 && !page.tags.front().window;
+  SheetLayer contour{kCutContour, {}};
+  for (std::size_t i = 0; i < page.tags.size(); ++i) {
+    const PageTag& tag = page.tags[i];
+    const bool cut = with_contour && tag.drawing.cut_contour;
+    for (SheetLayer& layer : layers_of(tag.drawing, page.line_width, cut)) {
+      if (!alone) {
+        layer.name = "tag-" + std::to_string(i + 1) + "-" + layer.name;
+        layer.title = tag.name;
+      }
+      if (tag.window) layer.window = box_of(*tag.window);
+      sheet.layers.push_back(std::move(layer));
+    }
+    if (cut) add_contour(contour, tag.drawing, page.line_width);
+  }
+  if (!contour.items.empty()) sheet.layers.push_back(std::move(contour));
+  sheet.layers.push_back(marks_of(page));
+  SheetLayer notes{"notes", {}};
+  for (const TextItem& item : page.texts) notes.items.push_back(text(item));
+  sheet.layers.push_back(std::move(notes));
+  return sheet;
+}
+
+}  // namespace tagsmith

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// A page with plates as a sheet, to be written as PDF, SVG or PNG.
+#pragma once
+
+#include "tagsmith/render/page.hpp"
+#include "tagsmith/render/sheet.hpp"
+
+namespace tagsmith {
+
+// All in black. Feature frame, bars, arrow, patches, drill holes and label are layers of their own,
+// named `tag-1-bars` and so on where the page has several tags or shows one in part, and titled
+// with the tag's name. `with_contour`: outlines and holes of plates that are to be cut are in the
+// layer CutContour; without it holes are circles to drill.
+Sheet sheet_of(const Page& page, bool with_contour = true);
+
+}  // namespace tagsmith

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/render/sheet_on_cairo.hpp"
+
+#include <cairo.h>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "tagsmith/render/text.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Points = std::vector<Eigen::Vector2d>;
+
+// Cairo's PDF leaves out dashes and gaps that are short in metres, so lines are drawn in these.
+constexpr double kMillimetre = 0.001;
+
+CairoSurface pixels_of(const SheetPicture& picture) {
+  CairoSurface pixels(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.columns, picture.rows));
+  if (cairo_surface_status(pixels.get()) != CAIRO_STATUS_SUCCESS) return nullptr;
+  unsigned char* data = cairo_image_surface_get_data(pixels.get());
+  const int stride = cairo_image_surface_get_stride(pixels.get());
+  std::size_t at = 0;
+  for (int y = 0; y < picture.rows; ++y) {
+    auto* row = reinterpret_cast<std::uint32_t*>(data + static_cast<std::ptrdiff_t>(y) * stride);
+    for (int x = 0; x < picture.columns; ++x) row[x] = 0x010101U * picture.samples[at++];
+  }
+  cairo_surface_mark_dirty(pixels.get());
+  return pixels;
+}
+
+// PDF carries these bytes instead of the pixels; Cairo frees the copy.
+void attach_jpeg(cairo_surface_t* pixels, const std::string& jpeg) {
+  auto copy = std::make_unique<std::string>(jpeg);
+  const auto destroy = [](void* bytes) { delete static_cast<std::string*>(bytes); };
+  const cairo_status_t attached = cairo_surface_set_mime_data(
+      pixels, CAIRO_MIME_TYPE_JPEG, reinterpret_cast<const unsigned char*>(copy->data()),
+      copy->size(), destroy, copy.get());
+  if (attached == CAIRO_STATUS_SUCCESS) copy.release();
+}
+
+// Draws items on a context whose user space is the sheet's frame.
+class Painter {
+ public:
+  explicit Painter(cairo_t* context) : context_(context) {}
+
+  void operator()(const SheetLine& line) {
+    set_colour(line.line.colour);
+    trace(line.points, line.closed);
+    std::vector<double> dashes_mm = line.line.dashes;
+    for (double& dash : dashes_mm) dash /= kMillimetre;
+    cairo_save(context_);
+    cairo_scale(context_, kMillimetre, kMillimetre);
+    cairo_set_line_width(context_, line.line.width / kMillimetre);
+    cairo_set_dash(context_, dashes_mm.data(), static_cast<int>(dashes_mm.size()), 0);
+    cairo_stroke(context_);
+    cairo_restore(context_);
+  }
+
+  void operator()(const SheetArea& area) {
+    set_colour(area.fill);
+    for (const Points& outline : area.outlines) trace(outline, true);
+    cairo_fill(context_);
+  }
+
+  void operator()(const SheetText& text) {
+    set_colour(text.colour);
+    show_text(context_, text);
+  }
+
+  void operator()(const SheetPicture& picture) {
+    const auto needed =
+        static_cast<std::size_t>(picture.columns) * static_cast<std::size_t>(picture.rows);
+    if (needed == 0 || picture.samples.size() != needed) return;
+    const CairoSurface pixels = pixels_of(picture);
+    if (pixels == nullptr) return;
+    if (!picture.jpeg.empty()) attach_jpeg(pixels.get(), picture.jpeg);
+    cairo_save(context_);
+    cairo_translate(context_, picture.at.x(), picture.at.y());
+    cairo_scale(context_, picture.width / picture.columns, picture.height / picture.rows);
+    cairo_set_source_surface(context_, pixels.get(), 0, 0);
+    cairo_paint(context_);
+    cairo_restore(context_);
+  }
+
+ private:
+  void set_colour(const Colour& colour) {
+    cairo_set_source_rgb(context_, colour.red, colour.green, colour.blue);
+  }
+
+  void trace(const Points& points, bool closed) {
+    cairo_new_sub_path(context_);
+    for (const Eigen::Vector2d& point : points) cairo_line_to(context_, point.x(), point.y());
+    if (closed) cairo_close_path(context_);
+  }
+
+  cairo_t* context_;
+};
+
+}  // namespace
+
+void CairoDestroy::operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+void CairoDestroy::operator()(cairo_t* context) const { cairo_destroy(context); }
+
+void draw_sheet(cairo_t* context, const Sheet& sheet, double units_per_metre) {
+  cairo_save(context);
+  cairo_scale(context, units_per_metre, units_per_metre);
+  cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_fill_rule(context, CAIRO_FILL_RULE_EVEN_ODD);
+  Painter painter(context);
+  for (const SheetLayer& layer : sheet.layers) {
+    cairo_save(context);
+    if (layer.window) {
+      const Eigen::Vector2d size = layer.window->sizes();
+      cairo_rectangle(context, layer.window->min().x(), layer.window->min().y(), size.x(),
+                      size.y());
+      cairo_clip(context);
+    }
+    for (const SheetItem& item : layer.items) std::visit(painter, item);
+    cairo_restore(context);
+  }
+  cairo_restore(context);
+}
+
+}  // namespace tagsmith
