@@ -11,15 +11,15 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "decoder/cli/json.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
@@ -111,7 +111,8 @@ Result<std::vector<fs::path>> print_tags(const Demo& demo) {
 }
 
 struct Verified {
-  std::vector<FileReport> reports;
+  std::vector<VerifiedFile> files;
+  VerifyMerge merged;
   std::vector<std::string> unreadable;  // why, a file each
 };
 
@@ -119,11 +120,12 @@ Verified verify_files(const Demo& demo, const std::vector<fs::path>& files) {
   Verified verified;
   ProgressBar bar("files", files.size());
   run_in_order(files.size(), demo.jobs, [&](std::size_t i) -> Delivery {
-    auto report = std::make_shared<Result<FileReport>>(verify_file({demo.survey}, files[i]));
+    auto report = std::make_shared<Result<VerifiedFile>>(verify_file({demo.survey}, files[i]));
     return [&, report] {
       bar.advance([] {});
       if (*report) {
-        verified.reports.push_back(std::move(**report));
+        merge("", **report, verified.merged);
+        verified.files.push_back(std::move(**report));
       } else {
         verified.unreadable.push_back(report->error().message);
       }
@@ -142,27 +144,31 @@ std::vector<fs::path> photos_of(const Run& run) {
   return photos;
 }
 
-// One line on the reports, and every finding. True when there is none.
+// One line on the files, and every finding. True when there is none.
 bool show(const Demo& demo, const std::string& step, const Verified& verified) {
-  const VerifySummary summary = summarize(demo.survey, verified.reports);
+  const auto count = [&](TagStatus status) {
+    return verified.merged.by_status[static_cast<std::size_t>(status)];
+  };
   to_stdout("{:<10} {} files read; tags: {} ok, {} unknown, {} misprinted, {} unreadable\n", step,
-            summary.files, summary.ok, summary.unknown, summary.misprinted, summary.unreadable);
+            verified.files.size(), count(TagStatus::ok), count(TagStatus::unknown),
+            count(TagStatus::misprinted), count(TagStatus::unreadable));
   for (const std::string& problem : verified.unreadable) to_stdout("{:<10} {}\n", "", problem);
-  for (const FileReport& report : verified.reports) {
-    for (const std::string& finding : report.findings) {
-      to_stdout("{:<10} {}: {}\n", "", report.file.filename().string(), finding);
+  for (const VerifiedFile& file : verified.files) {
+    for (const std::string& finding : findings_of(file)) {
+      to_stdout("{:<10} {}: {}\n", "", file.file.filename().string(), finding);
     }
   }
-  if (!summary.missing.empty()) {
-    to_stdout("{:<10} not seen in them: {}\n", "", fmt::join(summary.missing, " "));
+  const std::vector<std::string> missing = missing_tags(demo.survey, verified.merged);
+  if (!missing.empty()) {
+    to_stdout("{:<10} not seen in them: {}\n", "", fmt::join(missing, " "));
   }
-  return summary.files_with_findings == 0 && verified.unreadable.empty();
+  return verified.merged.files_with_findings == 0 && verified.unreadable.empty();
 }
 
-Result<void> save_reports(const fs::path& file, const Demo& demo, const Verified& verified) {
+Result<void> save_lines(const fs::path& file, const Demo& demo, const Verified& verified) {
   std::string lines;
-  for (const FileReport& report : verified.reports) lines += to_json_line(report) + "\n";
-  lines += to_json_line(summarize(demo.survey, verified.reports)) + "\n";
+  for (const VerifiedFile& one : verified.files) lines += to_json_line(one) + "\n";
+  lines += verify_summary_line(demo.survey, verified.merged, std::nullopt, {}) + "\n";
   return write_file(file, lines);
 }
 
@@ -311,8 +317,8 @@ Result<bool> run_steps(const Demo& demo) {
   to_stdout("{:<10} ten points by both methods, from the photos and the range d\n{}{}", "localize",
             Lines{table}, Lines{kAboutMethods});
   for (const Result<void>& saved :
-       {save_reports(demo.folder / kPrintLines, demo, prints),
-        save_reports(demo.folder / kPhotoLines, demo, photos),
+       {save_lines(demo.folder / kPrintLines, demo, prints),
+        save_lines(demo.folder / kPhotoLines, demo, photos),
         write_file(demo.folder / kPositions,
                    table + reasons_of(located.jointly) + reasons_of(located.by_paper))}) {
     if (!saved) return fail(saved.error().message);

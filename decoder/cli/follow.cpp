@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/localize/live_track.hpp"
+#include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/console.hpp"
@@ -24,18 +26,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestLine = 1 << 20;
-
-// The next line, at most kLongestLine bytes of it; false at the end.
-bool read_line(std::istream& in, std::string& line, bool& too_long) {
-  line.clear();
-  too_long = false;
-  for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
-    if (c == '\n') return true;
-    too_long = too_long || line.size() >= kLongestLine;
-    if (!too_long) line += static_cast<char>(c);
-  }
-  return !line.empty();
-}
 
 std::string id_text(const Json& id) { return id.is_string() ? id.get<std::string>() : id.dump(); }
 
@@ -100,12 +90,14 @@ std::string error_line(const Json& object, int number, const std::string& messag
 
 int follow(const FollowInput& input) {
   bool all_located = true;
-  std::string line;
-  bool too_long = false;
   std::optional<LiveTrack> track;
-  for (int number = 1; read_line(std::cin, line, too_long); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const Json object = too_long ? Json() : Json::parse(line, nullptr, false);
+  int number = 0;
+  while (const std::optional<std::string> line = read_line(std::cin, kLongestLine)) {
+    ++number;
+    const bool too_long = line->size() > kLongestLine;
+    if (too_long) std::cin.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    if (line->find_first_not_of(" \t\r") == std::string::npos) continue;
+    const Json object = too_long ? Json() : Json::parse(*line, nullptr, false);
     const Result<Measurement> measurement =
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The JSON lines of `read` and `verify` (docs/formats.md). Each function returns one line without
-// its line end. Bytes of file names that are no UTF-8 become U+FFFD.
+// The JSON lines of `read` (docs/formats.md).
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "decoder/cli/file_list.hpp"
-#include "decoder/cli/verify_merge.hpp"
 #include "decoder/reader/reading.hpp"
-#include "decoder/verify/finding.hpp"
-#include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -35,18 +29,7 @@ GridPoint coded_position(const Digits& digits, const std::vector<Survey>& survey
 std::string check_digit_name(const Reading& reading);
 std::string check_digit_name(const FramelessReading& reading);
 
+// Without its line end. Bytes of file names that are no UTF-8 become U+FFFD.
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
-std::string to_json_line(const FileReport& report);
-std::string to_json_line(const VerifySummary& summary);
-
-// The summary with `completeness`: what the files, and those of earlier runs, cover of the survey.
-// `hung`: where tags hang, when that was asked for. `skipped`: what folders hold besides.
-std::string to_json_line(const VerifySummary& summary, const Survey& survey,
-                         const VerifyMerge& merged, const std::optional<HungTags>& hung,
-                         const SkippedFiles& skipped);
-
-// The summary of `report`.
-std::string report_json_line(const Survey& survey, const VerifyMerge& merged,
-                             const std::optional<HungTags>& hung);
 
 }  // namespace tagsmith

@@ -17,6 +17,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/explain.hpp"
+#include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/report_command.hpp"
 
-#include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,11 +10,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
-#include "decoder/cli/json.hpp"
 #include "decoder/cli/report_files.hpp"
 #include "decoder/cli/verify_hanging.hpp"
-#include "decoder/cli/verify_lines.hpp"
-#include "decoder/cli/verify_merge.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -53,38 +52,33 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
   }
 }
 
-// Where tags hang; nothing without --rig.
-Result<std::optional<HungTags>> hung_tags(const Options& options, const Survey& survey,
-                                          const std::optional<HangingSetup>& setup) {
-  if (!setup) return std::nullopt;
-  std::vector<FileReport> none;
-  Result<HungTags> hung =
-      check_hanging_lines(survey, *setup, 1e-3 * options.hanging.tolerance_mm, options.files, none);
-  if (!hung) return fail(hung.error().message);
-  for (const std::string& note : hung->notes) to_stderr("report: {}\n", note);
-  print_assumptions("report", hung->assumed);
-  return std::optional(std::move(*hung));
-}
-
-Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
-                              const std::optional<HangingSetup>& setup,
-                              const std::optional<HungTags>& hung, CommandFiles& files) {
-  const std::string revision = survey_revision(survey);
-  VerifyMerge merged;
+// All lines of all files, in turn. `tell`: says how many lines were left out.
+Result<void> read_all(const Options& options, const std::function<void(VerifiedFile)>& take,
+                      bool tell = false) {
   for (const std::string& file : options.files) {
-    const Result<VerifyLineCounts> counts = read_verify_lines(file, [&](const VerifiedFile& line) {
-      VerifiedFile verified = line;
-      if (setup && hung) judge_line(survey, *setup, *hung, verified);
-      merge(revision, verified, merged);
-    });
+    const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
     if (!counts) return fail(counts.error().message);
     // A job that was killed leaves one broken line; this is some other file.
     if (counts->files == 0 && counts->broken > 1) {
       return fail(
           fmt::format("{}: none of its {} lines is of `verify --json`", file, counts->broken));
     }
-    tell_broken_lines(file, *counts);
+    if (tell) tell_broken_lines(file, *counts);
   }
+  return {};
+}
+
+Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
+                              const std::optional<LoadedHanging>& hanging,
+                              const std::optional<HungTags>& hung, CommandFiles& files) {
+  const std::string revision = survey_revision(survey);
+  VerifyMerge merged;
+  const auto add = [&](VerifiedFile line) {
+    if (hanging) judge_hanging(survey, hanging->setup, *hung, line);
+    merge(revision, std::move(line), merged);
+  };
+  const Result<void> read = read_all(options, add, true);
+  if (!read) return fail(read.error().message);
   if (merged.other_revisions > 0) {
     to_stderr("{} verified against another state of the survey\n",
               merged.other_revisions == 1 ? "1 file was"
@@ -95,33 +89,27 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
   return merged;
 }
 
-CommandFiles files_of(const Options& options, const Survey& survey,
-                      const std::optional<HangingSetup>& setup) {
+Result<int> run(const Options& options) {
+  const Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
   CommandFiles files;
-  files.reads(survey);
-  if (setup) add_hanging_files(options.hanging, *setup, files);
+  const Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
+  if (!hanging) return fail(hanging.error().message);
+  files.reads(*survey);
   for (const std::string& file : options.files) files.reads(file, "the lines");
   add_report_files(options.report, files);
-  return files;
-}
-
-int run(const Options& options) {
-  const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return report_failure("report", survey.error());
-  const Result<std::optional<HangingSetup>> setup = load_hanging(options.hanging);
-  if (!setup) return report_failure("report", setup.error());
-  CommandFiles files = files_of(options, *survey, *setup);
-  if (const auto usable = files.check(); !usable) return report_failure("report", usable.error());
-  const Result<std::optional<HungTags>> hung = hung_tags(options, *survey, *setup);
-  if (!hung) return report_failure("report", hung.error());
-  const Result<VerifyMerge> merged = merge_all(options, *survey, *setup, *hung, files);
-  if (!merged) return report_failure("report", merged.error());
+  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  const Result<std::optional<HungTags>> hung = check_hanging(
+      "report", *survey, *hanging, [&](const auto& take) { return read_all(options, take); });
+  if (!hung) return fail(hung.error().message);
+  const Result<VerifyMerge> merged = merge_all(options, *survey, *hanging, *hung, files);
+  if (!merged) return fail(merged.error().message);
   if (const auto written = write_report(options.report, *survey, *merged, files); !written) {
-    return report_failure("report", written.error());
+    return fail(written.error().message);
   }
   const Completeness covered = completeness_of(*survey, *merged);
   if (options.json) {
-    to_stdout("{}\n", report_json_line(*survey, *merged, *hung));
+    to_stdout("{}\n", report_summary_line(*survey, *merged, *hung));
   } else {
     if (*hung) print_hanging(**hung);
     print_in_words(covered, *merged);
@@ -144,7 +132,10 @@ Command report_command(CLI::App& parent) {
   add_hanging_options(*app, options->hanging);
   app->add_flag("--json", options->json, "Print the summary as one JSON object");
   app->footer(kExample);
-  return {app, [options] { return run(*options); }};
+  return {app, [options] {
+            const Result<int> code = run(*options);
+            return code ? *code : report_failure("report", code.error());
+          }};
 }
 
 }  // namespace tagsmith

@@ -110,8 +110,8 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
 
 // The fault's picture as it fits into the box; nothing when there is none.
 std::optional<Picture> picture_of(const FaultRecord& fault, double width, double height) {
-  if (fault.jpeg.empty()) return std::nullopt;
-  Result<GrayImage> image = decode_gray_image("crop", fault.jpeg);
+  if (fault.picture.jpeg.empty()) return std::nullopt;
+  Result<GrayImage> image = decode_gray_image("crop", fault.picture.jpeg);
   if (!image) return std::nullopt;
   const double scale = std::min(width / image->width, height / image->height);
   Picture picture;
@@ -120,7 +120,7 @@ std::optional<Picture> picture_of(const FaultRecord& fault, double width, double
   picture.columns = image->width;
   picture.rows = image->height;
   picture.samples = std::move(image->samples);
-  picture.jpeg = fault.jpeg;
+  picture.jpeg = fault.picture.jpeg;
   return picture;
 }
 

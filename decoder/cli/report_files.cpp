@@ -17,6 +17,7 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/console.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 
@@ -83,20 +84,16 @@ Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<s
   if (fault.shows_whole) {
     return report_picture(small_picture(last.image->view(), fault.orientation).view());
   }
-  TagFinding tag;
-  tag.status = TagStatus::unreadable;  // any fault has a crop
-  tag.corners = *fault.corners;
-  std::vector<TagFinding> tags{tag};
-  crop_faults(last.image->view(), tags, fault.orientation);
-  if (!tags.front().crop) return fail("its corners lie outside of the photo");
-  return report_picture(tags.front().crop->view());
+  const auto crop = crop_around(last.image->view(), *fault.corners, fault.orientation);
+  if (!crop) return fail("its corners lie outside of the photo");
+  return report_picture(crop->view());
 }
 
 // The picture that was saved of a fault, or else a new one.
 Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::string>& lines,
                                CutPhoto& last, CommandFiles& files) {
-  if (!fault.crop.empty()) {
-    const std::optional<fs::path> path = find_beside(fault.crop, "crops", lines);
+  if (!fault.picture.file.empty()) {
+    const std::optional<fs::path> path = find_beside(fault.picture.file, "crops", lines);
     if (path) files.reads(*path, "a crop of the lines");
     const Result<GrayImage> crop =
         path ? load_gray_image(*path) : Result<GrayImage>(fail("not found"));
@@ -169,8 +166,8 @@ void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines,
                    CommandFiles& files) {
   CutPhoto last;
   for (FaultRecord& fault : merged.faults) {
-    const bool is_of_tag = !fault.tag.empty() || fault.corners || !fault.crop.empty();
-    if (!fault.jpeg.empty() || (!is_of_tag && !fault.shows_whole)) continue;
+    const bool is_of_tag = !fault.tag.empty() || fault.corners || !fault.picture.file.empty();
+    if (!fault.picture.jpeg.empty() || (!is_of_tag && !fault.shows_whole)) continue;
     if (constexpr std::size_t kUsual = 16'384; !has_room(merged, fault, kUsual)) {
       fault.no_picture = "a report holds no more pictures";
       continue;
@@ -199,13 +196,15 @@ std::vector<std::string> completeness_words(const Completeness& covered, std::si
   return lines;
 }
 
+void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts) {
+  if (counts.broken == 0) return;
+  to_stderr("{}: {} not of `verify --json` and left out\n", file,
+            counts.broken == 1 ? "1 line is" : fmt::format("{} lines are", counts.broken));
+}
+
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,
                                                    const VerifyMerge& merged, std::size_t most) {
-  std::vector<std::string> lines;
-  for (std::string words :
-       {placement_in_words(covered), up_in_words(covered), noted_up_in_words(merged.noted_up)}) {
-    if (!words.empty()) lines.push_back(std::move(words));
-  }
+  std::vector<std::string> lines = unchecked_words(covered, merged);
   for (std::size_t i = 0; i < std::min(merged.notes.size(), most); ++i) {
     lines.push_back("note: " + merged.notes[i].file + ": " + merged.notes[i].note);
   }

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "decoder/cli/verify_merge.hpp"
 #include "decoder/image/gray.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet.hpp"
 
@@ -61,6 +62,9 @@ void load_pictures(VerifyMerge& merged, const std::vector<std::string>& lines, C
 // In words: "14 of 16 tags seen (88 %), ..." and one line for each stretch that was not, at most
 // `most` of them.
 std::vector<std::string> completeness_words(const Completeness& covered, std::size_t most);
+
+// Says on standard error how many lines of `file` were left out, when there are any.
+void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts);
 
 // What was not checked, and notes on files, at most `most` of these.
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,

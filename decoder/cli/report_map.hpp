@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "decoder/cli/verify_merge.hpp"
+#include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 
 namespace tagsmith {

@@ -303,10 +303,10 @@ std::string fault_card(const FaultRecord& fault) {
                                           (fault.is_question ? "?" : ""));
   std::string card =
       "<article class=\"card\" data-row=\"fault\" data-of=\"faulty\"><h3>" + heading + "</h3>";
-  if (!fault.jpeg.empty()) {
+  if (!fault.picture.jpeg.empty()) {
     card += "<button class=\"crop\" aria-expanded=\"false\" aria-label=\"Enlarge the picture of " +
-            heading + "\"><img alt=\"\" src=\"data:image/jpeg;base64," + base64(fault.jpeg) +
-            "\"></button>";
+            heading + "\"><img alt=\"\" src=\"data:image/jpeg;base64," +
+            base64(fault.picture.jpeg) + "\"></button>";
   }
   if (!fault.no_picture.empty()) {
     card += "<p class=\"sub\">No picture: " + markup_text(fault.no_picture) + ".</p>";

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "decoder/image/annotate.hpp"
-#include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/checksum.hpp"
 
@@ -19,7 +18,7 @@ namespace {
 
 constexpr double kPoor = 1.5;  // grades below it are poor
 
-std::array<std::uint8_t, 3> colour_of(const TagFinding& tag) {
+std::array<std::uint8_t, 3> colour_of(const VerifiedTag& tag) {
   if (tag.status == TagStatus::cut_off) return {96, 104, 112};
   if (tag.status != TagStatus::ok) return {190, 20, 20};
   return tag.grade && tag.grade->grade < kPoor ? std::array<std::uint8_t, 3>{190, 100, 0}
@@ -39,15 +38,12 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
   return lines;
 }
 
-std::vector<std::string> words_of(const TagFinding& tag) {
+std::vector<std::string> words_of(const VerifiedTag& tag) {
   constexpr std::size_t kLine = 46;
   constexpr std::size_t kMostLines = 4;
   std::string first = tag.tag.empty() ? std::string() : tag.tag + "  ";
   first += to_string(tag.status);
-  if (tag.grade) first += fmt::format("  grade {:.1f}", tag.grade->grade);
-  if (tag.grade && tag.grade->grade < 4) {
-    first += fmt::format(" ({})", to_string(tag.grade->worst));
-  }
+  if (tag.grade) first += "  grade " + to_string(*tag.grade);
   if (!tag.rule.empty()) first += "  " + tag.rule;
   std::vector<std::string> lines{first};
   if (tag.message.empty()) return lines;
@@ -63,15 +59,16 @@ std::vector<std::string> words_of(const TagFinding& tag) {
 }  // namespace
 
 Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& folder,
-                                                const InputFile& file, const FileReport& report) {
+                                                const InputFile& file,
+                                                const VerifiedFile& verified) {
   if (is_pdf(file.bytes) || is_svg(file.path)) return std::nullopt;
   std::vector<PictureMark> marks;
-  for (const TagFinding& tag : report.tags) {
+  for (const VerifiedTag& tag : verified.tags) {
     marks.push_back({tag.corners, colour_of(tag), words_of(tag)});
   }
   std::vector<std::string> caption{file.path.filename().string()};
-  if (report.tags.empty()) {
-    caption.insert(caption.end(), report.findings.begin(), report.findings.end());
+  if (verified.tags.empty()) {
+    caption.insert(caption.end(), verified.findings.begin(), verified.findings.end());
   }
   const Result<AnnotatedPicture> copy =
       annotate_picture(file.path.string(), file.bytes, marks, caption);

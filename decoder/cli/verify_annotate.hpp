@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "decoder/verify/finding.hpp"
 #include "decoder/verify/input_file.hpp"
+#include "decoder/verify/verified_file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 
@@ -17,6 +17,7 @@ namespace tagsmith {
 // name, status, grade and what is wrong. Print files (PDF, SVG) have no copy. Fails when the
 // picture cannot be decoded.
 Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& folder,
-                                                const InputFile& file, const FileReport& report);
+                                                const InputFile& file,
+                                                const VerifiedFile& verified);
 
 }  // namespace tagsmith

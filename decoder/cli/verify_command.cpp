@@ -3,25 +3,31 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <set>
+#include <unistd.h>
+#include <utility>
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/stat.h>
 
 #include "decoder/cli/file_list.hpp"
-#include "decoder/cli/json.hpp"
 #include "decoder/cli/report_files.hpp"
 #include "decoder/cli/verify_annotate.hpp"
 #include "decoder/cli/verify_hanging.hpp"
-#include "decoder/cli/verify_lines.hpp"
-#include "decoder/cli/verify_merge.hpp"
 #include "decoder/image/load.hpp"
-#include "decoder/verify/check_tags.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "decoder/verify/verify_merge.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
@@ -64,60 +70,60 @@ struct Options {
   std::optional<double> scan_dpi;
   HangingOptions hanging;
   CommandFiles* named = nullptr;  // what is read and written, when it is known
+
+  bool wants_crops() const { return !crops.empty() || report.shows_pictures(); }
 };
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
-
 // "000L", or "000L (grade 3.4, modulation)".
-std::string good_in_words(const TagFinding& tag) {
+std::string good_in_words(const VerifiedTag& tag) {
   if (!tag.grade) return tag.tag;
   if (tag.grade->grade >= 4) return tag.tag + " (grade 4.0)";
   return fmt::format("{} (grade {:.1f}, {})", tag.tag, tag.grade->grade,
                      to_string(tag.grade->worst));
 }
 
-void print_in_words(const FileReport& report) {
+void print_in_words(const VerifiedFile& file) {
+  const std::vector<std::string> findings = findings_of(file);
   std::vector<std::string> good;
-  for (const TagFinding& tag : report.tags) {
+  for (const VerifiedTag& tag : file.tags) {
     if (tag.status == TagStatus::ok) good.push_back(good_in_words(tag));
   }
-  to_stdout("{}: {}{}{}\n", report.file.string(), report.findings.empty() ? "ok" : "WRONG",
-            good.empty() ? "" : "  ", joined(good));
-  for (const std::string& finding : report.findings) to_stdout("  {}\n", finding);
-  for (const std::string& code : report.rules) {
+  to_stdout("{}: {}{}{}\n", file.file.string(), findings.empty() ? "ok" : "WRONG",
+            good.empty() ? "" : "  ", fmt::join(good, " "));
+  for (const std::string& finding : findings) to_stdout("  {}\n", finding);
+  for (const std::string& code : rules_of(file)) {
     if (const VerifyRule* rule = find_verify_rule(code)) {
       to_stdout("  {}: {}\n", code, rule->remedy);
     }
   }
-  for (const std::string& note : report.notes) to_stdout("  note: {}\n", note);
+  for (const std::string& note : file.notes) to_stdout("  note: {}\n", note);
 }
 
-void print_in_words(const VerifySummary& summary) {
+// The counts, and what was not seen or not checked.
+void print_in_words(const Survey& survey, const VerifyMerge& merged) {
+  const auto count = [&](TagStatus status) {
+    return merged.by_status[static_cast<std::size_t>(status)];
+  };
+  const std::size_t files = merged.files + merged.repeated;
+  std::string rare;
+  for (const TagStatus status : {TagStatus::misplaced, TagStatus::doubtful}) {
+    if (count(status) > 0) rare += fmt::format(", {} {}", count(status), to_string(status));
+  }
   to_stdout(
       "{} {}, {} with findings; tags: {} ok, {} unknown, {} misprinted, {} unreadable, {} "
       "duplicate, {} cut off{}\n",
-      summary.files, summary.files == 1 ? "file" : "files", summary.files_with_findings, summary.ok,
-      summary.unknown, summary.misprinted, summary.unreadable, summary.duplicate, summary.cut_off,
-      (summary.misplaced > 0 ? fmt::format(", {} misplaced", summary.misplaced) : "") +
-          (summary.doubtful > 0 ? fmt::format(", {} doubtful", summary.doubtful) : ""));
-  if (!summary.stale.empty()) to_stdout("print again: {}\n", joined(summary.stale));
-  if (summary.missing.empty()) {
+      files, files == 1 ? "file" : "files", merged.files_with_findings, count(TagStatus::ok),
+      count(TagStatus::unknown), count(TagStatus::misprinted), count(TagStatus::unreadable),
+      count(TagStatus::duplicate), count(TagStatus::cut_off), rare);
+  if (!merged.stale.empty()) to_stdout("print again: {}\n", fmt::join(merged.stale, " "));
+  const std::vector<std::string> missing = missing_tags(survey, merged);
+  if (missing.empty()) {
     to_stdout("every tag of the survey was seen\n");
   } else {
-    to_stdout("not seen: {}\n", joined(summary.missing));
+    to_stdout("not seen: {}\n", fmt::join(missing, " "));
   }
-}
-
-// What was not checked.
-void print_unchecked(const Survey& survey, const VerifyMerge& merged) {
-  const Completeness covered = completeness_of(survey, merged);
-  for (const std::string& words :
-       {placement_in_words(covered), up_in_words(covered), noted_up_in_words(merged.noted_up)}) {
-    if (!words.empty()) to_stdout("{}\n", words);
+  for (const std::string& words : unchecked_words(completeness_of(survey, merged), merged)) {
+    to_stdout("{}\n", words);
   }
 }
 
@@ -128,88 +134,57 @@ Result<void> save_late(const Options& options, const std::string& role, const fs
   return write_file(file, bytes);
 }
 
-// Writes a picture of the report as NAME-HASH-`which`.png, HASH being of the whole path: photos of
-// several folders often have one name. Then the picture is let go, and `saved` is its file.
-Result<void> save_crop(const Options& options, const FileReport& report, const std::string& which,
-                       std::optional<GrayImage>& picture, std::string& saved) {
-  const std::string hash = sha256(report.file.string()).substr(0, 8);
-  const fs::path file = fs::path(options.crops) /
-                        fmt::format("{}-{}-{}.png", report.file.stem().string(), hash, which);
-  const Result<std::string> bytes = encode_gray_image(file, picture->view());
+// Keeps a picture for the report and, with --crops, writes it as NAME-HASH-`which`.png, HASH being
+// of the whole path: photos of several folders often have one name. Then it is let go.
+Result<void> save_picture(const Options& options, const fs::path& of, const std::string& which,
+                          FaultPicture& picture) {
+  const std::optional<GrayImage> image = std::exchange(picture.image, std::nullopt);
+  if (!image) return {};
+  if (options.report.shows_pictures()) picture.jpeg = report_picture(image->view());
+  if (options.crops.empty()) return {};
+  const std::string hash = sha256(of.string()).substr(0, 8);
+  const fs::path file =
+      fs::path(options.crops) / fmt::format("{}-{}-{}.png", of.stem().string(), hash, which);
+  const Result<std::string> bytes = encode_gray_image(file, image->view());
   if (!bytes) return fail(bytes.error().message);
   if (auto written = save_late(options, "--crops", file, *bytes); !written) return written;
-  saved = file.string();
-  picture.reset();
+  picture.file = file.string();
   return {};
 }
 
-// The crops of a report's faults, numbered, and the picture of a file without a tag.
-Result<void> save_crops(const Options& options, FileReport& report) {
+// The pictures of a file's faults, numbered, and that of a file without a tag.
+Result<void> save_pictures(const Options& options, VerifiedFile& file) {
   int number = 0;
-  for (TagFinding& tag : report.tags) {
-    if (tag.crop || !tag.crop_file.empty()) ++number;
-    if (!tag.crop) continue;
-    const auto saved = save_crop(options, report, std::to_string(number), tag.crop, tag.crop_file);
+  for (VerifiedTag& tag : file.tags) {
+    if (tag.picture.image || !tag.picture.file.empty()) ++number;
+    auto saved = save_picture(options, file.file, std::to_string(number), tag.picture);
     if (!saved) return saved;
   }
-  if (!report.picture) return {};
-  return save_crop(options, report, "whole", report.picture, report.picture_file);
-}
-
-// A file that cannot be read is one finding, not the end.
-FileReport broken(const fs::path& file, const Error& error) {
-  FileReport report;
-  report.file = file;
-  const std::string name = file.string() + ": ";
-  const bool names_it = error.message.starts_with(name);
-  report.findings.push_back(names_it ? error.message.substr(name.size()) : error.message);
-  report.rules.insert("broken-file");
-  return report;
-}
-
-// What became of one file.
-struct VerifiedOne {
-  FileReport report;
-  FilePictures pictures;         // for reports
-  std::optional<Error> problem;  // why it could not be read, or something not written
-  bool skipped = false;          // verified before
-};
-
-// The crops of the report, small.
-FilePictures pictures_of(const FileReport& report) {
-  FilePictures pictures;
-  const auto small = [](const std::optional<GrayImage>& picture) {
-    return picture ? report_picture(picture->view()) : std::string();
-  };
-  for (const TagFinding& tag : report.tags) pictures.tags.push_back(small(tag.crop));
-  pictures.whole = small(report.picture);
-  return pictures;
-}
-
-// The crops, as files and as pictures of the report.
-Result<void> save_crop_pictures(const Options& options, VerifiedOne& one) {
-  if (options.report.shows_pictures()) one.pictures = pictures_of(one.report);
-  if (!options.crops.empty()) {
-    if (const Result<void> saved = save_crops(options, one.report); !saved) return saved;
-  }
-  for (TagFinding& tag : one.report.tags) tag.crop.reset();
-  one.report.picture.reset();
-  return {};
+  return save_picture(options, file.file, "whole", file.picture);
 }
 
 Result<void> save_annotated(const Options& options, const InputFile& input,
-                            const FileReport& report) {
-  const Result<std::optional<SheetFile>> copy = annotated_copy(options.annotate, input, report);
+                            const VerifiedFile& file) {
+  if (options.annotate.empty()) return {};
+  const Result<std::optional<SheetFile>> copy = annotated_copy(options.annotate, input, file);
   if (!copy) return fail(copy.error().message);
   return *copy ? save_late(options, "--annotate", (*copy)->path, (*copy)->bytes) : Result<void>{};
 }
 
-// What was asked for besides the lines.
-Result<void> save_pictures(const Options& options, const InputFile& input, VerifiedOne& one) {
-  if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
-  // With --rig what is wrong is known later.
-  if (options.annotate.empty() || !options.hanging.rig.empty()) return {};
-  return save_annotated(options, input, one.report);
+// What became of one file.
+struct VerifiedOne {
+  VerifiedFile file{};
+  std::optional<Error> problem{};  // why it could not be read, or something not written
+  bool skipped = false;            // verified before
+};
+
+// A file that cannot be read is one finding, not the end.
+VerifiedOne broken(const fs::path& file, const Error& error) {
+  VerifiedOne one{{file}, error};
+  const std::string name = file.string() + ": ";
+  const bool names_it = error.message.starts_with(name);
+  one.file.add_finding("broken-file", names_it ? error.message.substr(name.size()) : error.message);
+  return one;
 }
 
 // Content hashes of what earlier runs verified against this state of the survey.
@@ -217,196 +192,194 @@ using VerifiedBefore = std::set<std::string>;
 
 VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
                        const VerifiedBefore& before, const fs::path& file) {
-  VerifiedOne one;
   const Result<InputFile> input = read_input_file(file);
-  if (!input) {
-    one.report = broken(file, input.error());
-    one.problem = input.error();
-    return one;
-  }
-  one.report.sha256 = input->sha256;
-  one.skipped = before.contains(input->sha256);
-  if (one.skipped) return one;
-  Result<FileReport> report = verify_file(request, *input);
-  if (!report) {
-    one.problem = report.error();
-    one.report = broken(file, report.error());
-    return one;
-  }
-  one.report = std::move(*report);
-  if (const Result<void> saved = save_pictures(options, *input, one); !saved) {
-    one.problem = saved.error();
-  }
+  if (!input) return broken(file, input.error());
+  if (before.contains(input->sha256)) return {{file, input->sha256}, std::nullopt, true};
+  Result<VerifiedFile> verified = verify_file(request, *input);
+  if (!verified) return broken(file, verified.error());
+  VerifiedOne one{std::move(*verified)};
+  Result<void> saved = save_pictures(options, one.file);
+  // With --rig what is wrong is known later.
+  if (saved && request.rig == nullptr) saved = save_annotated(options, *input, one.file);
+  if (!saved) one.problem = saved.error();
   return one;
 }
 
-// All files together. An archive has more of them than memory holds: each report is printed, and
-// its counts alone are kept.
+// All files together. An archive has more of them than memory holds: each is printed, and its
+// counts alone are kept.
 struct Outcome {
-  VerifyTally tally;
   VerifyMerge merged;
-  std::vector<VerifiedOne> waiting;  // with --rig, until all are read
-  std::optional<HungTags> hung;      // with --rig
+  std::vector<VerifiedFile> waiting;  // with --rig, until all are read
+  std::optional<HungTags> hung;       // with --rig
   VerifiedBefore skipped;
   std::size_t skipped_files = 0;
   bool failed = false;  // a file could not be read, or something not be written
 };
 
-Result<VerifiedBefore> verified_before(const std::string& file, const std::string& revision) {
-  VerifiedBefore hashes;
+// The lines to be resumed, of this state of the survey; none when there is no such file yet.
+Result<void> read_resumed(const Options& options, const std::string& revision,
+                          const std::function<void(VerifiedFile)>& take, bool tell = false) {
   std::error_code ignored;
-  if (file.empty() || !fs::exists(file, ignored)) return hashes;
-  const Result<VerifyLineCounts> counts = read_verify_lines(file, [&](const VerifiedFile& done) {
-    if (done.revision == revision && !done.sha256.empty()) hashes.insert(done.sha256);
+  if (options.resume.empty() || !fs::exists(options.resume, ignored)) return {};
+  const Result<VerifyLineCounts> counts = read_verify_lines(options.resume, [&](VerifiedFile line) {
+    if (line.revision == revision) take(std::move(line));
   });
   if (!counts) return fail(counts.error().message);
-  tell_broken_lines(file, *counts);
-  return hashes;
+  if (tell) tell_broken_lines(options.resume, *counts);
+  return {};
 }
 
-void print(const Options& options, const FileReport& report) {
+void print(const Options& options, const VerifiedFile& file) {
   if (options.json) {
-    to_stdout("{}\n", to_json_line(report));
+    to_stdout("{}\n", to_json_line(file));
     std::fflush(stdout);  // what is printed stays when the run is killed
   } else {
-    print_in_words(report);
-  }
-}
-
-// A run that can be resumed prints a photo's line when it is read, before it is known where its
-// tags hang: the summary says that.
-bool prints_at_once(const Options& options) {
-  return options.hanging.rig.empty() || (options.json && !options.resume.empty());
-}
-
-void count(const VerifiedOne& one, Outcome& outcome) {
-  outcome.tally.add(one.report);
-  merge(one.report.revision, verified_file(one.report), outcome.merged, one.pictures);
-}
-
-// Where tags hang takes all reports together: with --rig they wait to be counted.
-void deliver(const Options& options, const std::string& revision, VerifiedOne& one,
-             Outcome& outcome) {
-  if (one.problem) {
-    report_failure("verify", *one.problem);
-    outcome.failed = true;
-  }
-  if (one.skipped) {
-    ++outcome.skipped_files;
-    outcome.skipped.insert(one.report.sha256);
-    return;
-  }
-  one.report.revision = revision;
-  if (prints_at_once(options)) print(options, one.report);
-  if (options.hanging.rig.empty()) {
-    count(one, outcome);
-  } else {
-    outcome.waiting.push_back(std::move(one));
+    print_in_words(file);
   }
 }
 
 // Crops and the copy of a photo, of what only all photos together showed.
-Result<void> save_late_pictures(const Options& options, VerifiedOne& one) {
-  const auto lacks_crop = [](const TagFinding& tag) { return tag.hung && tag.crop_file.empty(); };
-  const bool crops = !options.crops.empty() || options.report.shows_pictures();
-  const bool late = crops && std::ranges::any_of(one.report.tags, lacks_crop);
-  if (one.report.sha256.empty() || (!late && options.annotate.empty())) return {};
-  const Result<InputFile> input = read_input_file(one.report.file);
+Result<void> save_late_pictures(const Options& options, VerifiedFile& file) {
+  const auto lacks_crop = [](const VerifiedTag& tag) {
+    return tag.is_fault() && tag.picture.file.empty() && tag.picture.jpeg.empty();
+  };
+  const bool late = options.wants_crops() && std::ranges::any_of(file.tags, lacks_crop);
+  if (file.sha256.empty() || (!late && options.annotate.empty())) return {};
+  const Result<InputFile> input = read_input_file(file.file);
   if (!input) return fail(input.error().message);
   if (late) {
     const Result<GrayImage> image = decode_gray_image(input->path.string(), input->bytes);
     if (!image) return fail(image.error().message);
-    crop_faults(image->view(), one.report.tags, one.report.orientation.value_or(1));
-    if (const Result<void> saved = save_crop_pictures(options, one); !saved) return saved;
+    crop_faults(image->view(), file.tags, file.orientation.value_or(1));
+    if (auto saved = save_pictures(options, file); !saved) return saved;
   }
-  if (options.annotate.empty()) return {};
-  return save_annotated(options, *input, one.report);
+  return save_annotated(options, *input, file);
 }
 
-// Where tags hang is known when every photo has been read.
-Result<void> finish_hanging(const Options& options, const VerifyRequest& request,
-                            const HangingSetup& setup, Outcome& outcome) {
-  std::vector<FileReport> reports;
-  for (VerifiedOne& one : outcome.waiting) reports.push_back(std::move(one.report));
-  const double tolerance = 1e-3 * options.hanging.tolerance_mm;
-  if (outcome.skipped.empty()) {
-    outcome.hung = check_hanging(request.survey, setup, tolerance, reports);
+void tell_failure(const Result<void>& result, Outcome& outcome) {
+  if (result) return;
+  report_failure("verify", result.error());
+  outcome.failed = true;
+}
+
+// Where the file's last whole line ends.
+Result<off_t> end_of_lines(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary | std::ios::ate);
+  if (!stream) return fail(path.string() + ": cannot be read");
+  for (off_t at = stream.tellg(); at > 0; --at) {
+    stream.seekg(at - 1);
+    if (stream.get() == '\n') return at;
+  }
+  return 0;
+}
+
+// What is wrong with writing to standard output while the lines of `path` are resumed; nothing in
+// most cases. When both are one file, standard output must append to it, and a last line that a
+// killed run left without its end is cut off, so that the next one begins a line.
+Result<void> prepare_to_append(const std::filesystem::path& path) {
+  struct stat file {};
+  struct stat output {};
+  if (::stat(path.c_str(), &file) != 0 || ::fstat(STDOUT_FILENO, &output) != 0) return {};
+  if (file.st_dev != output.st_dev || file.st_ino != output.st_ino) return {};
+  const int flags = ::fcntl(STDOUT_FILENO, F_GETFL);
+  if (flags < 0 || (flags & O_APPEND) == 0) {
+    return fail(path.string() +
+                ": is overwritten by this run's output, expected `>>` instead of `>`");
+  }
+  const Result<off_t> end = end_of_lines(path);
+  if (!end) return fail(end.error().message);
+  if (*end != file.st_size && ::ftruncate(STDOUT_FILENO, *end) != 0) {
+    return fail(path.string() + ": its last line is cut short and cannot be removed");
+  }
+  return {};
+}
+
+// What all files of the run have in common.
+struct Job {
+  const Options& options;
+  const VerifyRequest& request;
+  const std::optional<LoadedHanging>& hanging;
+  std::string revision;
+  // Lines say where tags hang, which takes all files together. But those of a run that can be
+  // resumed are printed when they are known: then the summary says it.
+  bool prints_late = hanging && !(options.json && !options.resume.empty());
+};
+
+void deliver(const Job& job, VerifiedOne& one, Outcome& outcome) {
+  if (one.problem) tell_failure(tl::unexpected(*one.problem), outcome);
+  if (one.skipped) {
+    ++outcome.skipped_files;
+    outcome.skipped.insert(one.file.sha256);
+    return;
+  }
+  one.file.revision = job.revision;
+  if (!job.prints_late) print(job.options, one.file);
+  if (job.hanging) {
+    outcome.waiting.push_back(std::move(one.file));
   } else {
-    Result<HungTags> hung =
-        check_hanging_lines(request.survey, setup, tolerance, {options.resume}, reports);
-    if (!hung) return fail(hung.error().message);
-    outcome.hung = std::move(*hung);
+    merge(job.revision, std::move(one.file), outcome.merged);
   }
-  for (std::size_t i = 0; i < reports.size(); ++i) {
-    VerifiedOne& one = outcome.waiting[i];
-    one.report = std::move(reports[i]);
-    if (const Result<void> saved = save_late_pictures(options, one); !saved) {
-      report_failure("verify", saved.error());
-      outcome.failed = true;
+}
+
+// With --rig: where the tags of all files hang, those of the lines that are resumed too.
+Result<void> judge_waiting(const Job& job, Outcome& outcome) {
+  const EachFile all = [&](const auto& take) -> Result<void> {
+    for (const VerifiedFile& file : outcome.waiting) take(file);
+    return outcome.skipped.empty() ? Result<void>{} : read_resumed(job.options, job.revision, take);
+  };
+  Result<std::optional<HungTags>> hung =
+      check_hanging("verify", job.request.survey, job.hanging, all);
+  if (!hung) return fail(hung.error().message);
+  outcome.hung = std::move(*hung);
+  for (VerifiedFile& file : outcome.waiting) {
+    judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
+    tell_failure(save_late_pictures(job.options, file), outcome);
+    if (job.prints_late) print(job.options, file);
+    merge(job.revision, std::move(file), outcome.merged);
+  }
+  return {};
+}
+
+// Of the files that were skipped, what the earlier run said.
+Result<void> add_skipped(const Job& job, Outcome& outcome) {
+  return read_resumed(job.options, job.revision, [&](VerifiedFile line) {
+    if (outcome.skipped.erase(line.sha256) == 0) return;
+    if (job.hanging) {
+      judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, line);
     }
-    if (!prints_at_once(options)) print(options, one.report);
-    count(one, outcome);
-  }
-  outcome.waiting.clear();
-  for (const std::string& note : outcome.hung->notes) to_stderr("verify: {}\n", note);
-  print_assumptions("verify", outcome.hung->assumed);
-  return {};
-}
-
-// Of the files that were skipped, what the earlier run said; with a rig, but for where tags hang.
-Result<void> add_skipped(const Options& options, const Survey& survey, const HangingSetup* setup,
-                         Outcome& outcome) {
-  if (outcome.skipped.empty()) return {};
-  const std::string revision = survey_revision(survey);
-  const Result<VerifyLineCounts> counts =
-      read_verify_lines(options.resume, [&](const VerifiedFile& line) {
-        if (line.revision != revision || outcome.skipped.erase(line.sha256) == 0) return;
-        VerifiedFile done = line;
-        if (setup != nullptr) judge_line(survey, *setup, *outcome.hung, done);
-        outcome.tally.add(report_of(done));
-        merge(revision, done, outcome.merged);
-      });
-  if (!counts) return fail(counts.error().message);
-  return {};
-}
-
-// `setup` null = where tags hang is not asked for.
-Result<Outcome> verify_all(const Options& options, const VerifyRequest& request,
-                           const HangingSetup* setup, const std::vector<fs::path>& files) {
-  const std::string revision = survey_revision(request.survey);
-  const Result<VerifiedBefore> before = verified_before(options.resume, revision);
-  if (!before) return fail(before.error().message);
-  Outcome outcome;
-  ProgressBar bar("files", files.size());
-  run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    auto one = std::make_shared<VerifiedOne>(verify_one(options, request, *before, files[i]));
-    return [&, one] { bar.advance([&] { deliver(options, revision, *one, outcome); }); };
+    merge(job.revision, std::move(line), outcome.merged);
   });
-  if (setup != nullptr) {
-    const Result<void> finished = finish_hanging(options, request, *setup, outcome);
-    if (!finished) return fail(finished.error().message);
+}
+
+Result<Outcome> verify_all(const Job& job, const std::vector<fs::path>& files) {
+  const Options& options = job.options;
+  Outcome outcome;
+  VerifiedBefore before;
+  const auto remember = [&](const VerifiedFile& line) {
+    if (!line.sha256.empty()) before.insert(line.sha256);
+  };
+  if (auto read = read_resumed(options, job.revision, remember, true); !read) {
+    return fail(read.error().message);
   }
-  if (const auto added = add_skipped(options, request.survey, setup, outcome); !added) {
-    return fail(added.error().message);
+  {
+    ProgressBar bar("files", files.size());
+    run_in_order(files.size(), options.jobs, [&](std::size_t i) -> Delivery {
+      auto one = std::make_shared<VerifiedOne>(verify_one(options, job.request, before, files[i]));
+      return [&, one] { bar.advance([&] { deliver(job, *one, outcome); }); };
+    });
+  }
+  for (const auto& step : {judge_waiting, add_skipped}) {
+    if (auto done = step(job, outcome); !done) return fail(done.error().message);
   }
   sort_faults(outcome.merged);
-  if (options.report.shows_pictures())
+  if (options.report.shows_pictures()) {
     load_pictures(outcome.merged, {options.resume}, *options.named);
+  }
   return outcome;
 }
 
-Result<std::vector<Survey>> load_surveys(const std::vector<std::string>& names) {
-  std::vector<Survey> surveys;
-  for (const std::string& name : names) {
-    Result<Survey> survey = load_survey(name);
-    if (!survey) return fail(survey.error().message);
-    surveys.push_back(std::move(*survey));
-  }
-  return surveys;
-}
-
-void print_summary(const Options& options, const Survey& survey, const VerifySummary& summary,
-                   const Outcome& outcome, const SkippedFiles& skipped) {
+void print_summary(const Options& options, const Survey& survey, const Outcome& outcome,
+                   const SkippedFiles& skipped) {
   if (outcome.skipped_files > 0) {
     to_stderr("skipped, verified before: {}\n", outcome.skipped_files);
   }
@@ -414,22 +387,18 @@ void print_summary(const Options& options, const Survey& survey, const VerifySum
     to_stderr("skipped, no pictures or print files: {}\n", skipped_in_words(skipped));
   }
   if (options.json) {
-    to_stdout("{}\n", to_json_line(summary, survey, outcome.merged, outcome.hung, skipped));
+    to_stdout("{}\n", verify_summary_line(survey, outcome.merged, outcome.hung, skipped));
   } else {
     if (outcome.hung) print_hanging(*outcome.hung);
-    print_in_words(summary);
-    print_unchecked(survey, outcome.merged);
+    print_in_words(survey, outcome.merged);
   }
 }
 
-// Inputs and outputs; `listed` are the files to verify.
-CommandFiles files_of(const Options& options, const Survey& survey, const std::vector<Survey>& also,
-                      const std::optional<HangingSetup>& hanging,
-                      const std::vector<fs::path>& listed) {
-  CommandFiles files;
+// Names what else is read and written; `listed` are the files to verify.
+void add_files(const Options& options, const Survey& survey, const std::vector<Survey>& also,
+               const std::vector<fs::path>& listed, CommandFiles& files) {
   files.reads(survey);
   for (const Survey& other : also) files.reads(other);
-  if (hanging) add_hanging_files(options.hanging, *hanging, files);
   files.reads(options.resume, "the lines of --resume");
   if (std::ranges::count(options.files, "-") > 0) files.reads("/dev/stdin", "the list of files");
   std::set<fs::path> folders;
@@ -442,53 +411,52 @@ CommandFiles files_of(const Options& options, const Survey& survey, const std::v
   add_report_files(options.report, files);
   files.writes_into(options.crops, "--crops");
   files.writes_into(options.annotate, "--annotate");
-  return files;
 }
 
-int run(Options options) {
+Result<int> run(Options options) {
   if (options.files.empty() && options.hanging.run.empty()) {
-    return report_failure("verify", {"FILE is required: photos, print files, folders of them"});
+    return fail("FILE is required: photos, print files, folders of them");
   }
   const Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return report_failure("verify", survey.error());
-  const Result<std::optional<HangingSetup>> hanging = load_hanging(options.hanging);
-  if (!hanging) return report_failure("verify", hanging.error());
+  if (!survey) return fail(survey.error().message);
+  CommandFiles files;
+  const Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
+  if (!hanging) return fail(hanging.error().message);
   const bool of_run = options.files.empty() && *hanging;
   const Result<FileList> list =
       list_files(of_run ? (*hanging)->photos : options.files, image_and_pdf_extensions(), std::cin);
-  if (!list) return report_failure("verify", list.error());
-  const Result<std::vector<Survey>> also = load_surveys(options.also);
-  if (!also) return report_failure("verify", also.error());
-  CommandFiles files = files_of(options, *survey, *also, *hanging, list->files);
-  if (const auto usable = files.check(); !usable) return report_failure("verify", usable.error());
+  if (!list) return fail(list.error().message);
+  const Result<std::vector<Survey>> also = load_surveys({options.also.begin(), options.also.end()});
+  if (!also) return fail(also.error().message);
+  add_files(options, *survey, *also, list->files, files);
+  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
   options.named = &files;
-  if (!options.resume.empty()) {
-    const Result<void> ready = prepare_to_append(options.resume);
-    if (!ready) return report_failure("verify", ready.error());
+  if (const auto ready = prepare_to_append(options.resume); !ready) {
+    return fail(ready.error().message);
   }
   ManifestCache manifests;
-  const bool crops = !options.crops.empty() || options.report.shows_pictures();
-  VerifyRequest request{*survey, *also, crops};
+  VerifyRequest request{*survey, *also, options.wants_crops()};
   request.manifests = &manifests;
   request.scan_dpi = options.scan_dpi;
   if (*hanging) {
-    request.rig = &(*hanging)->rig;
-    request.cameras = &(*hanging)->cameras;
+    request.rig = &(*hanging)->setup.rig;
+    request.cameras = &(*hanging)->setup.cameras;
   }
   const Result<Outcome> outcome =
-      verify_all(options, request, *hanging ? &**hanging : nullptr, list->files);
-  if (!outcome) return report_failure("verify", outcome.error());
-  const VerifySummary summary = outcome->tally.summary(*survey);
-  print_summary(options, *survey, summary, *outcome, list->skipped);
-  const Result<void> written = write_report(options.report, *survey, outcome->merged, files);
-  if (!written) return report_failure("verify", written.error());
+      verify_all({options, request, *hanging, survey_revision(*survey)}, list->files);
+  if (!outcome) return fail(outcome.error().message);
+  const VerifyMerge& merged = outcome->merged;
+  print_summary(options, *survey, *outcome, list->skipped);
+  if (const auto written = write_report(options.report, *survey, merged, files); !written) {
+    return fail(written.error().message);
+  }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    return report_failure("verify", {"standard output cannot be written, is the disk full?"});
+    return fail("standard output cannot be written, is the disk full?");
   }
   if (outcome->failed) return kExitFailure;
-  const bool incomplete = options.complete && !summary.missing.empty();
+  const bool incomplete = options.complete && !missing_tags(*survey, merged).empty();
   const bool contradicts = outcome->hung && outcome->hung->nothing_fits;
-  return summary.files_with_findings > 0 || incomplete || contradicts ? kExitFindings : kExitOk;
+  return merged.files_with_findings > 0 || incomplete || contradicts ? kExitFindings : kExitOk;
 }
 
 }  // namespace
@@ -526,7 +494,10 @@ Command verify_command(CLI::App& parent) {
       ->check(number_between(10, 10'000))
       ->excludes("--rig");
   app->footer(kExample);
-  return {app, [options] { return run(*options); }};
+  return {app, [options] {
+            const Result<int> code = run(*options);
+            return code ? *code : report_failure("verify", code.error());
+          }};
 }
 
 }  // namespace tagsmith

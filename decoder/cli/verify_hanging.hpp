@@ -6,12 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "decoder/cli/verify_lines.hpp"
-#include "decoder/verify/finding.hpp"
-#include "decoder/verify/hung_tags.hpp"
-#include "decoder/verify/photo_cameras.hpp"
+#include "decoder/verify/hanging_check.hpp"
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace CLI {
@@ -31,34 +27,19 @@ struct HangingOptions {
 
 void add_hanging_options(CLI::App& app, HangingOptions& options);
 
-// Which photos can tell where tags hang.
-struct HangingSetup {
-  Rig rig;
-  PhotoCameras cameras;
-  std::vector<std::string> photos;  // of the run
+// What the options say; nothing without --rig. The files are named as inputs of the command, and
+// the photos of the run are `photos`.
+struct LoadedHanging {
+  HangingSetup setup;
+  std::vector<std::string> photos;
 };
+Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
+                                                  CommandFiles& files);
 
-// Nothing without --rig.
-Result<std::optional<HangingSetup>> load_hanging(const HangingOptions& options);
-
-// Names what it was loaded from as inputs of the command.
-void add_hanging_files(const HangingOptions& options, const HangingSetup& setup,
-                       CommandFiles& files);
-
-// Checks all reports together and writes what is found into them.
-HungTags check_hanging(const Survey& survey, const HangingSetup& setup, double tolerance,
-                       std::vector<FileReport>& reports);
-
-// The same for lines of `verify --json`, of any number of photos: reads every file twice, with the
-// reports at hand besides, whose tags it judges. Lines of other states of the survey have no part
-// in it. What lines are told is left to judge_line.
-Result<HungTags> check_hanging_lines(const Survey& survey, const HangingSetup& setup,
-                                     double tolerance, const std::vector<std::string>& lines,
-                                     std::vector<FileReport>& reports);
-
-// Writes into the line where its tags hang by all photos, in place of what it said of that.
-void judge_line(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
-                VerifiedFile& file);
+// What was found of all tags: on standard error what could not be used and what is assumed.
+Result<std::optional<HungTags>> check_hanging(const char* command, const Survey& survey,
+                                              const std::optional<LoadedHanging>& hanging,
+                                              const EachFile& files);
 
 // One line a checked tag, for people.
 void print_hanging(const HungTags& hung);

@@ -193,6 +193,13 @@ std::string to_string(GradeParameter parameter) {
   return kNames[static_cast<std::size_t>(parameter)];
 }
 
+std::optional<double> value_of(const ScanParameters& scan, GradeParameter parameter) {
+  const std::array<std::optional<double>, kGradeParameters> values{
+      std::nullopt,    scan.symbol_contrast, scan.least_reflectance, scan.minimum_edge_contrast,
+      scan.modulation, scan.defects,         scan.decodability,      scan.quiet_zone};
+  return values[static_cast<std::size_t>(parameter)];
+}
+
 ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& options) {
   ScanGrade scan;
   ScanParameters& p = scan.parameters;

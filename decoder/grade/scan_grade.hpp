@@ -38,6 +38,9 @@ struct ScanParameters {
   double quiet_zone = 0;  // of the narrower one
 };
 
+// What was measured of the parameter; nothing of `decode`, which is no number.
+std::optional<double> value_of(const ScanParameters& scan, GradeParameter parameter);
+
 struct GradeOptions {
   // Whether reflectances are true ones, by white and black references in the picture. If not, the
   // parameters that need them (symbol contrast, the edge contrast's 15 %) are left out.

@@ -107,21 +107,35 @@ void to_reflectance(std::vector<double>& light, const ReflectanceReferences& ref
   }
 }
 
-// The parameter whose grades, summed over the scans, fall shortest.
-GradeParameter most_costly(const std::vector<ScanGrade>& scans) {
-  std::array<double, kGradeParameters> sums{};
-  for (const ScanGrade& scan : scans) {
-    for (std::size_t i = 0; i < kGradeParameters; ++i) sums[i] += scan.grades[i].value_or(4);
+// The means of the parameters that were graded; which are, is the same in every scan.
+SymbolGrade means_of(const std::vector<ScanGrade>& scans) {
+  SymbolGrade symbol;
+  const auto count = static_cast<double>(scans.size());
+  double least = 4;
+  for (std::size_t i = 0; i < kGradeParameters; ++i) {
+    if (!scans.front().grades[i]) continue;
+    const auto parameter = static_cast<GradeParameter>(i);
+    ParameterMean mean;
+    double value = 0;
+    for (const ScanGrade& scan : scans) {
+      mean.grade += *scan.grades[i];
+      value += value_of(scan.parameters, parameter).value_or(0);
+    }
+    mean.grade /= count;
+    if (value_of(scans.front().parameters, parameter)) mean.value = value / count;
+    if (mean.grade < least) symbol.worst = parameter;
+    least = std::min(least, mean.grade);
+    symbol.means[i] = mean;
   }
-  return static_cast<GradeParameter>(std::ranges::min_element(sums) - sums.begin());
+  return symbol;
 }
 
-SymbolGrade combine(std::vector<ScanGrade> scans, bool absolute) {
-  SymbolGrade symbol{std::move(scans), 0, GradeParameter::decode, absolute};
-  symbol.worst = most_costly(symbol.scans);
+SymbolGrade combine(const std::vector<ScanGrade>& scans, bool absolute) {
+  SymbolGrade symbol = means_of(scans);
+  symbol.absolute = absolute;
   const ScanGrade* decoded = nullptr;
   double sum = 0;
-  for (const ScanGrade& scan : symbol.scans) {
+  for (const ScanGrade& scan : scans) {
     sum += scan.grade;
     if (!scan.parameters.digits) continue;
     if (decoded != nullptr && decoded->parameters.digits != scan.parameters.digits) {
@@ -130,7 +144,7 @@ SymbolGrade combine(std::vector<ScanGrade> scans, bool absolute) {
     }
     decoded = &scan;
   }
-  symbol.grade = std::round(10 * sum / static_cast<double>(symbol.scans.size())) / 10;
+  symbol.grade = std::round(10 * sum / static_cast<double>(scans.size())) / 10;
   return symbol;
 }
 
@@ -166,7 +180,7 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
     if (references) to_reflectance(light, *references);
     scans.push_back(grade_scan(light, GradeOptions{references.has_value(), kAperture}));
   }
-  return combine(std::move(scans), references.has_value());
+  return combine(scans, references.has_value());
 }
 
 std::string to_string(const SymbolGrade& grade) {

@@ -4,9 +4,9 @@
 // relative, and the parameters that need true ones are left out.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/grade/scan_grade.hpp"
@@ -24,11 +24,18 @@ struct ReflectanceReferences {
   double black_reflectance = 0;
 };
 
+// Of one parameter, over all scans.
+struct ParameterMean {
+  double grade = 0;
+  std::optional<double> value{};  // what was measured; `decode` has no number
+};
+
 struct SymbolGrade {
-  std::vector<ScanGrade> scans;
   double grade = 0;  // mean of the scans' grades in steps of 0.1; 0 if they decode differently
   GradeParameter worst = GradeParameter::decode;  // the one that costs most over all scans
   bool absolute = false;
+  // By parameter; nothing for one that was not graded.
+  std::array<std::optional<ParameterMean>, kGradeParameters> means{};
 };
 
 // Fewer pixels a module than this show the camera's blur rather than the print.

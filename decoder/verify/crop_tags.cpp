@@ -9,28 +9,33 @@
 
 namespace tagsmith {
 
-void crop_faults(const GrayView& image, std::vector<TagFinding>& tags, int orientation) {
+std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& corners,
+                                     int orientation) {
   constexpr int kMostCrop = 800;
-  for (TagFinding& tag : tags) {
-    if (tag.status == TagStatus::ok || tag.status == TagStatus::cut_off) continue;
-    if (tag.crop || !tag.crop_file.empty()) continue;
-    const auto [left, right] = std::ranges::minmax(tag.corners, {}, &PixelPoint::x);
-    const auto [top, bottom] = std::ranges::minmax(tag.corners, {}, &PixelPoint::y);
-    const double margin = 0.5 * std::max(right.x - left.x, bottom.y - top.y);
-    const auto within = [](double value, int size) {
-      return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
-    };
-    const int x0 = within(left.x - margin, image.width);
-    const int x1 = within(right.x + margin, image.width);
-    const int y0 = within(top.y - margin, image.height);
-    const int y1 = within(bottom.y + margin, image.height);
-    if (x1 - x0 < 2 || y1 - y0 < 2) continue;
-    GrayImage crop{x1 - x0, y1 - y0, {}};
-    for (int y = y0; y < y1; ++y) {
-      crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
-    }
-    while (crop.width > kMostCrop) crop = half_size(crop.view());
-    tag.crop = orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);
+  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
+  const double margin = 0.5 * std::max(right.x - left.x, bottom.y - top.y);
+  const auto within = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  const int x0 = within(left.x - margin, image.width);
+  const int x1 = within(right.x + margin, image.width);
+  const int y0 = within(top.y - margin, image.height);
+  const int y1 = within(bottom.y + margin, image.height);
+  if (x1 - x0 < 2 || y1 - y0 < 2) return std::nullopt;
+  GrayImage crop{x1 - x0, y1 - y0, {}};
+  for (int y = y0; y < y1; ++y) {
+    crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
+  }
+  while (crop.width > kMostCrop) crop = half_size(crop.view());
+  return orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);
+}
+
+void crop_faults(const GrayView& image, std::vector<VerifiedTag>& tags, int orientation) {
+  for (VerifiedTag& tag : tags) {
+    const FaultPicture& shown = tag.picture;
+    if (!tag.is_fault() || shown.image || !shown.jpeg.empty() || !shown.file.empty()) continue;
+    tag.picture.image = crop_around(image, tag.corners, orientation);
   }
 }
 

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+// Pictures of faults, for people.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
-#include "decoder/verify/finding.hpp"
+#include "decoder/verify/verified_file.hpp"
 
 namespace tagsmith {
 
-// Fills `crop` of every fault: the tag and half a frame's size more on each side, at most 800
-// pixels wide, turned upright by the picture's EXIF `orientation`. Tags that have a crop or a file
-// of one keep it.
-void crop_faults(const GrayView& image, std::vector<TagFinding>& tags, int orientation = 1);
+// What is within these corners and half a frame's size more on each side, at most 800 pixels wide,
+// turned upright by the picture's EXIF `orientation`. Nothing of what lies outside of the picture.
+std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& corners,
+                                     int orientation);
+
+// Fills `picture.image` of every fault. Tags that have one or a file of it keep it.
+void crop_faults(const GrayView& image, std::vector<VerifiedTag>& tags, int orientation);
 
 // The whole picture, no side of it longer than 480 pixels, turned upright.
-GrayImage small_picture(const GrayView& image, int orientation = 1);
+GrayImage small_picture(const GrayView& image, int orientation);
 
 }  // namespace tagsmith

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,13 +13,14 @@
 #include "decoder/image/nearest.hpp"
 #include "decoder/image/upright.hpp"
 #include "decoder/reader/judge.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
 namespace tagsmith {
 namespace {
 
-// What is too narrow to be read is told as seen from the side beyond this, degrees of incidence.
-constexpr double kSteep = 70;
+// What is too narrow to be read is told as seen from the side beyond this incidence, radians.
+constexpr double kSteep = radians(70);
 // Beyond these nothing in docs/accuracy.md is read.
 constexpr double kDarkestWhite = 40;  // samples, 0 to 255
 constexpr double kBrightestBars = 170;
@@ -113,16 +112,25 @@ FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, Fram
   return corners;
 }
 
-struct Shape {
-  double module_px = 0;  // as seen along the symbol
-  double incidence = 0;  // degrees, from the foreshortening of one axis against the other
+// A plate as it is looked at for what keeps it from being read.
+struct PlateLook {
+  const GrayView& image;
+  const TagTemplate& tag;
+  FrameCorners corners;            // from the upper left one
+  double module_px = 0;            // as seen along the symbol
+  double incidence = 0;            // radians, from the foreshortening of one axis against the other
+  bool knows_up = true;            // of the picture
+  const SymbolFit* fit = nullptr;  // of the symbol that was refused; null = none was seen
 };
 
-Shape shape_of(const TagTemplate& tag, const FrameCorners& corners) {
-  const double along = length_of(corners);
-  const double shortened = shortening(tag, along, height_of(corners));
-  return {along * module_width(tag) / tag.frame_inner_length,
-          std::acos(std::min(1.0, shortened)) * 180 / std::numbers::pi};
+PlateLook look_at(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners,
+                  const std::optional<int>& orientation) {
+  PlateLook look{image, tag, from_upper_left(image, tag, corners, orientation.value_or(1))};
+  const double along = length_of(look.corners);
+  look.module_px = along * module_width(tag) / tag.frame_inner_length;
+  look.incidence = std::acos(std::min(1.0, shortening(tag, along, height_of(look.corners))));
+  look.knows_up = orientation.has_value();
+  return look;
 }
 
 // What the light is measured of, in words.
@@ -153,21 +161,22 @@ std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& 
   return std::nullopt;
 }
 
-std::optional<Diagnosis> judge_view(const GrayView& image, const TagTemplate& tag,
-                                    const FrameCorners& corners) {
-  const Shape shape = shape_of(tag, corners);
-  const double least =
-      least_module_px(true, shape.incidence * std::numbers::pi / 180, 0, ReadShare::half);
-  if (!(shape.module_px < least)) return judge_light(image, corners, kPlate);
-  if (shape.incidence <= kSteep) {
+std::optional<Diagnosis> judge_view(const PlateLook& look) {
+  const double least = least_module_px(true, look.incidence, 0, ReadShare::half);
+  if (!(look.module_px < least)) return std::nullopt;
+  if (look.incidence <= kSteep) {
     return Diagnosis{"too-small", fmt::format("{:.2f} pixels a module, {:.2f} are needed",
-                                              shape.module_px, least)};
+                                              look.module_px, least)};
   }
   const std::string needed = std::isfinite(least) ? fmt::format("{:.2f} are needed", least)
                                                   : std::string("nothing is read so obliquely");
   return Diagnosis{"end-on", fmt::format("seen at {:.0f} degrees from its front, {:.2f} pixels a "
                                          "module are left, {}",
-                                         shape.incidence, shape.module_px, needed)};
+                                         degrees(look.incidence), look.module_px, needed)};
+}
+
+std::optional<Diagnosis> judge_plate_light(const PlateLook& look) {
+  return judge_light(look.image, look.corners, kPlate);
 }
 
 // Of the white inside the frame against the middle of its upper and lower strokes.
@@ -218,19 +227,18 @@ double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorn
 }
 
 // The place of what is hidden, as one sees who faces the plate; shares of the bars' area.
-// `seen_from` says what up is, where that matters.
-std::string place_in_words(double right, double down, const char* seen_from) {
+std::string place_in_words(double right, double down, bool knows_up) {
   const char* row = down < 1.0 / 3 ? "upper" : down > 2.0 / 3 ? "lower" : "middle";
   const char* column = right < 1.0 / 3 ? "left" : right > 2.0 / 3 ? "right" : "middle";
   if (std::string(row) == column) return "in the middle";
-  return fmt::format("at the {} {}{}", row, column, seen_from);
+  return fmt::format("at the {} {}{}", row, column,
+                     knows_up ? "" : " as the picture stands (which way is up in it is not known)");
 }
 
 // Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
-// is wider than any element. `seen_from` as there.
-std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& tag,
-                                     const FrameCorners& corners, double module_px,
-                                     const char* seen_from) {
+// is wider than any element.
+std::optional<Diagnosis> judge_cover(const PlateLook& look) {
+  const auto& [image, tag, corners, module_px, incidence, knows_up, fit] = look;
   constexpr int kColumns = 19;
   constexpr int kRows = 4;
   constexpr int kAlong = 30;  // samples of a cell
@@ -281,7 +289,7 @@ std::optional<Diagnosis> judge_cover(const GrayView& image, const TagTemplate& t
   return Diagnosis{
       "covered",
       fmt::format("{:.2g} % of the bars are covered or damaged (limit {:.0f} %), {}", 100 * share,
-                  100 * kMostHidden, place_in_words(right / hidden, down / hidden, seen_from))};
+                  100 * kMostHidden, place_in_words(right / hidden, down / hidden, knows_up))};
 }
 
 // `blur`: standard deviation, modules.
@@ -297,24 +305,40 @@ std::optional<Diagnosis> judge_blur(double blur, double module_px) {
 
 // Of a symbol that one growth explains. Rendered symbols grown by 0.65 to 0.9 modules either way
 // are explained to 0.995 and more, covered ones that a fit calls grown to 0.95 and less.
-std::optional<Diagnosis> judge_growth(const SymbolFit& fit) {
+std::optional<Diagnosis> judge_growth(const PlateLook& look) {
   constexpr double kLeastExplained = 0.97;
   constexpr double kLeastKeptGrown = 0.95;
-  if (fit.explained < kLeastExplained || fit.kept < kLeastKeptGrown) return std::nullopt;
-  if (std::abs(fit.image.growth) <= kMostGrowth) return std::nullopt;
+  const SymbolFit* fit = look.fit;
+  if (fit == nullptr || fit->explained < kLeastExplained || fit->kept < kLeastKeptGrown ||
+      std::abs(fit->image.growth) <= kMostGrowth) {
+    return std::nullopt;
+  }
   return Diagnosis{"bars-grown", fmt::format("bars {} by {:.2f} modules, limit {:.1f}",
-                                             fit.image.growth > 0 ? "wider" : "narrower",
-                                             std::abs(fit.image.growth), kMostGrowth)};
+                                             fit->image.growth > 0 ? "wider" : "narrower",
+                                             std::abs(fit->image.growth), kMostGrowth)};
 }
 
-std::optional<Diagnosis> judge_bars(const SymbolFit& fit, double module_px) {
-  if (fit.kept < kLeastKept) {
-    return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
-                                            100 * fit.kept, 100 * kLeastKept)};
-  }
-  if (const auto growth = judge_growth(fit)) return growth;
-  return judge_blur(fit.image.blur, module_px);
+std::optional<Diagnosis> judge_frame_blur(const PlateLook& look) {
+  constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
+  return judge_blur(edge_width(look.image, look.tag, look.corners) / kOfQuarters, look.module_px);
 }
+
+std::optional<Diagnosis> judge_bars(const PlateLook& look) {
+  if (look.fit == nullptr) return std::nullopt;
+  if (look.fit->kept < kLeastKept) {
+    return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
+                                            100 * look.fit->kept, 100 * kLeastKept)};
+  }
+  return judge_blur(look.fit->image.blur, look.module_px);
+}
+
+// In order of precedence. Geometry comes before light, and light before the bars, because each
+// makes the later measurements worthless. Bars that grew until they touch, or shrank to hairs, have
+// cells without contrast as if they were covered. A frame so blurred says more than a fit to what
+// is left of the bars.
+constexpr std::optional<Diagnosis> (*kJudges[])(const PlateLook&) = {
+    judge_view, judge_plate_light, judge_growth, judge_cover, judge_frame_blur, judge_bars,
+};
 
 // What a refusal without a measured cause is mostly due to.
 std::string suspicion(RejectionReason reason) {
@@ -334,42 +358,26 @@ std::string suspicion(RejectionReason reason) {
   }
 }
 
-const char* seen_from(const std::optional<int>& orientation) {
-  return orientation ? "" : " as the picture stands (which way is up in it is not known)";
-}
-
 }  // namespace
 
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
                    const std::optional<int>& orientation) {
-  const FrameCorners corners =
-      from_upper_left(image, tag, rejection.corners, orientation.value_or(1));
-  if (const auto view = judge_view(image, tag, corners)) return *view;
-  const double module_px = shape_of(tag, corners).module_px;
-  const SymbolFit* fit = rejection.symbol ? &rejection.symbol->decoding.fit : nullptr;
-  // Bars that grew until they touch, or shrank to hairs, have cells without contrast, too. Then one
-  // growth explains the whole symbol.
-  if (fit != nullptr) {
-    if (const auto growth = judge_growth(*fit)) return *growth;
+  PlateLook look = look_at(image, tag, rejection.corners, orientation);
+  if (rejection.symbol) look.fit = &rejection.symbol->decoding.fit;
+  const std::string reason = describe(rejection);
+  for (const auto& judge : kJudges) {
+    auto diagnosis = judge(look);
+    if (!diagnosis) continue;
+    diagnosis->words += fmt::format(" (the reader says: {})", reason);
+    return *diagnosis;
   }
-  if (const auto cover = judge_cover(image, tag, corners, module_px, seen_from(orientation))) {
-    return *cover;
-  }
-  // A frame so blurred says more than a fit to what is left of the bars.
-  constexpr double kOfQuarters = 1.35;  // standard deviations between an edge's quarters
-  const double edge_blur = edge_width(image, tag, corners) / kOfQuarters;
-  if (const auto blur = judge_blur(edge_blur, module_px)) return *blur;
-  if (fit != nullptr) {
-    if (const auto bars = judge_bars(*fit, module_px)) return *bars;
-  }
-  return {"undecodable", ""};
+  return {"undecodable", reason + suspicion(rejection.reason)};
 }
 
 std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& tag,
                                     const FrameCorners& corners,
                                     const std::optional<int>& orientation) {
-  const FrameCorners shown = from_upper_left(image, tag, corners, orientation.value_or(1));
-  return judge_cover(image, tag, shown, shape_of(tag, shown).module_px, seen_from(orientation));
+  return judge_cover(look_at(image, tag, corners, orientation));
 }
 
 std::optional<Diagnosis> diagnose_light(const GrayView& image, const FrameCorners& corners) {
@@ -380,23 +388,6 @@ std::optional<Diagnosis> diagnose_picture(const GrayView& image) {
   const double right = image.width - 1;
   const double bottom = image.height - 1;
   return judge_light(image, {{{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}}, kPicture);
-}
-
-void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadResult& readings,
-                   std::vector<TagFinding>& findings, const std::optional<int>& orientation) {
-  for (std::size_t i = 0; i < readings.rejected.size(); ++i) {
-    TagFinding& finding = findings[readings.tags.size() + i];
-    if (finding.status != TagStatus::unreadable) continue;
-    const Rejection& rejection = readings.rejected[i];
-    const Diagnosis diagnosis = diagnose(image, tag, rejection, orientation);
-    finding.rule = diagnosis.rule;
-    if (diagnosis.measured.empty()) {
-      finding.message += suspicion(rejection.reason);
-    } else {
-      finding.message = fmt::format("{}{} (the reader says: {})", kUnread, diagnosis.measured,
-                                    describe(rejection));
-    }
-  }
 }
 
 }  // namespace tagsmith

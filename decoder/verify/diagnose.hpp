@@ -4,24 +4,22 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
-#include "decoder/verify/finding.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith {
 
 struct Diagnosis {
-  std::string rule;      // docs/verify-rules.md
-  std::string measured;  // number and limit in words; empty for `undecodable`
+  std::string rule;   // docs/verify-rules.md
+  std::string words;  // what was measured and its limit
 };
 
-// The first that applies of: end-on, too small, too dark, glare, low contrast, covered, bars grown,
-// blurred, undecodable. Geometry comes before light, and light before the bars, because each makes
-// the later measurements worthless. `orientation` of the picture (EXIF): places on a plate are told
-// as one sees it upright; nothing = not known, the picture's own up is taken and said.
+// What keeps a refused tag from being read: the first that applies of end-on, too small, too dark,
+// glare, low contrast, bars grown, covered, blurred; else `undecodable`, with what is suspected.
+// `orientation` of the picture (EXIF): places on a plate are told as one sees it upright; nothing =
+// not known, the picture's own up is taken and said.
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
                    const std::optional<int>& orientation = 1);
 
@@ -37,10 +35,5 @@ std::optional<Diagnosis> diagnose_light(const GrayView& image, const FrameCorner
 // What is wrong with the light of a whole picture in which no tag was found; nothing when a tag
 // could have been seen in it.
 std::optional<Diagnosis> diagnose_picture(const GrayView& image);
-
-// Names the rule of every unreadable one of the findings that check_tags made of these readings,
-// and adds the measurement to its message.
-void diagnose_tags(const GrayView& image, const TagTemplate& tag, const ReadResult& readings,
-                   std::vector<TagFinding>& findings, const std::optional<int>& orientation = 1);
 
 }  // namespace tagsmith

@@ -187,33 +187,28 @@ double share_of_bend(const FrameBow& bow, const FrameCorners& corners) {
   return share;
 }
 
-void find_bent(const GrayView& image, const TagTemplate& tag, const Camera* camera,
-               std::vector<TagFinding>& findings) {
-  const bool calibrated =
-      camera != nullptr && camera->width == image.width && camera->height == image.height;
-  const double limit = calibrated ? kMostBend : kMostBendOfUnknownLens;
-  for (TagFinding& finding : findings) {
-    if (finding.status != TagStatus::ok) continue;
-    const FrameCorners& corners = finding.corners;
-    std::optional<FrameBow> bow = measure_bow(image, tag, corners);
-    if (!bow) continue;
-    if (calibrated) {
-      const FrameBow of_lens = bow_of_lens(*camera, corners);
-      for (std::size_t i = 0; i < 4; ++i) (*bow)[i] -= of_lens[i];
-    }
-    double share = share_of_bend(*bow, corners);
-    if (!calibrated) {
-      const FrameBow left = without_radial(*bow, corners, image.width, image.height);
-      share = std::min(share, largest_share(left, corners));
-    }
-    if (share <= limit) continue;
-    finding.status = TagStatus::misprinted;
-    finding.rule = "bent";
-    finding.message = fmt::format(
-        "{} is bent: two opposite sides of its frame bow by {:.1f} % of their length, limit {:.0f} "
-        "%",
-        finding.tag, 100 * share, 100 * limit);
+std::optional<Finding> find_bent(const PictureEvidence& evidence, const TagEvidence& seen) {
+  if (!evidence.is_photo) return std::nullopt;
+  const Camera* camera = evidence.camera;
+  const FrameCorners& corners = seen.tag.corners;
+  std::optional<FrameBow> bow = measure_bow(evidence.image, evidence.survey.tag_template, corners);
+  if (!bow) return std::nullopt;
+  if (camera != nullptr) {
+    const FrameBow of_lens = bow_of_lens(*camera, corners);
+    for (std::size_t i = 0; i < 4; ++i) (*bow)[i] -= of_lens[i];
   }
+  double share = share_of_bend(*bow, corners);
+  if (camera == nullptr) {
+    const FrameBow left =
+        without_radial(*bow, corners, evidence.image.width, evidence.image.height);
+    share = std::min(share, largest_share(left, corners));
+  }
+  const double limit = camera != nullptr ? kMostBend : kMostBendOfUnknownLens;
+  if (share <= limit) return std::nullopt;
+  return Finding{TagStatus::misprinted, "bent",
+                 fmt::format("{} is bent: two opposite sides of its frame bow by {:.1f} % of their "
+                             "length, limit {:.0f} %",
+                             seen.tag.tag, 100 * share, 100 * limit)};
 }
 
 }  // namespace tagsmith

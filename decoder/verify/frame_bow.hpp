@@ -4,11 +4,10 @@
 
 #include <array>
 #include <optional>
-#include <vector>
 
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
-#include "decoder/verify/finding.hpp"
+#include "decoder/verify/evidence.hpp"
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/tag/template.hpp"
 
@@ -37,8 +36,7 @@ double share_of_bend(const FrameBow& bow, const FrameCorners& corners);
 inline constexpr double kMostBend = 0.01;
 inline constexpr double kMostBendOfUnknownLens = 0.02;
 
-// `ok` tags whose plate is bent become `misprinted` (rule `bent`). `camera` null = not known.
-void find_bent(const GrayView& image, const TagTemplate& tag, const Camera* camera,
-               std::vector<TagFinding>& findings);
+// The plate of a photo's tag that is bent.
+std::optional<Finding> find_bent(const PictureEvidence& evidence, const TagEvidence& seen);
 
 }  // namespace tagsmith

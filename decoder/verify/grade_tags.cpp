@@ -49,17 +49,13 @@ std::optional<ReflectanceReferences> find_references(const GrayView& image, cons
   return ReflectanceReferences{*white, kWhitePatchReflectance, *black, kBlackPatchReflectance};
 }
 
-void grade_tags(const GrayView& image, const TagTemplate& tag, std::vector<TagFinding>& findings) {
-  const SymbolLayout layout = layout_of(tag);
-  for (TagFinding& finding : findings) {
-    if (finding.status != TagStatus::ok) continue;
-    Result<SymbolGrade> grade =
-        grade_symbol(image, finding.corners, layout, find_references(image, tag, finding.corners));
-    if (grade) {
-      finding.grade = std::move(*grade);
-    } else {
-      finding.grade_reason = grade.error().message;
-    }
+void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verified) {
+  Result<SymbolGrade> grade = grade_symbol(image, verified.corners, layout_of(tag),
+                                           find_references(image, tag, verified.corners));
+  if (grade) {
+    verified.grade = std::move(*grade);
+  } else {
+    verified.grade_reason = grade.error().message;
   }
 }
 

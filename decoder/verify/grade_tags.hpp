@@ -3,12 +3,11 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "decoder/grade/symbol_grade.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
-#include "decoder/verify/finding.hpp"
+#include "decoder/verify/verified_file.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith {
@@ -23,7 +22,7 @@ inline constexpr double kBlackPatchReflectance = 0.04;
 std::optional<ReflectanceReferences> find_references(const GrayView& image, const TagTemplate& tag,
                                                      const FrameCorners& corners);
 
-// Fills `grade`, or `grade_reason`, of every finding that is `ok`.
-void grade_tags(const GrayView& image, const TagTemplate& tag, std::vector<TagFinding>& findings);
+// Fills `grade`, or `grade_reason`.
+void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verified);
 
 }  // namespace tagsmith

@@ -2,199 +2,219 @@
 #include "decoder/verify/hanging_check.hpp"
 
 #include <algorithm>
-#include <map>
 #include <optional>
+#include <set>
+#include <string>
+#include <unordered_set>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "decoder/verify/hanging.hpp"
+#include "decoder/verify/sighting_pick.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith {
 namespace {
 
 // True when all that is wrong is that the camera's note of its up has the tag on its head.
-bool is_doubted_by_camera(const TagFinding& tag) {
+bool is_doubted_by_camera(const VerifiedTag& tag) {
   return tag.status == TagStatus::doubtful && tag.rule == "upside-down";
 }
 
 // A tag that may tell where it hangs: in the survey, and in this picture once.
-bool tells(const TagFinding& tag) {
+bool tells(const VerifiedTag& tag) {
   return tag.status == TagStatus::ok || tag.status == TagStatus::misplaced ||
          is_doubted_by_camera(tag);
 }
 
-bool is_photo(const FileReport& report) { return report.width > 0; }
+void set_finding(VerifiedTag& tag, Finding finding) {
+  static_cast<Finding&>(tag) = std::move(finding);
+}
 
-// The camera of a photo, or why it is not known in `note`.
-std::optional<PhotoOrigin> usable_origin(const Rig& rig, const PhotoCameras& cameras,
-                                         const FileReport& report, std::string& note) {
-  const std::optional<PhotoOrigin> origin = cameras.origin_of(report.file);
+void forget_hanging(VerifiedFile& file) {
+  for (VerifiedTag& tag : file.tags) {
+    const bool is_of_hanging = tag.hung && (tag.hung->verdict == HangVerdict::off ||
+                                            tag.hung->verdict == HangVerdict::doubtful);
+    if (is_of_hanging) set_finding(tag, {});
+    tag.hung.reset();
+  }
+}
+
+// The camera of a photo; or nothing, with the reason in `note`.
+std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const VerifiedFile& file,
+                                         std::string& note) {
+  const std::string name = file.file.string();
+  const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
   if (!origin) {
-    note = fmt::format(
-        "{}: which camera of the rig took it is not known; where its tags hang was "
-        "not checked",
-        report.file.string());
+    note = name +
+           ": which camera of the rig took it is not known; where its tags hang was not checked";
     return std::nullopt;
   }
-  const RigCamera& camera = rig.cameras[origin->camera];
-  if (camera.camera.width == report.width && camera.camera.height == report.height) return origin;
+  const RigCamera& camera = setup.rig.cameras[origin->camera];
+  if (camera.camera.width == file.width && camera.camera.height == file.height) return origin;
   note = fmt::format(
       "{}: is {} x {} pixels, expected {} x {} as the rig's camera {} has; where its tags hang was "
       "not checked",
-      report.file.string(), report.width, report.height, camera.camera.width, camera.camera.height,
-      camera.name);
+      name, file.width, file.height, camera.camera.width, camera.camera.height, camera.name);
   return std::nullopt;
 }
 
-std::string in_words(const TagFinding& tag) {
-  return fmt::format("{}: {}", to_string(tag.status), tag.message);
-}
-
-bool is_told(const TagFinding& tag) {
-  return tag.status != TagStatus::ok && tag.status != TagStatus::cut_off;
-}
-
-// Puts `changed` in place of the report's tag, and of the finding that told of it.
-void replace(FileReport& report, TagFinding& tag, const TagFinding& changed) {
-  if (is_told(tag)) {
-    const auto told = std::ranges::find(report.findings, in_words(tag));
-    if (told != report.findings.end()) report.findings.erase(told);
+// The photo's tags that tell where they hang, by its camera.
+std::vector<SightedTag> sighted_tags(const Survey& survey, const HangingSetup& setup,
+                                     VerifiedFile file, std::string& note) {
+  std::vector<SightedTag> sighted;
+  forget_hanging(file);
+  if (std::ranges::none_of(file.tags, tells)) return sighted;
+  const std::optional<PhotoOrigin> origin = usable_origin(setup, file, note);
+  for (const VerifiedTag& tag : file.tags) {
+    if (!origin || !tells(tag) || !tag.digits ||
+        find_tag(survey, std::string_view(tag.tag)) == nullptr ||
+        std::ranges::count(file.tags, tag.tag, &VerifiedTag::tag) > 1) {
+      continue;
+    }
+    sighted.push_back({origin->station, origin->camera, tag.tag,
+                       seen_corners(tag.corners, tag.corner_covariance)});
   }
-  const std::string rule = tag.rule;
-  tag = changed;
-  if (std::ranges::find(report.tags, rule, &TagFinding::rule) == report.tags.end()) {
-    report.rules.erase(rule);
-  }
-  if (!is_told(tag)) return;
-  report.findings.push_back(in_words(tag));
-  report.rules.insert(tag.rule);
+  return sighted;
 }
 
-void write(const HungTag& hung, TagFinding& tag) {
+// Those of every photo, once each, with the note on a photo that could not be used.
+Result<void> for_each_sighted(
+    const Survey& survey, const HangingSetup& setup, const EachFile& files,
+    const std::function<void(const std::vector<SightedTag>&, const std::string&)>& take) {
+  const std::string revision = survey_revision(survey);
+  std::unordered_set<std::size_t> known;
+  return files([&](const VerifiedFile& file) {
+    if (!file.is_photo() || file.revision != revision) return;
+    if (!known.insert(std::hash<std::string>{}(identity_of(file))).second) return;
+    std::string note;
+    const std::vector<SightedTag> sighted = sighted_tags(survey, setup, file, note);
+    take(sighted, note);
+  });
+}
+
+const HungTag* find_in(const std::vector<HungTag>& tags, const std::string& name) {
+  const auto found = std::ranges::find(tags, name, &HungTag::tag);
+  return found == tags.end() ? nullptr : &*found;
+}
+
+// What is said of the tag in the photos of a station, or else in all.
+const HungTag* find_hung(const HungTags& hung, const std::optional<PhotoOrigin>& origin,
+                         const std::string& name) {
+  for (const UnplacedTags& unplaced : hung.unplaced) {
+    if (!origin || unplaced.station != origin->station) continue;
+    if (const HungTag* here = find_in(unplaced.tags, name)) return here;
+  }
+  return find_in(hung.tags, name);
+}
+
+void judge_place(const HungTag& hung, VerifiedTag& tag) {
   tag.hung = hung;
   switch (hung.verdict) {
     case HangVerdict::unchecked:
       return;
     case HangVerdict::fits:
-      if (tag.status == TagStatus::ok) return;
-      tag.status = TagStatus::ok;
-      break;
+      if (tag.status != TagStatus::ok) set_finding(tag, {TagStatus::ok, hung.rule, hung.message});
+      return;
     case HangVerdict::off:
-      tag.status = TagStatus::misplaced;
-      break;
+      set_finding(tag, {TagStatus::misplaced, hung.rule, hung.message});
+      return;
     case HangVerdict::doubtful:
       if (tag.status == TagStatus::misplaced) return;  // the picture's order tells more
-      tag.status = TagStatus::doubtful;
-      break;
+      set_finding(tag, {TagStatus::doubtful, hung.rule, hung.message});
   }
-  tag.rule = hung.rule;
-  tag.message = hung.message;
 }
 
-using HungByName = std::map<std::string, const HungTag*>;
-
-HungByName by_name(const std::vector<HungTag>& tags) {
-  HungByName named;
-  for (const HungTag& tag : tags) named[tag.tag] = &tag;
-  return named;
+// True when the tag stands on its head, the vehicle standing level.
+bool is_on_head(const RigCamera& camera, const VerifiedTag& tag) {
+  constexpr double kFlat = 0.5;  // of the way: less may be a plate seen from above
+  // The vehicle's down in the camera's axes.
+  const Eigen::Vector3d down = -camera.vehicle_from_camera.rotation.row(2).transpose();
+  const auto upper = ray_through(camera.camera, {tag.corners[0].x, tag.corners[0].y});
+  const auto lower = ray_through(camera.camera, {tag.corners[3].x, tag.corners[3].y});
+  if (!upper || !lower) return false;
+  return (lower->normalized() - upper->normalized()).normalized().dot(down) <= -kFlat;
 }
 
-const HungTag* find_in(const HungByName& tags, const std::string& name) {
-  const auto found = tags.find(name);
-  return found == tags.end() ? nullptr : found->second;
+void judge_up(const Survey& survey, const HangingSetup& setup, VerifiedFile& file) {
+  std::string note;
+  const auto origin = usable_origin(setup, file, note);
+  if (!origin || !stands_level(setup.rig)) return;
+  file.up = UpSource::rig;
+  std::erase_if(file.notes,
+                [](const std::string& said) { return said.find(kDoubtedUp) != std::string::npos; });
+  for (VerifiedTag& tag : file.tags) {
+    if (!tells(tag) || !hangs_upright(survey, tag)) continue;
+    if (is_on_head(setup.rig.cameras[origin->camera], tag)) {
+      set_finding(tag,
+                  {TagStatus::misprinted, "upside-down",
+                   tag.tag + " is upside down, by the camera's mounting on the vehicle: it hangs "
+                             "upside down, or is a mirrored print"});
+    } else if (is_doubted_by_camera(tag)) {
+      set_finding(tag, {});
+    }
+  }
+}
+
+// Adds those that were seen, but never together with another; in the survey's order.
+void add_unchecked(const Survey& survey, const std::set<std::string>& seen,
+                   std::vector<HungTag>& tags) {
+  std::vector<HungTag> all;
+  for (const PlacedTag& placed : survey.tags) {
+    if (const HungTag* hung = find_in(tags, placed.name)) {
+      all.push_back(*hung);
+    } else if (seen.contains(placed.name)) {
+      all.emplace_back().tag = placed.name;
+    }
+  }
+  tags = std::move(all);
 }
 
 }  // namespace
 
-std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
-                                     const PhotoCameras& cameras,
-                                     std::span<const FileReport> reports,
-                                     std::vector<std::string>& notes) {
-  std::vector<SightedTag> sighted;
-  for (const FileReport& report : reports) {
-    if (!is_photo(report) || std::ranges::none_of(report.tags, tells)) continue;
-    std::string note;
-    const std::optional<PhotoOrigin> origin = usable_origin(rig, cameras, report, note);
-    if (!note.empty()) notes.push_back(note);
-    if (!origin) continue;
-    for (const TagFinding& tag : report.tags) {
-      const auto same = [&](const TagFinding& other) { return other.tag == tag.tag; };
-      if (!tells(tag) || find_tag(survey, std::string_view(tag.tag)) == nullptr ||
-          std::ranges::count_if(report.tags, same) > 1) {
-        continue;
-      }
-      sighted.push_back({origin->station, origin->camera, tag.tag,
-                         seen_corners(tag.corners, tag.corner_covariance)});
-    }
+Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
+                               const EachFile& files) {
+  constexpr std::size_t kMostNotes = 20;  // on photos that could not be used
+  SightingPick pick;
+  std::set<std::string> seen;
+  std::vector<std::string> notes;
+  std::size_t unused = 0;
+  const auto counted =
+      for_each_sighted(survey, setup, files, [&](const auto& sighted, const std::string& note) {
+        pick.count(sighted);
+        for (const SightedTag& tag : sighted) seen.insert(tag.tag);
+        if (!note.empty() && ++unused <= kMostNotes) notes.push_back(note);
+      });
+  if (!counted) return fail(counted.error().message);
+  if (unused > kMostNotes) {
+    notes.push_back(fmt::format("{} more photos likewise", unused - kMostNotes));
   }
-  return sighted;
+  pick.choose();
+  const auto taken = for_each_sighted(survey, setup, files,
+                                      [&](const auto& sighted, auto&) { pick.take(sighted); });
+  if (!taken) return fail(taken.error().message);
+  HungTags hung = check_hung_tags(survey, setup.rig, pick.taken(), setup.tolerance);
+  add_unchecked(survey, seen, hung.tags);
+  hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
+  if (hung.nothing_fits) {
+    hung.notes.push_back(
+        "more than half of the tags seen contradict the survey: are these its photos, and is the "
+        "rig's calibration right? No tag was accused");
+  }
+  return hung;
 }
 
-void report_hung_tags(const HungTags& hung, const PhotoCameras& cameras,
-                      std::vector<FileReport>& reports) {
-  const HungByName of_all = by_name(hung.tags);
-  std::map<std::string, HungByName> of_stations;
-  for (const UnplacedTags& unplaced : hung.unplaced) {
-    of_stations[unplaced.station] = by_name(unplaced.tags);
+void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
+                   VerifiedFile& file) {
+  if (!file.is_photo() || file.revision != survey_revision(survey)) return;
+  forget_hanging(file);
+  const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
+  for (VerifiedTag& tag : file.tags) {
+    const HungTag* here = tells(tag) ? find_hung(hung, origin, tag.tag) : nullptr;
+    if (here != nullptr) judge_place(*here, tag);
   }
-  for (FileReport& report : reports) {
-    if (!is_photo(report)) continue;
-    const std::optional<PhotoOrigin> origin = cameras.origin_of(report.file);
-    const auto unplaced = origin ? of_stations.find(origin->station) : of_stations.end();
-    for (TagFinding& tag : report.tags) {
-      if (!tells(tag)) continue;
-      const HungTag* here =
-          unplaced == of_stations.end() ? nullptr : find_in(unplaced->second, tag.tag);
-      if (here == nullptr) here = find_in(of_all, tag.tag);
-      if (here == nullptr) continue;
-      TagFinding changed = tag;
-      write(*here, changed);
-      replace(report, tag, changed);
-    }
-  }
-}
-
-void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const PhotoCameras& cameras,
-                                std::vector<FileReport>& reports) {
-  if (!stands_level(rig)) return;
-  for (FileReport& report : reports) {
-    std::string note;
-    const auto origin = is_photo(report) ? usable_origin(rig, cameras, report, note) : std::nullopt;
-    if (!origin) continue;
-    report.up = UpSource::rig;
-    std::erase_if(report.notes, [](const std::string& said) {
-      return said.find(kDoubtedUp) != std::string::npos;
-    });
-    const RigCamera& camera = rig.cameras[origin->camera];
-    // The vehicle's down in the camera's axes.
-    const Eigen::Vector3d down = -camera.vehicle_from_camera.rotation.row(2).transpose();
-    for (TagFinding& tag : report.tags) {
-      if (!tells(tag) || !hangs_upright(survey, tag)) continue;
-      const PixelPoint& p = tag.corners[0];
-      const PixelPoint& q = tag.corners[3];
-      const auto upper = ray_through(camera.camera, {p.x, p.y});
-      const auto lower = ray_through(camera.camera, {q.x, q.y});
-      constexpr double kFlat = 0.5;  // of the way: less may be a plate seen from above
-      if (!upper || !lower) continue;
-      const Eigen::Vector3d way = (lower->normalized() - upper->normalized()).normalized();
-      TagFinding changed = tag;
-      if (way.dot(down) <= -kFlat) {
-        changed.status = TagStatus::misprinted;
-        changed.rule = "upside-down";
-        changed.message = fmt::format(
-            "{} is upside down, by the camera's mounting on the vehicle: it hangs upside down, or "
-            "is a mirrored print",
-            tag.tag);
-      } else if (is_doubted_by_camera(tag)) {
-        changed.status = TagStatus::ok;
-        changed.rule.clear();
-        changed.message.clear();
-      } else {
-        continue;
-      }
-      replace(report, tag, changed);
-    }
-  }
+  judge_up(survey, setup, file);
 }
 
 }  // namespace tagsmith

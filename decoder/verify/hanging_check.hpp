@@ -1,37 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the reports on photos to where the tags hang, and back into the reports.
+// Where tags hang, by all photos together: as-built deviations from the survey, judged over the
+// results of all files and written back into each.
 #pragma once
 
-#include <span>
-#include <string>
-#include <vector>
+#include <functional>
 
-#include "decoder/verify/finding.hpp"
 #include "decoder/verify/hung_tags.hpp"
 #include "decoder/verify/photo_cameras.hpp"
+#include "decoder/verify/verified_file.hpp"
+#include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
 
-// The tags of these reports that are in order, by their cameras. What cannot be used is told in
-// `notes`: photos of unknown cameras, and of other sizes than their camera's.
-std::vector<SightedTag> sighted_tags(const Survey& survey, const Rig& rig,
-                                     const PhotoCameras& cameras,
-                                     std::span<const FileReport> reports,
-                                     std::vector<std::string>& notes);
+// Which photos can tell where tags hang, and how far from its place one may hang.
+struct HangingSetup {
+  Rig rig;
+  PhotoCameras cameras;
+  double tolerance = kHangTolerance;  // metres
+};
 
-// Writes into every tag of the reports where it hangs: off becomes `misplaced`, doubtful
-// `doubtful`, and a `misplaced` of find_misplaced that hangs as surveyed `ok`; and into the
-// reports' findings. In photos that fit no place of the cameras all tags become `doubtful`.
-void report_hung_tags(const HungTags& hung, const PhotoCameras& cameras,
-                      std::vector<FileReport>& reports);
+// Calls back with the result of every file, in the same order each time.
+using EachFile = std::function<Result<void>(const std::function<void(const VerifiedFile&)>&)>;
 
-// For photos, whose up the rig tells: tags in order that the survey has upright and that stand on
-// their head by the rig's stance, a quarter turn and more, become `misprinted` (rule
-// `upside-down`), and what the camera's own note made doubtful is in order again. Only by a rig
-// that stands_level.
-void find_upside_down_in_photos(const Survey& survey, const Rig& rig, const PhotoCameras& cameras,
-                                std::vector<FileReport>& reports);
+// The deviations of all tags in order that were seen by known cameras. Goes over the files twice,
+// so that an archive need not be in memory: first to choose stations (SightingPick), then to take
+// their tags. A file counts once, and only if it was verified against this state of the survey.
+// Photos of unknown cameras, and of other sizes than their camera's, are left out and noted.
+Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
+                               const EachFile& files);
+
+// Writes into a photo's tags where they hang: off becomes `misplaced`, doubtful `doubtful`, and a
+// `misplaced` of find_misplaced that hangs as surveyed `ok`. In photos that fit no place of the
+// cameras all tags become `doubtful`. What an earlier check said of where they hang is forgotten.
+// By a rig that stands_level, tags in order that the survey has upright and that stand on their
+// head, a quarter turn and more, become `misprinted` (rule `upside-down`), and what the camera's
+// own note made doubtful is in order again.
+void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
+                   VerifiedFile& file);
 
 }  // namespace tagsmith

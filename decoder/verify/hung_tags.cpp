@@ -85,42 +85,34 @@ struct Instruction {
   const char* positive;
   const char* negative;
 };
-constexpr std::array<Instruction, 3> kMove{{{"move it left by", "move it right by"},
-                                            {"lower it by", "raise it by"},
-                                            {"set it back by", "bring it out from the wall by"}}};
-constexpr std::array<Instruction, 3> kTurn{
-    {{"turn it anticlockwise by", "turn it clockwise by"},
+constexpr std::array<Instruction, 6> kInstructions{
+    {{"move it left by", "move it right by"},
+     {"lower it by", "raise it by"},
+     {"set it back by", "bring it out from the wall by"},
+     {"turn it anticlockwise by", "turn it clockwise by"},
      {"press its right edge back by", "press its left edge back by"},
      {"tilt its top back by", "tilt its foot back by"}}};
 
 // All corrections that are significant and large enough to be worth making; when none is
 // significant by itself, those that are large enough.
 std::string instruction(const HungTag& tag) {
-  constexpr double kSurely = 3;         // standard deviations
-  constexpr double kLeastMove = 0.002;  // metres
-  constexpr double kLeastTurn = 0.5;    // degrees
-  std::vector<std::string> parts;
-  const auto add = [&](bool all) {
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const double value = tag.offset.value[i];
-      const bool counts = std::abs(value) > kSurely * tag.offset.sigma[i];
-      if (std::abs(value) < kLeastMove || !(counts || all)) continue;
-      const Instruction& words = kMove[static_cast<std::size_t>(i)];
-      parts.push_back(fmt::format("{} {:.0f} mm", value > 0 ? words.positive : words.negative,
-                                  1e3 * std::abs(value)));
-    }
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const double value = degrees(tag.turn.value[i]);
-      const bool counts = std::abs(value) > kSurely * degrees(tag.turn.sigma[i]);
-      if (std::abs(value) < kLeastTurn || !(counts || all)) continue;
-      const Instruction& words = kTurn[static_cast<std::size_t>(i)];
-      parts.push_back(fmt::format("{} {:.1f} degrees", value > 0 ? words.positive : words.negative,
-                                  std::abs(value)));
-    }
-  };
-  add(false);
-  if (parts.empty()) add(true);
-  return fmt::format("{}", fmt::join(parts, ", "));
+  constexpr double kSurely = 3;               // standard deviations
+  constexpr double kLeastMove = 0.002;        // metres
+  constexpr double kLeastTurn = radians(0.5);
+  std::vector<std::string> surely;
+  std::vector<std::string> all;
+  for (std::size_t i = 0; i < kInstructions.size(); ++i) {
+    const bool is_move = i < 3;
+    const Measured3& measured = is_move ? tag.offset : tag.turn;
+    const auto axis = static_cast<Eigen::Index>(i % 3);
+    const double value = measured.value[axis];
+    if (std::abs(value) < (is_move ? kLeastMove : kLeastTurn)) continue;
+    const char* words = value > 0 ? kInstructions[i].positive : kInstructions[i].negative;
+    all.push_back(is_move ? fmt::format("{} {:.0f} mm", words, 1e3 * std::abs(value))
+                          : fmt::format("{} {:.1f} degrees", words, degrees(std::abs(value))));
+    if (std::abs(value) > kSurely * measured.sigma[axis]) surely.push_back(all.back());
+  }
+  return fmt::format("{}", fmt::join(surely.empty() ? all : surely, ", "));
 }
 
 std::string millimetres(double metres) { return fmt::format("{:.0f} mm", 1e3 * metres); }
@@ -358,6 +350,11 @@ UnplacedTags unplaced_tags(const Survey& survey, const AdjustmentProblem& proble
 }
 
 }  // namespace
+
+std::string to_string(HangVerdict verdict) {
+  constexpr std::array<const char*, 4> kNames{"unchecked", "fits", "off", "doubtful"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
 
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance) {

@@ -17,6 +17,9 @@
 
 namespace tagsmith {
 
+// "unchecked", "fits", "off" or "doubtful".
+std::string to_string(HangVerdict verdict);
+
 // A tag of the survey in a picture. Pictures with one station name were taken together.
 struct SightedTag {
   std::string station;

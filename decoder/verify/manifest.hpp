@@ -2,18 +2,20 @@
 // The manifest.json that `print` writes beside its files: which tag each file must hold.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "decoder/verify/finding.hpp"
+#include "decoder/verify/verified_file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -31,12 +33,12 @@ struct PrintManifest {
   std::filesystem::path file;
   std::string survey;
   std::vector<ManifestTag> tags;
-  std::vector<std::string> documents{};                // files that hold no tag to hang
-  std::map<std::string, std::string> sha256{};         // by file
-  std::map<std::string, std::vector<double>> sizes{};  // plate_mm and others, millimetres
-  bool tiled = false;                                  // the files hold pieces of tags
-  std::optional<TilePlan> tiles{};                     // how these go together, when it is said
-  int dots_per_inch = 0;                               // of PNG files; 0 = not said
+  std::vector<std::string> documents{};                  // files that hold no tag to hang
+  std::map<std::string, std::string> sha256{};           // by file
+  std::map<std::string, std::array<double, 2>> sizes{};  // plate_mm and others, millimetres
+  bool tiled = false;                                    // the files hold pieces of tags
+  std::optional<TilePlan> tiles{};                       // how these go together, when it is said
+  int dots_per_inch = 0;                                 // of PNG files; 0 = not said
 };
 
 // The tags that the manifest says a file holds, in its order.
@@ -66,16 +68,13 @@ class ManifestCache {
   std::deque<Entry> entries_;  // the oldest first
 };
 
-// Compares what was read in a print file with what the manifest says it holds: tags that stand in
-// the wrong file become `misprinted`; tags that should be there and are not are added to the
-// findings. A tag that is what was printed and no longer in the survey is `unknown` by the rule
-// `stale`. A file that the manifest does not name comes back as it was.
-FileReport check_against_manifest(const PrintManifest& manifest, FileReport report);
+// Adds a finding for each of these tags of the manifest that was not read in its file.
+void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file);
 
 // Whether the file is still what was printed and what the survey says: adds a finding when its
-// SHA-256 (the report's) is not the manifest's, and makes it stale, with the reason among the
-// findings, when the survey now has other digits, another place or another plate for one of its
-// tags, or no such tag. A document is stale when one of the manifest's tags is.
-FileReport check_freshness(const PrintManifest& manifest, const Survey& survey, FileReport report);
+// SHA-256 is not the manifest's, and makes it stale, with the reason among the findings, when the
+// survey now has other digits, another place or another plate for one of its tags, or no such tag.
+// A document is stale when one of the manifest's tags is.
+void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFile& file);
 
 }  // namespace tagsmith

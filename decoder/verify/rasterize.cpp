@@ -5,8 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <optional>
-#include <sstream>
+#include <regex>
 #include <string>
 
 #include <fmt/format.h>
@@ -57,53 +56,6 @@ std::string first_error(const std::string& messages) {
   return {};
 }
 
-// A line "Page    3 size:  1275.59 x 992.126 pts ..." or "Page    3 rot:  90" of pdfinfo.
-struct PageLine {
-  std::size_t number = 0;
-  std::string key;
-  std::string value;
-};
-
-std::optional<PageLine> parse_page_line(const std::string& line) {
-  std::istringstream words(line);
-  std::string page;
-  PageLine parsed;
-  if (!(words >> page >> parsed.number >> parsed.key) || page != "Page") return std::nullopt;
-  std::getline(words, parsed.value);
-  return parsed;
-}
-
-std::optional<PageSize> parse_size(const std::string& value) {
-  std::istringstream words(value);
-  std::string width;
-  std::string by;
-  std::string height;
-  words >> width >> by >> height;
-  const std::optional<double> w = parse_number(width);
-  const std::optional<double> h = parse_number(height);
-  if (!w || !h || *w <= 0 || *h <= 0) return std::nullopt;
-  return PageSize{*w * kMetresPerPoint, *h * kMetresPerPoint};
-}
-
-// A binary PGM with 8-bit samples, as pdftoppm writes it.
-std::optional<GrayImage> parse_pgm(const std::string& bytes) {
-  std::istringstream header(bytes.substr(0, 64));
-  std::string magic;
-  int greatest = 0;
-  GrayImage image;
-  header >> magic >> image.width >> image.height >> greatest;
-  if (!header || magic != "P5" || greatest != 255 || image.width <= 0 || image.height <= 0) {
-    return std::nullopt;
-  }
-  const auto start = static_cast<std::size_t>(header.tellg()) + 1;
-  const std::size_t count =
-      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  if (bytes.size() < start || bytes.size() - start < count) return std::nullopt;
-  image.samples.resize(count);
-  std::memcpy(image.samples.data(), bytes.data() + start, count);
-  return image;
-}
-
 double dots_per_inch(const PageSize& size) {
   const double square_inches = size.width * size.height / (kMetresPerInch * kMetresPerInch);
   return std::min(kDpi, std::sqrt(kMaxPixels / square_inches));
@@ -123,6 +75,20 @@ std::string svg_problem(const std::string& error, const std::string& path) {
   return at == std::string::npos ? words : words.substr(at + path.size() + 2);
 }
 
+// A page, or the part of it that `part` asks for, at so many dots per inch.
+Result<PageImage> draw_page(const std::filesystem::path& path, int number, const std::string& dpi,
+                            const std::vector<std::string>& part) {
+  const std::string page = std::to_string(number);
+  std::vector<std::string> argv{"pdftoppm", "-gray", "-r", dpi, "-f", page, "-l", page};
+  argv.insert(argv.end(), part.begin(), part.end());
+  argv.push_back(argument_of(path));
+  const Result<ProcessOutput> drawn = run_poppler(path, argv);
+  if (!drawn) return fail(drawn.error().message);
+  Result<GrayImage> image = decode_gray_image(path.string(), drawn->out);
+  if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
+  return PageImage{std::move(*image), kMetresPerInch / *parse_number(dpi), first_error(drawn->err)};
+}
+
 }  // namespace
 
 bool is_svg(const std::filesystem::path& path) { return has_extension(path, ".svg"); }
@@ -139,17 +105,19 @@ Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
   const Result<ProcessOutput> text =
       run_poppler(path, {"pdfinfo", "-f", "1", "-l", last, argument_of(path)});
   if (!text) return fail(text.error().message);
+  // "Page    3 size:  1275.59 x 992.126 pts (A4)", "Page    3 rot:  90"
+  static const std::regex kSize(R"(Page +\d+ size: +([\d.]+) x ([\d.]+) .*)");
+  static const std::regex kTurned(R"(Page +\d+ rot: +(90|270))");
   std::vector<PageSize> pages;
+  std::smatch found;
   for (const std::string& line : split(text->out, '\n')) {
-    const std::optional<PageLine> parsed = parse_page_line(line);
-    if (!parsed || parsed->number == 0) continue;
-    if (parsed->key == "size:") {
-      const std::optional<PageSize> size = parse_size(parsed->value);
-      if (!size || parsed->number != pages.size() + 1) break;
-      pages.push_back(*size);
-    } else if (parsed->key == "rot:" && parsed->number == pages.size()) {
-      const int turn = parse_integer(trim(parsed->value)).value_or(0);
-      if (turn % 180 != 0) std::swap(pages.back().width, pages.back().height);
+    if (std::regex_match(line, found, kSize)) {
+      const PageSize size{parse_number(found[1].str()).value_or(0) * kMetresPerPoint,
+                          parse_number(found[2].str()).value_or(0) * kMetresPerPoint};
+      if (size.width <= 0 || size.height <= 0) break;
+      pages.push_back(size);
+    } else if (!pages.empty() && std::regex_match(line, kTurned)) {
+      std::swap(pages.back().width, pages.back().height);
     }
   }
   if (pages.empty()) return fail(path.string() + ": has no page that can be drawn");
@@ -161,29 +129,7 @@ Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
 
 Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
                                  const PageSize& size) {
-  const double dpi = dots_per_inch(size);
-  const std::string page = std::to_string(number);
-  const Result<ProcessOutput> drawn =
-      run_poppler(path, {"pdftoppm", "-gray", "-r", format_number(dpi, 3), "-f", page, "-l", page,
-                         argument_of(path)});
-  if (!drawn) return fail(drawn.error().message);
-  std::optional<GrayImage> image = parse_pgm(drawn->out);
-  if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
-  return PageImage{std::move(*image), kMetresPerInch / dpi, first_error(drawn->err)};
-}
-
-Result<GrayImage> rasterize_region(const std::filesystem::path& path, int number,
-                                   double dots_per_inch, const PixelRegion& region) {
-  const std::string page = std::to_string(number);
-  const Result<ProcessOutput> drawn =
-      run_poppler(path, {"pdftoppm", "-gray", "-r", format_number(dots_per_inch, 6), "-x",
-                         std::to_string(region.x), "-y", std::to_string(region.y), "-W",
-                         std::to_string(region.width), "-H", std::to_string(region.height), "-f",
-                         page, "-l", page, argument_of(path)});
-  if (!drawn) return fail(drawn.error().message);
-  std::optional<GrayImage> image = parse_pgm(drawn->out);
-  if (!image) return fail(path.string() + ": page " + page + " cannot be drawn");
-  return std::move(*image);
+  return draw_page(path, number, format_number(dots_per_inch(size), 3), {});
 }
 
 Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch) {
@@ -205,7 +151,14 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
 
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
                                  double dots_per_inch, const PixelRegion& region) {
-  if (number > 0) return rasterize_region(path, number, dots_per_inch, region);
+  if (number > 0) {
+    Result<PageImage> drawn =
+        draw_page(path, number, format_number(dots_per_inch, 6),
+                  {"-x", std::to_string(region.x), "-y", std::to_string(region.y), "-W",
+                   std::to_string(region.width), "-H", std::to_string(region.height)});
+    if (!drawn) return fail(drawn.error().message);
+    return std::move(drawn->image);
+  }
   Result<GrayImage> whole = GrayImage{};
   if (is_svg(path)) {
     Result<PageImage> drawn = rasterize_svg(path, dots_per_inch);

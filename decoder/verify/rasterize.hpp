@@ -51,11 +51,7 @@ struct PixelRegion {
   int height = 0;
 };
 
-// That part of page `number` of a PDF. Fails as rasterize_page does.
-Result<GrayImage> rasterize_region(const std::filesystem::path& path, int number,
-                                   double dots_per_inch, const PixelRegion& region);
-
-// The same of any print file: page `number` of a PDF, or an SVG or a picture (number 0), which is
+// That part of any print file: page `number` of a PDF, or an SVG or a picture (number 0), which is
 // taken to have so many dots per inch. Fails when the region is not wholly in it.
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
                                  double dots_per_inch, const PixelRegion& region);

@@ -7,11 +7,11 @@
 #include <span>
 
 #include "decoder/reader/reader.hpp"
-#include "decoder/verify/finding.hpp"
+#include "decoder/verify/evidence.hpp"
 #include "decoder/verify/input_file.hpp"
 #include "decoder/verify/manifest.hpp"
 #include "decoder/verify/photo_cameras.hpp"
-#include "decoder/verify/read_for_survey.hpp"
+#include "decoder/verify/verified_file.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -38,7 +38,7 @@ struct VerifyRequest {
 // together first: the pages of a PDF, or, with the first tile of a plate, its files. The
 // installer's documents are not read, the rest is checked. Fails when the file cannot be read at
 // all.
-Result<FileReport> verify_file(const VerifyRequest& request, const InputFile& file);
-Result<FileReport> verify_file(const VerifyRequest& request, const std::filesystem::path& path);
+Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& file);
+Result<VerifiedFile> verify_file(const VerifyRequest& request, const std::filesystem::path& path);
 
 }  // namespace tagsmith

@@ -16,10 +16,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sys/resource.h>
 
-#include "decoder/cli/json.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/verify_json.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
@@ -98,7 +98,7 @@ int measure(std::size_t count, const std::string& survey_file, const fs::path& f
       if (image) read_tags(image->view());
     });
     run_round(verifying, count, [&](std::size_t i) {
-      const Result<FileReport> report = verify_file(request, photo(i));
+      const Result<VerifiedFile> report = verify_file(request, photo(i));
       if (report) static_cast<void>(to_json_line(*report));
     });
   }

@@ -49,45 +49,6 @@ TEST_CASE("a position is coded as the survey that has the tag says, else in cent
   CHECK(coded_position(strange, {survey}) == GridPoint{1.9, 1.6, 0.4});
 }
 
-TEST_CASE("lines of verify") {
-  FileReport report;
-  report.file = "a.pdf";
-  report.pages = 2;
-  TagFinding good;
-  good.tag = "000L";
-  good.digits = parse_digits("019000000404");
-  good.confidence = 1;
-  good.page = 1;
-  TagFinding bad;
-  bad.status = TagStatus::unreadable;
-  bad.page = 2;
-  bad.message = "too small";
-  report.tags = {good, bad};
-  report.findings = {"page 2: too small"};
-  const json line = json::parse(to_json_line(report));
-  CHECK(line["file"] == "a.pdf");
-  CHECK(line["pages"] == 2);
-  CHECK(line["findings"] == json{"page 2: too small"});
-  CHECK(line["tags"][0]["tag"] == "000L");
-  CHECK(line["tags"][0]["status"] == "ok");
-  CHECK(line["tags"][0]["digits"] == "019000000404");
-  CHECK(line["tags"][0]["corners"].size() == 4);
-  CHECK(line["tags"][0]["page"] == 1);
-  CHECK(line["tags"][1]["tag"].is_null());
-  CHECK(line["tags"][1]["digits"].is_null());
-  CHECK(line["tags"][1]["status"] == "unreadable");
-  CHECK(line["tags"][1]["message"] == "too small");
-
-  VerifySummary summary;
-  summary.files = 3;
-  summary.ok = 2;
-  summary.missing = {"001R"};
-  const json last = json::parse(to_json_line(summary))["summary"];
-  CHECK(last["files"] == 3);
-  CHECK(last["ok"] == 2);
-  CHECK(last["missing"] == json{"001R"});
-}
-
 TEST_CASE("a file name that is no UTF-8 still gives a line of JSON") {
   const ImageReadings readings{"\xff\xfe.jpg", 1, 1, {}, 0};
   CHECK(json::parse(to_json_line(readings, {}), nullptr, false)["image"] ==

@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
 #include "decoder/image/upright.hpp"
+#include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
-#include "decoder/verify/check_tags.hpp"
-#include "decoder/verify/read_for_survey.hpp"
+#include "decoder/verify/evidence.hpp"
+#include "decoder/verify/findings.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -31,8 +33,21 @@ const Survey& corridor() {
   return survey;
 }
 
-// What verify finds in a picture of 000L, stored as a camera stores it that was held so (EXIF).
-std::vector<TagFinding> found_in(const Shot& shot, const std::optional<int>& orientation = 1) {
+// What verify finds in a picture, stored as a camera stores it that was held so (EXIF).
+std::vector<VerifiedTag> tags_in(const GrayView& image, const std::optional<int>& orientation,
+                                 const PictureReading& read = read_tags) {
+  PictureEvidence evidence{corridor(), image};
+  evidence.is_photo = true;
+  evidence.orientation = orientation;
+  see_tags(read, evidence);
+  find_faults(evidence);
+  std::vector<VerifiedTag> tags;
+  for (const TagEvidence& seen : evidence.tags) tags.push_back(seen.tag);
+  return tags;
+}
+
+// The same of a picture of 000L.
+std::vector<VerifiedTag> found_in(const Shot& shot, const std::optional<int>& orientation = 1) {
   const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
   ScenePlate plate{draw_tag(corridor().tag_template, corridor().tags[0].digits), {}, shot.finish};
   plate.camera_from_plate = camera_from_turned_plate(camera, plate.drawing, {640, 480},
@@ -43,12 +58,7 @@ std::vector<TagFinding> found_in(const Shot& shot, const std::optional<int>& ori
   const View view = render_view(camera, std::span(&plate, 1), options);
   const int back = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation.value_or(3);
   const GrayImage stored = turn_upright(view.image.view(), back);
-  const GrayView image = stored.view();
-  const ReadResult read = read_for_survey(image, corridor());
-  std::vector<TagFinding> tags =
-      check_tags(corridor(), read, PictureSize{image.width, image.height});
-  diagnose_tags(image, corridor().tag_template, read, tags, orientation);
-  return tags;
+  return tags_in(stored.view(), orientation);
 }
 
 }  // namespace
@@ -60,14 +70,13 @@ TEST_CASE("a refusal without a measured cause says what is suspected") {
       camera_from_turned_plate(camera, plate.drawing, {640, 480}, 1.5, 0, 0, 0);
   const View view = render_view(camera, std::span(&plate, 1), {});
   const GrayView image = view.image.view();
-  const ReadResult read = read_for_survey(image, corridor());
+  const ReadResult read = read_tags(image);
   REQUIRE(read.tags.size() == 1);
   const auto words = [&](RejectionReason reason) {
     ReadResult refused;
     refused.rejected.push_back({reason, read.tags[0].corners});
-    std::vector<TagFinding> tags =
-        check_tags(corridor(), refused, PictureSize{image.width, image.height});
-    diagnose_tags(image, corridor().tag_template, refused, tags);
+    const std::vector<VerifiedTag> tags =
+        tags_in(image, 1, [&](auto&, auto&) { return std::exchange(refused, {}); });
     CHECK(tags.at(0).rule == "undecodable");
     return tags[0].message;
   };
@@ -86,7 +95,7 @@ TEST_CASE("a tag that is in order has no diagnosis") {
     for (const double distance : {0.8, 1.5, 3.0}) {
       CAPTURE(yaw);
       CAPTURE(distance);
-      const std::vector<TagFinding> tags = found_in({distance, yaw});
+      const std::vector<VerifiedTag> tags = found_in({distance, yaw});
       REQUIRE(tags.size() == 1);
       CHECK(tags[0].status == TagStatus::ok);
     }
@@ -108,8 +117,8 @@ TEST_CASE("a tag seen from beyond the greatest angle at which any is read is end
     }
     const Diagnosis why = diagnose(view.image.view(), tag, refused);
     CHECK(why.rule == "end-on");
-    CHECK(why.measured.find(" degrees from its front, 0.") != std::string::npos);
-    CHECK(why.measured.find("nothing is read so obliquely") != std::string::npos);
+    CHECK(why.words.find(" degrees from its front, 0.") != std::string::npos);
+    CHECK(why.words.find("nothing is read so obliquely") != std::string::npos);
   }
 }
 
@@ -159,7 +168,7 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
   shot_of("a highlight").finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
   for (const Case& c : cases) {
     CAPTURE(c.name);
-    const std::vector<TagFinding> tags = found_in(c.shot);
+    const std::vector<VerifiedTag> tags = found_in(c.shot);
     REQUIRE(tags.size() == 1);
     CAPTURE(tags[0].message);
     CHECK(tags[0].status == TagStatus::unreadable);
@@ -173,7 +182,7 @@ TEST_CASE("the place on a plate is told as one sees it upright, however the came
   cable.finish.cover = Cover{{0.1, 0.02, 0.03, 0.13}};
   for (const int orientation : {1, 3, 6, 8}) {
     CAPTURE(orientation);
-    const std::vector<TagFinding> tags = found_in(cable, orientation);
+    const std::vector<VerifiedTag> tags = found_in(cable, orientation);
     REQUIRE(tags.size() == 1);
     CAPTURE(tags[0].message);
     CHECK(tags[0].message.find("damaged (limit 5 %), at the middle left (the") !=

@@ -64,12 +64,11 @@ Picture draw(const TagTemplate& tag, double white) {
   return picture;
 }
 
-TagFinding graded(const TagTemplate& tag, const Picture& picture, TagStatus status) {
-  std::vector<TagFinding> findings(1);
-  findings[0].status = status;
-  findings[0].corners = picture.corners;
-  grade_tags(picture.image.view(), tag, findings);
-  return findings[0];
+VerifiedTag graded(const TagTemplate& tag, const Picture& picture) {
+  VerifiedTag verified;
+  verified.corners = picture.corners;
+  grade_tag(picture.image.view(), tag, verified);
+  return verified;
 }
 
 }  // namespace
@@ -81,29 +80,28 @@ TEST_CASE("reference patches make a grade absolute") {
   REQUIRE(references.has_value());
   CHECK(references->white_light == doctest::Approx(kWhite).epsilon(0.01));
   CHECK(references->black_light == doctest::Approx(kBlack).epsilon(0.05));
-  const TagFinding finding = graded(tag, picture, TagStatus::ok);
+  const VerifiedTag finding = graded(tag, picture);
   REQUIRE(finding.grade.has_value());
   CHECK(finding.grade->absolute);
-  const double contrast = finding.grade->scans[0].parameters.symbol_contrast;
+  const double contrast = *finding.grade->means[1]->value;
   CHECK(contrast == doctest::Approx(kWhitePatchReflectance - kBlackPatchReflectance).epsilon(0.02));
 }
 
 TEST_CASE("without patches, or with overexposed ones, a grade is relative") {
   TagTemplate plain = with_patches();
   plain.patch_size = 0;
-  const TagFinding finding = graded(plain, draw(plain, kWhite), TagStatus::ok);
+  const VerifiedTag finding = graded(plain, draw(plain, kWhite));
   REQUIRE(finding.grade.has_value());
   CHECK(!finding.grade->absolute);
   const Picture glare = draw(with_patches(), 1.0);
   CHECK(!find_references(glare.image.view(), with_patches(), glare.corners));
 }
 
-TEST_CASE("a far tag has a reason instead of a grade, a faulty one neither") {
+TEST_CASE("a far tag has a reason instead of a grade") {
   const TagTemplate tag = with_patches();
   Picture picture = draw(tag, kWhite);
-  CHECK(!graded(tag, picture, TagStatus::duplicate).grade);
   for (PixelPoint& corner : picture.corners) corner = 0.5 * corner;
-  const TagFinding finding = graded(tag, picture, TagStatus::ok);
+  const VerifiedTag finding = graded(tag, picture);
   CHECK(!finding.grade);
   CHECK(finding.grade_reason.find("pixels a module") != std::string::npos);
 }

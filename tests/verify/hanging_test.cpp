@@ -5,11 +5,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
+#include "decoder/verify/mirrored.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
@@ -30,18 +33,23 @@ Survey hung() {
 }
 
 // 1000 pixels a metre, as seen facing the wall.
-TagFinding seen(const std::string& digits, double x) {
-  TagFinding finding;
+TagEvidence seen(const std::string& digits, double x) {
+  TagEvidence tag;
   const Reading reading = test::reading_of(digits, x);
-  finding.digits = reading.digits;
-  finding.corners = reading.corners;
-  finding.module_px = reading.module_px;
-  return finding;
+  tag.tag.tag = find_tag(hung(), reading.digits)->name;
+  tag.tag.digits = reading.digits;
+  tag.tag.corners = reading.corners;
+  tag.tag.module_px = reading.module_px;
+  return tag;
 }
 
-std::string rule_of(std::vector<TagFinding> findings) {
-  find_misplaced(hung(), findings);
-  return findings[0].rule;
+std::string rule_of(std::vector<TagEvidence> tags) {
+  const Survey survey = hung();
+  PictureEvidence evidence{survey, {}};
+  evidence.is_photo = true;
+  evidence.tags = std::move(tags);
+  const auto found = find_misplaced(evidence, evidence.tags[0]);
+  return found ? found->rule : "";
 }
 
 }  // namespace
@@ -55,8 +63,8 @@ TEST_CASE("neighbours in order are in order, exchanged ones are swapped") {
 TEST_CASE("tags of opposite walls side by side in one plane are on a wrong wall") {
   CHECK(rule_of({seen("019000000404", 100), seen("000000340401", 900)}) == "wrong-wall");
   // Seen from within the drive the other wall's plate narrows the other way.
-  TagFinding other = seen("000000340401", 900);
-  other.corners = {{{900, 160}, {1000, 100}, {1000, 268}, {900, 208}}};
+  TagEvidence other = seen("000000340401", 900);
+  other.tag.corners = {{{900, 160}, {1000, 100}, {1000, 268}, {900, 208}}};
   CHECK(rule_of({seen("019000000404", 100), other}) == "");
 }
 
@@ -92,11 +100,9 @@ TEST_CASE("a mirrored plate without a label is told by its margins, before a dar
         }
         const ReadResult read = read_tags(image.view(), options);
         REQUIRE(read.tags.size() == 1);
-        std::vector<TagFinding> findings(1);
-        findings[0].corners = read.tags[0].corners;
-        findings[0].module_px = read.tags[0].module_px;
-        find_mirrored(image.view(), tag, findings);
-        CHECK(findings[0].rule == (mirrored && ground < 0.5 ? "mirrored" : ""));
+        const std::string how =
+            find_mirroring(image.view(), tag, read.tags[0].corners, read.tags[0].module_px);
+        CHECK(!how.empty() == (mirrored && ground < 0.5));
       }
     }
   }
@@ -107,27 +113,29 @@ TEST_CASE("a tag on its head is told by the up that a camera noted, or by the ot
   for (PlacedTag& tag : survey.tags) {
     tag.world_from_plate.rotation.col(1) = -Eigen::Vector3d::UnitZ();
   }
-  const auto on_head = [](TagFinding tag) {
-    std::swap(tag.corners[0], tag.corners[2]);
-    std::swap(tag.corners[1], tag.corners[3]);
+  const auto on_head = [](TagEvidence tag) {
+    std::swap(tag.tag.corners[0], tag.tag.corners[2]);
+    std::swap(tag.tag.corners[1], tag.tag.corners[3]);
     return tag;
   };
-  const TagFinding a = seen("019000000404", 100);
-  const TagFinding b = seen("019000800402", 900);
-  const TagFinding c = seen("000000340401", 1700);
+  const TagEvidence a = seen("019000000404", 100);
+  const TagEvidence b = seen("019000800402", 900);
+  const TagEvidence c = seen("000000340401", 1700);
   // The rules of the tags, one letter each: H = on its head, ? = it or the camera; then of what is
   // known of up: its first letter.
-  const auto heads = [&](std::vector<TagFinding> tags, const std::optional<int>& orientation) {
-    for (TagFinding& tag : tags) tag.tag = find_tag(survey, *tag.digits)->name;
-    std::optional<Upright> up;
-    if (orientation) up = Upright{*orientation, 2100, 400};
-    const UpSource source = find_upside_down_by_camera(survey, up, tags);
+  const auto heads = [&](std::vector<TagEvidence> tags, const std::optional<int>& orientation) {
+    const GrayImage picture{2100, 400, std::vector<std::uint8_t>(2100 * 400)};
+    PictureEvidence evidence{survey, picture.view()};
+    evidence.is_photo = true;
+    evidence.orientation = orientation;
+    evidence.tags = std::move(tags);
+    evidence.up = up_of_photo(evidence);
     std::string told;
-    for (const TagFinding& tag : tags) {
-      const bool doubtful = tag.status == TagStatus::doubtful;
-      told += tag.rule != "upside-down" ? "-" : doubtful ? "?" : "H";
+    for (const TagEvidence& tag : evidence.tags) {
+      const auto found = find_upside_down(evidence, tag);
+      told += !found ? "-" : found->status == TagStatus::doubtful ? "?" : "H";
     }
-    return told + to_string(source).front();
+    return told + to_string(evidence.up).front();
   };
   CHECK(heads({a}, 1) == "-c");
   CHECK(heads({a}, 3) == "?d");
@@ -146,12 +154,15 @@ TEST_CASE("a tag on its head is told by the up that a camera noted, or by the ot
 }
 
 TEST_CASE("a tag on its head on a page is upside down") {
-  std::vector<TagFinding> findings{seen("019000000404", 100), seen("019000800402", 600)};
-  std::swap(findings[1].corners[0], findings[1].corners[2]);
-  std::swap(findings[1].corners[1], findings[1].corners[3]);
-  find_upside_down(findings);
-  CHECK(findings[0].rule == "");
-  CHECK(findings[1].rule == "upside-down");
+  const Survey survey = hung();
+  PictureEvidence evidence{survey, {}};
+  evidence.up = UpSource::page;
+  evidence.tags = {seen("019000000404", 100), seen("019000800402", 600)};
+  FrameCorners& corners = evidence.tags[1].tag.corners;
+  std::swap(corners[0], corners[2]);
+  std::swap(corners[1], corners[3]);
+  CHECK(!find_upside_down(evidence, evidence.tags[0]));
+  CHECK(find_upside_down(evidence, evidence.tags[1])->rule == "upside-down");
 }
 
 }  // namespace tagsmith

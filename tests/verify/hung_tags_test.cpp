@@ -14,6 +14,7 @@
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/hanging_check.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/revision.hpp"
 #include "tests/support/wide_corridor.hpp"
 
 namespace tagsmith {
@@ -80,6 +81,17 @@ struct Corridor : test::WideCorridor {
 
 Eigen::Matrix3d turned(double angle, const Vector3d& axis) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+// A photo with one tag in order.
+VerifiedFile photo_of(const std::string& tag, const Survey& survey) {
+  VerifiedFile photo{"a.jpg"};
+  photo.revision = survey_revision(survey);
+  photo.width = 1280;
+  photo.height = 960;
+  photo.tags.resize(1);
+  photo.tags[0].tag = tag;
+  return photo;
 }
 
 }  // namespace
@@ -253,30 +265,26 @@ TEST_CASE("photos that no place of the cameras explains are findings of their ta
   CHECK(copy->message.find("a second copy of 001R in the place of 002R") != std::string::npos);
 
   // In the photo of that row the tag is doubtful, in another it is in order.
-  std::vector<FileReport> reports(2);
-  for (FileReport& report : reports) {
-    report.width = 1280;
-    report.tags.resize(1);
-    report.tags[0].tag = "001R";
-  }
+  std::vector<VerifiedFile> photos(2);
   const fs::path folder = fs::current_path();
   Run run;
   run.measurements.resize(2);
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string& camera = corridor.rig.cameras[0].name;
-    reports[i].file = folder / fmt::format("{}.jpg", i);
+    photos[i] = photo_of("001R", corridor.survey);
+    photos[i].file = folder / fmt::format("{}.jpg", i);
     run.measurements[i].id = i == 0 ? "first" : "second";
-    run.measurements[i].cameras[camera].image = reports[i].file;
+    run.measurements[i].cameras[camera].image = photos[i].file;
   }
-  const PhotoCameras cameras = PhotoCameras::by_run(corridor.rig, run);
+  const HangingSetup setup{corridor.rig, PhotoCameras::by_run(corridor.rig, run)};
   HungTags hung;
   hung.tags = {HungTag{"001R", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
-  hung.unplaced = {{cameras.origin_of(reports[1].file)->station, {*copy}}};
-  report_hung_tags(hung, cameras, reports);
-  CHECK(reports[0].tags[0].status == TagStatus::ok);
-  CHECK(reports[0].findings.empty());
-  CHECK(reports[1].tags[0].status == TagStatus::doubtful);
-  CHECK(reports[1].rules == std::set<std::string>{"no-common-place"});
+  hung.unplaced = {{setup.cameras.origin_of(photos[1].file)->station, {*copy}}};
+  for (VerifiedFile& photo : photos) judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(photos[0].tags[0].status == TagStatus::ok);
+  CHECK(findings_of(photos[0]).empty());
+  CHECK(photos[1].tags[0].status == TagStatus::doubtful);
+  CHECK(rules_of(photos[1]) == std::set<std::string>{"no-common-place"});
 }
 
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
@@ -313,84 +321,64 @@ TEST_CASE("tags that were hung by eye are not accused of being elsewhere, howeve
   CHECK(checked > 100);
 }
 
-TEST_CASE("what was found is written into the reports, in place of what was said before") {
+TEST_CASE("what was found is written into the files, in place of what was said before") {
   const Corridor corridor;
-  FileReport report;
-  report.width = 1280;
-  TagFinding tag;
-  tag.tag = "001L";
-  tag.status = TagStatus::misplaced;
-  tag.rule = "swapped";
-  tag.message = "the picture's order";
-  report.tags = {tag};
-  report.rules = {"swapped"};
-  report.findings = {"misplaced: the picture's order"};
-  std::vector<FileReport> reports{report};
-
-  const PhotoCameras cameras = PhotoCameras::by_names(corridor.rig);
+  VerifiedFile photo = photo_of("001L", corridor.survey);
+  static_cast<Finding&>(photo.tags[0]) = {TagStatus::misplaced, "swapped", "the picture's order"};
+  const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
   HungTags hung;
   hung.tags = {HungTag{"001L", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
-  report_hung_tags(hung, cameras, reports);
-  CHECK(reports[0].tags[0].status == TagStatus::ok);
-  CHECK(reports[0].findings.empty());
-  CHECK(reports[0].rules.empty());
+  judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(photo.tags[0].status == TagStatus::ok);
+  CHECK(findings_of(photo).empty());
+  CHECK(rules_of(photo).empty());
 
   hung.tags[0].verdict = HangVerdict::off;
   hung.tags[0].rule = "moved";
   hung.tags[0].message = "raise it";
-  report_hung_tags(hung, cameras, reports);
-  CHECK(reports[0].tags[0].status == TagStatus::misplaced);
-  CHECK(reports[0].findings == std::vector<std::string>{"misplaced: raise it"});
-  CHECK(reports[0].rules == std::set<std::string>{"moved"});
+  judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(findings_of(photo) == std::vector<std::string>{"misplaced: raise it"});
+  CHECK(rules_of(photo) == std::set<std::string>{"moved"});
+
+  hung.tags.clear();
+  judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(photo.tags[0].status == TagStatus::ok);
 }
 
 TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on their head") {
-  const Rig rig = load_rig("surveys/corridor/rig.yaml").value();
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
-  const PhotoCameras cameras = PhotoCameras::by_names(rig);
-  FileReport report;
-  report.file = "corridor_01_left.jpg";
-  report.width = 1280;
-  report.height = 960;
-  TagFinding tag;
-  tag.tag = "000L";
-  tag.corners = {{{470, 230}, {870, 270}, {870, 490}, {470, 490}}};
-  report.tags = {tag};
-  std::vector<FileReport> reports{report};
-  find_upside_down_in_photos(survey, rig, cameras, reports);
-  CHECK(reports[0].tags[0].status == TagStatus::ok);
-
-  std::swap(reports[0].tags[0].corners[0], reports[0].tags[0].corners[2]);
-  std::swap(reports[0].tags[0].corners[1], reports[0].tags[0].corners[3]);
-  std::vector<FileReport> by_hand = reports;
-  find_upside_down_in_photos(survey, rig, cameras, reports);
-  CHECK(reports[0].tags[0].rule == "upside-down");
-  CHECK(reports[0].findings.size() == 1);
-  CHECK(reports[0].up == UpSource::rig);
+  HangingSetup setup{load_rig("surveys/corridor/rig.yaml").value(), {}};
+  setup.cameras = PhotoCameras::by_names(setup.rig);
+  VerifiedFile upright = photo_of("000L", survey);
+  upright.file = "corridor_01_left.jpg";
+  upright.tags[0].corners = {{{470, 230}, {870, 270}, {870, 490}, {470, 490}}};
+  VerifiedFile on_head = upright;
+  std::swap(on_head.tags[0].corners[0], on_head.tags[0].corners[2]);
+  std::swap(on_head.tags[0].corners[1], on_head.tags[0].corners[3]);
+  const auto judged = [&](VerifiedFile photo) {
+    judge_hanging(survey, setup, {}, photo);
+    return photo;
+  };
+  CHECK(judged(upright).tags[0].status == TagStatus::ok);
+  CHECK(judged(on_head).tags[0].rule == "upside-down");
+  CHECK(judged(on_head).up == UpSource::rig);
 
   // What the camera's note made doubtful is in order when the rig's stance says so, and else wrong.
-  for (const bool on_head : {false, true}) {
-    FileReport doubted = on_head ? by_hand[0] : report;
+  for (const VerifiedFile& photo : {upright, on_head}) {
+    VerifiedFile doubted = photo;
     doubted.up = UpSource::doubted;
     doubted.notes = {"all 2 tags" + std::string(kDoubtedUp), "damaged"};
-    doubted.tags[0].status = TagStatus::doubtful;
-    doubted.tags[0].rule = "upside-down";
-    doubted.tags[0].message = "stands on its head";
-    doubted.rules = {"upside-down"};
-    doubted.findings = {"doubtful: stands on its head"};
-    std::vector<FileReport> judged{doubted};
-    find_upside_down_in_photos(survey, rig, cameras, judged);
-    CHECK(judged[0].tags[0].status == (on_head ? TagStatus::misprinted : TagStatus::ok));
-    CHECK(judged[0].findings.size() == (on_head ? 1 : 0));
-    CHECK(judged[0].rules.empty() == !on_head);
-    CHECK(judged[0].notes == std::vector<std::string>{"damaged"});
-    CHECK(judged[0].up == UpSource::rig);
+    static_cast<Finding&>(doubted.tags[0]) = {TagStatus::doubtful, "upside-down", "on its head"};
+    doubted = judged(doubted);
+    const bool is_wrong = judged(photo).tags[0].status != TagStatus::ok;
+    CHECK(doubted.tags[0].status == (is_wrong ? TagStatus::misprinted : TagStatus::ok));
+    CHECK(findings_of(doubted).size() == (is_wrong ? 1 : 0));
+    CHECK(doubted.notes == std::vector<std::string>{"damaged"});
+    CHECK(doubted.up == UpSource::rig);
   }
 
-  Rig held = rig;
-  held.roll_sigma = radians(60);
-  find_upside_down_in_photos(survey, held, cameras, by_hand);
-  CHECK(by_hand[0].tags[0].status == TagStatus::ok);
+  setup.rig.roll_sigma = radians(60);
+  CHECK(judged(on_head).tags[0].status == TagStatus::ok);
 }
 
 }  // namespace tagsmith

@@ -3,7 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/evidence.hpp"
+#include "decoder/verify/findings.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 #include "tests/verify/survey_of_four.hpp"
@@ -29,13 +30,20 @@ PrintManifest manifest_of(const char* text) {
   return **manifest;
 }
 
-FileReport report_of(const char* file, const char* digits) {
-  FileReport report;
-  report.file = file;
-  report.tags = check_tags(survey_of_four(), {{reading_of(digits)}, {}});
+// A file that holds a tag with these digits, as verify judges it.
+VerifiedFile verified(const char* name, const char* digits) {
+  const Survey survey = survey_of_four();
   const PrintManifest manifest = manifest_of(kManifest);
-  return check_freshness(manifest, survey_of_four(),
-                         check_against_manifest(manifest, std::move(report)));
+  const std::vector<ManifestTag> expected = tags_of_file(manifest, name);
+  PictureEvidence evidence{survey, {}};
+  evidence.expected = expected;
+  see_tags([&](auto&, auto&) { return ReadResult{{reading_of(digits)}, {}}; }, evidence);
+  find_faults(evidence);
+  VerifiedFile file{name};
+  for (const TagEvidence& seen : evidence.tags) file.tags.push_back(seen.tag);
+  find_missing(expected, file);
+  find_stale(manifest, survey, file);
+  return file;
 }
 
 }  // namespace
@@ -59,15 +67,16 @@ TEST_CASE("no manifest, and one that is something else, are no manifest") {
 TEST_CASE("the setting-out list is stale when one of its tags is") {
   PrintManifest manifest = manifest_of(kManifest);
   manifest.documents = {"setting-out.pdf"};
-  FileReport list;
-  list.file = "setting-out.pdf";
-  const FileReport stale = check_freshness(manifest, survey_of_four(), list);
-  CHECK(stale.stale);
-  CHECK(stale.findings ==
+  VerifiedFile list{"setting-out.pdf"};
+  find_stale(manifest, survey_of_four(), list);
+  CHECK(list.stale);
+  CHECK(list.findings ==
         std::vector<std::string>{
             "stale: it lists 001L 009L as before the survey was changed: print it again"});
   manifest.tags.resize(2);
-  CHECK(!check_freshness(manifest, survey_of_four(), list).stale);
+  VerifiedFile fresh{"setting-out.pdf"};
+  find_stale(manifest, survey_of_four(), fresh);
+  CHECK(!fresh.stale);
 }
 
 TEST_CASE("a folder's manifest is parsed once, and one of many folders again when it is due") {
@@ -104,19 +113,19 @@ TEST_CASE("a broken manifest is an error") {
 }
 
 TEST_CASE("a print file holds what the manifest says") {
-  const FileReport report = report_of("000L.pdf", "019000000404");
+  const VerifiedFile report = verified("000L.pdf", "019000000404");
   CHECK(report.tags[0].status == TagStatus::ok);
   CHECK(report.findings.empty());
 }
 
 TEST_CASE("a file that the manifest does not name is left alone") {
-  const FileReport report = report_of("copy.pdf", "019000000404");
+  const VerifiedFile report = verified("copy.pdf", "019000000404");
   CHECK(report.tags[0].status == TagStatus::ok);
   CHECK(report.findings.empty());
 }
 
 TEST_CASE("another tag of the survey in a print file is misprinted") {
-  const FileReport report = report_of("000R.pdf", "019000000404");
+  const VerifiedFile report = verified("000R.pdf", "019000000404");
   CHECK(report.tags[0].status == TagStatus::misprinted);
   CHECK(report.tags[0].message ==
         "000L 019000000404 stands in this file, expected 000R (manifest.json)");
@@ -126,14 +135,14 @@ TEST_CASE("another tag of the survey in a print file is misprinted") {
 }
 
 TEST_CASE("a print from an older survey is found") {
-  const FileReport moved = report_of("001L.pdf", "019000810403");
+  const VerifiedFile moved = verified("001L.pdf", "019000810403");
   CHECK(moved.findings == std::vector<std::string>{
                               "stale: 001L was printed as 019000810403, but survey little now says "
                               "019000800402: print it again"});
   CHECK(moved.tags[0].rule == "stale");
   CHECK(moved.tags[0].message ==
         "001L 019000810403 is what was printed, but no longer in the survey");
-  const FileReport removed = report_of("009L.pdf", "019009000403");
+  const VerifiedFile removed = verified("009L.pdf", "019009000403");
   CHECK(removed.findings ==
         std::vector<std::string>{"stale: 009L was printed, but survey little has no such tag"});
 }

@@ -45,9 +45,9 @@ TEST_CASE("a photo is read once, and its negative where no tag was read") {
     const std::string png = encode_gray_image("a.png", image.view()).value();
     return verify_file(request, {"a.png", png, ""}).value();
   };
-  CHECK(verified(photo).findings.empty());
+  CHECK(findings_of(verified(photo)).empty());
   CHECK(reads == 1);
-  CHECK(verified(negative).rules == std::set<std::string>{"inverted"});
+  CHECK(rules_of(verified(negative)) == std::set<std::string>{"inverted"});
   CHECK(reads == 2);
 }
 
@@ -84,27 +84,27 @@ TEST_CASE("photos of a phone are verified however it was held, and shown upright
   };
   const std::string good = "surveys/corridor/photos/corridor_01_left.jpg";
   const std::string stranger = "surveys/curved/photos/curved_01_left.jpg";
-  const FileReport reference = verified(photo_held(stranger, 1));
+  const VerifiedFile reference = verified(photo_held(stranger, 1));
   REQUIRE(reference.tags.size() == 1);
-  REQUIRE(reference.tags[0].crop);
+  REQUIRE(reference.tags[0].picture.image);
   for (const int orientation : {1, 3, 6, 8}) {
     CAPTURE(orientation);
-    CHECK(verified(photo_held(good, orientation)).findings.empty());
-    const FileReport report = verified(photo_held(stranger, orientation));
+    CHECK(findings_of(verified(photo_held(good, orientation))).empty());
+    const VerifiedFile report = verified(photo_held(stranger, orientation));
     CHECK(report.orientation == orientation);
     REQUIRE(report.tags.size() == 1);
     CHECK(report.tags[0].rule == reference.tags[0].rule);
-    REQUIRE(report.tags[0].crop);
-    const GrayImage& crop = *report.tags[0].crop;
-    CHECK(std::abs(crop.width - reference.tags[0].crop->width) <= 2);
-    CHECK(std::abs(crop.height - reference.tags[0].crop->height) <= 2);
+    REQUIRE(report.tags[0].picture.image);
+    const GrayImage& crop = *report.tags[0].picture.image;
+    CHECK(std::abs(crop.width - reference.tags[0].picture.image->width) <= 2);
+    CHECK(std::abs(crop.height - reference.tags[0].picture.image->height) <= 2);
   }
   // The camera stood on its head, and notes nothing; then, that it stood upright.
-  CHECK(verified(photo_held(good, 3, false)).findings.empty());
-  const FileReport head = verified(test::with_orientation(photo_held(good, 3, false), 1));
-  CHECK(head.rules == std::set<std::string>{"upside-down"});
-  CHECK(head.findings.at(0).starts_with("doubtful: 000L is upside down by the photo's EXIF"));
-  CHECK(head.findings.at(0).find("no other tag in the photo shows") != std::string::npos);
+  CHECK(findings_of(verified(photo_held(good, 3, false))).empty());
+  const VerifiedFile head = verified(test::with_orientation(photo_held(good, 3, false), 1));
+  CHECK(rules_of(head) == std::set<std::string>{"upside-down"});
+  CHECK(findings_of(head).at(0).starts_with("doubtful: 000L is upside down by the photo's EXIF"));
+  CHECK(findings_of(head).at(0).find("no other tag in the photo shows") != std::string::npos);
   CHECK(head.up == UpSource::doubted);
   CHECK(verified(photo_held(good, 1)).up == UpSource::camera);
   CHECK(verified(photo_held(good, 3, false)).up == UpSource::unknown);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/verify/check_tags.hpp"
+#include "decoder/verify/findings.hpp"
 
 #include <doctest/doctest.h>
 
+#include "decoder/verify/verify_merge.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
 namespace tagsmith {
@@ -13,6 +14,19 @@ using test::survey_of_four;
 
 FrameCorners rectangle(double width, double height) {
   return {{{10, 20}, {10 + width, 20}, {10 + width, 20 + height}, {10, 20 + height}}};
+}
+
+// What is found in a picture of 1280 x 960 pixels in which the reader says this.
+std::vector<VerifiedTag> check_tags(const Survey& survey, const ReadResult& readings,
+                                    bool is_photo = false) {
+  const GrayImage image{1280, 960, std::vector<std::uint8_t>(1280 * 960)};
+  PictureEvidence evidence{survey, image.view()};
+  evidence.is_photo = is_photo;
+  see_tags([&](auto&, auto&) { return readings; }, evidence);
+  find_faults(evidence);
+  std::vector<VerifiedTag> tags;
+  for (const TagEvidence& seen : evidence.tags) tags.push_back(seen.tag);
+  return tags;
 }
 
 }  // namespace
@@ -63,21 +77,20 @@ TEST_CASE("a tag seen twice in one picture is a duplicate, and a refusal is unre
 }
 
 TEST_CASE("a refusal near the edge of a photo is cut off, one in its middle unreadable") {
-  const auto status = [](double x, double y, const std::optional<PictureSize>& size) {
+  const auto status = [](double x, double y, bool is_photo) {
     FrameCorners corners = rectangle(400, 200);
     for (PixelPoint& corner : corners) corner = corner + PixelPoint{x - 10, y - 20};
     const auto findings =
-        check_tags(survey_of_four(), {{}, {{RejectionReason::element_widths, corners}}}, size);
+        check_tags(survey_of_four(), {{}, {{RejectionReason::element_widths, corners}}}, is_photo);
     return to_string(findings.at(0).status);
   };
-  const PictureSize photo{1280, 960};
-  CHECK(status(400, 300, photo) == "unreadable");
-  CHECK(status(90, 300, photo) == "cut_off");
-  CHECK(status(110, 300, photo) == "unreadable");
-  CHECK(status(790, 300, photo) == "cut_off");
-  CHECK(status(400, 40, photo) == "cut_off");
-  CHECK(status(400, 715, photo) == "cut_off");
-  CHECK(status(0, 0, std::nullopt) == "unreadable");
+  CHECK(status(400, 300, true) == "unreadable");
+  CHECK(status(90, 300, true) == "cut_off");
+  CHECK(status(110, 300, true) == "unreadable");
+  CHECK(status(790, 300, true) == "cut_off");
+  CHECK(status(400, 40, true) == "cut_off");
+  CHECK(status(400, 715, true) == "cut_off");
+  CHECK(status(0, 0, false) == "unreadable");
 }
 
 TEST_CASE("a survey without tags knows no code") {
@@ -90,7 +103,7 @@ TEST_CASE("a survey without tags knows no code") {
 }
 
 TEST_CASE("a print at the wrong scale is found") {
-  const TagTemplate tag = survey_of_four().tag_template;
+  const Survey survey = survey_of_four();
   const double metres_per_pixel = 0.0254 / 150;
   struct Case {
     const char* name;
@@ -105,31 +118,36 @@ TEST_CASE("a print at the wrong scale is found") {
                         {"turned", 0.168, 0.343, false}};
   for (const Case& one : cases) {
     CAPTURE(one.name);
-    const FrameCorners corners =
-        rectangle(one.length / metres_per_pixel, one.height / metres_per_pixel);
-    CHECK(check_print_size(tag, corners, metres_per_pixel).has_value() != one.fits);
+    TagEvidence seen;
+    seen.tag.corners = rectangle(one.length / metres_per_pixel, one.height / metres_per_pixel);
+    PictureEvidence evidence{survey, {}};
+    evidence.metres_per_pixel = metres_per_pixel;
+    CHECK(find_wrong_scale(evidence, seen).has_value() != one.fits);
   }
 }
 
 TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   const Survey survey = survey_of_four();
-  FileReport good;
+  VerifiedFile good{"good.jpg"};
   good.tags = check_tags(survey, {{reading_of("019000000404")}, {}});
-  FileReport bad;
+  VerifiedFile bad{"bad.jpg"};
   bad.tags = check_tags(survey, {{reading_of("000000340401"), reading_of("000000340401", 600),
                                   reading_of("123456789012"), reading_of("019001600401")},
-                                 {{RejectionReason::guard_pattern, {}}}});
-  bad.findings = {"something"};
-  const std::vector<FileReport> reports{good, bad};
-  const VerifySummary summary = summarize(survey, reports);
-  CHECK(summary.files == 2);
-  CHECK(summary.files_with_findings == 1);
-  CHECK(summary.ok == 2);
-  CHECK(summary.duplicate == 1);
-  CHECK(summary.misprinted == 1);
-  CHECK(summary.unknown == 1);
-  CHECK(summary.unreadable == 1);
-  CHECK(summary.missing == std::vector<std::string>{"001L", "001R"});
+                                 {{RejectionReason::guard_pattern, rectangle(50, 20)}}});
+  VerifyMerge merged;
+  merge("", good, merged);
+  merge("", bad, merged);
+  const auto count = [&](TagStatus status) {
+    return merged.by_status[static_cast<std::size_t>(status)];
+  };
+  CHECK(merged.files == 2);
+  CHECK(merged.files_with_findings == 1);
+  CHECK(count(TagStatus::ok) == 2);
+  CHECK(count(TagStatus::duplicate) == 1);
+  CHECK(count(TagStatus::misprinted) == 1);
+  CHECK(count(TagStatus::unknown) == 1);
+  CHECK(count(TagStatus::unreadable) == 1);
+  CHECK(missing_tags(survey, merged) == std::vector<std::string>{"001L", "001R"});
 }
 
 }  // namespace tagsmith

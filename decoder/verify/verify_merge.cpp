@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/verify_merge.hpp"
+#include "decoder/verify/verify_merge.hpp"
 
 #include <algorithm>
 #include <functional>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,67 +16,65 @@ namespace {
 void add_fault(VerifyMerge& merged, FaultRecord fault) {
   ++merged.fault_count;
   if (merged.faults.size() >= kMostListedFaults) return;
-  if (std::string jpeg = std::move(fault.jpeg); !jpeg.empty()) {
+  if (std::string jpeg = std::exchange(fault.picture.jpeg, {}); !jpeg.empty()) {
     take_picture(std::move(jpeg), fault, merged);
   }
   merged.faults.push_back(std::move(fault));
 }
 
 // The corners begin anywhere: where the fault is in the photo, not how it stands.
-FaultRecord fault_of(const VerifiedFile& file, const VerifiedTag& tag, const std::string& jpeg) {
-  FaultRecord fault{file.file, tag.tag, tag.rule, tag.message, tag.crop, jpeg};
+FaultRecord fault_of(const VerifiedFile& file, VerifiedTag& tag) {
+  FaultRecord fault{file.file.string(), tag.tag, tag.rule, tag.message, std::move(tag.picture)};
   fault.sha256 = file.sha256;
   fault.orientation = file.orientation.value_or(1);
-  fault.corners = tag.corners;
-  fault.is_question = tag.status == "doubtful" && tag.rule == "upside-down";
+  if (file.is_photo()) fault.corners = tag.corners;
+  fault.is_question = tag.status == TagStatus::doubtful && tag.rule == "upside-down";
   return fault;
 }
 
 // Of what is wrong with a whole file, whose photo is the fault's picture.
-FaultRecord fault_of(const VerifiedFile& file, const std::string& rule, const std::string& words,
-                     const std::string& jpeg) {
-  FaultRecord fault{file.file, "", rule, words, file.picture, jpeg};
-  const bool is_photo = file.width > 0 && !file.sha256.empty();
-  fault.shows_whole = is_photo || !file.picture.empty() || !jpeg.empty();
-  if (is_photo) fault.sha256 = file.sha256;
+FaultRecord fault_of(const VerifiedFile& file, const std::string& rule) {
+  FaultRecord fault{file.file.string(), "", rule, fmt::format("{}", fmt::join(file.findings, "; ")),
+                    file.picture};
+  const bool is_known = file.is_photo() && !file.sha256.empty();
+  fault.shows_whole = is_known || !file.picture.file.empty() || !file.picture.jpeg.empty();
+  if (is_known) fault.sha256 = file.sha256;
   fault.orientation = file.orientation.value_or(1);
   return fault;
 }
 
-void add_notes(VerifyMerge& merged, const VerifiedFile& file) {
-  for (const std::string& note : file.notes) {
-    ++merged.note_count;
-    if (merged.notes.size() < kMostListedNotes) merged.notes.push_back({file.file, note});
-  }
-}
-
 void count_noted_up(NotedUp& noted, UpSource up, const VerifiedTag& tag) {
-  if (up == UpSource::camera && tag.status == "ok") ++noted.upright;
-  if (up == UpSource::doubted && (tag.status == "ok" || tag.rule == "upside-down")) ++noted.on_head;
+  const bool in_order = tag.status == TagStatus::ok;
+  if (up == UpSource::camera && in_order) ++noted.upright;
+  if (up == UpSource::doubted && (in_order || tag.rule == "upside-down")) ++noted.on_head;
 }
 
-void add_grade(TagRecord& record, const VerifiedTag& tag) {
-  if (!tag.grade) return;
-  record.best = std::max(record.best.value_or(0), *tag.grade);
+void add_grade(TagRecord& record, const SymbolGrade& grade) {
+  const std::string blame = grade.grade < 4 ? to_string(grade.worst) : "";
+  record.best = std::max(record.best.value_or(0), grade.grade);
   // Of equal grades the first blame by letters, so that the files' order does not matter.
-  if (record.worst && std::tie(*record.worst, record.blame) <= std::tie(*tag.grade, tag.blame)) {
-    return;
-  }
-  record.worst = tag.grade;
-  record.blame = tag.blame;
+  if (record.worst && std::tie(*record.worst, record.blame) <= std::tie(grade.grade, blame)) return;
+  record.worst = grade.grade;
+  record.blame = blame;
 }
 
-// The findings that are of no tag.
-std::string file_findings(const VerifiedFile& file) {
-  std::string words;
-  for (const std::string& finding : file.findings) {
-    const auto of_tag = [&](const VerifiedTag& tag) {
-      return !tag.message.empty() && finding.ends_with(tag.message);
-    };
-    if (std::ranges::any_of(file.tags, of_tag)) continue;
-    words += (words.empty() ? "" : "; ") + finding;
+void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
+  if (tag.status == TagStatus::cut_off) return;
+  count_noted_up(merged.noted_up, file.up, tag);
+  const bool in_order = tag.status == TagStatus::ok;
+  if (in_order || !tag.tag.empty()) {
+    TagRecord& record = merged.tags[tag.tag];
+    ++(in_order ? record.seen : record.faults);
+    record.doubts += tag.status == TagStatus::doubtful ? 1 : 0;
+    record.placed += tag.hung && tag.hung->verdict != HangVerdict::unchecked ? 1 : 0;
+    if (in_order && file.is_photo()) {
+      const bool fits = tag.hung && tag.hung->verdict == HangVerdict::fits;
+      ++record.photos;
+      record.upright += tells_up(file.up) || fits ? 1 : 0;
+    }
+    if (in_order && tag.grade) add_grade(record, *tag.grade);
   }
-  return words;
+  if (!in_order) add_fault(merged, fault_of(file, tag));
 }
 
 void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
@@ -97,44 +97,38 @@ void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
 
 }  // namespace
 
-void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
-           const FilePictures& pictures) {
-  const std::string identity = file.file + '\n' + file.sha256;
-  if (!merged.known.insert(std::hash<std::string>{}(identity)).second) {
+void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) {
+  if (!findings_of(file).empty()) ++merged.files_with_findings;
+  if (file.stale) merged.stale.push_back(file.file.string());
+  for (const VerifiedTag& tag : file.tags) {
+    ++merged.by_status[static_cast<std::size_t>(tag.status)];
+  }
+  if (!merged.known.insert(std::hash<std::string>{}(identity_of(file))).second) {
     ++merged.repeated;
     return;
   }
   ++merged.files;
   if (!file.revision.empty() && file.revision != revision) ++merged.other_revisions;
-  add_notes(merged, file);
-  std::vector<std::string> rules = file.rules;
-  for (std::size_t i = 0; i < file.tags.size(); ++i) {
-    const VerifiedTag& tag = file.tags[i];
-    if (tag.status == "cut_off") continue;
-    count_noted_up(merged.noted_up, file.up, tag);
-    if (tag.status == "ok") {
-      TagRecord& record = merged.tags[tag.tag];
-      ++record.seen;
-      const bool is_photo = file.width > 0;
-      record.photos += is_photo ? 1 : 0;
-      record.upright += is_photo && (tells_up(file.up) || tag.fits) ? 1 : 0;
-      record.placed += tag.is_placed ? 1 : 0;
-      add_grade(record, tag);
-      continue;
-    }
-    if (!tag.tag.empty()) {
-      ++merged.tags[tag.tag].faults;
-      merged.tags[tag.tag].placed += tag.is_placed ? 1 : 0;
-    }
-    std::erase(rules, tag.rule);
-    const bool has_picture = i < pictures.tags.size();
-    add_fault(merged, fault_of(file, tag, has_picture ? pictures.tags[i] : std::string()));
+  for (const std::string& note : file.notes) {
+    ++merged.note_count;
+    if (merged.notes.size() < kMostListedNotes) merged.notes.push_back({file.file.string(), note});
+  }
+  std::set<std::string> rules = file.rules;
+  for (VerifiedTag& tag : file.tags) {
+    if (tag.is_fault()) rules.erase(tag.rule);
+    add_tag(file, tag, merged);
   }
   // What is left is wrong with the whole file.
-  const std::string words = file_findings(file);
-  for (const std::string& rule : rules) {
-    add_fault(merged, fault_of(file, rule, words, pictures.whole));
+  for (const std::string& rule : rules) add_fault(merged, fault_of(file, rule));
+}
+
+std::vector<std::string> missing_tags(const Survey& survey, const VerifyMerge& merged) {
+  std::vector<std::string> missing;
+  for (const PlacedTag& tag : survey.tags) {
+    const TagRecord record = record_of(merged, tag.name);
+    if (record.seen + record.doubts == 0) missing.push_back(tag.name);
   }
+  return missing;
 }
 
 bool has_room(const VerifyMerge& merged, const FaultRecord& fault, std::size_t bytes) {
@@ -149,7 +143,7 @@ void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged) {
   }
   merged.picture_bytes += jpeg.size();
   if (fault.shows_whole) merged.whole_bytes += jpeg.size();
-  fault.jpeg = std::move(jpeg);
+  fault.picture.jpeg = std::move(jpeg);
   fault.no_picture.clear();
 }
 
@@ -254,6 +248,13 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
   add_unseen(survey, merged, Side::left, result.unseen);
   add_unseen(survey, merged, Side::right, result.unseen);
   return result;
+}
+
+std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged) {
+  std::vector<std::string> words{placement_in_words(covered), up_in_words(covered),
+                                 noted_up_in_words(merged.noted_up)};
+  std::erase(words, "");
+  return words;
 }
 
 std::string describe(const UnseenStretch& stretch) {

@@ -2,6 +2,7 @@
 // Many verified files as one answer, tag by tag.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -9,7 +10,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "decoder/cli/verify_lines.hpp"
+#include "decoder/verify/verified_file.hpp"
 #include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith {
@@ -18,6 +19,7 @@ namespace tagsmith {
 struct TagRecord {
   std::size_t seen = 0;  // times it was in order
   std::size_t faults = 0;
+  std::size_t doubts = 0;      // of these, times it or another hangs wrong, or the camera did
   std::size_t photos = 0;      // of these, times in a photo
   std::size_t upright = 0;     // and of these, times that one on its head would have been told
   std::size_t placed = 0;      // times it was judged for where it hangs
@@ -31,8 +33,7 @@ struct FaultRecord {
   std::string tag;  // empty when it has no name, or the whole file is meant
   std::string rule;
   std::string message;
-  std::string crop;          // the picture's file; empty = none was saved
-  std::string jpeg{};        // the picture itself, small; empty = not at hand
+  FaultPicture picture{};
   std::string no_picture{};  // why it is not at hand
   bool is_question = false;  // whether it is a fault depends on an up that is in doubt
   bool shows_whole = false;  // its picture is that of a whole photo or page
@@ -70,6 +71,10 @@ struct VerifyMerge {
   std::size_t files = 0;
   std::size_t repeated = 0;         // verified in more than one run, and counted once
   std::size_t other_revisions = 0;  // verified against another state of the survey
+  // Of all files, repeated ones too.
+  std::size_t files_with_findings = 0;
+  std::array<std::size_t, kTagStatuses> by_status{};
+  std::vector<std::string> stale;  // print files to print again
   std::map<std::string, TagRecord> tags;
   std::vector<FaultRecord> faults;
   std::size_t fault_count = 0;
@@ -81,14 +86,11 @@ struct VerifyMerge {
   std::unordered_set<std::uint64_t> known;  // of file and content
 };
 
-// The small pictures of one file's faults, JPEG; empty where there is none.
-struct FilePictures {
-  std::vector<std::string> tags{};  // by their place in the line; may be shorter
-  std::string whole{};              // of the photo, or the first page, without a tag
-};
+// Adds what was found in one file, verified against the survey of this revision.
+void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged);
 
-void merge(const std::string& revision, const VerifiedFile& file, VerifyMerge& merged,
-           const FilePictures& pictures = {});
+// The survey's tags that no file shows in order, a doubt apart.
+std::vector<std::string> missing_tags(const Survey& survey, const VerifyMerge& merged);
 
 // Whether the report holds a picture more of such a fault, of so many bytes.
 bool has_room(const VerifyMerge& merged, const FaultRecord& fault, std::size_t bytes);
@@ -156,6 +158,10 @@ std::string placement_checked(const Completeness& covered);
 
 // What was not judged for where it hangs, in words; nothing when all was, or nothing photographed.
 std::string placement_in_words(const Completeness& covered);
+
+// What was not checked, in words: of up_in_words, placement_in_words and noted_up_in_words those
+// that say something.
+std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged);
 
 // "left 12.40 to 18.20 m: 3 tags, 004L to 006L".
 std::string describe(const UnseenStretch& stretch);

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/grow_ink.hpp"
+#include "decoder/image/pixel.hpp"
+#include "decoder/reader/judge.hpp"
+#include "decoder/reader/survey_options.hpp"
+#include "decoder/verify/diagnose.hpp"
+#include "decoder/verify/mirrored.hpp"
+
+namespace tagsmith {
+namespace {
+
+// True when the point lies inside the corners' convex outline, whichever way it turns.
+bool lies_in(const FrameCorners& corners, const PixelPoint& point) {
+  int left = 0;
+  int right = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const PixelPoint& a = corners[i];
+    const PixelPoint& b = corners[(i + 1) % corners.size()];
+    ++(cross(b - a, point - a) < 0 ? left : right);
+  }
+  return left == 0 || right == 0;
+}
+
+// True when the middle of one outline lies in the other: they are of one tag.
+bool overlap(const FrameCorners& a, const FrameCorners& b) {
+  return lies_in(a, centre_of(b)) || lies_in(b, centre_of(a));
+}
+
+ReadOptions options_for(const PictureEvidence& evidence) {
+  ReadOptions options = read_options_for(std::span(&evidence.survey, 1));
+  if (evidence.camera != nullptr) options.camera = *evidence.camera;
+  return options;
+}
+
+// The survey's name of what bears these digits; or of what should, if it is read as it is printed:
+// by the manifest, or but for its check digit.
+std::string tag_of(const PictureEvidence& evidence, const Digits& digits) {
+  if (const PlacedTag* tag = find_tag(evidence.survey, digits)) return tag->name;
+  if (home_of(evidence.also, digits) != nullptr) return {};
+  if (!has_check_digit(evidence.survey.code.check, digits)) {
+    const PlacedTag* nearest = nearest_tag(evidence.survey, digits);
+    const bool is_own = nearest != nullptr && differing_digits(nearest->digits, digits) == 1;
+    return is_own ? nearest->name : std::string();
+  }
+  const auto printed = std::ranges::find(evidence.expected, digits, &ManifestTag::digits);
+  return printed == evidence.expected.end() ? std::string() : printed->name;
+}
+
+// Of a Reading or FramelessReading, whose outline is given.
+TagEvidence seen_as(const PictureEvidence& evidence, Sight sight, const auto& reading,
+                    const FrameCorners& corners) {
+  TagEvidence seen;
+  seen.sight = sight;
+  seen.tag.tag = tag_of(evidence, reading.digits);
+  seen.tag.digits = reading.digits;
+  seen.tag.corners = corners;
+  seen.tag.module_px = reading.module_px;
+  seen.tag.confidence = reading.confidence;
+  seen.tag.page = evidence.page;
+  return seen;
+}
+
+// The survey's tags that are read in another version of the picture; of a page the first, of
+// whatever code.
+std::vector<TagEvidence> read_changed(const PictureReading& read, const PictureEvidence& evidence,
+                                      const GrayImage& changed, Sight sight) {
+  ReadOptions options = options_for(evidence);
+  if (!evidence.is_photo) {
+    options.code_book.clear();
+    options.check.reset();
+  }
+  std::vector<TagEvidence> tags;
+  for (const Reading& reading : read(changed.view(), options).tags) {
+    tags.push_back(seen_as(evidence, sight, reading, reading.corners));
+    if (!evidence.is_photo) break;
+  }
+  return tags;
+}
+
+// Bars that touch, or that are hairs, stand apart again when as much ink is taken away or added as
+// the reader follows by itself.
+std::vector<TagEvidence> read_with_other_ink(const PictureReading& read,
+                                             const PictureEvidence& evidence) {
+  const double module = module_width(evidence.survey.tag_template);
+  const auto pixels =
+      static_cast<int>(std::lround(kMostGrowth * module / evidence.metres_per_pixel));
+  for (const Sight sight : {Sight::thinned, Sight::thickened}) {
+    if (pixels < 1) break;
+    const GrayImage changed = grow_ink(evidence.image, sight == Sight::thinned ? -pixels : pixels);
+    auto tags = read_changed(read, evidence, changed, sight);
+    if (!tags.empty()) return tags;
+  }
+  return {};
+}
+
+// Bars that were read where a frame was refused give that a name: a guess where its frame makes it
+// one. All others are tags of their own; those of no survey are left out.
+void see_bars(const FramelessReading& bars, bool is_guess, PictureEvidence& evidence) {
+  const auto there = std::ranges::find_if(
+      evidence.tags, [&](const TagEvidence& seen) { return overlap(seen.tag.corners, bars.bars); });
+  if (there == evidence.tags.end()) {
+    if (!is_guess) evidence.tags.push_back(seen_as(evidence, Sight::bars, bars, bars.bars));
+    return;
+  }
+  const PlacedTag* tag = find_tag(evidence.survey, bars.digits);
+  if (tag == nullptr) return;
+  there->by_bars +=
+      fmt::format("; {} {}", is_guess ? "perhaps it is" : "by its bars it is", tag->name);
+  if (!is_guess) there->tag.tag = tag->name;
+}
+
+// Tags in a photo in which none was read by its frame. Those of reversed colours are in the place
+// of what was refused there.
+void see_hidden_in_photo(const PictureReading& read, PictureEvidence& evidence) {
+  if (evidence.survey.tags.empty()) return;
+  const auto inverted =
+      read_changed(read, evidence, exchange_black_and_white(evidence.image), Sight::negative);
+  for (const TagEvidence& tag : inverted) {
+    std::erase_if(evidence.tags, [&](const TagEvidence& other) {
+      return other.sight != Sight::negative && overlap(tag.tag.corners, other.tag.corners);
+    });
+    evidence.tags.push_back(tag);
+  }
+  if (!inverted.empty()) return;
+  for (const FramelessReading& bars : evidence.readings.frameless.read) {
+    see_bars(bars, false, evidence);
+  }
+  for (const FramelessRejection& refused : evidence.readings.frameless.rejected) {
+    if (refused.bars_are_sure) see_bars(refused.symbol, true, evidence);
+  }
+}
+
+// The same of a page on which nothing was found.
+void see_hidden_on_page(const PictureReading& read, PictureEvidence& evidence) {
+  std::vector<TagEvidence>& tags = evidence.tags;
+  tags = read_changed(read, evidence, exchange_black_and_white(evidence.image), Sight::negative);
+  if (tags.empty()) tags = read_with_other_ink(read, evidence);
+  const std::vector<FramelessReading>& bars = evidence.readings.frameless.read;
+  if (!tags.empty() || bars.empty()) return;
+  const std::optional<Diagnosis> light = diagnose_picture(evidence.image);
+  if (light && light->rule == "too-dark") return;  // that is why there is no frame
+  see_bars(bars.front(), false, evidence);
+}
+
+}  // namespace
+
+void see_tags(const PictureReading& read, PictureEvidence& evidence) {
+  ReadOptions options = options_for(evidence);
+  options.check.reset();
+  options.likely_codes = std::exchange(options.code_book, {});
+  options.frameless = Frameless::fallback;
+  evidence.readings = without_repeats(read(evidence.image, options));
+  for (const Reading& reading : evidence.readings.tags) {
+    TagEvidence& seen =
+        evidence.tags.emplace_back(seen_as(evidence, Sight::read, reading, reading.corners));
+    seen.tag.corner_covariance = reading.corner_covariance;
+    if (find_tag(evidence.survey, reading.digits) == nullptr) continue;
+    seen.mirrored = find_mirroring(evidence.image, evidence.survey.tag_template, reading.corners,
+                                   reading.module_px);
+  }
+  for (const Rejection& rejection : evidence.readings.rejected) {
+    TagEvidence& seen = evidence.tags.emplace_back();
+    seen.sight = Sight::refused;
+    seen.refusal = &rejection;
+    seen.tag.corners = rejection.corners;
+    seen.tag.page = evidence.page;
+  }
+  if (evidence.is_photo && evidence.readings.tags.empty()) see_hidden_in_photo(read, evidence);
+  if (!evidence.is_photo && evidence.tags.empty()) see_hidden_on_page(read, evidence);
+}
+
+ReadResult without_repeats(ReadResult result) {
+  std::vector<Rejection> kept;
+  for (Rejection& rejection : result.rejected) {
+    const auto lies_on = [&](const auto& other) {
+      return overlap(other.corners, rejection.corners);
+    };
+    if (std::ranges::any_of(result.tags, lies_on)) continue;
+    const auto same = std::ranges::find_if(kept, lies_on);
+    if (same == kept.end()) {
+      kept.push_back(std::move(rejection));
+    } else if (rejection.reason == RejectionReason::doubtful &&
+               same->reason != RejectionReason::doubtful) {
+      *same = std::move(rejection);
+    }
+  }
+  result.rejected = std::move(kept);
+  return result;
+}
+
+std::string name_of(const Survey& survey, const Digits& digits) {
+  const PlacedTag* tag = find_tag(survey, digits);
+  return tag == nullptr ? to_string(digits) : tag->name;
+}
+
+int differing_digits(const Digits& a, const Digits& b) {
+  int count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i] == b[i] ? 0 : 1;
+  return count;
+}
+
+const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits) {
+  const auto nearest = std::ranges::min_element(
+      survey.tags, {}, [&](const PlacedTag& tag) { return differing_digits(tag.digits, digits); });
+  return nearest == survey.tags.end() ? nullptr : &*nearest;
+}
+
+const Survey* home_of(std::span<const Survey> also, const Digits& digits) {
+  const auto home = std::ranges::find_if(
+      also, [&](const Survey& other) { return find_tag(other, digits) != nullptr; });
+  return home == also.end() ? nullptr : &*home;
+}
+
+}  // namespace tagsmith

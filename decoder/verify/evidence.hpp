@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is seen of tags in one picture, measured once. Findings are functions of it (findings.hpp).
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/read_options.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/verify/manifest.hpp"
+#include "decoder/verify/verified_file.hpp"
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith {
+
+// How a tag came to be seen.
+enum class Sight {
+  read,       // in its frame
+  refused,    // found, and refused by the reader
+  negative,   // read after black and white were exchanged
+  thinned,    // read after ink was taken away
+  thickened,  // read after ink was added
+  bars,       // read by its bars, without a frame
+};
+
+struct TagEvidence {
+  VerifiedTag tag;  // what was read of it; `ok` until a finding is made
+  Sight sight = Sight::read;
+  const Rejection* refusal = nullptr;  // why it was refused
+  std::string by_bars{};               // of what was refused: which tag it is by its bars, in words
+  std::string mirrored{};  // how it is seen that the print is mirrored; empty = it is not
+};
+
+struct PictureEvidence {
+  const Survey& survey;
+  GrayView image;
+  std::span<const Survey> also{};  // other surveys, whose tags do not belong here
+
+  // Of a photo.
+  bool is_photo = false;
+  std::optional<int> orientation{};  // EXIF; nothing = not noted
+  const Camera* camera = nullptr;    // that took it, of the photo's size; null = not known
+
+  // Of a print file's page, or a flat scan.
+  int page = 0;  // from 1; 0 of what has no pages
+  double metres_per_pixel = 0;
+  std::span<const ManifestTag> expected{};     // what the manifest says the file holds
+  std::span<const VerifiedTag> other_pages{};  // what earlier pages of the file hold
+
+  UpSource up = UpSource::unknown;
+
+  ReadResult readings{};
+  std::vector<TagEvidence> tags{};
+};
+
+// What reads a picture: read_tags, or what a test puts around it.
+using PictureReading = std::function<ReadResult(const GrayView&, const ReadOptions&)>;
+
+// Reads the picture and fills `readings` and `tags`: as any code, so that a tag that should not be
+// there is seen for what it is; what is refused so, as one of the survey's, for tags too small or
+// too worn otherwise. Where no tag is read by its frame, also the picture's negative and the
+// survey's tags by their bars; and a page with more ink and with less.
+void see_tags(const PictureReading& read, PictureEvidence& evidence);
+
+// A result without refusals that lie on any reading. Of refusals that lie on each other one is
+// kept, that which came nearest to a reading.
+ReadResult without_repeats(ReadResult result);
+
+// "000L", or the digits of a stranger.
+std::string name_of(const Survey& survey, const Digits& digits);
+
+// The survey's tag whose digits differ least from these; null when the survey has no tags.
+const PlacedTag* nearest_tag(const Survey& survey, const Digits& digits);
+
+// In how many digits two codes differ.
+int differing_digits(const Digits& a, const Digits& b);
+
+// The other survey that has the tag, or null.
+const Survey* home_of(std::span<const Survey> also, const Digits& digits);
+
+}  // namespace tagsmith

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/verified_file.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+namespace tagsmith {
+
+std::string to_string(TagStatus status) {
+  constexpr std::array<const char*, kTagStatuses> kNames{
+      "ok", "unknown", "misprinted", "unreadable", "duplicate", "cut_off", "misplaced", "doubtful"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+std::string to_string(UpSource source) {
+  constexpr std::array<const char*, kUpSources> kNames{"unknown", "page", "rig", "camera",
+                                                       "doubted"};
+  return kNames[static_cast<std::size_t>(source)];
+}
+
+std::string in_words(const Finding& finding) {
+  return to_string(finding.status) + ": " + finding.message;
+}
+
+void VerifiedFile::add_finding(std::string_view rule, std::string words) {
+  rules.emplace(rule);
+  findings.push_back(std::move(words));
+}
+
+std::vector<std::string> findings_of(const VerifiedFile& file) {
+  std::vector<std::string> words = file.findings;
+  for (const VerifiedTag& tag : file.tags) {
+    if (!tag.is_fault()) continue;
+    words.push_back((tag.page == 0 ? "" : fmt::format("page {}: ", tag.page)) + in_words(tag));
+  }
+  return words;
+}
+
+std::set<std::string> rules_of(const VerifiedFile& file) {
+  std::set<std::string> rules = file.rules;
+  for (const VerifiedTag& tag : file.tags) {
+    if (tag.is_fault()) rules.insert(tag.rule);
+  }
+  return rules;
+}
+
+std::string identity_of(const VerifiedFile& file) {
+  return file.file.string() + '\n' + file.sha256;
+}
+
+}  // namespace tagsmith

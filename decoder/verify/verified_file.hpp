@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `verify` says of one file. It is a line of `verify --json` (docs/formats.md), and what
+// --resume and `report` read back.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "decoder/grade/symbol_grade.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/reading.hpp"
+#include "decoder/verify/hung_tags.hpp"
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith {
+
+enum class TagStatus {
+  ok,          // the survey has this tag
+  unknown,     // a good reading of a code that the survey does not have
+  misprinted,  // the print is wrong: check digit, content other than the manifest says, size
+  unreadable,  // a tag was found and refused
+  duplicate,   // the same tag stands elsewhere in the same picture or print file
+  cut_off,     // a tag at the picture's edge, not wholly in view; no fault of the tag
+  misplaced,   // a tag in order that does not hang where the survey has it
+  doubtful,    // a tag in order that contradicts another, or the camera: one of them is wrong
+};
+inline constexpr std::size_t kTagStatuses = 8;
+
+std::string to_string(TagStatus status);
+
+// What tells which way is up in a file's pictures: whether its tags were checked for standing on
+// their head.
+enum class UpSource {
+  unknown,  // nothing
+  page,     // a print file's pages
+  rig,      // a photo by a camera of a rig that stands on its wheels
+  camera,   // the camera noted how it was held (EXIF)
+  doubted,  // so it did, but all tags of the photo stand on their head by that
+};
+
+inline constexpr std::size_t kUpSources = 5;
+
+std::string to_string(UpSource source);
+
+// True when a tag on its head would have been told.
+inline bool tells_up(UpSource source) {
+  return source != UpSource::unknown && source != UpSource::doubted;
+}
+
+// What is wrong with a tag; nothing while it is `ok`.
+struct Finding {
+  TagStatus status = TagStatus::ok;
+  std::string rule;     // of docs/verify-rules.md
+  std::string message;  // what is wrong and what was expected
+
+  // `cut_off` is no fault.
+  bool is_fault() const { return status != TagStatus::ok && status != TagStatus::cut_off; }
+};
+
+// "misprinted: 000L is white on black, ..."
+std::string in_words(const Finding& finding);
+
+// What shows a fault to people: a tag and its surroundings, or a photo or page without any tag.
+struct FaultPicture {
+  std::optional<GrayImage> image{};  // until it is saved
+  std::string jpeg{};                // small, for a report; empty = not at hand
+  std::string file{};                // where it was saved; empty = nowhere
+};
+
+// One tag in one picture.
+struct VerifiedTag : Finding {
+  std::string tag;               // the survey's name for it; empty when it has none
+  std::optional<Digits> digits;  // as read; nothing when unreadable
+  FrameCorners corners{};        // pixels of the picture, or of the page as rasterised
+  double module_px = 0;
+  double confidence = 0;
+  int page = 0;                        // 1-based page of a print file; 0 in a picture
+  std::optional<SymbolGrade> grade{};  // print quality; only of a tag that is `ok`
+  std::string grade_reason{};          // why such a tag has no grade
+  FaultPicture picture{};
+  CornerCovariance corner_covariance = CornerCovariance::Zero();  // pixels^2; zero = not estimated
+  std::optional<HungTag> hung{};                                  // where it hangs, by all photos
+};
+
+struct VerifiedFile {
+  std::filesystem::path file;
+  std::string sha256{};    // empty when it cannot be read
+  std::string revision{};  // of the survey it was verified against
+  int pages = 0;           // 0 for a picture
+  int width = 0;           // of a photo, pixels; 0 for print files
+  int height = 0;
+  std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = it is not noted
+  std::vector<VerifiedTag> tags{};
+  std::vector<std::string> findings{};  // on the file as a whole, in words
+  std::set<std::string> rules{};        // of these findings
+  bool stale = false;                   // printed from another state of the survey: print it again
+  UpSource up = UpSource::unknown;
+  std::vector<std::string> notes{};  // what should be known of the file and is no fault
+  FaultPicture picture{};            // of a file without a tag
+
+  bool is_photo() const { return width > 0; }
+  void add_finding(std::string_view rule, std::string words);
+};
+
+// All that is wrong, in words: with the file, then with each tag. Empty = all is well.
+std::vector<std::string> findings_of(const VerifiedFile& file);
+
+// The rules of all findings.
+std::set<std::string> rules_of(const VerifiedFile& file);
+
+// The file and its content: the same in two runs.
+std::string identity_of(const VerifiedFile& file);
+
+}  // namespace tagsmith

@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/verify_json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/read_line.hpp"
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using nlohmann::json;
+
+// --- writing ---
+
+double with_decimals(double value, int decimals) {
+  const double scale = std::pow(10.0, decimals);
+  return std::round(value * scale) / scale;
+}
+
+// Rounded to that many digits.
+double with_digits(double value, int digits) {
+  if (value == 0 || !std::isfinite(value)) return 0;
+  return with_decimals(value,
+                       digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+}
+
+void add_grade(const VerifiedTag& tag, Json& object) {
+  if (!tag.grade && tag.grade_reason.empty()) return;
+  object["grade"] = tag.grade ? Json(with_decimals(tag.grade->grade, 1)) : Json();
+  if (!tag.grade) {
+    object["grade_reason"] = tag.grade_reason;
+    return;
+  }
+  if (tag.grade->grade < 4) object["grade_blame"] = to_string(tag.grade->worst);
+  object["grade_absolute"] = tag.grade->absolute;
+  Json& parameters = object["grade_parameters"] = Json::object();
+  for (std::size_t i = 0; i < kGradeParameters; ++i) {
+    const auto& mean = tag.grade->means[i];
+    if (!mean) continue;
+    Json& entry = parameters[to_string(static_cast<GradeParameter>(i))];
+    entry["grade"] = with_decimals(mean->grade, 2);
+    if (mean->value) entry["value"] = with_decimals(*mean->value, 4);
+  }
+}
+
+Json hanging_of(const HungTag& hung) {
+  Json object{{"verdict", to_string(hung.verdict)}, {"stations", hung.stations}};
+  if (!hung.rivals.empty()) object["rivals"] = hung.rivals;
+  const bool measured = hung.verdict != HangVerdict::unchecked && hung.offset.sigma.norm() > 0;
+  if (!measured) return object;
+  const auto triple = [](const Eigen::Vector3d& values, double unit, int decimals) {
+    Json list = Json::array();
+    for (const double value : values) list.push_back(with_decimals(unit * value, decimals));
+    return list;
+  };
+  object["offset_mm"] = triple(hung.offset.value, 1e3, 2);
+  object["offset_sigma_mm"] = triple(hung.offset.sigma, 1e3, 2);
+  object["turn_deg"] = triple(hung.turn.value, degrees(1), 3);
+  object["turn_sigma_deg"] = triple(hung.turn.sigma, degrees(1), 3);
+  return object;
+}
+
+Json to_json(const std::vector<HungTag>& tags) {
+  Json list = Json::array();
+  for (const HungTag& tag : tags) {
+    Json object{{"tag", tag.tag}};
+    object.update(hanging_of(tag));
+    if (!tag.message.empty()) object["message"] = tag.message;
+    if (!tag.rule.empty()) object["rule"] = tag.rule;
+    list.push_back(std::move(object));
+  }
+  return list;
+}
+
+Json to_json(const FrameCorners& corners) {
+  Json list = Json::array();
+  for (const PixelPoint& corner : corners) {
+    list.push_back({with_decimals(corner.x, 3), with_decimals(corner.y, 3)});
+  }
+  return list;
+}
+
+// The lower half, row by row. The digits leave what a fit needs of it.
+Json to_json(const CornerCovariance& covariance) {
+  Json list = Json::array();
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      list.push_back(with_digits(covariance(row, column), 6));
+    }
+  }
+  return list;
+}
+
+Json to_json(const VerifiedTag& tag) {
+  Json object{{"tag", tag.tag.empty() ? Json() : Json(tag.tag)},
+              {"status", to_string(tag.status)},
+              {"digits", tag.digits ? Json(to_string(*tag.digits)) : Json()},
+              {"corners", to_json(tag.corners)}};
+  if (tag.digits) {
+    object["module_px"] = with_decimals(tag.module_px, 3);
+    object["confidence"] = tag.confidence;
+  }
+  if (tag.digits && tag.page == 0 && !tag.corner_covariance.isZero(0)) {
+    object["corner_covariance"] = to_json(tag.corner_covariance);
+  }
+  add_grade(tag, object);
+  if (tag.page > 0) object["page"] = tag.page;
+  if (!tag.message.empty()) object["message"] = tag.message;
+  if (!tag.rule.empty()) object["rule"] = tag.rule;
+  if (const VerifyRule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
+  if (!tag.picture.file.empty()) object["crop"] = tag.picture.file;
+  if (tag.hung) object["hanging"] = hanging_of(*tag.hung);
+  return object;
+}
+
+Json to_json(const VerifiedFile& file) {
+  Json tags = Json::array();
+  for (const VerifiedTag& tag : file.tags) tags.push_back(to_json(tag));
+  Json object{
+      {"file", file.file.string()}, {"tags", std::move(tags)}, {"findings", findings_of(file)}};
+  if (!file.sha256.empty()) object["sha256"] = file.sha256;
+  if (!file.revision.empty()) object["revision"] = file.revision;
+  if (const auto rules = rules_of(file); !rules.empty()) object["rules"] = rules;
+  if (file.pages > 0) object["pages"] = file.pages;
+  if (file.is_photo()) {
+    object["width"] = file.width;
+    object["height"] = file.height;
+  }
+  if (file.orientation) object["orientation"] = *file.orientation;
+  if (!file.tags.empty()) object["up"] = to_string(file.up);
+  if (!file.notes.empty()) object["notes"] = file.notes;
+  if (!file.picture.file.empty()) object["picture"] = file.picture.file;
+  if (file.stale) object["stale"] = true;
+  return object;
+}
+
+// --- summaries ---
+
+void add_hanging(const std::optional<HungTags>& hung, Json& summary) {
+  if (!hung) return;
+  summary["hanging"] = to_json(hung->tags);
+  Json unplaced = Json::array();
+  for (const UnplacedTags& photos : hung->unplaced) {
+    unplaced.push_back({{"station", photos.station}, {"tags", to_json(photos.tags)}});
+  }
+  summary["hanging_unplaced"] = std::move(unplaced);
+  summary["hanging_notes"] = hung->notes;
+  summary["assumed"] = hung->assumed;
+}
+
+Json grade_json(const std::optional<double>& grade) {
+  return grade ? Json(with_decimals(*grade, 1)) : Json();
+}
+
+Json unseen_json(const UnseenStretch& stretch) {
+  return {{"side", to_string(stretch.side)},
+          {"from", with_decimals(stretch.from, 3)},
+          {"to", with_decimals(stretch.to, 3)},
+          {"tags", stretch.tags}};
+}
+
+void add_completeness(const Survey& survey, const VerifyMerge& merged, Json& summary) {
+  const Completeness covered = completeness_of(survey, merged);
+  Json unseen = Json::array();
+  for (const UnseenStretch& stretch : covered.unseen) unseen.push_back(unseen_json(stretch));
+  Json tags = Json::array();
+  for (const PlacedTag& tag : survey.tags) {
+    const TagRecord record = record_of(merged, tag.name);
+    Json object{{"tag", tag.name},
+                {"status", status_of(record)},
+                {"seen", record.seen},
+                {"faults", record.faults},
+                {"best_grade", grade_json(record.best)},
+                {"worst_grade", grade_json(record.worst)}};
+    if (!record.blame.empty()) object["grade_blame"] = record.blame;
+    if (const std::string upright = upright_of(record); !upright.empty()) {
+      object["upright"] = upright;
+    }
+    if (const std::string placement = placement_of(record); !placement.empty()) {
+      object["placement"] = placement;
+    }
+    tags.push_back(std::move(object));
+  }
+  summary["completeness"] = {
+      {"tags", covered.tags},
+      {"seen", covered.seen},
+      {"share", with_decimals(covered.share(), 4)},
+      {"left", {{"tags", covered.left_tags}, {"seen", covered.left_seen}}},
+      {"right",
+       {{"tags", covered.tags - covered.left_tags}, {"seen", covered.seen - covered.left_seen}}},
+      {"ok", covered.ok},
+      {"poor", covered.poor},
+      {"faulty", covered.faulty},
+      {"upright_unchecked", covered.upright_unchecked},
+      {"placement_checked", covered.placement_checked},
+      {"placement_unchecked", covered.placement_unchecked},
+      {"unseen", unseen},
+      {"by_tag", tags}};
+  summary["placement"] = placement_checked(covered);
+}
+
+Json notes_json(const VerifyMerge& merged) {
+  Json notes = Json::array();
+  for (const NoteRecord& note : merged.notes) {
+    notes.push_back({{"file", note.file}, {"note", note.note}});
+  }
+  if (const std::string up = noted_up_in_words(merged.noted_up); !up.empty()) {
+    notes.push_back({{"file", nullptr}, {"note", up}});
+  }
+  return notes;
+}
+
+std::string line_of(const Json& object) {
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// --- reading; what is of another type than to_json writes throws ---
+
+// The default where the key is absent or null.
+template <class Value>
+Value get(const json& object, const char* key, Value absent = {}) {
+  const auto value = object.find(key);
+  return value == object.end() || value->is_null() ? absent : value->get<Value>();
+}
+
+// The value of an enum that is called so.
+template <class Enum>
+Enum value_of(std::size_t count, const std::string& name, Enum otherwise) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (to_string(static_cast<Enum>(i)) == name) return static_cast<Enum>(i);
+  }
+  return otherwise;
+}
+
+// A number that pixels may have.
+double pixels_from(const json& number) {
+  constexpr double kMost = 1e7;
+  const auto value = number.get<double>();
+  if (!(std::abs(value) < kMost)) throw std::out_of_range("pixels");
+  return value;
+}
+
+FrameCorners corners_from(const json& list) {
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    corners[i] = {pixels_from(list.at(i).at(0)), pixels_from(list.at(i).at(1))};
+  }
+  return corners;
+}
+
+// Zero where what is there is no covariance.
+CornerCovariance covariance_from(const json& list) {
+  CornerCovariance covariance = CornerCovariance::Zero();
+  std::size_t at = 0;
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      covariance(row, column) = covariance(column, row) = pixels_from(list.at(at++));
+    }
+  }
+  const Eigen::LLT<CornerCovariance> root(covariance);
+  return root.info() == Eigen::Success ? covariance : CornerCovariance::Zero();
+}
+
+SymbolGrade grade_from(const json& tag) {
+  SymbolGrade grade;
+  grade.grade = tag.at("grade").get<double>();
+  grade.absolute = get(tag, "grade_absolute", false);
+  const auto blame = get<std::string>(tag, "grade_blame");
+  const json means = get(tag, "grade_parameters", json::object());
+  for (std::size_t i = 0; i < kGradeParameters; ++i) {
+    const auto parameter = static_cast<GradeParameter>(i);
+    if (to_string(parameter) == blame) grade.worst = parameter;
+    const auto mean = means.find(to_string(parameter));
+    if (mean == means.end()) continue;
+    grade.means[i] = {mean->at("grade").get<double>(), std::nullopt};
+    if (mean->contains("value")) grade.means[i]->value = mean->at("value").get<double>();
+  }
+  return grade;
+}
+
+HungTag hung_from(const json& object, const VerifiedTag& tag) {
+  HungTag hung;
+  hung.tag = tag.tag;
+  hung.verdict = value_of(4, get<std::string>(object, "verdict"), HangVerdict::unchecked);
+  hung.stations = get(object, "stations", 0);
+  hung.rivals = get<std::vector<std::string>>(object, "rivals");
+  const auto triple = [&](const char* key, double unit) {
+    const auto values = get(object, key, std::array<double, 3>{});
+    return Eigen::Vector3d(unit * Eigen::Vector3d(values.data()));
+  };
+  hung.offset = {triple("offset_mm", 1e-3), triple("offset_sigma_mm", 1e-3)};
+  hung.turn = {triple("turn_deg", radians(1)), triple("turn_sigma_deg", radians(1))};
+  return hung;
+}
+
+VerifiedTag tag_from(const json& object) {
+  VerifiedTag tag;
+  tag.tag = get<std::string>(object, "tag");
+  tag.status = value_of(kTagStatuses, object.at("status").get<std::string>(), TagStatus::unknown);
+  tag.rule = get<std::string>(object, "rule");
+  tag.message = get<std::string>(object, "message");
+  // A line without corners is of an older version, and of no use as a reading.
+  if (object.contains("corners")) {
+    tag.corners = corners_from(object["corners"]);
+    tag.digits = parse_digits(get<std::string>(object, "digits"));
+  }
+  tag.module_px = get(object, "module_px", 0.0);
+  tag.confidence = get(object, "confidence", 0.0);
+  tag.page = get(object, "page", 0);
+  if (object.contains("corner_covariance")) {
+    tag.corner_covariance = covariance_from(object["corner_covariance"]);
+  }
+  if (object.contains("grade") && !object["grade"].is_null()) tag.grade = grade_from(object);
+  tag.grade_reason = get<std::string>(object, "grade_reason");
+  tag.picture.file = get<std::string>(object, "crop");
+  if (object.contains("hanging")) tag.hung = hung_from(object["hanging"], tag);
+  return tag;
+}
+
+int size_from(const json& object, const char* key) {
+  constexpr std::uint64_t kMost = 1'000'000;
+  return static_cast<int>(std::min(kMost, get<std::uint64_t>(object, key)));
+}
+
+VerifiedFile file_from(const json& object) {
+  VerifiedFile file{object.at("file").get<std::string>()};
+  file.sha256 = get<std::string>(object, "sha256");
+  file.revision = get<std::string>(object, "revision");
+  file.pages = size_from(object, "pages");
+  file.width = size_from(object, "width");
+  file.height = size_from(object, "height");
+  const int orientation = get(object, "orientation", 0);
+  if (orientation >= 1 && orientation <= 8) file.orientation = orientation;
+  for (const json& tag : object.at("tags").get_ref<const json::array_t&>()) {
+    file.tags.push_back(tag_from(tag));
+  }
+  file.findings = get<std::vector<std::string>>(object, "findings");
+  file.rules = get<std::set<std::string>>(object, "rules");
+  // What remains is of the file as a whole.
+  for (const VerifiedTag& tag : file.tags) {
+    if (!tag.is_fault()) continue;
+    const auto of_tag = [&](const std::string& words) { return words.ends_with(in_words(tag)); };
+    std::erase_if(file.findings, of_tag);
+    file.rules.erase(tag.rule);
+  }
+  file.stale = get(object, "stale", false);
+  file.up = value_of(kUpSources, get<std::string>(object, "up"), UpSource::unknown);
+  file.notes = get<std::vector<std::string>>(object, "notes");
+  file.picture.file = get<std::string>(object, "picture");
+  return file;
+}
+
+std::optional<VerifiedFile> from_object(const json& object) {
+  try {
+    return file_from(object);
+  } catch (const std::exception&) {  // of nlohmann-json, or a number out of range
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::string to_json_line(const VerifiedFile& file) { return line_of(to_json(file)); }
+
+std::optional<VerifiedFile> verified_file_from(std::string_view line) {
+  return from_object(json::parse(line, nullptr, false));
+}
+
+std::string verify_summary_line(const Survey& survey, const VerifyMerge& merged,
+                                const std::optional<HungTags>& hung,
+                                const std::map<std::string, std::size_t>& skipped) {
+  Json object{{"files", merged.files + merged.repeated},
+              {"files_with_findings", merged.files_with_findings}};
+  for (const TagStatus status :
+       {TagStatus::ok, TagStatus::unknown, TagStatus::misprinted, TagStatus::unreadable,
+        TagStatus::duplicate, TagStatus::cut_off, TagStatus::misplaced, TagStatus::doubtful}) {
+    object[to_string(status)] = merged.by_status[static_cast<std::size_t>(status)];
+  }
+  object["stale"] = merged.stale;
+  object["missing"] = missing_tags(survey, merged);
+  object["skipped"] = skipped;
+  add_completeness(survey, merged, object);
+  add_hanging(hung, object);
+  return line_of({{"summary", object}});
+}
+
+std::string report_summary_line(const Survey& survey, const VerifyMerge& merged,
+                                const std::optional<HungTags>& hung) {
+  Json object{{"files", merged.files},
+              {"faults", merged.fault_count},
+              {"repeated", merged.repeated},
+              {"other_revisions", merged.other_revisions},
+              {"notes", notes_json(merged)}};
+  add_completeness(survey, merged, object);
+  add_hanging(hung, object);
+  return line_of({{"summary", object}});
+}
+
+Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
+                                           const std::function<void(VerifiedFile)>& take) {
+  constexpr std::size_t kLongestLine = 64U << 20U;  // longer than any of `verify`
+  std::ifstream stream(path);
+  if (!stream || std::filesystem::is_directory(path)) {
+    return fail(path.string() + ": cannot be read, expected the output of `verify --json`");
+  }
+  VerifyLineCounts counts;
+  while (const std::optional<std::string> line = read_line(stream, kLongestLine)) {
+    if (line->size() > kLongestLine) {
+      return fail(path.string() +
+                  ": a line of more than 64 MiB, expected the output of `verify --json`");
+    }
+    if (line->find_first_not_of(" \t\r") == std::string::npos) continue;
+    const json object = json::parse(*line, nullptr, false);
+    if (object.is_object() && object.contains("summary")) continue;
+    std::optional<VerifiedFile> file = from_object(object);
+    ++(file ? counts.files : counts.broken);
+    if (file) take(std::move(*file));
+  }
+  return counts;
+}
+
+}  // namespace tagsmith
