@@ -135,19 +135,20 @@ void PrintSettingsFilter::add_page(const PdfPageSettings& page) {
 
 bool PrintSettingsFilter::take(std::string_view bytes) {
   held_ += bytes;
-  std::size_t begin = 0;
-  for (std::size_t from = 0;;) {
-    const std::size_t end = held_.find(kEndOfObject, from);
-    if (end == std::string::npos) break;
-    const std::string_view object = std::string_view(held_).substr(begin, end - begin);
-    from = end + 1;
+  for (;;) {
+    const std::size_t end = held_.find(kEndOfObject, searched_);
+    if (end == std::string::npos) {
+      searched_ = held_.size() - std::min(held_.size(), kEndOfObject.size());
+      return written_;
+    }
+    const std::string_view object = std::string_view(held_).substr(0, end);
+    searched_ = end + 1;
     // In a stream these bytes may stand by chance.
     if (object.find(kStream) != std::string_view::npos && !object.ends_with(kEndOfStream)) continue;
     take_object(object);
-    begin = from = end + kEndOfObject.size();
+    held_.erase(0, end + kEndOfObject.size());
+    searched_ = 0;
   }
-  held_.erase(0, begin);
-  return written_;
 }
 
 // Why: docs/decisions/0016-printing-and-printer-dots.md.

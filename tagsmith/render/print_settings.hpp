@@ -53,8 +53,9 @@ class PrintSettingsFilter {
 
   Sink sink_;
   bool written_ = true;
-  std::string held_;  // not yet a whole object
-  std::string id_;    // checksum of all objects so far
+  std::string held_;          // not yet a whole object
+  std::size_t searched_ = 0;  // so much of it holds no end of an object
+  std::string id_;            // checksum of all objects so far
   std::uint64_t position_ = 0;
   std::vector<std::uint64_t> offsets_;    // by object number; 0 = there is none
   std::string new_length_;                // of the stream before the object that holds its length

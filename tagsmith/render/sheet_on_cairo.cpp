@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "tagsmith/render/text.hpp"
@@ -42,36 +43,54 @@ void attach_jpeg(cairo_surface_t* pixels, const std::string& jpeg) {
   if (attached == CAIRO_STATUS_SUCCESS) copy.release();
 }
 
+bool alike(const LineStyle& a, const LineStyle& b) {
+  const auto all = [](const LineStyle& line) {
+    return std::tie(line.width, line.dashes, line.colour.red, line.colour.green, line.colour.blue);
+  };
+  return all(a) == all(b);
+}
+
 // Draws items on a context whose user space is the sheet's frame.
 class Painter {
  public:
   explicit Painter(cairo_t* context) : context_(context) {}
 
+  // Lines of one style that follow each other are one stroke.
   void operator()(const SheetLine& line) {
-    set_colour(line.line.colour);
+    if (!alike(style_, line.line)) stroke();
+    style_ = line.line;
     trace(line.points, line.closed);
-    std::vector<double> dashes_mm = line.line.dashes;
+  }
+
+  // Draws the lines that were traced.
+  void stroke() {
+    if (!cairo_has_current_point(context_)) return;
+    set_colour(style_.colour);
+    std::vector<double> dashes_mm = style_.dashes;
     for (double& dash : dashes_mm) dash /= kMillimetre;
     cairo_save(context_);
     cairo_scale(context_, kMillimetre, kMillimetre);
-    cairo_set_line_width(context_, line.line.width / kMillimetre);
+    cairo_set_line_width(context_, style_.width / kMillimetre);
     cairo_set_dash(context_, dashes_mm.data(), static_cast<int>(dashes_mm.size()), 0);
     cairo_stroke(context_);
     cairo_restore(context_);
   }
 
   void operator()(const SheetArea& area) {
+    stroke();
     set_colour(area.fill);
     for (const Points& outline : area.outlines) trace(outline, true);
     cairo_fill(context_);
   }
 
   void operator()(const SheetText& text) {
+    stroke();
     set_colour(text.colour);
     show_text(context_, text);
   }
 
   void operator()(const SheetPicture& picture) {
+    stroke();
     const auto needed =
         static_cast<std::size_t>(picture.columns) * static_cast<std::size_t>(picture.rows);
     if (needed == 0 || picture.samples.size() != needed) return;
@@ -91,13 +110,24 @@ class Painter {
     cairo_set_source_rgb(context_, colour.red, colour.green, colour.blue);
   }
 
+  // Cairo rounds places to 1/256 point. Rectangles are drawn by their sides, so that bars of equal
+  // width stay equal.
   void trace(const Points& points, bool closed) {
+    const bool by_sides = closed && points.size() == 4;
     cairo_new_sub_path(context_);
-    for (const Eigen::Vector2d& point : points) cairo_line_to(context_, point.x(), point.y());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (by_sides && i > 0) {
+        const Eigen::Vector2d side = points[i] - points[i - 1];
+        cairo_rel_line_to(context_, side.x(), side.y());
+      } else {
+        cairo_line_to(context_, points[i].x(), points[i].y());
+      }
+    }
     if (closed) cairo_close_path(context_);
   }
 
   cairo_t* context_;
+  LineStyle style_{};  // of the lines that are traced and not yet drawn
 };
 
 }  // namespace
@@ -120,6 +150,7 @@ void draw_sheet(cairo_t* context, const Sheet& sheet, double units_per_metre) {
       cairo_clip(context);
     }
     for (const SheetItem& item : layer.items) std::visit(painter, item);
+    painter.stroke();
     cairo_restore(context);
   }
   cairo_restore(context);
