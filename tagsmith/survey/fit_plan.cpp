@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
+
+#include "tagsmith/survey/expected_place.hpp"
 
 namespace tagsmith {
 namespace {
@@ -19,75 +20,67 @@ using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostGuidePoints = 300;  // the search for breaks takes their square
-constexpr std::size_t kMostFitted = 2'000;     // points of the least-squares fit
+constexpr std::size_t kMostFitted = 600;       // points of the least-squares fit
 
 // ---- A guide: roughly the center line, as points along the drive.
 
-std::vector<Vector2d> thinned(const std::vector<Vector2d>& points, std::size_t most) {
-  if (points.size() <= most) return points;
-  std::vector<Vector2d> result;
+// At most so many of the values, evenly from the first to the last.
+template <class Value>
+std::vector<Value> thinned(const std::vector<Value>& values, std::size_t most) {
+  if (values.size() <= most) return values;
+  std::vector<Value> result;
   for (std::size_t i = 0; i < most; ++i) {
-    result.push_back(points[i * (points.size() - 1) / (most - 1)]);
+    result.push_back(values[i * (values.size() - 1) / (most - 1)]);
   }
   return result;
 }
 
-double way_of(const std::vector<Vector2d>& points) {
-  return points.empty() ? -1 : (points.back() - points.front()).norm();
-}
-
-// How far along the polyline the point lies; the polyline goes on straight at its ends.
-double way_to(const std::vector<Vector2d>& polyline, const Vector2d& point) {
+// Where the point makes the way through the others longest by least.
+std::size_t place_on_way(const std::vector<PlanPoint>& way, const PlanPoint& point) {
   double least = kInfinity;
-  double nearest = 0;
-  double start = 0;
-  for (std::size_t i = 1; i < polyline.size(); ++i) {
-    const Vector2d along = polyline[i] - polyline[i - 1];
-    const double length = along.norm();
-    if (length == 0) continue;
-    const double reached = (point - polyline[i - 1]).dot(along) / length;
-    const double low = i == 1 ? -kInfinity : 0;
-    const double high = i + 1 == polyline.size() ? kInfinity : length;
-    const double kept = std::clamp(reached, low, high);
-    const double away = (point - polyline[i - 1] - kept / length * along).norm();
-    if (away < least) {
-      least = away;
-      nearest = start + kept;
-    }
-    start += length;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i <= way.size(); ++i) {
+    const bool inside = i > 0 && i < way.size();
+    const double to = i > 0 ? (way[i - 1].p - point.p).norm() : 0;
+    const double from = i < way.size() ? (way[i].p - point.p).norm() : 0;
+    const double detour = to + from - (inside ? (way[i].p - way[i - 1].p).norm() : 0);
+    if (detour >= least) continue;
+    least = detour;
+    best = i;
   }
-  return nearest;
+  return best;
 }
 
-// The points of a side along the drive. Walls and tags are lists of their own, each in order: the
-// shorter one is sorted into the longer one.
-std::vector<Vector2d> points_of_side(const std::vector<PlanPoint>& points, int side) {
-  std::vector<Vector2d> walls;
-  std::vector<Vector2d> tags;
+// The points of a side along the drive. Walls and tags are lists of their own, each in order: those
+// of the shorter one are put into the way of the longer one.
+std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int side) {
+  std::vector<PlanPoint> walls;
+  std::vector<PlanPoint> tags;
   for (const PlanPoint& point : points) {
-    if (point.side == side) (point.plate_half > 0 ? tags : walls).push_back(point.p);
+    if (point.side == side) (point.plate_half > 0 ? tags : walls).push_back(point);
   }
+  const auto way_of = [](const std::vector<PlanPoint>& list) {
+    return list.empty() ? -1 : (list.back().p - list.front().p).norm();
+  };
   if (way_of(walls) < way_of(tags)) std::swap(walls, tags);
-  if (walls.size() < 2 || tags.empty()) return walls;
-  std::vector<std::pair<double, Vector2d>> all;
-  const std::vector<Vector2d> base = thinned(walls, kMostGuidePoints);
-  for (const auto& list : {walls, tags}) {
-    for (const Vector2d& point : list) all.emplace_back(way_to(base, point), point);
+  std::vector<PlanPoint> way = thinned(walls, kMostGuidePoints);
+  for (const PlanPoint& point : thinned(tags, kMostGuidePoints)) {
+    way.insert(way.begin() + static_cast<std::ptrdiff_t>(place_on_way(way, point)), point);
   }
-  std::ranges::stable_sort(all, {}, &std::pair<double, Vector2d>::first);
-  std::vector<Vector2d> sorted;
-  for (const auto& [way, point] : all) sorted.push_back(point);
-  return sorted;
+  return way;
 }
 
-// Middles between each left point and the nearest right one.
-std::vector<Vector2d> middles(const std::vector<Vector2d>& left,
-                              const std::vector<Vector2d>& right) {
+// Between each left point and the nearest right one: in the middle, or as their offsets divide the
+// way where these are known.
+std::vector<Vector2d> between(const std::vector<PlanPoint>& left,
+                              const std::vector<PlanPoint>& right) {
   std::vector<Vector2d> result;
-  for (const Vector2d& a : left) {
-    const auto nearest = std::ranges::min_element(
-        right, {}, [&](const Vector2d& b) { return (a - b).squaredNorm(); });
-    result.push_back((a + *nearest) / 2);
+  for (const PlanPoint& a : left) {
+    const PlanPoint& b = *std::ranges::min_element(
+        right, {}, [&](const PlanPoint& other) { return (a.p - other.p).squaredNorm(); });
+    const double apart = a.offset && b.offset ? std::abs(*a.offset - *b.offset) : 0;
+    const double share = apart > 0 ? std::abs(*a.offset) / apart : 0.5;
+    result.push_back(a.p + share * (b.p - a.p));
   }
   return result;
 }
@@ -115,14 +108,14 @@ std::vector<Vector2d> without_jumps(const std::vector<Vector2d>& guide, double l
   return kept;
 }
 
-std::vector<Vector2d> make_guide(const std::vector<PlanPoint>& points,
-                                 const std::vector<Vector2d>& rough) {
-  std::vector<Vector2d> guide = rough.empty() ? points_of_side(points, 0) : rough;
+std::vector<Vector2d> make_guide(const std::vector<PlanPoint>& points) {
+  std::vector<Vector2d> guide;
+  for (const PlanPoint& point : points_of_side(points, 0)) guide.push_back(point.p);
   if (guide.size() < 2) {
-    const std::vector<Vector2d> left = points_of_side(points, -1);
-    const std::vector<Vector2d> right = points_of_side(points, 1);
+    const std::vector<PlanPoint> left = points_of_side(points, -1);
+    const std::vector<PlanPoint> right = points_of_side(points, 1);
     if (left.size() < 2 || right.size() < 2) return {};
-    guide = middles(thinned(left, kMostGuidePoints), right);
+    guide = between(left, right);
   }
   constexpr double kLeastStep = 0.05;
   guide = without_jumps(thinned(guide, kMostGuidePoints), kLeastStep);
@@ -220,49 +213,35 @@ std::vector<std::size_t> best_breaks(const HeadingSums& sums, std::size_t steps,
 
 // ---- The fit.
 
-// What is adjusted. The start lies on the cross line through `anchor`, because nothing says where
+// A line to adjust. Its start lies on the cross line through `anchor`, because nothing says where
 // along itself a line begins.
 struct PlanModel {
   Vector2d anchor{0, 0};
   double anchor_heading = 0;
-  double shift = 0;  // of the start, to the right of the anchor
-  double heading = 0;
-  std::vector<double> lengths;  // the last is given, not adjusted
-  std::vector<double> curvatures;
-  std::vector<bool> straight;  // the curvature is 0, not adjusted
-  double width = 0;
+  double last_length = 0;
+  std::vector<bool> straight;  // by element: its curvature is 0, not adjusted
+  // Shift of the start to the right of the anchor, heading, width; the elements' lengths but the
+  // last one's; their curvatures.
+  VectorXd values;
+
+  Eigen::Index count() const { return static_cast<Eigen::Index>(straight.size()); }
+  double width() const { return values[2]; }
+  double length(Eigen::Index i) const {
+    constexpr double kLeast = 0.01;
+    return i + 1 == count() ? last_length : std::max(kLeast, values[3 + i]);
+  }
+  double curvature(Eigen::Index i) const {
+    return straight[static_cast<std::size_t>(i)] ? 0 : values[2 + count() + i];
+  }
 };
 
 Centerline line_of(const PlanModel& model) {
   std::vector<CenterlineElement> elements;
-  for (std::size_t i = 0; i < model.lengths.size(); ++i) {
-    elements.push_back({model.lengths[i], model.straight[i] ? 0 : model.curvatures[i], 0});
+  for (Eigen::Index i = 0; i < model.count(); ++i) {
+    elements.push_back({model.length(i), model.curvature(i), 0});
   }
-  const Vector2d start = model.anchor + model.shift * right_of(model.anchor_heading).head<2>();
-  return {{start.x(), start.y(), 0}, model.heading, elements};
-}
-
-VectorXd parameters_of(const PlanModel& model) {
-  std::vector<double> values{model.shift, model.heading, model.width};
-  for (std::size_t i = 0; i + 1 < model.lengths.size(); ++i) values.push_back(model.lengths[i]);
-  for (std::size_t i = 0; i < model.curvatures.size(); ++i) {
-    if (!model.straight[i]) values.push_back(model.curvatures[i]);
-  }
-  return Eigen::Map<VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-PlanModel with_parameters(PlanModel model, const VectorXd& values) {
-  Eigen::Index next = 0;
-  model.shift = values[next++];
-  model.heading = values[next++];
-  model.width = values[next++];
-  for (std::size_t i = 0; i + 1 < model.lengths.size(); ++i) {
-    model.lengths[i] = std::max(0.01, values[next++]);
-  }
-  for (std::size_t i = 0; i < model.curvatures.size(); ++i) {
-    if (!model.straight[i]) model.curvatures[i] = values[next++];
-  }
-  return model;
+  const Vector2d start = model.anchor + model.values[0] * right_of(model.anchor_heading).head<2>();
+  return {{start.x(), start.y(), 0}, model.values[1], elements};
 }
 
 // The point of a plate that touches its wall: the middle of its frame.
@@ -285,14 +264,9 @@ VectorXd residuals_of(const PlanModel& model, const std::vector<PlanPoint>& poin
   const Centerline line = line_of(model);
   VectorXd residuals(static_cast<Eigen::Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    residuals[static_cast<Eigen::Index>(i)] = residual_of(line, model.width, points[i]);
+    residuals[static_cast<Eigen::Index>(i)] = residual_of(line, model.width(), points[i]);
   }
   return residuals;
-}
-
-// Geman and McClure's weights: a point far off counts for nothing.
-VectorXd weights_of(const VectorXd& residuals, double scale) {
-  return (1 + (residuals / scale).array().square()).square().inverse();
 }
 
 double robust_cost(const VectorXd& residuals, double scale) {
@@ -301,35 +275,33 @@ double robust_cost(const VectorXd& residuals, double scale) {
 }
 
 MatrixXd jacobian_of(const PlanModel& model, const std::vector<PlanPoint>& points,
-                     const VectorXd& values, const VectorXd& residuals) {
-  MatrixXd jacobian(residuals.size(), values.size());
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const double step = i < 3 || std::abs(values[i]) > 1 ? 1e-6 : 1e-8;
-    VectorXd moved = values;
-    moved[i] += step;
-    jacobian.col(i) = (residuals_of(with_parameters(model, moved), points) - residuals) / step;
+                     const VectorXd& residuals) {
+  MatrixXd jacobian(residuals.size(), model.values.size());
+  for (Eigen::Index i = 0; i < model.values.size(); ++i) {
+    const double step = i < 3 || std::abs(model.values[i]) > 1 ? 1e-6 : 1e-8;
+    PlanModel moved = model;
+    moved.values[i] += step;
+    jacobian.col(i) = (residuals_of(moved, points) - residuals) / step;
   }
   return jacobian;
 }
 
-// Levenberg-Marquardt on reweighted residuals, the scale of the weights shrinking to `scale`.
+// Levenberg-Marquardt on residuals with Geman and McClure's weights, for which a point far off
+// counts for nothing; the scale of the weights shrinks to `scale`.
 PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double scale) {
   constexpr int kRounds = 5;
   constexpr int kIterations = 15;
+  VectorXd residuals = residuals_of(model, points);
   for (int round = 0; round < kRounds; ++round) {
     const double used = scale * std::pow(4, kRounds - 1 - round);
     double damping = 1e-3;
-    VectorXd values = parameters_of(model);
-    VectorXd residuals = residuals_of(model, points);
     for (int iteration = 0; iteration < kIterations && damping < 1e8; ++iteration) {
-      const VectorXd weights = weights_of(residuals, used);
-      const MatrixXd jacobian = jacobian_of(model, points, values, residuals);
-      const MatrixXd normal = jacobian.transpose() * weights.asDiagonal() * jacobian;
-      const VectorXd gradient = jacobian.transpose() * weights.asDiagonal() * residuals;
-      MatrixXd damped = normal;
-      damped.diagonal() += damping * normal.diagonal() + VectorXd::Constant(values.size(), 1e-12);
-      const VectorXd tried = values - damped.ldlt().solve(gradient);
-      const PlanModel moved = with_parameters(model, tried);
+      const VectorXd weights = (1 + (residuals / used).array().square()).square().inverse();
+      const MatrixXd jacobian = jacobian_of(model, points, residuals);
+      MatrixXd normal = jacobian.transpose() * weights.asDiagonal() * jacobian;
+      normal.diagonal() += damping * normal.diagonal() + VectorXd::Constant(normal.rows(), 1e-12);
+      PlanModel moved = model;
+      moved.values -= normal.ldlt().solve(jacobian.transpose() * weights.asDiagonal() * residuals);
       const VectorXd left = residuals_of(moved, points);
       const double before = robust_cost(residuals, used);
       const double after = robust_cost(left, used);
@@ -339,7 +311,6 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
       }
       damping = std::max(damping / 10, 1e-12);
       model = moved;
-      values = parameters_of(model);
       residuals = left;
       if (before - after < 1e-12 * (1 + before)) break;
     }
@@ -347,62 +318,59 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
   return model;
 }
 
-// The model that the headings suggest. It starts before the first point and ends after the last.
-PlanModel first_model(const std::vector<Vector2d>& guide, const std::vector<HeadingStep>& steps,
-                      const HeadingSums& sums, int count, double width) {
-  const std::vector<std::size_t> ends = best_breaks(sums, steps.size(), count);
+// How far the points lie from the guide, in the median.
+double reach_of(const std::vector<PlanPoint>& points, const std::vector<Vector2d>& guide) {
+  std::vector<double> distances;
+  for (const PlanPoint& point : points) {
+    double least = kInfinity;
+    for (const Vector2d& p : guide) least = std::min(least, (point.p - p).norm());
+    if (point.side != 0) distances.push_back(least);
+  }
+  return distances.empty() ? 0 : median(std::move(distances));
+}
+
+// The model that the headings suggest. It starts before the first point and ends `lead` after the
+// last.
+PlanModel first_model(const std::vector<PlanPoint>& points, const std::vector<Vector2d>& guide,
+                      const std::vector<HeadingStep>& steps, const HeadingSums& sums, int count) {
+  const double width = 2 * reach_of(points, guide);
   const double lead = width + 1;
   PlanModel model;
-  model.width = width;
+  model.straight.resize(static_cast<std::size_t>(count), false);
+  model.values = VectorXd::Zero(2 + 2 * count);
   std::size_t from = 0;
   double chainage = -lead;
-  for (const std::size_t end : ends) {
+  Eigen::Index i = 0;
+  for (const std::size_t end : best_breaks(sums, steps.size(), count)) {
     const HeadingLine line = sums.line(from, end);
     const HeadingStep& last = steps[end - 1];
     const double to = last.at + last.length / 2 + (end == steps.size() ? lead : 0);
-    if (model.lengths.empty()) model.heading = line.value + line.slope * (0 - line.middle);
-    model.lengths.push_back(to - chainage);
-    model.curvatures.push_back(line.slope);
-    model.straight.push_back(false);
+    if (i == 0) model.values[1] = line.value - line.slope * line.middle;
+    (i + 1 == count ? model.last_length : model.values[3 + i]) = to - chainage;
+    model.values[2 + count + i++] = line.slope;
     chainage = to;
     from = end;
   }
   // Back along the first element by `lead`.
-  const double turn = -lead * model.curvatures.front();
-  model.anchor = guide.front() - lead * direction_of(model.heading + turn / 2).head<2>();
-  model.heading += turn;
-  model.anchor_heading = model.heading;
+  const double turn = -lead * model.curvature(0);
+  model.anchor = guide.front() - lead * direction_of(model.values[1] + turn / 2).head<2>();
+  model.values[1] += turn;
+  model.values[2] = width;
+  model.anchor_heading = model.values[1];
   return model;
-}
-
-double first_width(const std::vector<PlanPoint>& points, const std::vector<Vector2d>& guide) {
-  std::vector<double> halves;
-  for (const PlanPoint& point : points) {
-    if (point.side == 0) continue;
-    double least = kInfinity;
-    for (std::size_t i = 1; i < guide.size(); ++i) {
-      least = std::min(least, distance_to_segment(point.p, guide[i - 1], guide[i]));
-    }
-    halves.push_back(least);
-  }
-  if (halves.empty()) return 0;
-  const auto middle = halves.begin() + static_cast<std::ptrdiff_t>(halves.size() / 2);
-  std::ranges::nth_element(halves, middle);
-  return 2 * *middle;
 }
 
 // Arcs that are lines as far as the points can tell become lines, as long as no point leaves the
 // tolerance.
 PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, double tolerance) {
   constexpr double kSurelyArc = 0.5;  // radians: saves the trial
-  for (std::size_t i = 0; i < model.curvatures.size(); ++i) {
-    if (model.straight[i]) continue;
-    if (std::abs(model.curvatures[i]) * model.lengths[i] > kSurelyArc) continue;
+  for (Eigen::Index i = 0; i < model.count(); ++i) {
+    if (std::abs(model.curvature(i)) * model.length(i) > kSurelyArc) continue;
     PlanModel tried = model;
-    tried.straight[i] = true;
-    const double before = residuals_of(model, points).squaredNorm();
+    tried.straight[static_cast<std::size_t>(i)] = true;
     tried = adjusted(tried, points, tolerance);
     const VectorXd left = residuals_of(tried, points);
+    const double before = residuals_of(model, points).squaredNorm();
     // An arc earns its place by a third of the squares.
     const bool as_good =
         left.squaredNorm() < 1.5 * before + 1e-8 * static_cast<double>(left.size());
@@ -411,19 +379,10 @@ PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, do
   return model;
 }
 
-std::vector<PlanPoint> sample_of(const std::vector<PlanPoint>& points) {
-  if (points.size() <= kMostFitted) return points;
-  std::vector<PlanPoint> sample;
-  for (std::size_t i = 0; i < kMostFitted; ++i) {
-    sample.push_back(points[i * (points.size() - 1) / (kMostFitted - 1)]);
-  }
-  return sample;
-}
-
 PlanFit finished(const PlanModel& model, const std::vector<PlanPoint>& points) {
   PlanFit fit;
   fit.line = line_of(model);
-  fit.width = model.width;
+  fit.width = model.width();
   for (const PlanPoint& point : points) {
     fit.residuals.push_back(residual_of(fit.line, fit.width, point));
     fit.chainages.push_back(fit.line.locate(point.p).chainage);
@@ -438,19 +397,17 @@ std::ptrdiff_t misfits(const PlanFit& fit, double tolerance) {
 }  // namespace
 
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
-                                int most_elements, const std::vector<Vector2d>& rough) {
-  if (points.empty()) return std::nullopt;
-  const std::vector<Vector2d> guide = make_guide(points, rough);
+                                int most_elements) {
+  const std::vector<Vector2d> guide = make_guide(points);
   if (guide.empty()) return std::nullopt;
   const std::vector<HeadingStep> steps = heading_steps(guide);
   const HeadingSums sums(steps);
-  const double width = first_width(points, guide);
-  const std::vector<PlanPoint> sample = sample_of(points);
+  const std::vector<PlanPoint> sample = thinned(points, kMostFitted);
   std::optional<PlanFit> best;
   const int most = std::min(most_elements, static_cast<int>(steps.size()));
   for (int count = 1; count <= most; ++count) {
-    PlanModel model = first_model(guide, steps, sums, count, width);
-    model = adjusted(std::move(model), sample, tolerance);
+    const PlanModel model =
+        adjusted(first_model(sample, guide, steps, sums, count), sample, tolerance);
     PlanFit fit = finished(model, points);
     const auto off = misfits(fit, tolerance);
     if (off == 0) return finished(straightened(model, sample, tolerance), points);

@@ -19,6 +19,7 @@ struct PlanPoint {
   int side = 0;
   double plate_half = 0;         // > 0: P of a plate, whose middle is on the wall; half of L_CI
   std::optional<double> offset;  // of p itself, where it is known: then the width says nothing
+  std::size_t index = 0;         // in the list of points
 };
 
 struct PlanFit {
@@ -30,9 +31,9 @@ struct PlanFit {
 
 // The fit with the fewest elements, up to `most_elements`, whose residuals are within the
 // tolerance; if there is none, the one that most points fit. Nothing when the points show no line:
-// fewer than two on the center line, or on either wall. `rough`: about the center line, in order,
-// where it is known; else the points say it.
+// fewer than two on the center line, or on either wall. Of a long list a part that is spread evenly
+// over it is fitted, so that the time does not grow with the list.
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
-                                int most_elements, const std::vector<Eigen::Vector2d>& rough = {});
+                                int most_elements);
 
 }  // namespace tagsmith

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
 
 namespace tagsmith {
@@ -42,222 +42,148 @@ std::string point_text(const SurveyedPoint& point) {
   return fmt::format("line {}: point {} ({})", point.line, point.name, to_string(point.kind));
 }
 
-// ---- Floor and roof: heights over the chainage.
+// ---- The floor: its height over the chainage.
 
-struct HeightPoint {
+struct FloorPoint {
   double chainage = 0;
   double z = 0;
   std::size_t index = 0;  // of the point
 };
 
-std::vector<HeightPoint> floor_points(const std::vector<SurveyedPoint>& points,
-                                      const std::vector<double>& chainages,
-                                      const std::optional<double>& mount_height) {
-  std::vector<HeightPoint> floor;
+std::vector<FloorPoint> floor_points(const std::vector<SurveyedPoint>& points,
+                                     const std::vector<double>& chainages,
+                                     const std::optional<double>& mount_height) {
+  std::vector<FloorPoint> floor;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SurveyedPoint& point = points[i];
     const double z = point.in_grid.z();
+    const std::optional<double> above = point.height ? point.height : mount_height;
     if (point.kind == PointKind::floor || point.kind == PointKind::centerline) {
       floor.push_back({chainages[i], z, i});
-    } else if (is_tag(point.kind) && (point.height || mount_height)) {
-      floor.push_back({chainages[i], z - point.height.value_or(mount_height.value_or(0)), i});
+    } else if (is_tag(point.kind) && above) {
+      floor.push_back({chainages[i], z - *above, i});
     }
   }
   return floor;
 }
 
-// The floor's height at the start, and a grade for each element.
-struct Profile {
-  double start = 0;
-  std::vector<double> grades;
+// The center line's elements with the grades that fit the floor's points best.
+struct Floor {
+  std::vector<CenterlineElement> elements;
+  double start = 0;  // height at the first element's start
+  VectorXd ups;      // how far each point lies above
 };
 
-// Length of each element before the chainage.
+// Length of each element before the chainage; the first and the last go on beyond their ends.
 VectorXd lengths_before(const std::vector<CenterlineElement>& elements, double chainage) {
-  VectorXd lengths = VectorXd::Zero(static_cast<Eigen::Index>(elements.size()));
+  VectorXd lengths(static_cast<Eigen::Index>(elements.size()));
   double start = 0;
   for (std::size_t i = 0; i < elements.size(); ++i) {
-    const bool first = i == 0;
-    const bool last = i + 1 == elements.size();
-    const double low = first ? chainage : std::max(chainage, start);
-    const double within = low - start;
-    lengths[static_cast<Eigen::Index>(i)] = last ? within : std::min(within, elements[i].length);
+    const double within = (i == 0 ? chainage : std::max(chainage, start)) - start;
+    const bool is_last = i + 1 == elements.size();
+    lengths[static_cast<Eigen::Index>(i)] = is_last ? within : std::min(within, elements[i].length);
     start += elements[i].length;
   }
   return lengths;
 }
 
-Profile fit_profile(const std::vector<CenterlineElement>& elements,
-                    const std::vector<HeightPoint>& floor) {
-  const auto rows = static_cast<Eigen::Index>(floor.size());
-  const auto columns = static_cast<Eigen::Index>(elements.size()) + 1;
+Floor fit_floor(const std::vector<CenterlineElement>& elements,
+                const std::vector<FloorPoint>& points) {
+  const auto rows = static_cast<Eigen::Index>(points.size());
+  const auto grades = static_cast<Eigen::Index>(elements.size());
   constexpr double kSmooth = 1e-6;  // elements without floor points go on as their neighbours do
-  MatrixXd a = MatrixXd::Zero(rows + columns - 1, columns);
-  VectorXd b = VectorXd::Zero(a.rows());
+  constexpr double kLevel = 1e-6;
+  MatrixXd a = MatrixXd::Zero(rows + grades, 1 + grades);
+  VectorXd b = VectorXd::Zero(rows + grades);
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const HeightPoint& point = floor[static_cast<std::size_t>(i)];
+    const FloorPoint& point = points[static_cast<std::size_t>(i)];
     a(i, 0) = 1;
-    a.row(i).tail(columns - 1) = lengths_before(elements, point.chainage).transpose();
+    a.row(i).tail(grades) = lengths_before(elements, point.chainage).transpose();
     b[i] = point.z;
   }
-  for (Eigen::Index i = 1; i < columns; ++i) {
-    a(rows + i - 1, i) = kSmooth;
-    if (i > 1) a(rows + i - 1, i - 1) = -kSmooth;
+  for (Eigen::Index i = 0; i < grades; ++i) {
+    a(rows + i, 1 + i) = kSmooth;
+    if (i > 0) a(rows + i, i) = -kSmooth;
   }
   const VectorXd solution = a.colPivHouseholderQr().solve(b);
-  return {solution[0], {solution.data() + 1, solution.data() + solution.size()}};
-}
-
-double floor_at(const std::vector<CenterlineElement>& elements, const Profile& profile,
-                double chainage) {
-  const VectorXd lengths = lengths_before(elements, chainage);
-  return profile.start +
-         std::inner_product(profile.grades.begin(), profile.grades.end(), lengths.data(), 0.0);
-}
-
-double squares(const std::vector<CenterlineElement>& elements,
-               const std::vector<HeightPoint>& floor, const Profile& profile) {
-  return std::accumulate(floor.begin(), floor.end(), 0.0,
-                         [&](double sum, const HeightPoint& point) {
-                           const double up = point.z - floor_at(elements, profile, point.chainage);
-                           return sum + up * up;
-                         });
-}
-
-double worst(const std::vector<CenterlineElement>& elements, const std::vector<HeightPoint>& floor,
-             const Profile& profile) {
-  double most = 0;
-  for (const HeightPoint& point : floor) {
-    most = std::max(most, std::abs(point.z - floor_at(elements, profile, point.chainage)));
+  Floor floor{elements, solution[0], (b - a * solution).head(rows)};
+  for (Eigen::Index i = 0; i < grades; ++i) {
+    const double grade = solution[1 + i];
+    floor.elements[static_cast<std::size_t>(i)].grade = std::abs(grade) > kLevel ? grade : 0;
   }
-  return most;
+  return floor;
 }
 
-std::vector<CenterlineElement> split_at(const std::vector<CenterlineElement>& elements,
-                                        double chainage) {
-  std::vector<CenterlineElement> result;
-  double start = 0;
-  for (const CenterlineElement& element : elements) {
-    const double before = chainage - start;
-    start += element.length;
-    if (before <= 0.01 || before >= element.length - 0.01) {
-      result.push_back(element);
-      continue;
-    }
-    result.push_back({before, element.curvature, 0});
-    result.push_back({element.length - before, element.curvature, 0});
-  }
-  return result;
-}
-
-// Every element between two cuts has three floor points or more: one wrong height is no hump.
-bool supported(const std::vector<CenterlineElement>& elements,
-               const std::vector<HeightPoint>& floor, double cut) {
+// The elements with the one at the chainage cut in two; nothing where it would be cut at its end,
+// or where a part would have fewer than three floor points: one wrong height is no hump.
+std::optional<std::vector<CenterlineElement>> cut_at(std::vector<CenterlineElement> elements,
+                                                     double chainage,
+                                                     const std::vector<FloorPoint>& floor) {
   constexpr double kSlack = 1e-6;
-  double start = 0;
-  for (const CenterlineElement& element : elements) {
-    const double end = start + element.length;
-    const bool beside = std::abs(start - cut) < kSlack || std::abs(end - cut) < kSlack;
-    const auto count = std::ranges::count_if(floor, [&](const HeightPoint& point) {
-      return point.chainage > start - kSlack && point.chainage < end + kSlack;
+  const auto points_within = [&](double from, double to) {
+    return std::ranges::count_if(floor, [&](const FloorPoint& point) {
+      return point.chainage > from - kSlack && point.chainage < to + kSlack;
     });
-    if (beside && count < 3) return false;
-    start = end;
+  };
+  double start = 0;
+  for (auto element = elements.begin(); element != elements.end(); ++element) {
+    const double before = chainage - start;
+    const double after = element->length - before;
+    if (before > 0.01 && after > 0.01) {
+      if (points_within(start, chainage) < 3 || points_within(chainage, chainage + after) < 3) {
+        return std::nullopt;
+      }
+      element->length = after;
+      elements.insert(element, {before, element->curvature, 0});
+      return elements;
+    }
+    start += element->length;
   }
-  return true;
+  return std::nullopt;
 }
 
 // Elements are cut where the grade changes, at one of at most 60 chainages of floor points, while
 // the floor is further off than the tolerance.
-std::vector<CenterlineElement> cut_for_grades(std::vector<CenterlineElement> elements,
-                                              const std::vector<HeightPoint>& floor,
-                                              double tolerance) {
+Floor fit_grades(const std::vector<CenterlineElement>& elements,
+                 const std::vector<FloorPoint>& points, double tolerance) {
   constexpr std::size_t kMostTried = 60;
+  Floor floor = fit_floor(elements, points);
   for (int cut = 0; cut < kMostFittedElements; ++cut) {
-    const Profile profile = fit_profile(elements, floor);
-    if (worst(elements, floor, profile) <= tolerance) break;
-    double least = squares(elements, floor, profile);
-    std::vector<CenterlineElement> best = elements;
-    const std::size_t step = std::max<std::size_t>(1, floor.size() / kMostTried);
-    for (std::size_t i = 0; i < floor.size(); i += step) {
-      std::vector<CenterlineElement> tried = split_at(elements, floor[i].chainage);
-      if (tried.size() == elements.size()) continue;
-      if (!supported(tried, floor, floor[i].chainage)) continue;
-      const double left = squares(tried, floor, fit_profile(tried, floor));
-      if (left >= least) continue;
-      least = left;
-      best = std::move(tried);
+    if (floor.ups.cwiseAbs().maxCoeff() <= tolerance) break;
+    Floor best = floor;
+    const std::size_t step = std::max<std::size_t>(1, points.size() / kMostTried);
+    for (std::size_t i = 0; i < points.size(); i += step) {
+      const auto tried = cut_at(floor.elements, points[i].chainage, points);
+      if (!tried) continue;
+      Floor other = fit_floor(*tried, points);
+      if (other.ups.squaredNorm() < best.ups.squaredNorm()) best = std::move(other);
     }
-    if (best.size() == elements.size()) break;
-    elements = std::move(best);
+    if (best.elements.size() == floor.elements.size()) break;
+    floor = std::move(best);
   }
-  return elements;
-}
-
-// ---- Ends of the line.
-
-// Elements between two chainages; a line before the first element's start prolongs it.
-std::vector<CenterlineElement> trimmed(const std::vector<CenterlineElement>& elements, double from,
-                                       double to) {
-  std::vector<CenterlineElement> result;
-  double start = 0;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const double end = start + elements[i].length;
-    const double low = i == 0 ? from : std::max(from, start);
-    const double high = i + 1 == elements.size() ? to : std::min(to, end);
-    start = end;
-    if (high - low > 1e-6) {
-      result.push_back(elements[i]);
-      result.back().length = high - low;
-    }
-  }
-  return result;
-}
-
-// Where the list has its chainage 0, in the fitted line's chainage.
-std::optional<double> listed_start(const std::vector<SurveyedPoint>& points,
-                                   const std::vector<double>& chainages) {
-  std::vector<double> starts;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].chainage) starts.push_back(chainages[i] - *points[i].chainage);
-  }
-  if (starts.empty()) return std::nullopt;
-  const auto middle = starts.begin() + static_cast<std::ptrdiff_t>(starts.size() / 2);
-  std::ranges::nth_element(starts, middle);
-  return *middle;
-}
-
-// The same line from a plate's length before the first point to as much beyond the last.
-Centerline with_ends(const PlanFit& fit, const std::vector<SurveyedPoint>& points, double margin) {
-  const auto [least, most] = std::ranges::minmax(fit.chainages);
-  const bool straight = fit.line.elements().front().curvature == 0;
-  double from = least - margin;
-  if (const auto listed = listed_start(points, fit.chainages)) {
-    if (*listed >= 0 || straight) from = std::min(*listed, most - margin);
-  }
-  if (!straight) from = std::max(from, 0.0);
-  const CenterlinePoint start = fit.line.at(from);
-  return {start.position, start.heading, trimmed(fit.line.elements(), from, most + margin)};
+  return floor;
 }
 
 // ---- What is said when it does not work.
 
-Error misfit_error(const std::vector<SurveyedPoint>& points, const PlanFit& fit, double tolerance) {
+Error misfit_error(const std::vector<SurveyedPoint>& points, const std::vector<PlanPoint>& fitted,
+                   const PlanFit& fit, double tolerance) {
   constexpr std::size_t kMostNamed = 10;
   std::vector<std::size_t> off;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
     if (std::abs(fit.residuals[i]) > tolerance) off.push_back(i);
   }
   std::ranges::sort(off, std::greater{}, [&](std::size_t i) { return std::abs(fit.residuals[i]); });
   std::string text = fmt::format(
       "{} of {} points are more than {:.3f} m off the best fit of at most {} lines and arcs, "
       "a tunnel {:.3f} m wide:",
-      off.size(), points.size(), tolerance, kMostFittedElements, fit.width);
+      off.size(), fitted.size(), tolerance, kMostFittedElements, fit.width);
   for (std::size_t i = 0; i < std::min(kMostNamed, off.size()); ++i) {
-    text += fmt::format("\n  {}: {:+.3f} m", point_text(points[off[i]]), fit.residuals[off[i]]);
+    text += fmt::format("\n  {}: {:+.3f} m", point_text(points[fitted[off[i]].index]),
+                        fit.residuals[off[i]]);
   }
   if (off.size() > kMostNamed) text += fmt::format("\n  and {} more", off.size() - kMostNamed);
-  text += off.size() * 4 <= points.size()
+  text += off.size() * 4 <= fitted.size()
               ? "\nmeasure these again, or take them out"
               : "\nlist the points of each kind along the drive; check their descriptions, the "
                 "order of the columns (--order) and the grid's handedness (--x-axis); rough walls "
@@ -282,73 +208,28 @@ Result<void> check_sides(const std::vector<PlanPoint>& points, const PlanFit& fi
       "or does the grid's x grow to the left (--x-axis left)?");
 }
 
-double rms(const std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const double sum = std::inner_product(values.begin(), values.end(), values.begin(), 0.0);
-  return std::sqrt(sum / static_cast<double>(values.size()));
+double rms(const VectorXd& values) {
+  return values.size() == 0 ? 0
+                            : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-// Points with a place across the tunnel, in the world, and which of the list they are.
-struct PlanInput {
-  std::vector<PlanPoint> points;
-  std::vector<SurveyedPoint> sources;
-  std::vector<std::size_t> indices;
-  std::vector<Eigen::Vector2d> rough;  // center line; empty = not known
-};
-
-// Between each left point and the right one nearest in chainage, as their listed offsets divide the
-// way; in the order of the points.
-std::vector<Eigen::Vector2d> rough_center(const std::vector<PlanPoint>& points,
-                                          const std::vector<SurveyedPoint>& sources) {
-  std::vector<std::size_t> lefts;
-  std::vector<std::size_t> rights;
+// The points with a place across the tunnel, in the world; with `measured_walls` only those that do
+// not depend on where the walls are.
+std::vector<PlanPoint> plan_points(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                                   const TagTemplate& tag, bool measured_walls) {
+  std::vector<PlanPoint> result;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].side != 0) (points[i].side < 0 ? lefts : rights).push_back(i);
+    const SurveyedPoint& point = points[i];
+    const std::optional<int> side = side_of(point.kind);
+    if (!side || (measured_walls && *side != 0 && !point.offset)) continue;
+    const double half = is_tag(point.kind) ? tag.frame_inner_length / 2 : 0;
+    result.push_back({world_from_grid(grid, point.in_grid).head<2>(), *side, half,
+                      measured_walls ? point.offset : std::nullopt, i});
   }
-  std::vector<Eigen::Vector2d> center;
-  if (rights.empty()) return center;
-  const auto chainage = [&](std::size_t i) { return sources[i].chainage.value_or(0); };
-  std::size_t next = 0;  // both lists go along the drive
-  for (const std::size_t left : lefts) {
-    while (next + 1 < rights.size() && std::abs(chainage(rights[next + 1]) - chainage(left)) <=
-                                           std::abs(chainage(rights[next]) - chainage(left))) {
-      ++next;
-    }
-    const double a = std::abs(*points[left].offset);
-    const double b = std::abs(*points[rights[next]].offset);
-    if (a + b <= 0) continue;
-    center.emplace_back(points[left].p + a / (a + b) * (points[rights[next]].p - points[left].p));
-  }
-  return center;
-}
-
-bool has_offsets(const std::vector<SurveyedPoint>& points) {
-  return std::ranges::all_of(points, [](const SurveyedPoint& p) { return p.offset.has_value(); });
-}
-
-// `measured_walls`: only what does not depend on where the walls are.
-PlanInput plan_input(const std::vector<SurveyedPoint>& points, const Grid& grid,
-                     const TagTemplate& tag, bool measured_walls) {
   // Where the list says chainages, its order need not be that of the drive.
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {},
-                           [&](std::size_t i) { return points[i].chainage.value_or(0); });
-  PlanInput input;
-  for (const std::size_t i : order) {
-    const std::optional<int> side = side_of(points[i].kind);
-    if (!side || (measured_walls && *side != 0 && !points[i].offset)) continue;
-    const Vector3d p = world_from_grid(grid, points[i].in_grid);
-    const double half = is_tag(points[i].kind) ? tag.frame_inner_length / 2 : 0;
-    const auto offset = measured_walls ? points[i].offset : std::nullopt;
-    input.points.push_back({p.head<2>(), *side, half, offset});
-    input.sources.push_back(points[i]);
-    input.indices.push_back(i);
-  }
-  if (measured_walls && has_offsets(input.sources)) {
-    input.rough = rough_center(input.points, input.sources);
-  }
-  return input;
+  std::ranges::stable_sort(
+      result, {}, [&](const PlanPoint& point) { return points[point.index].chainage.value_or(0); });
+  return result;
 }
 
 Result<void> check_has_walls(const std::vector<SurveyedPoint>& points) {
@@ -361,25 +242,96 @@ Result<void> check_has_walls(const std::vector<SurveyedPoint>& points) {
               " wall (TL, TR, WL, WR or names of tags): the width cannot be known");
 }
 
-Result<PlanFit> fit_input(PlanInput input, double tolerance) {
-  if (input.points.empty()) return fail("no points of walls, center line or tags");
+// A plan through the points that say where across the tunnel they lie.
+struct WallPlan {
+  std::vector<PlanPoint> points;
+  PlanFit fit;
+  bool measured_walls = false;  // were not fitted
+};
+
+Result<WallPlan> fit_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                           const TagTemplate& tag, double tolerance, bool measured_walls) {
+  WallPlan plan{plan_points(points, grid, tag, measured_walls), {}, measured_walls};
+  if (plan.points.empty()) return fail("no points of walls, center line or tags");
   // National coordinates are long; near zero nothing of them is lost.
-  const Eigen::Vector2d shift = input.points.front().p;
-  for (PlanPoint& point : input.points) point.p -= shift;
-  for (Eigen::Vector2d& point : input.rough) point -= shift;
-  std::optional<PlanFit> fit = fit_plan(input.points, tolerance, kMostFittedElements, input.rough);
+  const Eigen::Vector2d shift = plan.points.front().p;
+  for (PlanPoint& point : plan.points) point.p -= shift;
+  std::optional<PlanFit> fit = fit_plan(plan.points, tolerance, kMostFittedElements);
   if (!fit) {
     return fail("too few points: expected two along the center line (CL), or two on either wall");
   }
-  if (auto sides = check_sides(input.points, *fit); !sides) return fail(sides.error().message);
+  plan.fit = std::move(*fit);
+  if (auto sides = check_sides(plan.points, plan.fit); !sides) return fail(sides.error().message);
   const bool fits =
-      std::ranges::all_of(fit->residuals, [&](double r) { return std::abs(r) <= tolerance; });
-  if (!fits) return tl::unexpected(misfit_error(input.sources, *fit, tolerance));
-  const CenterlinePoint start = fit->line.at(0);
-  const Vector3d back(shift.x(), shift.y(), 0);
-  fit->line = Centerline(start.position + back, start.heading, fit->line.elements());
-  return *fit;
+      std::ranges::all_of(plan.fit.residuals, [&](double r) { return std::abs(r) <= tolerance; });
+  if (!fits) return tl::unexpected(misfit_error(points, plan.points, plan.fit, tolerance));
+  const CenterlinePoint start = plan.fit.line.at(0);
+  plan.fit.line = Centerline(start.position + Vector3d(shift.x(), shift.y(), 0), start.heading,
+                             plan.fit.line.elements());
+  return plan;
 }
+
+// Walls that are measured at offsets of their own are taken so where no even width fits.
+Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
+                               const TagTemplate& tag, const TunnelFitOptions& options) {
+  const auto fit = [&](bool measured) {
+    return fit_walls(points, grid, tag, options.tolerance, measured);
+  };
+  Result<WallPlan> plan = fit(options.measured_walls);
+  const bool says_offsets = std::ranges::all_of(
+      points, [](const SurveyedPoint& point) { return point.offset.has_value(); });
+  if (plan || options.measured_walls || !says_offsets) return plan;
+  Result<WallPlan> by_offsets = fit(true);
+  return by_offsets ? by_offsets : plan;
+}
+
+// ---- Ends of the line.
+
+// Elements between two chainages; a line before the first element's start prolongs it.
+std::vector<CenterlineElement> trimmed(const std::vector<CenterlineElement>& elements, double from,
+                                       double to) {
+  std::vector<CenterlineElement> result;
+  double start = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const double end = start + elements[i].length;
+    const double low = i == 0 ? from : std::max(from, start);
+    const double high = i + 1 == elements.size() ? to : std::min(to, end);
+    start = end;
+    if (high - low > 1e-6) {
+      result.push_back(elements[i]);
+      result.back().length = high - low;
+    }
+  }
+  return result;
+}
+
+// Where the list has its chainage 0, in the fitted line's chainage.
+std::optional<double> listed_start(const WallPlan& plan, const std::vector<SurveyedPoint>& points) {
+  std::vector<double> starts;
+  for (std::size_t i = 0; i < plan.points.size(); ++i) {
+    const std::optional<double>& listed = points[plan.points[i].index].chainage;
+    if (listed) starts.push_back(plan.fit.chainages[i] - *listed);
+  }
+  if (starts.empty()) return std::nullopt;
+  return median(std::move(starts));
+}
+
+// The same line from a plate's length before the first point to as much beyond the last.
+Centerline with_ends(const WallPlan& plan, const std::vector<SurveyedPoint>& points,
+                     double margin) {
+  const auto& [line, width, residuals, chainages] = plan.fit;
+  const auto [least, most] = std::ranges::minmax(chainages);
+  const bool straight = line.elements().front().curvature == 0;
+  double from = least - margin;
+  if (const auto listed = listed_start(plan, points); listed && (*listed >= 0 || straight)) {
+    from = std::min(*listed, most - margin);
+  }
+  if (!straight) from = std::max(from, 0.0);
+  const CenterlinePoint start = line.at(from);
+  return {start.position, start.heading, trimmed(line.elements(), from, most + margin)};
+}
+
+// ---- Walls and roof through their points.
 
 // Without the stations that lie on the line between those kept, to half a millimetre.
 std::vector<ProfileStation> simplified(const std::vector<ProfileStation>& stations) {
@@ -466,23 +418,6 @@ Result<ChainageProfile> wall_through(const std::vector<SurveyedPoint>& points, c
   return through(std::move(stations));
 }
 
-// A roof through its points (RF), or through the heights that the list says.
-std::optional<ChainageProfile> roof_through(const std::vector<SurveyedPoint>& points,
-                                            const Grid& grid, const Centerline& line) {
-  std::vector<ProfileStation> stations;
-  for (const SurveyedPoint& point : points) {
-    const Vector3d p = world_from_grid(grid, point.in_grid);
-    const double chainage = line.locate(p.head<2>()).chainage;
-    if (point.tunnel_height) stations.push_back({chainage, *point.tunnel_height});
-    if (point.kind != PointKind::roof) continue;
-    stations.push_back({chainage, p.z() - line.at(chainage).position.z()});
-  }
-  if (stations.empty()) return std::nullopt;
-  ChainageProfile roof = through(std::move(stations));
-  if (roof.least() == roof.greatest()) return ChainageProfile(roof.least());
-  return roof;
-}
-
 Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& points,
                            const Grid& grid) {
   const auto left = wall_through(points, grid, tunnel.centerline, Side::left);
@@ -494,82 +429,29 @@ Result<void> measure_walls(Tunnel& tunnel, const std::vector<SurveyedPoint>& poi
   return {};
 }
 
-Result<double> roof_height(const std::vector<SurveyedPoint>& points, const Grid& grid,
-                           const Centerline& line, const TunnelFitOptions& options) {
-  std::vector<double> heights;
+// Of the roof above the floor: at its points (RF), or where the list says it.
+Result<ChainageProfile> fit_roof(const Centerline& line, const std::vector<SurveyedPoint>& points,
+                                 const Grid& grid, bool measured_walls,
+                                 const TunnelFitOptions& options) {
+  std::vector<ProfileStation> stations;
+  bool is_listed = false;
   for (const SurveyedPoint& point : points) {
-    if (point.kind != PointKind::roof) continue;
     const Vector3d p = world_from_grid(grid, point.in_grid);
-    heights.push_back(p.z() - line.at(line.locate(p.head<2>()).chainage).position.z());
+    const double chainage = line.locate(p.head<2>()).chainage;
+    is_listed = is_listed || point.tunnel_height;
+    if (point.tunnel_height) stations.push_back({chainage, *point.tunnel_height});
+    if (point.kind != PointKind::roof) continue;
+    stations.push_back({chainage, p.z() - line.at(chainage).position.z()});
   }
-  if (heights.empty() && options.roof_height) return *options.roof_height;
-  if (heights.empty()) return fail("no points of the roof (RF): give its height, --tunnel-height");
-  const double mean =
-      std::accumulate(heights.begin(), heights.end(), 0.0) / static_cast<double>(heights.size());
-  if (mean > 0) return std::round(mean * 1000) / 1000;
-  return fail("the points of the roof (RF) lie below the floor");
-}
-
-// The plan through the walls' points, and whether the walls were measured beside it.
-struct WallPlan {
-  PlanInput input;
-  PlanFit fit;
-  bool measured_walls = false;
-};
-
-// Walls that are measured at offsets of their own are taken so where no even width fits.
-Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
-                               const TagTemplate& tag, const TunnelFitOptions& options) {
-  PlanInput input = plan_input(points, grid, tag, options.measured_walls);
-  Result<PlanFit> plan = fit_input(input, options.tolerance);
-  if (plan) return WallPlan{std::move(input), std::move(*plan), options.measured_walls};
-  if (options.measured_walls || !has_offsets(points)) return tl::unexpected(plan.error());
-  PlanInput by_offsets = plan_input(points, grid, tag, true);
-  Result<PlanFit> other = fit_input(by_offsets, options.tolerance);
-  if (!other) return tl::unexpected(plan.error());
-  return WallPlan{std::move(by_offsets), std::move(*other), true};
-}
-
-Result<void> fit_roof(Tunnel& tunnel, const std::vector<SurveyedPoint>& points, const Grid& grid,
-                      bool measured_walls, const TunnelFitOptions& options) {
-  const bool heights_listed = std::ranges::any_of(
-      points, [](const SurveyedPoint& point) { return point.tunnel_height.has_value(); });
-  std::optional<ChainageProfile> roof;
-  if (measured_walls || heights_listed) roof = roof_through(points, grid, tunnel.centerline);
-  if (!roof) {
-    const Result<double> height = roof_height(points, grid, tunnel.centerline, options);
-    if (!height) return tl::unexpected(height.error());
-    roof = *height;
-  }
-  tunnel.height = *roof;
-  return {};
-}
-
-// Where the points lie along the tunnel, across the plan and above the floor.
-Result<void> add_residuals(TunnelFit& fit, const std::vector<SurveyedPoint>& points,
-                           const std::vector<double>& chainages, const WallPlan& plan,
-                           const std::vector<HeightPoint>& floor, const Profile& profile,
-                           double floor_tolerance) {
-  fit.residuals.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) fit.residuals[i].chainage = chainages[i];
-  for (std::size_t i = 0; i < plan.input.indices.size(); ++i) {
-    fit.residuals[plan.input.indices[i]].across = plan.fit.residuals[i];
-  }
-  std::vector<double> ups;
-  for (const HeightPoint& point : floor) {
-    const double up = point.z - floor_at(fit.tunnel.centerline.elements(), profile, point.chainage);
-    fit.residuals[point.index].up = up;
-    ups.push_back(up);
-  }
-  const auto most = std::ranges::max_element(ups, {}, [](double up) { return std::abs(up); });
-  if (std::abs(*most) > floor_tolerance) {
-    const HeightPoint& point = floor[static_cast<std::size_t>(most - ups.begin())];
-    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
-                            point_text(points[point.index]), *most, floor_tolerance));
-  }
-  fit.rms_across = rms(plan.fit.residuals);
-  fit.rms_up = rms(ups);
-  return {};
+  if (stations.empty() && options.roof_height) return *options.roof_height;
+  if (stations.empty()) return fail("no points of the roof (RF): give its height, --tunnel-height");
+  double sum = 0;
+  for (const ProfileStation& station : stations) sum += station.value;
+  const double mean = sum / static_cast<double>(stations.size());
+  if (mean <= 0) return fail("the points of the roof (RF) lie below the floor");
+  if (!measured_walls && !is_listed) return std::round(mean * 1000) / 1000;
+  const ChainageProfile roof = through(std::move(stations));
+  return roof.least() == roof.greatest() ? ChainageProfile(roof.least()) : roof;
 }
 
 }  // namespace
@@ -579,36 +461,51 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
   const Result<WallPlan> plan = plan_of_walls(points, grid, tag, options);
   if (!plan) return tl::unexpected(plan.error());
-  const Centerline level = with_ends(plan->fit, plan->input.sources, tag.plate_length);
+  const Centerline level = with_ends(*plan, points, tag.plate_length);
 
   std::vector<double> chainages;
   chainages.reserve(points.size());
   for (const SurveyedPoint& point : points) {
     chainages.push_back(level.locate(world_from_grid(grid, point.in_grid).head<2>()).chainage);
   }
-  const std::vector<HeightPoint> floor = floor_points(points, chainages, options.mount_height);
-  if (floor.empty()) {
+  const std::vector<FloorPoint> on_floor = floor_points(points, chainages, options.mount_height);
+  if (on_floor.empty()) {
     return fail("no points of the floor (CL, FL): give the height of P above it, --mount-height");
   }
-  std::vector<CenterlineElement> elements =
-      cut_for_grades(level.elements(), floor, options.tolerance);
-  const Profile profile = fit_profile(elements, floor);
-  constexpr double kLevel = 1e-6;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    elements[i].grade = std::abs(profile.grades[i]) > kLevel ? profile.grades[i] : 0;
-  }
+  const Floor floor = fit_grades(level.elements(), on_floor, options.tolerance);
   Vector3d start = level.at(0).position;
-  start.z() = profile.start;
+  start.z() = floor.start;
 
   TunnelFit fit;
-  fit.tunnel = plain_tunnel(plan->fit.width, 0, Centerline(start, level.at(0).heading, elements));
-  Result<void> done;
-  if (plan->measured_walls) done = measure_walls(fit.tunnel, points, grid);
-  if (done) done = fit_roof(fit.tunnel, points, grid, plan->measured_walls, options);
-  if (done) {
-    done = add_residuals(fit, points, chainages, *plan, floor, profile, options.floor_tolerance);
+  fit.tunnel =
+      plain_tunnel(plan->fit.width, 0, Centerline(start, level.at(0).heading, floor.elements));
+  if (plan->measured_walls) {
+    if (auto done = measure_walls(fit.tunnel, points, grid); !done) {
+      return tl::unexpected(done.error());
+    }
   }
-  if (!done) return tl::unexpected(done.error());
+  const Result<ChainageProfile> roof =
+      fit_roof(fit.tunnel.centerline, points, grid, plan->measured_walls, options);
+  if (!roof) return tl::unexpected(roof.error());
+  fit.tunnel.height = *roof;
+
+  fit.residuals.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) fit.residuals[i].chainage = chainages[i];
+  for (std::size_t i = 0; i < plan->points.size(); ++i) {
+    fit.residuals[plan->points[i].index].across = plan->fit.residuals[i];
+  }
+  for (std::size_t i = 0; i < on_floor.size(); ++i) {
+    fit.residuals[on_floor[i].index].up = floor.ups[static_cast<Eigen::Index>(i)];
+  }
+  Eigen::Index worst = 0;
+  if (floor.ups.cwiseAbs().maxCoeff(&worst) > options.floor_tolerance) {
+    return fail(fmt::format("{} is {:+.3f} m above the fitted floor, expected at most {:.3f} m",
+                            point_text(points[on_floor[static_cast<std::size_t>(worst)].index]),
+                            floor.ups[worst], options.floor_tolerance));
+  }
+  fit.rms_across = rms(Eigen::Map<const VectorXd>(
+      plan->fit.residuals.data(), static_cast<Eigen::Index>(plan->fit.residuals.size())));
+  fit.rms_up = rms(floor.ups);
   return fit;
 }
 
