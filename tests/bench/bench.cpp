@@ -9,6 +9,7 @@
 #include <span>
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/half_size.hpp"
@@ -109,6 +110,34 @@ void read_cold_beside_paper(benchmark::State& state) {
   compare_with_paper(state, [](const GrayView& image) { return read_tags(image); });
 }
 BENCHMARK(read_cold_beside_paper)->Unit(benchmark::kMillisecond)->UseManualTime();
+
+// As it is used: one pass over twenty photos, each seen once, memory touched for the first time
+// when this is the only benchmark of the run (`./dev bench twenty`). Sums over the photos.
+void read_twenty_beside_paper(benchmark::State& state) {
+  using Clock = std::chrono::steady_clock;
+  std::chrono::duration<double> reading{0}, segmenting{0};
+  std::size_t tags = 0;
+  for (auto _ : state) {
+    for (int i = 1; i <= 10; ++i) {
+      for (const char* side : {"left", "right"}) {
+        const Result<GrayImage> image =
+            load_gray_image(fmt::format("surveys/corridor/photos/corridor_{:02}_{}.jpg", i, side));
+        if (!image) return state.SkipWithError(image.error().message.c_str());
+        const auto begin = Clock::now();
+        tags += read_tags(image->view()).tags.size();
+        const auto middle = Clock::now();
+        benchmark::DoNotOptimize(segment_paper(image->view()).outlines.data());
+        segmenting += Clock::now() - middle;
+        reading += middle - begin;
+      }
+    }
+    state.SetIterationTime(reading.count());
+  }
+  state.counters["tags"] = static_cast<double>(tags);
+  state.counters["paper_ms"] = 1e3 * segmenting.count();
+  state.counters["of_paper"] = reading.count() / segmenting.count();
+}
+BENCHMARK(read_twenty_beside_paper)->Unit(benchmark::kMillisecond)->UseManualTime()->Iterations(1);
 
 // With the survey's codes, and the tags expected 3 pixels from where they are.
 void read_expected_beside_paper(benchmark::State& state) {
