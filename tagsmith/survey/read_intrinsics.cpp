@@ -40,8 +40,7 @@ void need_image_size(const MapReader& map) {
 }
 
 std::optional<LensModel> read_model(const MapReader& map) {
-  const auto model =
-      read_choice(map.find("model"), map.name_of("model"), {"perspective", "fisheye"}, map.log());
+  const auto model = map.choice("model", {"perspective", "fisheye"});
   if (!model) return std::nullopt;
   return *model == "fisheye" ? LensModel::fisheye : LensModel::perspective;
 }

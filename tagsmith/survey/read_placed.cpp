@@ -49,8 +49,7 @@ std::optional<Digits> read_digits(const YamlNode* node, const std::string& name,
 std::optional<TagName> read_tag_name(const MapReader& map) {
   FindingLog& log = map.log();
   const YamlNode* node = map.need("tag", "tag: 000L");
-  const auto side = read_choice(map.need("side", "side: left or side: right"), map.name_of("side"),
-                                {"left", "right"}, log);
+  const auto side = map.choice("side", {"left", "right"}, "side: left or side: right");
   if (node == nullptr || node->kind == YamlNode::Kind::broken) return std::nullopt;
   const auto name =
       node->kind == YamlNode::Kind::scalar ? parse_tag_name(node->text) : std::nullopt;
@@ -92,19 +91,11 @@ std::string read_date(const YamlNode* node, const std::string& name, FindingLog&
   return {};
 }
 
-std::optional<Eigen::Vector3d> read_point(const YamlNode* node, const std::string& name,
-                                          FindingLog& log) {
-  const auto p = read_numbers(node, name, 3, between(-kFarthest, kFarthest, "m"), log);
-  if (!p) return std::nullopt;
-  return Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);
-}
-
 // Nothing when no key speaks of it.
 std::optional<PlateAttitude> read_attitude(const MapReader& map) {
   if (!map.has("facing") && !map.has("tilt") && !map.has("roll")) return std::nullopt;
   PlateAttitude attitude;
-  const auto facing = read_number(map.find("facing"), map.name_of("facing"),
-                                  between(-360, 360, "degrees"), map.log());
+  const auto facing = map.number_if_there("facing", between(-360, 360, "degrees"));
   if (facing) attitude.facing = radians(*facing);
   attitude.tilt = radians(map.number_or("tilt", 0, between(-90, 90, "degrees")));
   attitude.roll = radians(map.number_or("roll", 0, between(-180, 180, "degrees")));
@@ -119,13 +110,13 @@ std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::st
       {"tag", "side", "p", "digits", "sigma", "date", "design", "facing", "tilt", "roll"}, log);
   if (!map.is_map()) return std::nullopt;
   const auto name = read_tag_name(map);
-  const auto p = read_point(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), log);
+  const auto p =
+      read_point(map.need("p", "p: [x, y, z] of corner P"), map.name_of("p"), kFarthest, log);
   PlacedEntry entry;
   entry.digits = read_digits(map.find("digits"), map.name_of("digits"), check, log);
-  entry.sigma =
-      read_number(map.find("sigma"), map.name_of("sigma"), between(0, kWorstSigma, "m"), log);
+  entry.sigma = map.number_if_there("sigma", between(0, kWorstSigma, "m"));
   entry.date = read_date(map.find("date"), map.name_of("date"), log);
-  entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), log);
+  entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), kFarthest, log);
   entry.attitude = read_attitude(map);
   const bool digits_fit = !map.has("digits") || entry.digits.has_value();
   if (!name || !p || !digits_fit) return std::nullopt;

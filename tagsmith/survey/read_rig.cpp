@@ -26,21 +26,19 @@ constexpr double kLargestVehicle = 100.0;     // metres
 constexpr double kDefaultHeightSigma = 0.05;  // metres: likewise, and what wheels sink in
 constexpr double kDefaultAttitude = 2.0;      // degrees: what an undulating floor does to a crawler
 
-std::optional<Side> read_side(const YamlNode* node, const std::string& name, FindingLog& log) {
-  const auto side = read_choice(node, name, {"left", "right"}, log);
+// With a hint the key is required.
+std::optional<Side> read_side(const MapReader& map, std::string_view key,
+                              const std::string& hint = {}) {
+  const auto side = map.choice(key, {"left", "right"}, hint);
   if (!side) return std::nullopt;
   return *side == "left" ? Side::left : Side::right;
 }
 
-Eigen::Vector3d read_position(const MapReader& map) {
-  const auto p = read_numbers(map.find("position"), map.name_of("position"), 3,
-                              between(-kLargestVehicle, kLargestVehicle, "m"), map.log());
-  return p ? Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]) : Eigen::Vector3d(0, 0, 0);
-}
-
 // Mounting by alpha and side (Xu et al. 2017, Fig 11), or by yaw, pitch and roll.
 Pose read_mounting(const MapReader& map, std::optional<Side> side) {
-  const Eigen::Vector3d position = read_position(map);
+  const Eigen::Vector3d position =
+      read_point(map.find("position"), map.name_of("position"), kLargestVehicle, map.log())
+          .value_or(Eigen::Vector3d(0, 0, 0));
   for (const char* key : {"yaw", "pitch", "roll"}) map.exclude_each_other({"alpha", key});
   if (map.has("alpha")) {
     const double alpha = map.number_or("alpha", 0, between(-90, 90, "degrees"));
@@ -53,11 +51,6 @@ Pose read_mounting(const MapReader& map, std::optional<Side> side) {
   const double yaw = map.number("yaw", turn, "alpha and side, or yaw, pitch, roll").value_or(0);
   return vehicle_from_camera(radians(yaw), radians(map.number_or("pitch", 0, turn)),
                              radians(map.number_or("roll", 0, turn)), position);
-}
-
-std::optional<double> read_optional(const MapReader& map, const char* key,
-                                    const NumberRange& range) {
-  return read_number(map.find(key), map.name_of(key), range, map.log());
 }
 
 const char* source_text(IntrinsicsSource source) {
@@ -111,8 +104,8 @@ void read_calibration_sigma(const MapReader& keys, RigCamera& camera) {
 
 // Depth of field: a focus says nothing without the lens opening, nor the other way round.
 void read_focus(const MapReader& map, RigCamera& camera) {
-  camera.focus = read_optional(map, "focus", above_zero(10'000, "m"));
-  const auto aperture = read_optional(map, "aperture_mm", above_zero(1000, "mm"));
+  camera.focus = map.number_if_there("focus", above_zero(10'000, "m"));
+  const auto aperture = map.number_if_there("aperture_mm", above_zero(1000, "mm"));
   if (aperture) camera.aperture = *aperture / 1000;
   if (map.has("focus") == map.has("aperture_mm")) return;
   map.need(map.has("focus") ? "aperture_mm" : "focus",
@@ -130,10 +123,10 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
   const Intrinsics intrinsics = read_intrinsics(map, folder).value_or(Intrinsics{});
   camera.camera = intrinsics.camera;
   camera.calibration = intrinsics.calibration;
-  camera.side = read_side(map.find("side"), map.name_of("side"), log);
+  camera.side = read_side(map, "side");
   camera.vehicle_from_camera = read_mounting(map, camera.side);
-  camera.exposure = read_optional(map, "exposure", above_zero(10, "s"));
-  camera.blur_px = read_optional(map, "blur_px", between(0, 100, "pixels"));
+  camera.exposure = map.number_if_there("exposure", above_zero(10, "s"));
+  camera.blur_px = map.number_if_there("blur_px", between(0, 100, "pixels"));
   read_calibration_sigma(map, camera);
   read_focus(map, camera);
   return camera;
@@ -141,8 +134,7 @@ RigCamera read_camera(const YamlNode& node, const std::string& name, const fs::p
 
 std::optional<RigRange> read_range(const YamlNode& node, const std::string& name, FindingLog& log) {
   const MapReader map(&node, "ranges." + name, {"wall", "min", "max", "sigma"}, log);
-  const auto wall =
-      read_side(map.need("wall", "wall: left or wall: right"), map.name_of("wall"), log);
+  const auto wall = read_side(map, "wall", "wall: left or wall: right");
   const auto min = map.number("min", between(0, 1000, "m"));
   const auto max = map.number("max", above_zero(1000, "m"));
   const auto sigma = map.number("sigma", above_zero(100, "m"));

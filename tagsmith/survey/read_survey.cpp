@@ -59,8 +59,7 @@ std::optional<int> read_pair_count(const MapReader& tags, double first, double p
   if (tags.has("pairs")) {
     return read_integer(tags.find("pairs"), tags.name_of("pairs"), 1, kMostPairs, tags.log());
   }
-  const auto to = read_number(tags.find("to"), tags.name_of("to"),
-                              between(first, kLongest * kMostElements, "m"), tags.log());
+  const auto to = tags.number_if_there("to", between(first, kLongest * kMostElements, "m"));
   if (!to || pitch <= 0) return std::nullopt;
   constexpr double kNudge = 1e-9;  // lets 5.6 = 7 * 0.8 count the eighth pair
   const double count = std::floor((*to - first) / pitch + kNudge) + 1;
@@ -87,17 +86,13 @@ std::optional<TagSeries> read_series(const MapReader& tags, bool has_placed,
   const NumberRange spacing = above_zero(kLongest, "m");
   const NumberRange first = between(-kLongest, kLongest * kMostElements, "m");
   const auto required = [&](const char* key, const NumberRange& range) {
-    return regular ? tags.number(key, range)
-                   : read_number(tags.find(key), tags.name_of(key), range, tags.log());
+    return regular ? tags.number(key, range) : tags.number_if_there(key, range);
   };
   const auto mount_height = required("height", height);
   const auto gap = required("spacing", spacing);
   const auto start = required("first", first);
-  if (tags.has("theta")) {
-    NumberRange range = above_zero(80, "degrees");
-    const auto theta = read_number(tags.find("theta"), tags.name_of("theta"), range, tags.log());
-    if (theta) series.pair_angle = radians(*theta);
-  }
+  const auto theta = tags.number_if_there("theta", above_zero(80, "degrees"));
+  if (theta) series.pair_angle = radians(*theta);
   std::optional<int> pairs;
   if (regular && start) {
     const double pitch = gap && tag_template ? tag_template->plate_length + *gap : 0.0;
@@ -151,16 +146,14 @@ std::optional<std::array<int, 3>> read_digit_counts(const MapReader& map,
 std::optional<GridPoint> read_origin(const MapReader& map, const GridPoint& fallback) {
   const YamlNode* node = map.find("origin");
   if (node == nullptr) return fallback;
-  const auto values =
-      read_numbers(node, map.name_of("origin"), 3, between(-kFarthest, kFarthest, "m"), map.log());
-  if (!values) return std::nullopt;
-  return GridPoint{(*values)[0], (*values)[1], (*values)[2]};
+  const auto origin = read_point(node, map.name_of("origin"), kFarthest, map.log());
+  if (!origin) return std::nullopt;
+  return GridPoint{origin->x(), origin->y(), origin->z()};
 }
 
 std::optional<CheckDigit> read_check_digit(const MapReader& map) {
-  const auto check = read_choice(
-      map.need("check_digit", "sum10 (the plain sum of Xu et al. 2017) or gs1 (standard UPC-A)"),
-      map.name_of("check_digit"), {"sum10", "gs1"}, map.log());
+  const auto check = map.choice("check_digit", {"sum10", "gs1"},
+                                "sum10 (the plain sum of Xu et al. 2017) or gs1 (standard UPC-A)");
   return check ? parse_check_digit(*check) : std::nullopt;
 }
 

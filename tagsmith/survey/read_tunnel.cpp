@@ -43,8 +43,7 @@ bool leaves_room(const MapReader& map, double radius, bool turns_right, double s
 // `start`: chainage at which it begins.
 std::optional<CenterlineElement> read_arc(const MapReader& map, double start, const Room& room) {
   const auto radius = map.number("arc", above_zero(kLongest, "m"));
-  const auto turn = read_choice(map.need("turn", "turn: left or turn: right"), map.name_of("turn"),
-                                {"left", "right"}, map.log());
+  const auto turn = map.choice("turn", {"left", "right"}, "turn: left or turn: right");
   const auto angle = map.number("angle", above_zero(360, "degrees"));
   if (!radius || !turn || !angle) return std::nullopt;
   const bool turns_right = *turn == "right";
@@ -108,16 +107,14 @@ Elements read_elements(const MapReader& centerline, const Room& room) {
 std::optional<Centerline> read_centerline(const YamlNode* node, const Grid& grid, const Room& room,
                                           FindingLog& log) {
   const MapReader map(node, "tunnel.centerline", {"start", "heading", "elements"}, log);
-  const auto start =
-      read_numbers(map.need("start", "start: [x, y, z] on the floor"), map.name_of("start"), 3,
-                   between(-kFarthest, kFarthest, "m"), log);
+  const auto start = read_point(map.need("start", "start: [x, y, z] on the floor"),
+                                map.name_of("start"), kFarthest, log);
   const auto heading =
       map.number("heading", between(-360, 360, "degrees"), "heading: degrees from +y towards +x");
   const Elements elements = read_elements(map, room);
   if (!start || !heading || !elements.complete) return std::nullopt;
-  const Eigen::Vector3d start_in_grid((*start)[0], (*start)[1], (*start)[2]);
-  return Centerline(world_from_grid(grid, start_in_grid),
-                    world_heading_from_grid(grid, radians(*heading)), elements.elements);
+  return Centerline(world_from_grid(grid, *start), world_heading_from_grid(grid, radians(*heading)),
+                    elements.elements);
 }
 
 }  // namespace
@@ -136,8 +133,7 @@ std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, Findin
 
 Grid read_grid(const YamlNode* node, FindingLog& log) {
   const MapReader map(node, "grid", {"x_axis"}, log);
-  const auto axis = read_choice(map.find("x_axis"), map.name_of("x_axis"), {"right", "left"}, log);
-  return Grid{axis == "left"};
+  return Grid{map.choice("x_axis", {"right", "left"}) == "left"};
 }
 
 }  // namespace tagsmith

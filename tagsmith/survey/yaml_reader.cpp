@@ -261,6 +261,13 @@ std::optional<std::vector<double>> read_numbers(const YamlNode* node, const std:
   return values;
 }
 
+std::optional<Eigen::Vector3d> read_point(const YamlNode* node, const std::string& name,
+                                          double farthest, FindingLog& log) {
+  const auto p = read_numbers(node, name, 3, between(-farthest, farthest, "m"), log);
+  if (!p) return std::nullopt;
+  return Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);
+}
+
 const std::vector<YamlNode>* read_list(const YamlNode* node, const std::string& name,
                                        FindingLog& log) {
   if (node == nullptr) return nullptr;
@@ -330,7 +337,18 @@ std::optional<double> MapReader::number(std::string_view key, const NumberRange&
 }
 
 double MapReader::number_or(std::string_view key, double fallback, const NumberRange& range) const {
-  return read_number(find(key), name_of(key), range, *log_).value_or(fallback);
+  return number_if_there(key, range).value_or(fallback);
+}
+
+std::optional<double> MapReader::number_if_there(std::string_view key,
+                                                 const NumberRange& range) const {
+  return read_number(find(key), name_of(key), range, *log_);
+}
+
+std::optional<std::string> MapReader::choice(std::string_view key,
+                                             const std::vector<std::string>& words,
+                                             const std::string& hint) const {
+  return read_choice(hint.empty() ? find(key) : need(key, hint), name_of(key), words, *log_);
 }
 
 void MapReader::exclude_each_other(const std::vector<std::string>& keys) const {

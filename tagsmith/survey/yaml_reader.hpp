@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
@@ -52,6 +54,10 @@ std::optional<std::vector<double>> read_numbers(const YamlNode* node, const std:
                                                 std::size_t count, const NumberRange& range,
                                                 FindingLog& log);
 
+// A list of three coordinates, each at most so many metres from zero.
+std::optional<Eigen::Vector3d> read_point(const YamlNode* node, const std::string& name,
+                                          double farthest, FindingLog& log);
+
 // The items of a list; null with a finding when it is none.
 const std::vector<YamlNode>* read_list(const YamlNode* node, const std::string& name,
                                        FindingLog& log);
@@ -80,6 +86,12 @@ class MapReader {
   std::optional<double> number(std::string_view key, const NumberRange& range,
                                const std::string& hint = {}) const;
   double number_or(std::string_view key, double fallback, const NumberRange& range) const;
+  // The number at the key; nothing when absent or faulty.
+  std::optional<double> number_if_there(std::string_view key, const NumberRange& range) const;
+
+  // The word at the key, one of these; nothing when absent or faulty. With a hint it is required.
+  std::optional<std::string> choice(std::string_view key, const std::vector<std::string>& words,
+                                    const std::string& hint = {}) const;
 
   // Logs when more than one of the keys is there.
   void exclude_each_other(const std::vector<std::string>& keys) const;

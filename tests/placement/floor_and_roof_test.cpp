@@ -108,7 +108,7 @@ TEST_CASE("behind a crest the plan sees the plates that the simulation shows") {
                 ? 0
                 : view.view.plates[static_cast<std::size_t>(shown - view.tags.begin())]
                       .visible_fraction;
-        const bool in_open = model.look(camera, stand, tag, {nullptr, &floor_and_roof}).has_value();
+        const bool in_open = model.look(camera, stand, tag, {{}, floor_and_roof}).has_value();
         CAPTURE(chainage);
         CAPTURE(survey.tags[tag].name);
         CAPTURE(visible);
