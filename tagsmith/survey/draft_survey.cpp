@@ -154,74 +154,66 @@ int digits_for(double extent, double resolution) {
 }  // namespace
 
 std::string survey_to_edit(const std::string& name) {
-  return "# A survey to edit. Check it with `tagsmith validate`, look at it with `tagsmith draw`.\n"
-         "# Lengths are metres, angles degrees.\n"
-         "survey: " +
-         name +
-         "\n"
-         "grid: { x_axis: right }   # of +y, seen from above; left where your x grows to the left\n"
-         "tunnel:\n"
-         "  width: 3.0              # between the planes of the left and the right plates\n"
-         "  height: 2.8             # of the roof above the floor\n"
-         "  centerline:\n"
-         "    start: [0.0, 0.0, 0.0]   # on the floor, in the mine's grid\n"
-         "    heading: 0               # of the drive, degrees from +y towards +x\n"
-         "    elements:                # from the start on, joined without bends\n"
-         "      - { line: 20.0 }\n"
-         "      # - { arc: 15.0, turn: left, angle: 40, grade: 1.5 }   # radius, side, degrees, "
-         "rise in %\n"
-         "tags:\n"
-         "  template: tag-400x300   # the plate: own ones are tag-400x300 and tag-800x430\n"
-         "  height: 1.2             # of P, the upper left inner corner of the frame, above the "
-         "floor\n"
-         "  spacing: 1.0            # clear gap between neighbouring plates of one wall\n"
-         "  first: 1.0              # chainage of the first left P\n"
-         "  pairs: 10               # or to: CHAINAGE\n"
-         "  # theta: 6.5            # leave out: plates then face each other exactly\n"
-         "  sigma: 0.003            # how well a coordinate is surveyed, one standard deviation;\n"
-         "                          # 0 = exact\n"
-         "  angle_sigma: 0.3        # how far plates lean or turn, degrees; 0.3: hung by eye\n"
-         "code:\n"
-         "  check_digit: gs1        # gs1: any bar code scanner; sum10: that of Xu et al. 2017\n"
-         "  resolution: 0.01        # metres of the last digit\n"
-         "  digits: [4, 4, 3]       # for x, y and z, eleven in all\n"
-         "  origin: [-10, -10, -1]  # subtracted first: nothing negative can be coded\n"
-         "# Plates as they hang, measured; `digits` as printed on them.\n"
-         "# placed:\n"
-         "#   - { tag: 003R, side: right, p: [1.498, 5.551, 1.203], digits: \"114915552208\", "
-         "sigma: 0.002, date: 2026-03-31 }\n";
+  return R"yaml(# A survey to edit. Check it with `tagsmith validate`, look at it with `tagsmith draw`.
+# Lengths are metres, angles degrees.
+survey: )yaml" +
+         name + R"yaml(
+grid: { x_axis: right }   # of +y, seen from above; left where your x grows to the left
+tunnel:
+  width: 3.0              # between the planes of the left and the right plates
+  height: 2.8             # of the roof above the floor
+  centerline:
+    start: [0.0, 0.0, 0.0]   # on the floor, in the mine's grid
+    heading: 0               # of the drive, degrees from +y towards +x
+    elements:                # from the start on, joined without bends
+      - { line: 20.0 }
+      # - { arc: 15.0, turn: left, angle: 40, grade: 1.5 }   # radius, side, degrees, rise in %
+tags:
+  template: tag-400x300   # the plate: own ones are tag-400x300 and tag-800x430
+  height: 1.2             # of P, the upper left inner corner of the frame, above the floor
+  spacing: 1.0            # clear gap between neighbouring plates of one wall
+  first: 1.0              # chainage of the first left P
+  pairs: 10               # or to: CHAINAGE
+  # theta: 6.5            # leave out: plates then face each other exactly
+  sigma: 0.003            # how well a coordinate is surveyed, one standard deviation;
+                          # 0 = exact
+  angle_sigma: 0.3        # how far plates lean or turn, degrees; 0.3: hung by eye
+code:
+  check_digit: gs1        # gs1: any bar code scanner; sum10: that of Xu et al. 2017
+  resolution: 0.01        # metres of the last digit
+  digits: [4, 4, 3]       # for x, y and z, eleven in all
+  origin: [-10, -10, -1]  # subtracted first: nothing negative can be coded
+# Plates as they hang, measured; `digits` as printed on them.
+# placed:
+#   - { tag: 003R, side: right, p: [1.498, 5.551, 1.203], digits: "114915552208", sigma: 0.002, date: 2026-03-31 }
+)yaml";
 }
 
 std::string rig_to_edit(const std::string& name) {
-  return "# A vehicle's cameras and range sensors, to edit. x forward, y left, z up from its "
-         "centre O.\n"
-         "rig: " +
-         name +
-         "\n"
-         "cameras:   # by name; alpha = degrees between the optical axis and the cross section, "
-         "forward\n"
-         "  left:\n"
-         "    { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, "
-         "side: left,\n"
-         "      sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }\n"
-         "  right:\n"
-         "    { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, "
-         "side: right,\n"
-         "      sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }\n"
-         "  # sigma, one standard deviation each: position (m) and angle (degrees) of the\n"
-         "  # mounting, focal length (0.02 = 2 %: a lens by its data sheet), center of the image\n"
-         "  # (pixels). sigma: 0 calls all of them exact.\n"
-         "  # a calibrated camera, mounted anywhere:\n"
-         "  # front: { image_size: [1280, 960], fx: 1600, fy: 1600, cx: 639.5, cy: 479.5,\n"
-         "  #          distortion: [0, 0, 0, 0, 0], yaw: 0, pitch: 0, roll: 0, position: [0.5, 0, "
-         "0.2],\n"
-         "  #          sigma: { position: 0.002, angle: 0.1, focal: 0.001, center: 1 } }\n"
-         "ranges:    # least horizontal distance from O to a wall\n"
-         "  d: { wall: left, min: 0.25, max: 5.0, sigma: 0.01 }\n"
-         "vehicle:\n"
-         "  height: 0.6       # of O above the floor\n"
-         "  roll_sigma: 2     # how far it leans, one standard deviation, degrees\n"
-         "  pitch_sigma: 2\n";
+  return R"yaml(# A vehicle's cameras and range sensors, to edit. x forward, y left, z up from its centre O.
+rig: )yaml" +
+         name + R"yaml(
+cameras:   # by name; alpha = degrees between the optical axis and the cross section, forward
+  left:
+    { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, side: left,
+      sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }
+  right:
+    { image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, side: right,
+      sigma: { position: 0.005, angle: 0.5, focal: 0.02, center: 12.8, edge: 0.1 } }
+  # sigma, one standard deviation each: position (m) and angle (degrees) of the
+  # mounting, focal length (0.02 = 2 %: a lens by its data sheet), center of the image
+  # (pixels). sigma: 0 calls all of them exact.
+  # a calibrated camera, mounted anywhere:
+  # front: { image_size: [1280, 960], fx: 1600, fy: 1600, cx: 639.5, cy: 479.5,
+  #          distortion: [0, 0, 0, 0, 0], yaw: 0, pitch: 0, roll: 0, position: [0.5, 0, 0.2],
+  #          sigma: { position: 0.002, angle: 0.1, focal: 0.001, center: 1 } }
+ranges:    # least horizontal distance from O to a wall
+  d: { wall: left, min: 0.25, max: 5.0, sigma: 0.01 }
+vehicle:
+  height: 0.6       # of O above the floor
+  roll_sigma: 2     # how far it leans, one standard deviation, degrees
+  pitch_sigma: 2
+)yaml";
 }
 
 void number_tags(std::vector<SurveyedPoint>& points, const TunnelFit& fit) {
