@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How well the published method, with two tags of facing walls and the distance to the left wall,
-// would know a vehicle's place: what plan_drive compares with, where PlanOptions::paper asks for it.
+// would know a vehicle's place: what plan_drive compares with, where PlanOptions::paper asks for
+// it.
 #pragma once
 
 #include <optional>

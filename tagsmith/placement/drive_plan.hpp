@@ -43,8 +43,8 @@ struct PlanOptions {
   bool accuracy = true;                   // false: sight alone, which is faster
   int jobs = 0;                           // threads at most; 0 = all cores
   // The published method at the nominal poses, for comparison; empty = no comparison.
-  std::function<std::optional<PaperExpectation>(
-      const VehiclePose&, std::span<const PlateSight>, const AccuracyOptions&)>
+  std::function<std::optional<PaperExpectation>(const VehiclePose&, std::span<const PlateSight>,
+                                                const AccuracyOptions&)>
       paper = {};
 };
 

@@ -13,14 +13,11 @@ namespace tagsmith::house {
 namespace {
 
 constexpr std::array<std::string_view, 20> kLayers{
-    "tagsmith/base",    "tagsmith/geometry",     "tagsmith/symbology",
-    "tagsmith/tag",     "tagsmith/survey",       "tagsmith/placement",
-    "tagsmith/paper_plan",
-    "tagsmith/render",  "tagsmith/cli",          "decoder/image",
-    "decoder/simulate", "decoder/feature_frame", "decoder/scan",
-    "decoder/reader",   "decoder/paper",         "decoder/localize",
-    "decoder/grade",    "decoder/verify",        "decoder/cli",
-    "main.cpp",
+    "tagsmith/base",   "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
+    "tagsmith/survey", "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
+    "tagsmith/cli",    "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
+    "decoder/scan",    "decoder/reader",     "decoder/paper",       "decoder/localize",
+    "decoder/grade",   "decoder/verify",     "decoder/cli",         "main.cpp",
 };
 
 constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",

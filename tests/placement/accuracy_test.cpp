@@ -37,8 +37,8 @@ std::vector<PlateSight> sights_from(const Survey& survey, const Rig& rig, const 
 VehicleCovariance expected(const Survey& survey, const Rig& rig, const VehiclePose& pose,
                            const AccuracyOptions& options) {
   VehicleCovariance information = rig_information(survey, rig, floor_below(survey, pose), pose);
-  information += sights_information(survey, rig, vehicle_frame(pose),
-                                    sights_from(survey, rig, pose), options);
+  information +=
+      sights_information(survey, rig, vehicle_frame(pose), sights_from(survey, rig, pose), options);
   const auto covariance = covariance_from(information);
   REQUIRE(covariance.has_value());
   return *covariance;
