@@ -118,37 +118,36 @@ void see_bars(const FramelessReading& bars, bool is_guess, PictureEvidence& evid
   if (!is_guess) there->tag.tag = tag->name;
 }
 
-// Tags in a photo in which none was read by its frame. Those of reversed colours are in the place
-// of what was refused there.
-void see_hidden_in_photo(const PictureReading& read, PictureEvidence& evidence) {
-  if (evidence.survey.tags.empty()) return;
-  const auto inverted =
-      read_changed(read, evidence, exchange_black_and_white(evidence.image), Sight::negative);
-  for (const TagEvidence& tag : inverted) {
+// Puts them in the place of what was refused there. True when there are some.
+bool replace_refused(const std::vector<TagEvidence>& found, PictureEvidence& evidence) {
+  for (const TagEvidence& tag : found) {
     std::erase_if(evidence.tags, [&](const TagEvidence& other) {
-      return other.sight != Sight::negative && overlap(tag.tag.corners, other.tag.corners);
+      return other.sight == Sight::refused && overlap(tag.tag.corners, other.tag.corners);
     });
-    evidence.tags.push_back(tag);
   }
-  if (!inverted.empty()) return;
-  for (const FramelessReading& bars : evidence.readings.frameless.read) {
-    see_bars(bars, false, evidence);
-  }
-  for (const FramelessRejection& refused : evidence.readings.frameless.rejected) {
-    if (refused.bars_are_sure) see_bars(refused.symbol, true, evidence);
-  }
+  evidence.tags.insert(evidence.tags.end(), found.begin(), found.end());
+  return !found.empty();
 }
 
-// The same of a page on which nothing was found.
-void see_hidden_on_page(const PictureReading& read, PictureEvidence& evidence) {
-  std::vector<TagEvidence>& tags = evidence.tags;
-  tags = read_changed(read, evidence, exchange_black_and_white(evidence.image), Sight::negative);
-  if (tags.empty()) tags = read_with_other_ink(read, evidence);
-  const std::vector<FramelessReading>& bars = evidence.readings.frameless.read;
-  if (!tags.empty() || bars.empty()) return;
+// Tags of a picture in which none was read by its frame.
+void see_hidden(const PictureReading& read, PictureEvidence& evidence) {
+  if (evidence.is_photo && evidence.survey.tags.empty()) return;
+  const GrayImage negative = exchange_black_and_white(evidence.image);
+  if (replace_refused(read_changed(read, evidence, negative, Sight::negative), evidence)) return;
+  const FramelessResult& frameless = evidence.readings.frameless;
+  if (evidence.is_photo) {
+    for (const FramelessReading& bars : frameless.read) see_bars(bars, false, evidence);
+    for (const FramelessRejection& refused : frameless.rejected) {
+      if (refused.bars_are_sure) see_bars(refused.symbol, true, evidence);
+    }
+    return;
+  }
+  if (replace_refused(read_with_other_ink(read, evidence), evidence)) return;
   const std::optional<Diagnosis> light = diagnose_picture(evidence.image);
-  if (light && light->rule == "too-dark") return;  // that is why there is no frame
-  see_bars(bars.front(), false, evidence);
+  const bool is_dark = light && light->rule == "too-dark";  // that is why there is no frame
+  if (evidence.tags.empty() && !frameless.read.empty() && !is_dark) {
+    see_bars(frameless.read.front(), false, evidence);
+  }
 }
 
 }  // namespace
@@ -174,8 +173,7 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence) {
     seen.tag.corners = rejection.corners;
     seen.tag.page = evidence.page;
   }
-  if (evidence.is_photo && evidence.readings.tags.empty()) see_hidden_in_photo(read, evidence);
-  if (!evidence.is_photo && evidence.tags.empty()) see_hidden_on_page(read, evidence);
+  if (evidence.readings.tags.empty()) see_hidden(read, evidence);
 }
 
 ReadResult without_repeats(ReadResult result) {

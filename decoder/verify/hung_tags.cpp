@@ -96,8 +96,8 @@ constexpr std::array<Instruction, 6> kInstructions{
 // All corrections that are significant and large enough to be worth making; when none is
 // significant by itself, those that are large enough.
 std::string instruction(const HungTag& tag) {
-  constexpr double kSurely = 3;               // standard deviations
-  constexpr double kLeastMove = 0.002;        // metres
+  constexpr double kSurely = 3;         // standard deviations
+  constexpr double kLeastMove = 0.002;  // metres
   constexpr double kLeastTurn = radians(0.5);
   std::vector<std::string> surely;
   std::vector<std::string> all;

@@ -164,7 +164,7 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
   shot_of("a pipe").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
   shot_of("a pipe, blurred").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
   shot_of("a pipe, blurred").sensor.blur_sigma_px = 1;
-  shot_of("dirt").finish.dirt = Dirt{0.4, 0.03, 0.25, 5};
+  shot_of("dirt").finish.dirt = Dirt{0.4, 0.03, 0.25, 11};
   shot_of("a highlight").finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
   for (const Case& c : cases) {
     CAPTURE(c.name);
