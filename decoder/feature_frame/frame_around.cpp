@@ -148,17 +148,17 @@ std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
   return lines.empty() ? std::nullopt : std::optional(lines.front());
 }
 
-double reach_at_ends(const BarBlock& block) { return 3.6 * block.half_height; }
+double reach_at_ends(const BarRegion& block) { return 1.8 * block.height; }
 
 // The frame's side beyond the ends of the bars, upwards (-1) or downwards (1): along the bars there
 // is no other edge on the way.
-std::vector<Fall> falls_at_ends(const GrayView& image, const BarBlock& block, double direction) {
+std::vector<Fall> falls_at_ends(const GrayView& image, const BarRegion& block, double direction) {
   const double reach = reach_at_ends(block);
-  const PixelPoint step = direction * block.along;
+  const PixelPoint step = direction * block.along();
   std::vector<Fall> falls;
   std::vector<float> levels;
   for (int k = 0; k < kScanLines; ++k) {
-    const double at = 0.7 * block.half_width * (2.0 * k / (kScanLines - 1) - 1);
+    const double at = 0.35 * block.length * (2.0 * k / (kScanLines - 1) - 1);
     const PixelPoint start = block.centre + at * block.across;
     const auto to_fall = [&](PixelPoint point) {
       return Fall{at, dot(point - block.centre, step)};
@@ -168,15 +168,15 @@ std::vector<Fall> falls_at_ends(const GrayView& image, const BarBlock& block, do
   return falls;
 }
 
-std::optional<Line> side_at_ends(const GrayView& image, const BarBlock& block, double direction) {
+std::optional<Line> side_at_ends(const GrayView& image, const BarRegion& block, double direction) {
   return nearest_line(falls_at_ends(image, block, direction), reach_at_ends(block));
 }
 
 // The frame's side to the left (-1) or right (1) of the bars, by scan lines between the bars' ends
 // and the frame's upper and lower sides.
-std::optional<Line> side_beside(const GrayView& image, const BarBlock& block, const Line& upper,
+std::optional<Line> side_beside(const GrayView& image, const BarRegion& block, const Line& upper,
                                 const Line& lower, double direction) {
-  const double reach = 2.6 * block.half_width;
+  const double reach = 1.3 * block.length;
   const PixelPoint outward = direction * block.across;
   std::vector<Fall> falls;
   std::vector<float> levels;
@@ -186,11 +186,11 @@ std::optional<Line> side_beside(const GrayView& image, const BarBlock& block, co
     // Between the lines -upper.out + -upper.slope * at and lower.out + lower.slope * at.
     const double middle = (1 - v) * -upper.out + v * lower.out;
     const double slope = (1 - v) * -upper.slope + v * lower.slope;
-    const PixelPoint start = block.centre + middle * block.along;
-    const PixelPoint run = block.across + slope * block.along;
+    const PixelPoint start = block.centre + middle * block.along();
+    const PixelPoint run = block.across + slope * block.along();
     const PixelPoint step = direction / length(run) * run;
     const auto to_fall = [&](PixelPoint point) {
-      return Fall{dot(point - block.centre, block.along), dot(point - block.centre, outward)};
+      return Fall{dot(point - block.centre, block.along()), dot(point - block.centre, outward)};
     };
     add_falls(image, start, step, static_cast<int>(reach), to_fall, levels, falls);
   }
@@ -198,7 +198,7 @@ std::optional<Line> side_beside(const GrayView& image, const BarBlock& block, co
 }
 
 // A line's points at both ends, from `begin` to `end` along the side.
-SideLine side_line(const BarBlock& block, PixelPoint axis, PixelPoint outward, const Line& line,
+SideLine side_line(const BarRegion& block, PixelPoint axis, PixelPoint outward, const Line& line,
                    double begin, double end) {
   const auto point = [&](double at) {
     return block.centre + at * axis + (line.out + line.slope * at) * outward;
@@ -233,7 +233,7 @@ double shown_between(const GrayView& image, const Quad& quad) {
 
 }  // namespace
 
-std::optional<Quad> frame_between(const GrayView& image, const BarBlock& block,
+std::optional<Quad> frame_between(const GrayView& image, const BarRegion& block,
                                   const SideLine& left, const SideLine& right) {
   constexpr double kLeastShown = 0.4;
   constexpr double kOfBest = 0.5;
@@ -242,15 +242,15 @@ std::optional<Quad> frame_between(const GrayView& image, const BarBlock& block,
   const auto lines = [&](double direction) {
     return lines_of(falls_at_ends(image, block, direction), reach, kLeastShown, kOfBest, kMost);
   };
-  const double width = block.half_width;
+  const double width = block.length / 2;
   const std::vector<Line> lowers = lines(1);
   std::optional<Quad> best;
   double most_shown = 0;
   for (const Line& upper : lines(-1)) {
     for (const Line& lower : lowers) {
       const auto quad = corners_of(
-          {side_line(block, block.across, -1.0 * block.along, upper, -width, width), right,
-           side_line(block, block.across, block.along, lower, width, -width), left});
+          {side_line(block, block.across, -1.0 * block.along(), upper, -width, width), right,
+           side_line(block, block.across, block.along(), lower, width, -width), left});
       if (!quad) continue;
       const double shown = shown_between(image, *quad);
       if (best && shown <= most_shown) continue;
@@ -261,7 +261,7 @@ std::optional<Quad> frame_between(const GrayView& image, const BarBlock& block,
   return best;
 }
 
-std::optional<Quad> frame_around(const GrayView& image, const BarBlock& block) {
+std::optional<Quad> frame_around(const GrayView& image, const BarRegion& block) {
   const auto upper = side_at_ends(image, block, -1);
   if (!upper) return std::nullopt;
   const auto lower = side_at_ends(image, block, 1);
@@ -270,10 +270,10 @@ std::optional<Quad> frame_around(const GrayView& image, const BarBlock& block) {
   if (!left) return std::nullopt;
   const auto right = side_beside(image, block, *upper, *lower, 1);
   if (!right) return std::nullopt;
-  const double width = block.half_width;
-  const double height = block.half_height;
+  const double width = block.length / 2;
+  const double height = block.height / 2;
   const PixelPoint across = block.across;
-  const PixelPoint along = block.along;
+  const PixelPoint along = block.along();
   return corners_of({side_line(block, across, -1.0 * along, *upper, -width, width),
                      side_line(block, along, across, *right, -height, height),
                      side_line(block, across, along, *lower, width, -width),

@@ -2,8 +2,8 @@
 // Lines of light across the bars of a region.
 #pragma once
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/pixel.hpp"
-#include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 

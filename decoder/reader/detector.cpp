@@ -83,20 +83,26 @@ bool Detector::any_reading(const Condition& condition) const {
   });
 }
 
-Detector::Detector(const GrayView& image, PictureBars& bars, const ReadOptions& options)
-    : image_(image), bars_(bars), options_(options) {
+Detector::Detector(SearchedImage& picture, const ReadOptions& options)
+    : image_(picture.image()), picture_(picture), options_(options) {
   if (options.camera) lens_ = LensBend(*options.camera);
 }
 
-void Detector::try_outline(const PyramidLevel& level, const Quad& outline) {
-  if (is_read(to_full(level, outline))) return;
-  if (!looks_framed(level.image, outline)) {
-    return pass_over(to_full(level, outline), FrameFault::not_framed);
-  }
-  try_frame(level, outline);
+void Detector::consider(const Proposal& proposal) {
+  std::visit([this](const auto& place) { look_at(place); }, proposal);
 }
 
-void Detector::try_frame(const PyramidLevel& level, const Quad& rough) {
+void Detector::look_at(const Outline& outline) {
+  const auto& [level, quad] = outline;
+  if (is_read(to_full(level, quad))) return;
+  if (!looks_framed(level.image, quad)) {
+    return pass_over(to_full(level, quad), FrameFault::not_framed);
+  }
+  look_at(RoughFrame{level, quad});
+}
+
+void Detector::look_at(const RoughFrame& proposed) {
+  const auto& [level, rough] = proposed;
   FrameResult<SettledFrame> settled = settle_frame(level.image, rough, known_bows(level, rough));
   // The corners of an outline's hull are too far out where its sides bow.
   if (!settled && lens_ && lens_->bends()) settled = settle_frame(level.image, rough);
@@ -147,17 +153,18 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
   return hypothesis;
 }
 
-void Detector::try_bars(const GrayView& half, const BarRegion& region) {
+void Detector::look_at(const BarRegion& region) {
   constexpr double kSymbolLike = 0.7;      // explained
   constexpr double kSameCompleted = 1.5;   // pixels
   constexpr std::size_t kMostLocated = 6;  // in one picture: bounds its time
   const std::vector<LocatedBars> located = located_bars();
   if (located.size() == kMostLocated) return;
-  const auto bars = locate_bars(bars_.light, region, located);
+  const auto bars = locate_bars(picture_.light, region, located);
   if (!bars) return;
   TagHypothesis followed{.source = Source::bars};
   followed.bars = bars;
   hypotheses_.push_back(std::move(followed));
+  const GrayView half = picture_.pyramid().scaled_down(2).level.image;
   for (const SymbolLayout& layout : options_.layouts) {
     const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
     if (!rough) continue;
@@ -175,20 +182,10 @@ void Detector::try_bars(const GrayView& half, const BarRegion& region) {
   }
 }
 
-void Detector::try_covered(const GrayView& half) {
-  const std::size_t found = hypotheses_.size();
-  for (std::size_t i = 0; i < found; ++i) {
-    if (!hypotheses_[i].may_be_covered) continue;
-    const RefinedFrame frame = *hypotheses_[i].frame;
-    if (is_read(frame.corners) || judge_carefully(frame, false)) continue;
-    hypotheses_.back().odd_bars = bars_inside(image_, frame.corners);
-  }
-  const std::size_t looked_at = hypotheses_.size();
-  for (std::size_t i = 0; i < looked_at; ++i) {
-    const std::optional<BarRegion> region = hypotheses_[i].odd_bars;
-    if (!region || has_reading_at(region->centre) || !has_bars(bars_.light, *region)) continue;
-    try_bars(half, *region);
-  }
+void Detector::look_at(const RefusedFrame& refused) {
+  const RefinedFrame frame = *hypotheses_[refused.hypothesis].frame;
+  if (is_read(frame.corners) || judge_carefully(frame, false)) return;
+  hypotheses_.back().odd_bars = bars_inside(image_, frame.corners);
 }
 
 bool Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
@@ -273,6 +270,22 @@ std::optional<CheckDigit> Detector::scheme_shown() const {
   const bool gs1 = any_reading([](const Reading& tag) { return !tag.sum10_holds; });
   if (sum10 == gs1) return std::nullopt;
   return sum10 ? CheckDigit::sum10 : CheckDigit::gs1;
+}
+
+std::vector<std::size_t> Detector::covered_frames() const {
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
+    if (hypotheses_[i].may_be_covered) frames.push_back(i);
+  }
+  return frames;
+}
+
+std::vector<BarRegion> Detector::odd_bars() const {
+  std::vector<BarRegion> regions;
+  for (const TagHypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.odd_bars) regions.push_back(*hypothesis.odd_bars);
+  }
+  return regions;
 }
 
 bool Detector::was_looked_at(const BarRegion& region) const {

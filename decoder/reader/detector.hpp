@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_fault.hpp"
 #include "decoder/feature_frame/lens_bend.hpp"
@@ -15,12 +16,12 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
-#include "decoder/reader/picture_bars.hpp"
+#include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
+#include "decoder/reader/searched_image.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 
 namespace tagsmith {
@@ -51,26 +52,14 @@ struct TagHypothesis {
 };
 
 // Makes hypotheses of proposals: fits the frame, reads the symbol inside and judges it. Its state
-// is the list of hypotheses, so that a frame seen at several levels is read once. What to propose
-// is the caller's matter. The image, its bars and the options must outlive it.
+// is the list of hypotheses, so that a frame seen at several levels is read once. The picture and
+// the options must outlive it.
 class Detector {
  public:
-  Detector(const GrayView& image, PictureBars& bars, const ReadOptions& options);
+  Detector(SearchedImage& picture, const ReadOptions& options);
 
-  // Looks at an outline found in a level of the pyramid.
-  void try_outline(const PyramidLevel& level, const Quad& outline);
-
-  // Reads what stands in a frame that is known to a few pixels of the level.
-  void try_frame(const PyramidLevel& level, const Quad& rough);
-
-  // Reads what stands in frames that are completed by the bars of a region. `half` is the image at
-  // half its size.
-  void try_bars(const GrayView& half, const BarRegion& region);
-
-  // Reads carefully what did not convince at first: in the frame as it was found, or, where one of
-  // its sides may be something else's edge, in the one that the bars inside complete. `half` is the
-  // image at half its size.
-  void try_covered(const GrayView& half);
+  // Looks at a proposed place.
+  void consider(const Proposal& proposal);
 
   // Reads again what was refused as doubtful because neither the check digit's scheme nor the codes
   // are given: the tags of a picture are of one survey, so that the scheme which all of those read
@@ -83,7 +72,13 @@ class Detector {
   // The plates read so far, in pixels of a level.
   std::vector<Quad> known_in(const PyramidLevel& level) const;
 
-  // Whether bars of about this place were looked at in try_covered.
+  // The hypotheses whose frames were refused and may be covered.
+  std::vector<std::size_t> covered_frames() const;
+
+  // Bars in refused frames that may stand in other frames than these.
+  std::vector<BarRegion> odd_bars() const;
+
+  // Whether bars of about this place are among those.
   bool was_looked_at(const BarRegion& region) const;
 
   // Whether something was in the way of a tag: another may be behind it too.
@@ -103,6 +98,19 @@ class Detector {
   ReadResult result() const;
 
  private:
+  // Reads what stands in an outline, if it is framed.
+  void look_at(const Outline& outline);
+
+  // Reads what stands in a frame.
+  void look_at(const RoughFrame& rough);
+
+  // Reads carefully what did not convince at first in a frame. Where it does not convince either,
+  // one of its sides may be something else's edge, and the bars inside tell.
+  void look_at(const RefusedFrame& refused);
+
+  // Reads what stands in frames that are completed by the bars of a region.
+  void look_at(const BarRegion& region);
+
   template <class Condition>
   bool any_reading(const Condition& condition) const;
 
@@ -140,7 +148,7 @@ class Detector {
   std::vector<LocatedBars> located_bars() const;
 
   GrayView image_;
-  PictureBars& bars_;
+  SearchedImage& picture_;
   const ReadOptions& options_;
   std::optional<LensBend> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "decoder/feature_frame/bar_blocks.hpp"
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/settle_frame.hpp"
@@ -26,7 +26,7 @@ constexpr double kHiddenSigma = 0.2;  // modules, of a side known by the bars be
 // A field of bars and the lines where the frame's inner edges should be, in pixels of a level; the
 // upper and lower ones where the bars show where they end.
 struct FramedBars {
-  BarBlock block;
+  BarRegion block;
   std::array<std::optional<SideLine>, 4> sides;  // from the upper one on, clockwise
   std::array<double, 4> sigma_px{};              // of each
   double module_px = 0;
@@ -41,11 +41,11 @@ SideLine line_through(PixelPoint begin, PixelPoint end) {
 
 // Where a module's line crosses a line parallel to `across`, `down` pixels along the bars from the
 // centre.
-PixelPoint crossing(const LocatedBars& bars, const BarBlock& block, double module, double down) {
+PixelPoint crossing(const LocatedBars& bars, const BarRegion& block, double module, double down) {
   const PixelPoint normal = bars.normal_at(module);
   const double t =
-      -(bars.distance_at(module) + down * dot(normal, block.along)) / dot(normal, block.across);
-  return bars.centre + t * block.across + down * block.along;
+      -(bars.distance_at(module) + down * dot(normal, block.along())) / dot(normal, block.across);
+  return bars.centre + t * block.across + down * block.along();
 }
 
 std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayout& layout) {
@@ -54,16 +54,15 @@ std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayou
   const double steepness = length(normal);
   if (!(steepness > 1e-6) || !(bars.height > 4)) return std::nullopt;
   framed.module_px = 1 / steepness;
-  BarBlock& block = framed.block;
+  BarRegion& block = framed.block;
   block.across = framed.module_px * normal;
-  block.along = {-block.across.y, block.across.x};
-  block.half_height = bars.height / 2;
+  block.height = bars.height;
   const PixelPoint first = crossing(bars, block, 0, 0);
   const PixelPoint last = crossing(bars, block, kModuleCount, 0);
   block.centre = 0.5 * (first + last);
-  block.half_width = distance(first, last) / 2;
+  block.length = distance(first, last);
   const double quiet = layout.quiet_zone_modules;
-  const double half = block.half_height;
+  const double half = block.height / 2;
   framed.sides[3] =
       line_through(crossing(bars, block, -quiet, half), crossing(bars, block, -quiet, -half));
   framed.sides[1] = line_through(crossing(bars, block, kModuleCount + quiet, -half),
@@ -95,7 +94,7 @@ void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnd
 void look_for_ends(const GrayView& image, const LocatedBars& bars, const SymbolLayout& layout,
                    FramedBars& framed) {
   constexpr double kInside = 0.35, kOutside = 0.8;  // of the height that was followed
-  const double half = framed.block.half_height;
+  const double half = framed.block.height / 2;
   const BarField field{
       {crossing(bars, framed.block, 0, -half), crossing(bars, framed.block, kModuleCount, -half),
        crossing(bars, framed.block, kModuleCount, half), crossing(bars, framed.block, 0, half)}};

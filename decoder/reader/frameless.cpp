@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/bar_lines.hpp"
-#include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/region_scan.hpp"
 #include "decoder/scan/decode.hpp"
@@ -337,15 +337,17 @@ PixelPoint centre_of_bars(const FramelessReading& symbol) {
 
 }  // namespace
 
-FramelessResult read_frameless(PictureBars& bars, const ReadOptions& options) {
+FramelessResult read_frameless(SearchedImage& picture, const ReadOptions& options) {
   FramelessResult result;
   const auto is_read = [&](PixelPoint centre) {
     return std::ranges::any_of(
         result.read, [&](const FramelessReading& other) { return contains(other.bars, centre); });
   };
-  for (const BarRegion& region : bars.regions.whole(kMostRegions)) {
+  const std::vector<BarRegion>& regions = picture.bars();
+  for (std::size_t i = 0; i < std::min(regions.size(), kMostRegions); ++i) {
+    const BarRegion& region = regions[i];
     if (is_read(region.centre)) continue;
-    auto read = read_region(bars.light, region, options);
+    auto read = read_region(picture.light, region, options);
     if (!read) continue;
     // Bars seen at two reductions of the image are the same.
     const PixelPoint centre = centre_of_bars(read->symbol);
@@ -383,14 +385,14 @@ bool is_doubted(const Rejection& framed) {
 
 }  // namespace
 
-ReadResult with_frameless(PictureBars& bars, const ReadOptions& options, ReadResult result) {
+ReadResult with_frameless(SearchedImage& picture, const ReadOptions& options, ReadResult result) {
   const bool wanted = options.frameless == Frameless::always ||
                       (options.frameless == Frameless::fallback && result.tags.empty());
   if (!wanted) return result;
   ReadOptions named = options;
   if (!options.likely_codes.empty()) named.code_book = options.likely_codes;
   FramelessResult& frameless = result.frameless;
-  frameless = read_frameless(bars, named);
+  frameless = read_frameless(picture, named);
   std::erase_if(frameless.read,
                 [&](const FramelessReading& symbol) { return stands_in_any(symbol, result.tags); });
   std::erase_if(frameless.rejected, [&](const FramelessRejection& rejection) {

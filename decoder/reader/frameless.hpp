@@ -3,9 +3,9 @@
 #pragma once
 
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/picture_bars.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
+#include "decoder/reader/searched_image.hpp"
 
 namespace tagsmith {
 
@@ -14,15 +14,15 @@ namespace tagsmith {
 // distortion along the line (decoder/scan/elastic_scan.hpp), the lines' likelihoods are added, and
 // the straightened profile must then pass what a framed symbol must. The check digit is
 // options.check, or gs1, that of every product, unless options.code_book says which codes exist.
-FramelessResult read_frameless(PictureBars& bars, const ReadOptions& options = {});
+FramelessResult read_frameless(SearchedImage& picture, const ReadOptions& options = {});
 inline FramelessResult read_frameless(const GrayView& image, const ReadOptions& options = {}) {
-  PictureBars bars(image);
-  return read_frameless(bars, options);
+  SearchedImage picture(image);
+  return read_frameless(picture, options);
 }
 
 // The result with what options.frameless asks for. A tag that was read by its frame is not given
 // again; one that its frame shows to be covered or doubtful is not believed by less: it joins those
 // that were rejected.
-ReadResult with_frameless(PictureBars& bars, const ReadOptions& options, ReadResult result);
+ReadResult with_frameless(SearchedImage& picture, const ReadOptions& options, ReadResult result);
 
 }  // namespace tagsmith

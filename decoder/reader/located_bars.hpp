@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/pixel.hpp"
-#include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/sampled_light.hpp"
 
 namespace tagsmith {

@@ -2,12 +2,16 @@
 #include "decoder/reader/propose.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <limits>
+#include <optional>
+#include <ranges>
 #include <utility>
 
 #include "decoder/feature_frame/bar_texture.hpp"
+#include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
 #include "decoder/reader/bar_lines.hpp"
@@ -58,49 +62,62 @@ double settling_reach(const Quad& quad, double scale) {
   return reach;
 }
 
-// Whether bars reach the border of the image: part of the symbol is out of sight.
-bool is_cut_off(const GrayView& image, const BarRegion& region) {
-  constexpr double kNear = 0.08;   // of the length: their quiet zone is longer
-  constexpr double kBlurred = 12;  // pixels by which a region may be too short
-  const PixelPoint half = ((0.5 + kNear) * region.length + kBlurred) * region.across;
-  const auto outside = [&](PixelPoint at) {
-    return at.x < 0 || at.y < 0 || at.x > image.width - 1 || at.y > image.height - 1;
-  };
-  return outside(region.centre - half) || outside(region.centre + half);
+// The part of the image around an expected tag at several sizes, the finest first, down to one in
+// which its frame can be settled from as far off as it may be. Empty where it is out of the image.
+class ExpectedSurroundings {
+ public:
+  ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected) {
+    constexpr int kLeastSize = 16;
+    PyramidLevel level = surroundings(image, expected);
+    if (level.image.width < kLeastSize || level.image.height < kLeastSize ||
+        !is_convex(expected.corners)) {
+      return;
+    }
+    levels_.push_back(level);
+    while (levels_.size() < 3 &&
+           expected.uncertainty_px > settling_reach(expected.corners, level.scale) &&
+           std::min(level.image.width, level.image.height) >= 4 * kLeastSize) {
+      reduced_.push_back(half_size(level.image));
+      level.image = reduced_.back().view();
+      level.scale *= 2;
+      level.min_contrast = 12;
+      levels_.push_back(level);
+    }
+  }
+
+  const std::vector<PyramidLevel>& levels() const { return levels_; }
+
+ private:
+  std::deque<GrayImage> reduced_;
+  std::vector<PyramidLevel> levels_;
+};
+
+// The outlines of a level, or, with `join_pieces`, of pairs of its regions too, that may be feature
+// frames; those in the tiles `searched` alone where these are given (null = all).
+void propose_outlines(const SearchContext& search, const PyramidLevel& level,
+                      const TileMask* searched, bool join_pieces) {
+  CandidateOptions options;
+  options.searched = searched;
+  options.known = search.found.known_in(level);
+  if (level.scale == 1 && !join_pieces) options.max_size = kMaxFinestSize;
+  options.max_changes = max_changes(level);
+  options.join_pieces = join_pieces;
+  for (const Quad& quad : find_candidates(level, options)) search.propose(Outline{level, quad});
 }
 
-constexpr double kLeastBarsLength = 90;  // pixels: a symbol of about a pixel a module
-
-// Whether two regions are the same bars.
-bool overlap(const BarRegion& a, const BarRegion& b) {
-  return distance(a.centre, b.centre) < 0.25 * b.length && b.length > 0.75 * a.length &&
-         b.length < 1.33 * a.length;
-}
-
-}  // namespace
-
-std::vector<Quad> propose_outlines(const PyramidLevel& level, std::vector<Quad> known,
-                                   const TileMask* searched, bool join_pieces) {
-  CandidateOptions search;
-  search.searched = searched;
-  search.known = std::move(known);
-  if (level.scale == 1 && !join_pieces) search.max_size = kMaxFinestSize;
-  search.max_changes = max_changes(level);
-  search.join_pieces = join_pieces;
-  return find_candidates(level, search);
-}
-
-TileMask tiles_around(const std::vector<BarBlock>& blocks, const SearchLevel& at) {
+// The tiles of a level around these regions of bars, in pixels of the full image, as far as a frame
+// reaches. Regions as long as those that the next coarser level shows well are left to it.
+TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& at) {
   constexpr double kWider = 1.4, kHigher = 2;
   constexpr double kLongest = 1.5 * kMaxFinestSize;
   TileMask mask{at.texture.columns, at.texture.rows,
                 std::vector<std::uint8_t>(at.texture.tiles.size())};
-  for (BarBlock block : blocks) {
-    block = scaled(block, 1 / at.level.scale);
-    if (at.level.scale == 1 && 2 * block.half_width > kLongest) continue;
-    const PixelPoint right = (kWider * block.half_width + 2 * kTile) * block.across;
-    const PixelPoint down = (kHigher * block.half_height + 2 * kTile) * block.along;
-    const PixelPoint& c = block.centre;
+  for (const BarRegion& in_full : regions) {
+    const BarRegion region = scaled(in_full, 1 / at.level.scale);
+    if (at.level.scale == 1 && region.length > kLongest) continue;
+    const PixelPoint right = (kWider * region.length / 2 + 2 * kTile) * region.across;
+    const PixelPoint down = (kHigher * region.height / 2 + 2 * kTile) * region.along();
+    const PixelPoint& c = region.centre;
     const Quad around{c - right - down, c + right - down, c + right + down, c - right + down};
     for (int row = 0; row < mask.rows; ++row) {
       const auto [begin, end] = tiles_in_row(around, row, mask.columns);
@@ -111,64 +128,124 @@ TileMask tiles_around(const std::vector<BarBlock>& blocks, const SearchLevel& at
   return mask;
 }
 
-ExpectedSurroundings::ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected) {
-  PyramidLevel level = surroundings(image, expected);
-  constexpr int kLeastSize = 16;
-  if (level.image.width < kLeastSize || level.image.height < kLeastSize ||
-      !is_convex(expected.corners)) {
-    return;
-  }
-  levels_.push_back(level);
-  while (levels_.size() < 3 &&
-         expected.uncertainty_px > settling_reach(expected.corners, level.scale) &&
-         std::min(level.image.width, level.image.height) >= 4 * kLeastSize) {
-    reduced_.push_back(half_size(level.image));
-    level.image = reduced_.back().view();
-    level.scale *= 2;
-    level.min_contrast = 12;
-    levels_.push_back(level);
+// Frames around the bars of a level that no reading explains. Bars that run off the picture are
+// part of a symbol: not looked at where others are read.
+void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
+  const PyramidLevel& fine = search.picture.pyramid().scaled_down(2).level;
+  for (const BarRegion& found :
+       find_bar_regions(coarse.texture, search.found.known_in(coarse.level))) {
+    if (search.found.has_read_any() && runs_off(coarse.level.image, found)) continue;
+    const BarRegion region = scaled(found, coarse.level.scale / fine.scale);
+    if (!is_symbol_like(fine.image, region)) continue;
+    search.symbols.push_back(scaled(found, coarse.level.scale));
+    if (const auto quad = frame_around(fine.image, region)) search.propose(Outline{fine, *quad});
   }
 }
 
-std::vector<BarRegion> propose_bars(PictureBars& all, const PyramidLevel& half,
-                                    const std::vector<Quad>& known) {
-  constexpr std::size_t kLooked = 24;
+// Whether the bars of a region can be followed: they are wholly in the image, of about a pixel a
+// module or more, and change as often as a symbol's.
+bool may_be_followed(SearchedImage& picture, const BarRegion& region) {
+  constexpr double kLeastLength = 90;  // pixels
+  return region.length >= kLeastLength && !runs_off(picture.image(), region) &&
+         has_bars(picture.light, region);
+}
+
+// Whether the whole picture is to be searched.
+bool is_wanted(const SearchContext& search) {
+  const auto is_missing = [&](const ExpectedTag& tag) { return !search.found.has_read(tag); };
+  const std::vector<ExpectedTag>& expected = search.options.expected;
+  const bool missing = expected.empty() || std::ranges::any_of(expected, is_missing);
+  const Search when = search.options.search;
+  return when == Search::always || (when == Search::when_missing && missing);
+}
+
+// Whether two regions are the same bars.
+bool overlap(const BarRegion& a, const BarRegion& b) {
+  return distance(a.centre, b.centre) < 0.25 * b.length && b.length > 0.75 * a.length &&
+         b.length < 1.33 * a.length;
+}
+
+}  // namespace
+
+// Fits the frame in the finest level that reaches as far as the expectation may be off, and
+// searches the surroundings when that fails.
+void propose_expected(SearchContext& search) {
+  for (const ExpectedTag& expected : search.options.expected) {
+    const ExpectedSurroundings around(search.picture.image(), expected);
+    if (around.levels().empty()) continue;
+    const PyramidLevel& coarsest = around.levels().back();
+    search.propose(RoughFrame{coarsest, to_level(coarsest, expected.corners)});
+    for (const PyramidLevel& part : std::views::reverse(around.levels())) {
+      if (search.found.has_read(expected)) break;
+      propose_outlines(search, part, nullptr, false);
+    }
+  }
+}
+
+// All levels, the coarsest first, the others near bars alone. In the coarsest the bars of
+// a large tag are wider than a tile's texture shows; what it does not hold is smaller.
+// Why: docs/decisions/0008-search-and-its-cost.md.
+void propose_near_bars(SearchContext& search) {
+  if (!is_wanted(search)) return;
+  search.is_searched = true;
+  const std::deque<SearchLevel>& levels = search.picture.pyramid().levels();
+  propose_outlines(search, levels.front().level, nullptr, false);
+  for (const SearchLevel& at : levels | std::views::drop(1)) {
+    const TileMask near_bars = tiles_near_bars(at.texture, search.found.known_in(at.level));
+    propose_outlines(search, at.level, &near_bars, false);
+  }
+}
+
+void propose_around_bars(SearchContext& search) {
+  const Pyramid& pyramid = search.picture.pyramid();
+  propose_frames_around(search, pyramid.scaled_down(4));
+  if (search.symbols.empty() && search.found.has_read_any()) return;
+  propose_frames_around(search, pyramid.scaled_down(2));
+}
+
+void propose_pieces(SearchContext& search) {
+  const bool everywhere = !search.found.has_read_any();
+  if (search.symbols.empty() && !everywhere) return;
+  for (const SearchLevel& at : search.picture.pyramid().levels()) {
+    const TileMask around = tiles_around(search.symbols, at);
+    if (!everywhere && std::ranges::count(around.tiles, 1) == 0) continue;
+    propose_outlines(search, at.level, everywhere ? nullptr : &around, true);
+  }
+}
+
+void propose_refused(SearchContext& search) {
+  for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
+  for (const BarRegion& region : search.found.odd_bars()) {
+    if (!search.found.has_reading_at(region.centre) && has_bars(search.picture.light, region)) {
+      search.propose(region);
+    }
+  }
+}
+
+// Where something was read and nothing was in the way, the largest alone of the regions that were
+// found to be much like a symbol.
+// Why: docs/decisions/0008-search-and-its-cost.md.
+void propose_bars(SearchContext& search) {
   constexpr std::size_t kMost = 3;
-  constexpr double kLeastProportion = 0.6, kMostProportion = 6;
-  const GrayView& image = all.light.image();
-  std::vector<BarRegion> bars;
-  const auto add = [&](const BarRegion& region) {
-    const double proportion = region.length / std::max(region.height, 1.0);
-    if (region.length < kLeastBarsLength || proportion < kLeastProportion ||
-        proportion > kMostProportion) {
-      return;
-    }
-    const auto holds = [&](const Quad& quad) { return contains(quad, region.centre); };
-    if (std::ranges::any_of(known, holds) || is_cut_off(image, region)) return;
+  constexpr double kMostProportion = 6;
+  SearchedImage& picture = search.picture;
+  const bool everywhere = !search.found.has_read_any() || search.found.has_met_covers();
+  const PyramidLevel& half = picture.pyramid().scaled_down(2).level;
+  std::ranges::stable_sort(search.symbols, std::ranges::greater{}, &BarRegion::length);
+  std::vector<BarRegion> proposed;
+  for (const BarRegion& region : everywhere ? picture.bars() : search.symbols) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
-    if (std::ranges::any_of(bars, same)) return;
-    const BarBlock block{region.centre,
-                         region.across,
-                         {-region.across.y, region.across.x},
-                         region.length / 2,
-                         region.height / 2};
-    if (is_symbol_like(half.image, scaled(block, 1 / half.scale)) && has_bars(all.light, region)) {
-      bars.push_back(region);
+    if (region.length > kMostProportion * region.height ||
+        search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
+        (!everywhere && search.found.was_looked_at(region)) ||
+        !is_symbol_like(half.image, scaled(region, 1 / half.scale)) ||
+        !may_be_followed(picture, region)) {
+      continue;
     }
-  };
-  for (const BarRegion& region : all.regions.apart(kLooked)) {
-    if (bars.size() < kMost) add(region);
+    search.propose(region);
+    proposed.push_back(region);
+    if (proposed.size() == (everywhere ? kMost : 1)) break;
   }
-  if (bars.size() == kMost) return bars;
-  for (const BarRegion& region : all.regions.whole(kLooked)) {
-    if (bars.size() < kMost) add(region);
-  }
-  return bars;
-}
-
-bool may_be_followed(PictureBars& bars, const BarRegion& region) {
-  return region.length >= kLeastBarsLength && !is_cut_off(bars.light.image(), region) &&
-         has_bars(bars.light, region);
 }
 
 }  // namespace tagsmith

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/reader/bar_lines.hpp"
-#include "decoder/reader/bar_regions.hpp"
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 

@@ -291,13 +291,13 @@ TEST_CASE("what its frame shows to be covered is not believed by its bars alone"
   REQUIRE(picture.result.tags.size() == 1);
   ReadOptions options;
   options.frameless = Frameless::fallback;
-  PictureBars bars(picture.view.image.view());
+  SearchedImage shared(picture.view.image.view());
   ReadResult nothing_found;
-  CHECK(with_frameless(bars, options, nothing_found).frameless.read.size() == 1);
+  CHECK(with_frameless(shared, options, nothing_found).frameless.read.size() == 1);
   for (const RejectionReason reason : {RejectionReason::covered, RejectionReason::doubtful}) {
     ReadResult refused;
     refused.rejected.push_back({reason, picture.result.tags[0].corners});
-    const FramelessResult by_bars = with_frameless(bars, options, refused).frameless;
+    const FramelessResult by_bars = with_frameless(shared, options, refused).frameless;
     CHECK(by_bars.read.empty());
     CHECK(std::ranges::any_of(by_bars.rejected, [&](const FramelessRejection& rejection) {
       return rejection.reason == reason && rejection.bars_are_sure;

@@ -14,7 +14,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/feature_frame/bar_blocks.hpp"
+#include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/bar_texture.hpp"
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
@@ -351,13 +351,13 @@ TEST_CASE("the parts of a level outside the searched tiles show no regions") {
 
 TEST_CASE("bars at the border of a picture run off it") {
   const GrayView image{nullptr, 640, 480, 640};
-  const BarBlock whole{{320, 240}, {1, 0}, {0, 1}, 200, 60};
+  const BarRegion whole{{320, 240}, {1, 0}, 400, 120};
   CHECK_FALSE(runs_off(image, whole));
-  BarBlock cut = whole;
+  BarRegion cut = whole;
   cut.centre.x = 435;
   CHECK(runs_off(image, cut));
-  BarBlock long_bars = whole;  // along the bars only their ends are lost
-  long_bars.half_height = 240;
+  BarRegion long_bars = whole;  // along the bars only their ends are lost
+  long_bars.height = 480;
   CHECK_FALSE(runs_off(image, long_bars));
 }
 
@@ -376,9 +376,11 @@ TEST_CASE("the frame is found around its bars when it does not show as one piece
   shot.plate.finish.cover = {{-0.1, 0.1, 0.6, 0.02}, 0.8};
   const View view = render(shot);
   const GrayView image = view.image.view();
-  const std::vector<BarBlock> found = find_bar_blocks(texture_of(image), {});
-  const auto around = [&](const BarBlock& block) {
-    const auto quad = frame_around(image, block);
+  // As the reader looks for them, in the image at half its size.
+  const GrayImage half = half_size(image);
+  const std::vector<BarRegion> found = find_bar_regions(texture_of(half.view()));
+  const auto around = [&](const BarRegion& region) {
+    const auto quad = frame_around(image, scaled(region, 2));
     if (!quad) return false;
     double farthest = 0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -394,8 +396,8 @@ TEST_CASE("the frame is found around its bars when it does not show as one piece
 TEST_CASE("a wall without bars holds no symbol") {
   std::mt19937 random(13);
   const GrayImage image = noise(320, 240, random);
-  for (const BarBlock& block : find_bar_blocks(texture_of(image.view()), {})) {
-    CHECK_FALSE(is_symbol_like(image.view(), block));
+  for (const BarRegion& region : find_bar_regions(texture_of(image.view()))) {
+    CHECK_FALSE(is_symbol_like(image.view(), region));
   }
 }
 

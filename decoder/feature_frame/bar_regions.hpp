@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Regions of parallel bars, framed or not, found by their texture alone.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "decoder/feature_frame/bar_texture.hpp"
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith {
+
+// A rectangle full of bars, turned into the direction in which they follow each other, in pixels.
+struct BarRegion {
+  PixelPoint centre;
+  PixelPoint across;  // unit, from bar to bar: along the symbol
+  double length = 0;  // extent across the bars
+  double height = 0;  // extent along the bars
+
+  // Unit, along the bars: a quarter turn clockwise (in the image) from `across`.
+  PixelPoint along() const { return {-across.y, across.x}; }
+};
+
+// The same region in an image of this many times the size (pixel centres shift by half of that).
+BarRegion scaled(const BarRegion& region, double scale);
+
+// Whether the first or the last bar is so near the image's border that the symbol may go on
+// beyond it: its quiet zone is longer.
+bool runs_off(const GrayView& image, const BarRegion& region);
+
+// Whether the grey level changes much from bar to bar and little along them, in the middle of the
+// region: what a wall's texture, pipes and edges of plates fail.
+bool is_symbol_like(const GrayView& image, const BarRegion& region);
+
+// How tiles are taken for bars.
+struct BarRegionTuning {
+  float least_strength = 70;        // of a tile: 2 grey levels from pixel to pixel
+  float least_share = 0.2F;         // of the gradients' strength that is of one direction
+  float least_cosine = 0.82F;       // of twice the angle between neighbours: 17 degrees
+  double least_pair_cosine = 0.94;  // of twice the angle between two joined regions: 10 degrees
+  std::size_t most_joined = 12;     // of the largest regions, in pairs
+  double least_length = 40;         // pixels: 95 modules of half a pixel, less what is left out
+  double least_proportion = 0.5;    // length by height
+  double least_filled = 0.35;       // share of the rectangle's tiles that show bars
+  std::size_t least_tiles = 2;
+};
+
+// The regions of an image outside the parts that are `known`: connected tiles whose gradients,
+// taken together with those of the tiles around, agree on one direction, and pairs of such regions
+// that something in front keeps apart. Tiles at the edge of a region are left out, so that regions
+// that hang together by the edge of a plate or of a cable come apart. The extent is good to a tile.
+std::vector<BarRegion> find_bar_regions(const TextureGrid& texture,
+                                        std::span<const Quad> known = {});
+
+}  // namespace tagsmith
