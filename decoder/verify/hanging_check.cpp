@@ -207,7 +207,7 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
 
 void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
                    VerifiedFile& file) {
-  if (!file.is_photo() || file.revision != survey_revision(survey)) return;
+  if (!file.is_photo() || file.revision != hung.revision) return;
   forget_hanging(file);
   const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
   for (VerifiedTag& tag : file.tags) {

@@ -16,6 +16,7 @@
 #include "decoder/localize/attitude_scatter.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith {
 namespace {
@@ -363,6 +364,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   const Consensus consensus = find_consensus(problem, tolerance);
   HungTags result;
   result.nothing_fits = consensus.nothing_fits;
+  result.revision = survey_revision(survey);
   result.assumed = assumed_calibration(rig);
   if (auto sigma = assumed_sigma(survey)) {
     result.assumed.insert(result.assumed.begin(), std::move(*sigma));

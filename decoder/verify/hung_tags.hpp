@@ -59,6 +59,7 @@ struct HungTags {
   std::vector<std::string> notes;    // on pictures that could not be used
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
+  std::string revision{};            // of the survey
 };
 
 // Least standard deviations that plates are taken to be surveyed with: a survey that states none

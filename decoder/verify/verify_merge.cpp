@@ -95,6 +95,34 @@ void add_unseen(const Survey& survey, const VerifyMerge& merged, Side side,
   }
 }
 
+// What was not judged for where it hangs; nothing when all was, or nothing photographed.
+std::string placement_in_words(const Completeness& covered) {
+  const std::size_t count = covered.placement_unchecked.size();
+  if (count == 0) return {};
+  if (covered.placement_checked == 0) {
+    return "Placement not checked: whether the tags in the photos hang where the survey has them, "
+           "or were exchanged, is not known; give --rig";
+  }
+  return fmt::format(
+      "Placement not checked of {} of {} tags in the photos: never seen together with tags that "
+      "judge them: {}",
+      count, count + covered.placement_checked, fmt::join(covered.placement_unchecked, " "));
+}
+
+// What was left unchecked because up is not known, for who takes the photos; nothing when all was
+// checked.
+std::string up_in_words(const Completeness& covered) {
+  if (covered.upright_unchecked.empty()) return {};
+  const std::size_t count = covered.upright_unchecked.size();
+  const std::string which = count == covered.photographed
+                                ? "No tag in the photos was"
+                                : fmt::format("{} of {} tags in the photos {} not", count,
+                                              covered.photographed, count == 1 ? "was" : "were");
+  return which +
+         " checked for hanging upside down: the photos do not say which way is up. Look where the "
+         "arrows point, use a camera that notes how it was held (phones do), or give --rig";
+}
+
 }  // namespace
 
 void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) {
@@ -180,31 +208,6 @@ std::string placement_of(const TagRecord& record) {
 std::string placement_checked(const Completeness& covered) {
   if (covered.placement_checked == 0) return "not_checked";
   return covered.placement_unchecked.empty() ? "checked" : "partly";
-}
-
-std::string placement_in_words(const Completeness& covered) {
-  const std::size_t count = covered.placement_unchecked.size();
-  if (count == 0) return {};
-  if (covered.placement_checked == 0) {
-    return "Placement not checked: whether the tags in the photos hang where the survey has them, "
-           "or were exchanged, is not known; give --rig";
-  }
-  return fmt::format(
-      "Placement not checked of {} of {} tags in the photos: never seen together with tags that "
-      "judge them: {}",
-      count, count + covered.placement_checked, fmt::join(covered.placement_unchecked, " "));
-}
-
-std::string up_in_words(const Completeness& covered) {
-  if (covered.upright_unchecked.empty()) return {};
-  const std::size_t count = covered.upright_unchecked.size();
-  const std::string which = count == covered.photographed
-                                ? "No tag in the photos was"
-                                : fmt::format("{} of {} tags in the photos {} not", count,
-                                              covered.photographed, count == 1 ? "was" : "were");
-  return which +
-         " checked for hanging upside down: the photos do not say which way is up. Look where the "
-         "arrows point, use a camera that notes how it was held (phones do), or give --rig";
 }
 
 std::string noted_up_in_words(const NotedUp& noted) {

@@ -149,18 +149,10 @@ struct Completeness {
 
 Completeness completeness_of(const Survey& survey, const VerifyMerge& merged);
 
-// What was left unchecked because up is not known, in words for who takes the photos; nothing when
-// all was checked.
-std::string up_in_words(const Completeness& covered);
-
 // Whether tags in photos were judged for where they hang: "checked", "partly" or "not_checked".
 std::string placement_checked(const Completeness& covered);
 
-// What was not judged for where it hangs, in words; nothing when all was, or nothing photographed.
-std::string placement_in_words(const Completeness& covered);
-
-// What was not checked, in words: of up_in_words, placement_in_words and noted_up_in_words those
-// that say something.
+// What was not checked, in words: where tags hang, and whether they hang upside down.
 std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged);
 
 // "left 12.40 to 18.20 m: 3 tags, 004L to 006L".

@@ -278,6 +278,7 @@ TEST_CASE("photos that no place of the cameras explains are findings of their ta
   }
   const HangingSetup setup{corridor.rig, PhotoCameras::by_run(corridor.rig, run)};
   HungTags hung;
+  hung.revision = survey_revision(corridor.survey);
   hung.tags = {HungTag{"001R", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
   hung.unplaced = {{setup.cameras.origin_of(photos[1].file)->station, {*copy}}};
   for (VerifiedFile& photo : photos) judge_hanging(corridor.survey, setup, hung, photo);
@@ -327,6 +328,7 @@ TEST_CASE("what was found is written into the files, in place of what was said b
   static_cast<Finding&>(photo.tags[0]) = {TagStatus::misplaced, "swapped", "the picture's order"};
   const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
   HungTags hung;
+  hung.revision = survey_revision(corridor.survey);
   hung.tags = {HungTag{"001L", HangVerdict::fits, 2, {}, {}, {}, "", ""}};
   judge_hanging(corridor.survey, setup, hung, photo);
   CHECK(photo.tags[0].status == TagStatus::ok);
@@ -355,8 +357,10 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
   VerifiedFile on_head = upright;
   std::swap(on_head.tags[0].corners[0], on_head.tags[0].corners[2]);
   std::swap(on_head.tags[0].corners[1], on_head.tags[0].corners[3]);
+  HungTags hung;
+  hung.revision = survey_revision(survey);
   const auto judged = [&](VerifiedFile photo) {
-    judge_hanging(survey, setup, {}, photo);
+    judge_hanging(survey, setup, hung, photo);
     return photo;
   };
   CHECK(judged(upright).tags[0].status == TagStatus::ok);
