@@ -341,7 +341,7 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
 
 // How far the samples of a fitted side say that its middle is off the bow that it was fitted with:
 // one more parameter, eliminated from the others (a Schur complement).
-SeenBow seen_bow(const SideSamples& samples, const Solution& solution) {
+SeenSagitta seen_bow(const SideSamples& samples, const Solution& solution) {
   constexpr double kAlike = 1.8;  // compression makes neighbouring pixels' noise alike
   // What a pixel's response and a blurred stroke leave of a straight side's bow, as in
   // corner_covariance.
@@ -422,18 +422,18 @@ namespace {
 // The frame fitted through one lens, and what its sides say of another.
 struct FrameFit {
   RefinedFrame frame;
-  std::array<SeenBow, 4> bows;
+  std::array<SeenSagitta, 4> bows;
 };
 
 // `beyond`: by how much the sides' middles bow beyond what the lens gives.
-FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled, const LensBend& lens,
-                                const std::array<double, 4>& beyond) {
+FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled,
+                                const LensDistortion& lens, const std::array<double, 4>& beyond) {
   std::array<SideLine, 4> lines{};
   std::vector<SideSamples> samples;
   samples.reserve(4);
   std::array<Solution, 4> solutions{};
   std::array<double, 4> blurs{};
-  const SideBows bows = bows_of(lens, settled);
+  const SideSagittas bows = sagittas_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);
     lines[i].taper = taper_of(settled, lines[i], i);
@@ -469,7 +469,7 @@ FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled, cons
 // Fits the frame through a known lens, anew while the corners from which its bows were reckoned
 // move: a side's bow grows with its distance from the lens's centre.
 FrameResult<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& settled,
-                                              const LensBend& lens) {
+                                              const LensDistortion& lens) {
   constexpr int kMostRounds = 4;
   constexpr double kAtRest = 0.02;  // pixels
   FrameResult<FrameFit> fit = fit_frame(image, settled, lens, {});
@@ -497,13 +497,13 @@ struct ToldLens {
 
 FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoint centre,
                                 const ToldLens& told) {
-  const LensBend lens = LensBend::radial(centre, told.radial.lambda);
+  const LensDistortion lens = LensDistortion::radial(centre, told.radial.lambda);
   return fit_frame(image, settled, lens, told.beyond);
 }
 
 // What a side that bows more than its lens says may be off by: the square of two thirds of that,
 // where it is no noise.
-double bow_doubt(const SeenBow& seen) {
+double bow_doubt(const SeenSagitta& seen) {
   constexpr double kClear = 3;  // standard deviations
   const double square = seen.beyond * seen.beyond;
   return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
@@ -511,7 +511,7 @@ double bow_doubt(const SeenBow& seen) {
 
 // What a lens that does not show adds to the covariances of sides that were fitted straight.
 void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
-  const std::array<double, 4> unseen = unseen_bows(fit.frame.corners, fit.bows, centre);
+  const std::array<double, 4> unseen = unseen_sagittas(fit.frame.corners, fit.bows, centre);
   for (std::size_t i = 0; i < 4; ++i) {
     const double doubt = std::max(4.0 / 9 * unseen[i] * unseen[i], bow_doubt(fit.bows[i]));
     fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
@@ -522,7 +522,7 @@ void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
 // by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
 void add_lens_doubt(FrameFit& fit) {
   constexpr double kShape = 0.04;  // of the bow, at either end
-  const SideBows bows = bows_of(fit.frame.lens, fit.frame.corners);
+  const SideSagittas bows = sagittas_of(fit.frame.lens, fit.frame.corners);
   for (std::size_t i = 0; i < 4; ++i) {
     const double shape = kShape * bows[i].middle();
     fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(4.0 / 9 * fit.bows[i].variance) +
@@ -607,12 +607,12 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
 
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
-                                             const LensBend& lens) {
+                                             const LensDistortion& lens) {
   constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
   frame.lens = lens;
-  const SideBows bows = bows_of(lens, settled);
+  const SideSagittas bows = sagittas_of(lens, settled);
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i);

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/frame_fault.hpp"
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 
@@ -31,7 +31,7 @@ struct RefinedFrame {
   // Whether a side was fitted; otherwise it is known from elsewhere, and its levels are its
   // neighbours'.
   std::array<bool, 4> shown{true, true, true, true};
-  LensBend lens;  // through which it was fitted
+  LensDistortion lens;  // through which it was fitted
 };
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
@@ -48,6 +48,6 @@ FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settle
 // nothing; by how much sides then bow adds to what all may be off by.
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
-                                             const LensBend& lens = {});
+                                             const LensDistortion& lens = {});
 
 }  // namespace tagsmith

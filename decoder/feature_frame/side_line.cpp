@@ -42,13 +42,13 @@ double taper_of(const Quad& quad, const SideLine& side, std::size_t i) {
   return std::clamp((end - begin) / std::max(end + begin, 1e-9), -kMost, kMost);
 }
 
-double SideBow::slope(double s) const {
+double SideSagitta::slope(double s) const {
   const double series_slope = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * 4 * c[4]));
   return (1 - s * s) * series_slope - 2 * s * series(s);
 }
 
-SideBows scaled(SideBows bows, double by) {
-  for (SideBow& bow : bows) {
+SideSagittas scaled(SideSagittas bows, double by) {
+  for (SideSagitta& bow : bows) {
     for (double& c : bow.c) c *= by;
   }
   return bows;

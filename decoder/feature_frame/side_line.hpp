@@ -13,7 +13,7 @@ namespace tagsmith {
 
 // How far a side stands outwards from the chord between its ends where a lens bends it:
 // (1 - s^2) (c0 + c1 s + c2 s^2 + ...) pixels at s, which is -1 at the begin and 1 at the end.
-struct SideBow {
+struct SideSagitta {
   std::array<double, 5> c{};
 
   double middle() const { return c[0]; }
@@ -25,10 +25,10 @@ struct SideBow {
   double series(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4]))); }
 };
 
-using SideBows = std::array<SideBow, 4>;
+using SideSagittas = std::array<SideSagitta, 4>;
 
 // The bows in an image this many times as large.
-SideBows scaled(SideBows bows, double by);
+SideSagittas scaled(SideSagittas bows, double by);
 
 // A side while it is being fitted.
 struct SideLine {
@@ -39,7 +39,7 @@ struct SideLine {
   double reach = 0;   // how far to look to both sides without leaving stroke and quiet zone, pixels
   double stroke = 0;  // likely thickness of the stroke, pixels
   double taper = 0;   // by which share the stroke is thicker at the end than amid the side
-  SideBow bow;
+  SideSagitta bow;
 };
 
 // Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight.

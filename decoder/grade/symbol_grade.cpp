@@ -29,7 +29,7 @@ struct ScanPlaces {
 };
 
 // Adds the light at each place, between pixels, to `sums`. Loops are apart for vectors.
-TAGSMITH_WIDE void add_light(const GrayView& image, const Homography& image_from_unit,
+TAGSMITH_WIDE void add_light(const GrayView& image, const Homography& image_from_frame,
                              const ScanPlaces& places, std::span<double> sums) {
   constexpr std::size_t kBlock = 64;
   const ToneCurve& tone = ToneCurve::srgb();
@@ -40,7 +40,7 @@ TAGSMITH_WIDE void add_light(const GrayView& image, const Homography& image_from
     for (std::size_t i = 0; i < count; ++i) {
       const auto place = static_cast<double>(static_cast<int>(first + i));
       const double u = (places.begin + places.step * place + places.offset) / places.length;
-      const PixelPoint at = image_from_unit(u, places.v);
+      const PixelPoint at = image_from_frame(u, places.v);
       right[i] = at.x;
       down[i] = at.y;
     }
@@ -83,7 +83,7 @@ std::vector<PixelPoint> aperture_of(double module_px) {
 }
 
 // The scan at the height v (0 at the frame's upper inner edge), between its left and right ones.
-std::vector<double> scan_at(const GrayView& image, const Homography& image_from_unit,
+std::vector<double> scan_at(const GrayView& image, const Homography& image_from_frame,
                             const std::vector<PixelPoint>& aperture, double modules_long,
                             double modules_high, double v) {
   const auto samples = static_cast<std::size_t>(modules_long * kSamplesPerModule);
@@ -93,7 +93,7 @@ std::vector<double> scan_at(const GrayView& image, const Homography& image_from_
   const double step = (modules_long - 2 * kAperture) / static_cast<double>(samples - 1);
   for (const PixelPoint& offset : aperture) {
     const double at_v = v + offset.y / modules_high;
-    add_light(image, image_from_unit, {begin, step, offset.x, modules_long, at_v}, light);
+    add_light(image, image_from_frame, {begin, step, offset.x, modules_long, at_v}, light);
   }
   for (double& sum : light) sum /= static_cast<double>(aperture.size());
   return light;
@@ -154,9 +154,9 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
                                  const SymbolLayout& layout,
                                  const std::optional<ReflectanceReferences>& references) {
   const double modules_long = kModuleCount + 2 * layout.quiet_zone_modules;
-  const Homography image_from_unit = homography_to(corners);
-  const double module_px = distance(image_from_unit(0.5 - 0.5 / modules_long, 0.5),
-                                    image_from_unit(0.5 + 0.5 / modules_long, 0.5));
+  const Homography image_from_frame = homography_to(corners);
+  const double module_px = distance(image_from_frame(0.5 - 0.5 / modules_long, 0.5),
+                                    image_from_frame(0.5 + 0.5 / modules_long, 0.5));
   if (module_px < kLeastGradedModule) {
     return fail(fmt::format("{:.1f} pixels a module, {} are needed to grade the print", module_px,
                             kLeastGradedModule));
@@ -176,7 +176,7 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
   for (int i = 0; i < kScans; ++i) {
     const double v = middle + half * ((2 * i + 1.0) / kScans - 1);
     std::vector<double> light =
-        scan_at(image, image_from_unit, aperture, modules_long, modules_high, v);
+        scan_at(image, image_from_frame, aperture, modules_long, modules_high, v);
     if (references) to_reflectance(light, *references);
     scans.push_back(grade_scan(light, GradeOptions{references.has_value(), kAperture}));
   }

@@ -105,7 +105,7 @@ class Symbol {
   const ToneCurve& tone_ = ToneCurve::srgb();
   GrayView image_;
   BarField field_;
-  FrameMap image_from_unit_;
+  FrameHomography image_from_unit_;
 };
 
 // How much of the bars' contrast a row shows.
@@ -226,7 +226,7 @@ double tolerance_of(double height) { return 1.2 / height + 0.006; }
 
 }  // namespace
 
-BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensBend& lens) {
+BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens) {
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   const double first = layout.quiet_zone_modules / modules;
   return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom, lens};
@@ -244,7 +244,7 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
 }
 
 bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
-                   const LensBend& lens) {
+                   const LensDistortion& lens) {
   constexpr std::size_t kRows = 3;
   constexpr std::size_t kLeastRight = 5;  // windows
   const Symbol symbol(image, bar_field(corners, layout, lens));
@@ -268,15 +268,15 @@ namespace {
 // The frame's corners when the line of v = `v` in the layout, other than the upper (0) or lower (2)
 // `side`, lies where the bars end, and the other three sides are the frame's.
 Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& ends, double v,
-                       const LensBend& lens) {
-  const FrameMap image_from_unit(corners, lens);
-  const PixelPoint left = image_from_unit(0, ends.at_left);
-  const PixelPoint right = image_from_unit(1, ends.at_right);
+                       const LensDistortion& lens) {
+  const FrameHomography image_from_frame(corners, lens);
+  const PixelPoint left = image_from_frame(0, ends.at_left);
+  const PixelPoint right = image_from_frame(1, ends.at_right);
   Quad shown = corners;
   (side == 0 ? shown[0] : shown[3]) = left;
   (side == 0 ? shown[1] : shown[2]) = right;
   // `shown` spans v to 1 of the plate, or 0 to v.
-  const FrameMap image_from_shown(shown, lens);
+  const FrameHomography image_from_shown(shown, lens);
   Quad completed = corners;
   if (side == 0) {
     completed[0] = image_from_shown(0, -v / (1 - v));
@@ -290,9 +290,9 @@ Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& end
 
 // By how much ends seen in one frame miss a height in another, pixels.
 double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, double v,
-                 const LensBend& lens) {
-  const FrameMap seen(seen_in, lens);
-  const FrameMap expected(frame, lens);
+                 const LensDistortion& lens) {
+  const FrameHomography seen(seen_in, lens);
+  const FrameHomography expected(frame, lens);
   const PixelPoint left = seen(0, ends.at_left), right = seen(1, ends.at_right);
   const auto miss = [&](PixelPoint at) { return std::abs(expected.unit_of(at).y - v); };
   return std::max(miss(left), miss(right)) * height_px(frame);
@@ -301,7 +301,7 @@ double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, do
 }  // namespace
 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const LensBend& lens) {
+                              const SymbolLayout& layout, const LensDistortion& lens) {
   if (bars_end_near(image, corners, layout, lens)) return {EndsVerdict::suited, corners, 0, 0};
   constexpr double kInside = 0.2, kOutside = 0.3;  // of the frame's height
   const BarField field = bar_field(corners, layout, lens);

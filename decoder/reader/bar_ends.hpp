@@ -6,7 +6,7 @@
 #include <array>
 #include <optional>
 
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
@@ -18,10 +18,11 @@ struct BarField {
   Quad corners{};              // in the image, clockwise
   double first = 0, last = 1;  // u of the first and the last bar
   double top = 0, bottom = 1;  // v between which the bars are known to run
-  LensBend lens = {};          // through which the bars are seen
+  LensDistortion lens = {};    // through which the bars are seen
 };
 
-BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensBend& lens = {});
+BarField bar_field(const Quad& corners, const SymbolLayout& layout,
+                   const LensDistortion& lens = {});
 
 // A straight line across the bars.
 struct BarEnds {
@@ -41,7 +42,7 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
 // Whether the bars end above and below where the layout has them end in a frame with these corners
 // (clockwise from P), to a pixel or two: a quick look.
 bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
-                   const LensBend& lens = {});
+                   const LensDistortion& lens = {});
 
 // What the bars' ends say of a frame's upper and lower side.
 struct EndsVerdict {
@@ -60,6 +61,6 @@ struct EndsVerdict {
 // Compares the bars' ends with a frame that is otherwise the symbol's own (corners clockwise from
 // P).
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const LensBend& lens = {});
+                              const SymbolLayout& layout, const LensDistortion& lens = {});
 
 }  // namespace tagsmith

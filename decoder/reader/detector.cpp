@@ -85,7 +85,7 @@ bool Detector::any_reading(const Condition& condition) const {
 
 Detector::Detector(SearchedImage& picture, const ReadOptions& options)
     : image_(picture.image()), picture_(picture), options_(options) {
-  if (options.camera) lens_ = LensBend(*options.camera);
+  if (options.camera) lens_ = LensDistortion(*options.camera);
 }
 
 void Detector::consider(const Proposal& proposal) {
@@ -103,9 +103,10 @@ void Detector::look_at(const Outline& outline) {
 
 void Detector::look_at(const RoughFrame& proposed) {
   const auto& [level, rough] = proposed;
-  FrameResult<SettledFrame> settled = settle_frame(level.image, rough, known_bows(level, rough));
+  FrameResult<CoarseFrame> settled =
+      fit_frame_coarsely(level.image, rough, known_sagittas(level, rough));
   // The corners of an outline's hull are too far out where its sides bow.
-  if (!settled && lens_ && lens_->bends()) settled = settle_frame(level.image, rough);
+  if (!settled && lens_ && lens_->bends()) settled = fit_frame_coarsely(level.image, rough);
   if (!settled) return pass_over(to_full(level, rough), settled.error());
   const Quad quad = to_full(level, settled->corners);
   if (is_read(quad) || was_proposed(hypotheses_, Source::outline, quad, 0.4)) return;
@@ -351,18 +352,18 @@ bool Detector::is_read(const Quad& quad) const {
   return any_reading([&](const Reading& tag) { return same_frame(tag.corners, quad); });
 }
 
-SideBows Detector::known_bows(const PyramidLevel& level, const Quad& quad) const {
+SideSagittas Detector::known_sagittas(const PyramidLevel& level, const Quad& quad) const {
   if (!lens_) return {};
-  return scaled(bows_of(*lens_, to_full(level, quad)), 1 / level.scale);
+  return scaled(sagittas_of(*lens_, to_full(level, quad)), 1 / level.scale);
 }
 
-LensGuess Detector::lens_for(const PyramidLevel& level, const SettledFrame& settled) const {
+LensGuess Detector::lens_for(const PyramidLevel& level, const CoarseFrame& settled) const {
   constexpr double kSettledSigma = 0.25;  // of a bow, pixels of the level
   if (lens_) return {lens_};
   const PixelPoint centre{(image_.width - 1) / 2.0, (image_.height - 1) / 2.0};
   return {std::nullopt,
-          lambda_of_settled(to_full(level, settled.corners), scaled(settled.bows, level.scale),
-                            kSettledSigma * level.scale, centre)};
+          lambda_of_coarse(to_full(level, settled.corners), scaled(settled.bows, level.scale),
+                           kSettledSigma * level.scale, centre)};
 }
 
 void Detector::pass_over(const Quad& quad, FrameFault fault) {

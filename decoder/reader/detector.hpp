@@ -10,11 +10,11 @@
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/frame_fault.hpp"
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
-#include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
@@ -117,10 +117,10 @@ class Detector {
   bool is_read(const Quad& quad) const;
 
   // How a known lens bends the sides of a frame, in pixels of the level.
-  SideBows known_bows(const PyramidLevel& level, const Quad& quad) const;
+  SideSagittas known_sagittas(const PyramidLevel& level, const Quad& quad) const;
 
   // The lens that a settled frame is fitted with.
-  LensGuess lens_for(const PyramidLevel& level, const SettledFrame& settled) const;
+  LensGuess lens_for(const PyramidLevel& level, const CoarseFrame& settled) const;
 
   // Tells, where that is wanted, of an outline that is no feature frame.
   void pass_over(const Quad& quad, FrameFault fault);
@@ -150,7 +150,7 @@ class Detector {
   GrayView image_;
   SearchedImage& picture_;
   const ReadOptions& options_;
-  std::optional<LensBend> lens_;  // of the camera, if that is known
+  std::optional<LensDistortion> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;
 };
 

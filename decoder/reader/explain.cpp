@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
@@ -27,7 +27,7 @@ double cost_of(const ScanProfile& profile, const std::vector<double>& expected) 
   return cost;
 }
 
-std::array<double, kDigitCount> margins_of(const ScanProfile& profile, const SymbolImage& image,
+std::array<double, kDigitCount> margins_of(const ScanProfile& profile, const ImagingModel& image,
                                            const Digits& digits, double noise) {
   const double own = cost_of(profile, expected_darkness(image, digits, profile));
   std::array<double, kDigitCount> margins{};
@@ -65,17 +65,17 @@ void add_symbol(const SymbolHypothesis& symbol, ExplainedSymbol& explained) {
   explained.profile =
       symbol.decoding.upside_down ? turned(symbol.profile.bins) : symbol.profile.bins;
   const SymbolLayout& layout = symbol.layout;
-  const FrameMap image_from_unit(turned_to(symbol.frame, symbol.first_corner).corners,
-                                 symbol.frame.lens);
+  const FrameHomography image_from_frame(turned_to(symbol.frame, symbol.first_corner).corners,
+                                         symbol.frame.lens);
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   const auto u_of = [&](double module) { return (layout.quiet_zone_modules + module) / modules; };
   for (const double v : {layout.bars_top, 0.5, layout.bars_bottom}) {
     explained.lines.push_back(
-        {image_from_unit(u_of(0), v), image_from_unit(u_of(kModuleCount), v)});
+        {image_from_frame(u_of(0), v), image_from_frame(u_of(kModuleCount), v)});
   }
   for (int i = 0; i < kDigitCount; ++i) {
     const double middle = first_module_of_digit(i) + kModulesPerDigit / 2.0;
-    explained.digit_places[static_cast<std::size_t>(i)] = image_from_unit(u_of(middle), 0.5);
+    explained.digit_places[static_cast<std::size_t>(i)] = image_from_frame(u_of(middle), 0.5);
   }
 }
 
@@ -107,10 +107,10 @@ ExplainedSymbol explain_frameless(const FramelessReading& bars) {
   symbol.decoding = bars.decoding;
   symbol.module_px = bars.module_px;
   symbol.confidence = bars.confidence;
-  const Homography image_from_unit = homography_to(bars.bars);
+  const Homography image_from_frame = homography_to(bars.bars);
   for (int i = 0; i < kDigitCount; ++i) {
     const double middle = first_module_of_digit(i) + kModulesPerDigit / 2.0;
-    symbol.digit_places[static_cast<std::size_t>(i)] = image_from_unit(middle / kModuleCount, 0.5);
+    symbol.digit_places[static_cast<std::size_t>(i)] = image_from_frame(middle / kModuleCount, 0.5);
   }
   return symbol;
 }

@@ -11,8 +11,8 @@
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/frame_around.hpp"
-#include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -75,11 +75,11 @@ std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayou
 // `last` are the field's bars in the layout.
 void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnds& lower,
                        const SymbolLayout& layout, FramedBars& framed) {
-  const FrameMap map(field.corners, field.lens);
+  const FrameHomography map(field.corners, field.lens);
   const auto at = [&](double u, const BarEnds& ends) { return map(u, ends.at(u)); };
-  const FrameMap image_from_bars({at(field.first, upper), at(field.last, upper),
-                                  at(field.last, lower), at(field.first, lower)},
-                                 field.lens);
+  const FrameHomography image_from_bars({at(field.first, upper), at(field.last, upper),
+                                         at(field.last, lower), at(field.first, lower)},
+                                        field.lens);
   const double height = layout.bars_bottom - layout.bars_top;
   const double above = -layout.bars_top / height, below = (1 - layout.bars_top) / height;
   framed.sides[0] = line_through(image_from_bars(0, above), image_from_bars(1, above));
@@ -165,8 +165,8 @@ RefinedFrame fitted_as_whole(const GrayView& image, const RefinedFrame& frame,
 std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel& level,
                                       const Quad& rough, const FramedBars& in_full,
                                       const Tolerances& tolerances, const LensGuess& lens) {
-  const LensBend known = lens.known.value_or(LensBend{});
-  const SideBows bows = scaled(bows_of(known, to_full(level, rough)), 1 / level.scale);
+  const LensDistortion known = lens.known.value_or(LensDistortion{});
+  const SideSagittas bows = scaled(sagittas_of(known, to_full(level, rough)), 1 / level.scale);
   auto settled = settle_shown_sides(level.image, rough, bows);
   if (!settled) return std::nullopt;
   const Quad in_image = to_full(level, settled->quad);
@@ -226,7 +226,7 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   in_full.sides[1] = line_through(expected[1], expected[2]);
   in_full.sigma_px[1] = in_full.sigma_px[3] = kHiddenSigma * module_px;
   in_full.module_px = module_px;
-  const BarField field = bar_field(expected, layout, lens.known.value_or(LensBend{}));
+  const BarField field = bar_field(expected, layout, lens.known.value_or(LensDistortion{}));
   const auto upper =
       find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
   const auto lower =

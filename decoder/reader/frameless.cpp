@@ -311,7 +311,7 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   ReadRegion region_read;
   FramelessReading& symbol = region_read.symbol;
   symbol.profile = merged_profile(realigned(scan, consensus.digits));
-  SymbolImage start;
+  ImagingModel start;
   start.blur = scan.look->bars.blur;
   const auto decoding = decode_profile(symbol.profile, start, decode_options);
   if (!decoding || decoding->fit.explained < kSymbolLike || decoding->fit.image.blur > kMostBlur) {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <utility>
 
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 
@@ -98,7 +98,7 @@ std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolH
   const auto [corners, sides] = turned_to(symbol.frame, symbol.first_corner);
   const double stroke = stroke_share(corners, (sides[0].stroke_px + sides[2].stroke_px) / 2);
   const auto strips =
-      strips_along_bars(image, FrameMap(corners, symbol.frame.lens), symbol.layout, stroke);
+      strips_along_bars(image, FrameHomography(corners, symbol.frame.lens), symbol.layout, stroke);
   if (strips.empty() && !halves_contradict(image, symbol)) return std::nullopt;
   return Objection{RejectionReason::covered};
 }

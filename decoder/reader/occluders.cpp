@@ -25,7 +25,7 @@ struct Loop {
 constexpr int kPerSide = 192;
 
 // A rectangle around the bars at these distances from the frame's inner edge (negative: outside).
-Loop loop_at(const GrayView& image, const FrameMap& image_from_unit, double from_side,
+Loop loop_at(const GrayView& image, const FrameHomography& image_from_frame, double from_side,
              double from_top, double spread_u, double spread_v) {
   Loop loop;
   const std::array<PixelPoint, 5> corners{{{from_side, from_top},
@@ -40,7 +40,7 @@ Loop loop_at(const GrayView& image, const FrameMap& image_from_unit, double from
       double sum = 0;
       for (int i = -1; i <= 1; ++i) {
         for (int j = -1; j <= 1; ++j) {
-          sum += sample_bilinear(image, image_from_unit(at.x + i * spread_u, at.y + j * spread_v));
+          sum += sample_bilinear(image, image_from_frame(at.x + i * spread_u, at.y + j * spread_v));
         }
       }
       loop.at.push_back(at);
@@ -121,7 +121,7 @@ bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
 
 // Whether the light along a strip changes evenly from one crossing to the other: along its middle
 // and halfway to its sides.
-bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
+bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
               const Crossing& a, const Crossing& b, double tolerance) {
   constexpr int kPlaces = 64;
   constexpr double kLeastEven = 0.85;
@@ -137,7 +137,7 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Loop
     for (int k = 0; k < kPlaces; ++k) {
       const double t = (k + 0.5) / kPlaces;
       const PixelPoint at = (1 - t) * begin + t * end;
-      const double level = sample_bilinear(image, image_from_unit(at.x, at.y));
+      const double level = sample_bilinear(image, image_from_frame(at.x, at.y));
       even += std::abs(level - ((1 - t) * from + t * to)) < tolerance ? 1 : 0;
     }
     if (even < kLeastEven * kPlaces) return false;
@@ -145,7 +145,7 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Loop
   return true;
 }
 
-void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Loop& loop,
+void add_strips(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
                 double contrast, std::vector<Occluder>& strips) {
   constexpr double kOdd = 0.3;      // of the contrast
   constexpr double kEven = 0.3;     // of the contrast
@@ -164,7 +164,7 @@ void add_strips(const GrayView& image, const FrameMap& image_from_unit, const Lo
       if (same_side(loop, a, b)) continue;
       const auto [thin, thick] = std::minmax(a.count, b.count);
       if (thick > kMostWidth * thin + 2) continue;
-      if (!is_plain(image, image_from_unit, loop, a, b, kEven * contrast)) continue;
+      if (!is_plain(image, image_from_frame, loop, a, b, kEven * contrast)) continue;
       strips.push_back(strip_between(loop, a, b));
     }
   }
@@ -183,10 +183,10 @@ std::vector<double> places_along(const SymbolLayout& layout) {
   return places;
 }
 
-std::vector<double> levels_at(const GrayView& image, const FrameMap& image_from_unit,
+std::vector<double> levels_at(const GrayView& image, const FrameHomography& image_from_frame,
                               std::span<const double> u, double v) {
   std::vector<double> levels;
-  for (const double at : u) levels.push_back(sample_bilinear(image, image_from_unit(at, v)));
+  for (const double at : u) levels.push_back(sample_bilinear(image, image_from_frame(at, v)));
   return levels;
 }
 
@@ -203,10 +203,10 @@ struct Row {
 };
 
 // The means with the light `spread` above and below.
-void add_neighbours(Row& row, const GrayView& image, const FrameMap& image_from_unit,
+void add_neighbours(Row& row, const GrayView& image, const FrameHomography& image_from_frame,
                     double spread) {
-  const std::vector<double> above = levels_at(image, image_from_unit, row.u, row.v - spread);
-  const std::vector<double> below = levels_at(image, image_from_unit, row.u, row.v + spread);
+  const std::vector<double> above = levels_at(image, image_from_frame, row.u, row.v - spread);
+  const std::vector<double> below = levels_at(image, image_from_frame, row.u, row.v + spread);
   for (std::size_t i = 0; i < row.level.size(); ++i) {
     row.level[i] = (row.level[i] + above[i] + below[i]) / 3;
   }
@@ -277,7 +277,7 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
 
 // Whether the light from the middle of one crossing to that of the other changes evenly; over ink,
 // where a strip is seen no lighter than it is, whether it is nowhere darker than both.
-bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Row& above,
+bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
   constexpr int kPlaces = 64;
   constexpr double kLeastEven = 0.85;
@@ -289,8 +289,8 @@ bool is_plain(const GrayView& image, const FrameMap& image_from_unit, const Row&
   int even = 0;
   for (int k = 0; k < kPlaces; ++k) {
     const double t = (k + 0.5) / kPlaces;
-    const PixelPoint at = image_from_unit((1 - t) * above.u[first] + t * below.u[last],
-                                          (1 - t) * above.v + t * below.v);
+    const PixelPoint at = image_from_frame((1 - t) * above.u[first] + t * below.u[last],
+                                           (1 - t) * above.v + t * below.v);
     const double from = above.level[first], to = below.level[last];
     const double level = sample_bilinear(image, at);
     const double off = above.beside == Beside::stroke ? std::min(from, to) - level
@@ -309,24 +309,24 @@ struct Between {
 
 // The strips from one row above the bars to another below. Seen along one line alone, a row that
 // shows less than half of what counts is clear.
-std::vector<Occluder> strips_between(const GrayView& image, const FrameMap& image_from_unit,
+std::vector<Occluder> strips_between(const GrayView& image, const FrameHomography& image_from_frame,
                                      const SymbolLayout& layout, std::span<const double> places,
                                      double contrast, const Between& rows) {
   const auto row_at = [&](double v) {
-    return Row{rows.beside, v, places, levels_at(image, image_from_unit, places, v), contrast};
+    return Row{rows.beside, v, places, levels_at(image, image_from_frame, places, v), contrast};
   };
   Row above = row_at(rows.v_above);
   if (is_clear(above)) return {};
   Row below = row_at(rows.v_below);
   if (is_clear(below)) return {};
   if (rows.spread > 0) {
-    for (Row* row : {&above, &below}) add_neighbours(*row, image, image_from_unit, rows.spread);
+    for (Row* row : {&above, &below}) add_neighbours(*row, image, image_from_frame, rows.spread);
   }
   const double bars_share = (layout.bars_bottom - layout.bars_top) / (rows.v_below - rows.v_above);
   std::vector<Occluder> strips;
   const auto add = [&](const Crossing& begin, const Crossing& end) {
     if (!lies_along_bars(begin, end, bars_share)) return;
-    if (!is_plain(image, image_from_unit, above, begin, below, end)) return;
+    if (!is_plain(image, image_from_frame, above, begin, below, end)) return;
     strips.push_back({place_in(above, begin.begin - 1), place_in(above, begin.begin + begin.count),
                       place_in(below, end.begin + end.count), place_in(below, end.begin - 1)});
   };
@@ -353,37 +353,38 @@ double stroke_share(const Quad& corners, double stroke_px) {
   return std::clamp(stroke_px / height, 0.02, 0.2);
 }
 
-std::vector<Occluder> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
+std::vector<Occluder> strips_along_bars(const GrayView& image,
+                                        const FrameHomography& image_from_frame,
                                         const SymbolLayout& layout, double stroke) {
   const std::vector<double> places = places_along(layout);
-  const std::vector<double> bars = levels_at(image, image_from_unit, places, 0.5);
+  const std::vector<double> bars = levels_at(image, image_from_frame, places, 0.5);
   const double contrast = quantile_of(bars, 0.9) - quantile_of(bars, 0.1);
   std::vector<Occluder> strips =
-      strips_between(image, image_from_unit, layout, places, contrast,
+      strips_between(image, image_from_frame, layout, places, contrast,
                      {Beside::quiet_zone, layout.bars_top / 2, (1 + layout.bars_bottom) / 2, 0});
   const std::vector<Occluder> pale =
-      strips_between(image, image_from_unit, layout, places, contrast,
+      strips_between(image, image_from_frame, layout, places, contrast,
                      {Beside::stroke, -stroke / 2, 1 + stroke / 2, stroke / 4});
   strips.insert(strips.end(), pale.begin(), pale.end());
   return strips;
 }
 
-std::vector<Occluder> find_occluders(const GrayView& image, const FrameMap& image_from_unit,
+std::vector<Occluder> find_occluders(const GrayView& image, const FrameHomography& image_from_frame,
                                      const SymbolLayout& layout, double stroke) {
   const double module = 1 / (kModuleCount + 2 * layout.quiet_zone_modules);
   const double quiet = layout.quiet_zone_modules * module;
   const double margin = std::min(layout.bars_top, 1 - layout.bars_bottom);
   const double stroke_u = stroke * quiet / margin;  // as thick on all sides
-  Loop white = loop_at(image, image_from_unit, quiet / 2, margin / 2, quiet / 12, margin / 12);
+  Loop white = loop_at(image, image_from_frame, quiet / 2, margin / 2, quiet / 12, margin / 12);
   Loop black =
-      loop_at(image, image_from_unit, -stroke_u / 2, -stroke / 2, stroke_u / 8, stroke / 8);
+      loop_at(image, image_from_frame, -stroke_u / 2, -stroke / 2, stroke_u / 8, stroke / 8);
   expect(white, 0.7);
   expect(black, 0.3);
   const double contrast = quantile_of(white.expected, 0.5) - quantile_of(black.expected, 0.5);
-  std::vector<Occluder> strips = strips_along_bars(image, image_from_unit, layout, stroke);
+  std::vector<Occluder> strips = strips_along_bars(image, image_from_frame, layout, stroke);
   if (!(contrast > 0)) return strips;
-  add_strips(image, image_from_unit, white, contrast, strips);
-  add_strips(image, image_from_unit, black, contrast, strips);
+  add_strips(image, image_from_frame, white, contrast, strips);
+  add_strips(image, image_from_frame, black, contrast, strips);
   return strips;
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
@@ -22,7 +22,7 @@ double stroke_share(const Quad& corners, double stroke_px);
 
 // Whatever is straight, crosses the white between bars and frame (or the frame's stroke) twice, and
 // shows no bars on the way; strips_along_bars among them. `stroke` is the stroke_share.
-std::vector<Occluder> find_occluders(const GrayView& image, const FrameMap& image_from_unit,
+std::vector<Occluder> find_occluders(const GrayView& image, const FrameHomography& image_from_frame,
                                      const SymbolLayout& layout, double stroke);
 
 // Where an occluder hides a row of the unit square, at height v: from begin to end; nowhere where
@@ -37,7 +37,8 @@ HiddenWidth hidden_width(const Occluder& occluder, double v);
 // digit alike in all rows, so the bars alone do not reveal it. It is found where it crosses the
 // white above and below the bars; one as light as the plate, where it crosses the frame's stroke
 // above and below. Quick where white and stroke are clear. `stroke` as in find_occluders.
-std::vector<Occluder> strips_along_bars(const GrayView& image, const FrameMap& image_from_unit,
+std::vector<Occluder> strips_along_bars(const GrayView& image,
+                                        const FrameHomography& image_from_frame,
                                         const SymbolLayout& layout, double stroke);
 
 }  // namespace tagsmith

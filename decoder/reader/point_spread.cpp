@@ -14,10 +14,10 @@ namespace {
 
 // Distance in the image between bars that are a unit apart, by which a module's width goes.
 // Why: docs/decisions/0002-likelihood-decoding.md.
-double width_across(const FrameMap& image_from_unit, double u) {
+double width_across(const FrameHomography& image_from_frame, double u) {
   constexpr double kStep = 1e-3;
-  const PixelPoint by_u = image_from_unit(u + kStep, 0.5) - image_from_unit(u - kStep, 0.5);
-  const PixelPoint by_v = image_from_unit(u, 0.5 + kStep) - image_from_unit(u, 0.5 - kStep);
+  const PixelPoint by_u = image_from_frame(u + kStep, 0.5) - image_from_frame(u - kStep, 0.5);
+  const PixelPoint by_v = image_from_frame(u, 0.5 + kStep) - image_from_frame(u, 0.5 - kStep);
   return std::abs(cross(by_u, by_v)) / std::max(std::hypot(by_v.x, by_v.y), 1e-12);
 }
 
@@ -56,17 +56,17 @@ class Interpolation {
 
 }  // namespace
 
-void set_spreads(const FrameMap& image_from_unit, const SymbolLayout& layout,
+void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& layout,
                  ScanProfile& profile) {
   if (profile.empty()) return;
   constexpr double kMost = 4;  // a frame that is hardly one must not spread without bound
   const double quiet = layout.quiet_zone_modules;
-  const double middle = width_across(image_from_unit, 0.5);
+  const double middle = width_across(image_from_frame, 0.5);
   const auto u_of = [&](const ScanBin& bin) {
     return (bin.at + quiet) / (kModuleCount + 2 * quiet);
   };
   const Interpolation spread(u_of(profile.front()), u_of(profile.back()), [&](double u) {
-    return middle / std::max(width_across(image_from_unit, u), 1e-12);
+    return middle / std::max(width_across(image_from_frame, u), 1e-12);
   });
   for (ScanBin& bin : profile) bin.spread = std::clamp(spread(u_of(bin)), 1 / kMost, kMost);
 }

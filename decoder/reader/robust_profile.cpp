@@ -26,7 +26,7 @@ double blur_across(const std::array<FrameSide, 4>& sides, double module_px, doub
 }
 
 SymbolProfile finished(ScanProfile bins, const SymbolRows& rows, const TurnedFrame& frame) {
-  set_spreads(rows.image_from_unit, rows.layout, bins);
+  set_spreads(rows.image_from_frame, rows.layout, bins);
   const double blur = blur_across(frame.sides, rows.module_px, 1.0 / rows.bins_per_module);
   return {std::move(bins), rows.module_px, blur};
 }
@@ -144,7 +144,7 @@ SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
   SymbolRows rows(image_, frame_.corners, lens_, rows_.layout, RowHeight::fine);
   const double stroke_px = (frame_.sides[0].stroke_px + frame_.sides[2].stroke_px) / 2;
-  hide_behind(find_occluders(image_, rows.image_from_unit, rows.layout,
+  hide_behind(find_occluders(image_, rows.image_from_frame, rows.layout,
                              stroke_share(frame_.corners, stroke_px)),
               rows);
   // What a highlight bleaches is plain too: there its rows' own light decides.
@@ -153,7 +153,7 @@ SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
 }
 
 Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
-                     const SymbolLayout& layout, const LensBend& lens) {
+                     const SymbolLayout& layout, const LensDistortion& lens) {
   constexpr int kRounds = 4;
   constexpr double kStill = 0.02;  // modules
   constexpr double kMostLean = 2;  // modules: the outer rows are then two thirds of one off
@@ -162,7 +162,7 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   for (int round = 0; round < kRounds; ++round) {
     SymbolRows rows(image, aligned, lens, layout, RowHeight::fine);
     hide_behind(
-        find_occluders(image, rows.image_from_unit, layout, stroke_share(aligned, stroke_px)),
+        find_occluders(image, rows.image_from_frame, layout, stroke_share(aligned, stroke_px)),
         rows);
     leave_out_plain(rows);
     const auto lean = lean_of(rows);
@@ -172,7 +172,7 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
     const double left = lean->at_begin - growth * layout.quiet_zone_modules;
     const double right = lean->at_end + growth * layout.quiet_zone_modules;
     if (std::max(std::abs(left), std::abs(right)) > kMostLean) return corners;
-    const FrameMap& map = rows.image_from_unit;
+    const FrameHomography& map = rows.image_from_frame;
     aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
                map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
     if (std::max(std::abs(left), std::abs(right)) < kStill) break;

@@ -56,7 +56,7 @@ class RobustProfile {
  private:
   GrayView image_;
   TurnedFrame frame_;
-  LensBend lens_;
+  LensDistortion lens_;
   SymbolRows rows_;  // coarse ones
 };
 
@@ -65,6 +65,6 @@ class RobustProfile {
 // `stroke_px` is the thickness of the frame's stroke, `lens` what it is seen through. The corners
 // as they were where the rows do not tell.
 Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
-                     const SymbolLayout& layout, const LensBend& lens = {});
+                     const SymbolLayout& layout, const LensDistortion& lens = {});
 
 }  // namespace tagsmith

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "decoder/feature_frame/bar_direction.hpp"
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
@@ -21,7 +21,7 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
   std::optional<SymbolHypothesis> best;
   const auto consider = [&](std::size_t first_corner, const SymbolLayout& layout) {
     SymbolProfile profile = profile_of(first_corner, layout);
-    SymbolImage start;
+    ImagingModel start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
     const auto decoding = decode_profile(profile.bins, start, decode_options);
     if (!decoding) return;
@@ -86,7 +86,7 @@ std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const R
 }
 
 FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
-  const SymbolImage& image = symbol.decoding.fit.image;
+  const ImagingModel& image = symbol.decoding.fit.image;
   const double quiet = symbol.layout.quiet_zone_modules;
   const auto u_of = [&](double module) {
     const double from_middle = module - kModuleCount / 2.0;
@@ -95,7 +95,8 @@ FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
     return (quiet + seen) / (kModuleCount + 2 * quiet);
   };
   const double left = u_of(-quiet), right = u_of(kModuleCount + quiet);
-  const FrameMap map(turned_to(symbol.frame, symbol.first_corner).corners, symbol.frame.lens);
+  const FrameHomography map(turned_to(symbol.frame, symbol.first_corner).corners,
+                            symbol.frame.lens);
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 

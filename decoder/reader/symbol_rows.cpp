@@ -51,7 +51,7 @@ PixelBox box_of(const SymbolRows& rows, const GrayView& image) {
   std::vector<PixelPoint> outline;
   for (const double u : {left, 0.5, right}) {
     for (const double v : {rows.top, 0.5, rows.bottom}) {
-      outline.push_back(rows.image_from_unit(u, v));
+      outline.push_back(rows.image_from_frame(u, v));
     }
   }
   const auto [least_x, most_x] = std::ranges::minmax(outline, {}, &PixelPoint::x);
@@ -65,7 +65,7 @@ PixelBox box_of(const SymbolRows& rows, const GrayView& image) {
 
 // Where pixels of an image fall among the rows: an affine map of the unit square.
 struct CellPlaces {
-  std::array<float, 9> unit_from_image{};
+  std::array<float, 9> frame_from_image{};
   float rows_per_height, top_row;  // row = rows_per_height v - top_row
   float bins_per_width, first_bin;
 
@@ -76,8 +76,8 @@ struct CellPlaces {
         bins_per_width(static_cast<float>(modules_inside(rows.layout) * rows.bins_per_module)),
         first_bin(static_cast<float>((rows.layout.quiet_zone_modules - rows.modules_before) *
                                      rows.bins_per_module)) {
-    const Homography inverted = inverse(rows.image_from_unit.flat());
-    std::ranges::transform(inverted.h, unit_from_image.begin(),
+    const Homography inverted = inverse(rows.image_from_frame.flat());
+    std::ranges::transform(inverted.h, frame_from_image.begin(),
                            [](double a) { return static_cast<float>(a); });
   }
 };
@@ -119,9 +119,9 @@ void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
   std::vector<float> u(width), v(width);
   for (int y = box.top; y <= box.bottom; y += steps.y) {
     const std::uint8_t* sample = image.row(y) + box.left;
-    places_in_unit(places.unit_from_image, box.left, steps.x, y, u, v);
+    places_in_unit(places.frame_from_image, box.left, steps.x, y, u, v);
     for (std::size_t i = 0; i < width; ++i, sample += steps.x) {
-      if (rows.image_from_unit.bends()) rows.image_from_unit.correct(u[i], v[i]);
+      if (rows.image_from_frame.bends()) rows.image_from_frame.correct(u[i], v[i]);
       const float row = v[i] * places.rows_per_height - places.top_row;
       const float bin = u[i] * places.bins_per_width - places.first_bin;
       if (!(row >= 0 && row < row_count && bin >= 0 && bin < bin_count)) continue;
@@ -145,14 +145,14 @@ float middle_of(const SymbolRows& rows, std::size_t bin) {
 
 }  // namespace
 
-SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensBend& lens,
+SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensDistortion& lens,
                        const SymbolLayout& of, RowHeight row_height)
-    : layout(of), image_from_unit(corners, lens) {
+    : layout(of), image_from_frame(corners, lens) {
   constexpr double kMostBefore = 4;  // modules
   constexpr double kClear = 0.06;    // of the bars' height at each end, at most
   constexpr double kClearPx = 2;     // pixels: the blur of the bars' ends
   const double half = 0.5 / modules_inside(layout);
-  module_px = distance(image_from_unit(0.5 - half, 0.5), image_from_unit(0.5 + half, 0.5));
+  module_px = distance(image_from_frame(0.5 - half, 0.5), image_from_frame(0.5 + half, 0.5));
   height_px = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
   // Often only the bars' ends show what an occluder hides.
   const double bars = layout.bars_bottom - layout.bars_top;

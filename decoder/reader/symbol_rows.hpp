@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
@@ -26,7 +26,7 @@ enum class RowHeight { coarse, fine };
 
 struct SymbolRows {
   // Cuts the rows out of a picture. `corners` are those of the frame's inner edge, P first.
-  SymbolRows(const GrayView& image, const Quad& corners, const LensBend& lens,
+  SymbolRows(const GrayView& image, const Quad& corners, const LensDistortion& lens,
              const SymbolLayout& layout, RowHeight row_height);
 
   const RowCell& cell(std::size_t row, std::size_t bin) const { return cells[row * bins + bin]; }
@@ -39,7 +39,7 @@ struct SymbolRows {
   double width_share_of(double place) const;
 
   SymbolLayout layout;
-  FrameMap image_from_unit;
+  FrameHomography image_from_frame;
   double height_px = 0;  // of the frame's inside
   double module_px = 0;  // width of a module in the middle of the frame
   int bins_per_module = 0;

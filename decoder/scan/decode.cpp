@@ -11,8 +11,8 @@
 
 #include "decoder/scan/character_costs.hpp"
 #include "decoder/scan/explained.hpp"
+#include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/module_light.hpp"
-#include "decoder/scan/module_system.hpp"
 #include "decoder/scan/symbol_search.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -63,14 +63,14 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
 
 // What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
 // ("Reliability"). A tunnel holds less.
-constexpr double kWrongCheck = 0.02;      // a symbol whose check digit fails
-constexpr double kForeign = 0.1;          // a character that is no digit
-constexpr double kSpoiltToOther = 1;      // a spoilt digit with which the other scheme may hold
-constexpr double kNearStranger = 5e-3;    // a symbol that differs from the book's in one character
-constexpr double kSpoiltStranger = 2e-3;  // a spoilt digit that makes it look like the book's
-constexpr double kStrangers = 0.5;        // all strangers to the book together
+constexpr double kWrongCheck = 0.02;     // a symbol whose check digit fails
+constexpr double kForeign = 0.1;         // a character that is no digit
+constexpr double kCorruptedToOther = 1;  // a corrupted digit with which the other scheme may hold
+constexpr double kNearStranger = 5e-3;   // a symbol that differs from the book's in one character
+constexpr double kCorruptedStranger = 2e-3;  // a corrupted digit that makes it look like the book's
+constexpr double kStrangers = 0.5;           // all strangers to the book together
 // Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
-// the sums say. With a book they are right, and for spoilt digits too much.
+// the sums say. With a book they are right, and for corrupted digits too much.
 // Why: docs/decisions/0003-confidence-and-its-border.md.
 constexpr double kUnderstated = 3;
 
@@ -101,13 +101,13 @@ PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& opti
 // By how much the profile's variances fall short of what the symbol leaves unexplained: about each
 // module, and in most of the symbol. What dirt or light leave in one place must not count for all
 // of it, nor be lost in all of it.
-struct Shortfall {
+struct VarianceFactors {
   std::array<double, kModuleCount> local{};
   double common = 0;
 };
 
 // From the misfits of the profile to the symbol.
-Shortfall shortfall_of(const std::array<float, kModuleCount>& misfits) {
+VarianceFactors variance_factors_of(const std::array<float, kModuleCount>& misfits) {
   constexpr double kLeast = 0.15;
   constexpr std::size_t kClear = kModuleCount * 8 / 10;  // of the modules, those that fit best
   constexpr double kClearMean = 0.44;  // of a chi-square variable of one degree below its 80 %
@@ -117,52 +117,52 @@ Shortfall shortfall_of(const std::array<float, kModuleCount>& misfits) {
   std::ranges::sort(sorted);
   double sum = 0;
   for (std::size_t k = 0; k < kClear; ++k) sum += static_cast<double>(sorted[k]);
-  Shortfall shortfall;
-  shortfall.common = std::max(kLeast, sum / static_cast<double>(kClear) / kClearMean);
+  VarianceFactors factors;
+  factors.common = std::max(kLeast, sum / static_cast<double>(kClear) / kClearMean);
   for (int k = 0; k < kModuleCount; ++k) {
     double weight = kPrior;
-    double total = kPrior * shortfall.common;
+    double total = kPrior * factors.common;
     for (int near = std::max(0, k - kReach); near <= std::min(kModuleCount - 1, k + kReach);
          ++near) {
       total += static_cast<double>(misfits[static_cast<std::size_t>(near)]);
       weight += 1;
     }
-    shortfall.local[static_cast<std::size_t>(k)] = total / weight;
+    factors.local[static_cast<std::size_t>(k)] = total / weight;
   }
-  return shortfall;
+  return factors;
 }
 
-ScanProfile with_local_noise(ScanProfile profile, const Shortfall& shortfall) {
+ScanProfile with_local_noise(ScanProfile profile, const VarianceFactors& factors) {
   for (ScanBin& bin : profile) {
     const int module = std::clamp(static_cast<int>(std::floor(bin.at)), 0, kModuleCount - 1);
-    bin.variance *= shortfall.local[static_cast<std::size_t>(module)];
+    bin.variance *= factors.local[static_cast<std::size_t>(module)];
   }
   return profile;
 }
 
-ScanProfile with_common_noise(ScanProfile profile, const Shortfall& shortfall) {
-  for (ScanBin& bin : profile) bin.variance *= shortfall.common;
+ScanProfile with_common_noise(ScanProfile profile, const VarianceFactors& factors) {
+  for (ScanBin& bin : profile) bin.variance *= factors.common;
   return profile;
 }
 
 // The share of digits that only look like these: with a single other digit the code would be
 // another scheme's, a misprint or a stranger. Where both schemes hold, neither does with any single
 // other digit: both weigh each place by what has an inverse modulo 10.
-double share_of_spoilt(const DecodeOptions& options, const Digits& digits) {
-  if (!options.code_book.empty()) return kSpoiltStranger;
+double share_of_corrupted(const DecodeOptions& options, const Digits& digits) {
+  if (!options.code_book.empty()) return kCorruptedStranger;
   const bool may_be_others = !options.check && !(has_check_digit(CheckDigit::sum10, digits) &&
                                                  has_check_digit(CheckDigit::gs1, digits));
-  return kWrongCheck + (may_be_others ? kSpoiltToOther : 0);
+  return kWrongCheck + (may_be_others ? kCorruptedToOther : 0);
 }
 
 // How a profile is read at first: by the picture of the symbol that it starts from.
 struct Start {
-  explicit Start(const ScanProfile& profile, const SymbolImage& picture)
+  explicit Start(const ScanProfile& profile, const ImagingModel& picture)
       : image(picture),
         light(profile, picture),
-        costs(ModuleSystem(profile, light).character_costs()) {}
+        costs(ModuleNormalEquations(profile, light).character_costs()) {}
 
-  SymbolImage image;
+  ImagingModel image;
   ModuleLight light;
   CharacterCosts costs;
 };
@@ -170,27 +170,27 @@ struct Start {
 // Digits and a picture that fit each other, and what that was found by.
 struct Settled {
   Decoding decoding;
-  ModuleLight light;    // by the picture of the decoding
-  ModuleSystem system;  // of the profile, by that light
+  ModuleLight light;             // by the picture of the decoding
+  ModuleNormalEquations system;  // of the profile, by that light
 };
 
 // Alternates between the most likely digits and the adjustment of the picture to them. `costs` are
 // those of the profile by the start's picture.
-std::optional<Settled> settle(const ScanProfile& profile, const SymbolImage& start,
+std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& start,
                               const CharacterCosts& costs, const DecodeOptions& options) {
   constexpr int kMaxRounds = 4;
   Decoding decoding;
   decoding.digits = digits_of(best_of(costs, options).characters);
   double blur = start.blur;
   for (int round = 1;; ++round) {
-    SymbolImage from = start;
+    ImagingModel from = start;
     from.blur = blur;
     decoding.fit = fit_symbol(profile, decoding.digits, from);
-    const SymbolImage& image = decoding.fit.image;
+    const ImagingModel& image = decoding.fit.image;
     if (!(image.black - image.white > 0.05)) return std::nullopt;
     blur = image.blur;
     ModuleLight light(profile, image);
-    ModuleSystem system(profile, light);
+    ModuleNormalEquations system(profile, light);
     const Characters reference = characters_of(decoding.digits);
     const auto is_settled = [&] {
       const Digits digits =
@@ -219,7 +219,7 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
   constexpr double kCoveredVariance = 4;
   Cleaned cleaned{profile, 1};
   std::size_t covered = 0;
-  const SymbolImage& image = decoding.fit.image;
+  const ImagingModel& image = decoding.fit.image;
   const std::vector<double> expected = expected_darkness(image, decoding.digits, profile);
   for (std::size_t i = 0; i < profile.size(); ++i) {
     if (profile[i].agreement > kAgreement) continue;
@@ -238,7 +238,7 @@ constexpr PosteriorOdds kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
 
 // What else could be there. When another code is likelier than the one that is read, nothing is
 // left of it.
-PosteriorOdds doubt_by(const ModuleSystem& system, const DecodeOptions& options,
+PosteriorOdds doubt_by(const ModuleNormalEquations& system, const DecodeOptions& options,
                        const Digits& digits) {
   // Twenty characters at twelve places are exp(36) symbols. When each costs so much more, all of
   // them together are less likely than exp(-44).
@@ -257,26 +257,27 @@ PosteriorOdds doubt_by(const ModuleSystem& system, const DecodeOptions& options,
 // counts.
 void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeOptions& options,
            const Settled& settled, Decoding& decoding) {
-  const SymbolImage& image = decoding.fit.image;
+  const ImagingModel& image = decoding.fit.image;
   const Characters characters = characters_of(decoding.digits);
   const bool is_whole = decoding.fit.kept == 1;
-  const Shortfall shortfall =
-      shortfall_of(is_whole ? settled.system.misfits(characters)
-                            : ModuleSystem(profile, settled.light).misfits(characters));
-  decoding.noise = shortfall.common;
+  const VarianceFactors factors = variance_factors_of(
+      is_whole ? settled.system.misfits(characters)
+               : ModuleNormalEquations(profile, settled.light).misfits(characters));
+  decoding.noise = factors.common;
   const std::vector<BarShare> bars = bar_shares(profile, image, decoding.digits);
   const auto system_of = [&](const ScanProfile& weighed) {
-    return ModuleSystem(weighed, settled.light, slack_of_fit(weighed, image, bars));
+    return ModuleNormalEquations(weighed, settled.light, nuisance_covariance(weighed, image, bars));
   };
-  const ModuleSystem common = system_of(with_common_noise(cleaned, shortfall));
+  const ModuleNormalEquations common = system_of(with_common_noise(cleaned, factors));
   decoding.doubt =
-      doubt_by(system_of(with_local_noise(cleaned, shortfall)), options, decoding.digits);
+      doubt_by(system_of(with_local_noise(cleaned, factors)), options, decoding.digits);
   const PosteriorOdds other = doubt_by(common, options, decoding.digits);
   if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
-  const double spoilt =
-      is_whole ? common.odds_of_spoilt_digits(characters)
-               : system_of(with_common_noise(profile, shortfall)).odds_of_spoilt_digits(characters);
-  decoding.doubt.spoilt_digits = share_of_spoilt(options, decoding.digits) * spoilt;
+  const double corrupted =
+      is_whole
+          ? common.odds_of_corrupted_digits(characters)
+          : system_of(with_common_noise(profile, factors)).odds_of_corrupted_digits(characters);
+  decoding.doubt.corrupted_digits = share_of_corrupted(options, decoding.digits) * corrupted;
   const double odds = decoding.doubt.odds();
   decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
 }
@@ -294,8 +295,9 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Start& 
     Cleaned next = set_aside_outliers(profile, settled->decoding);
     if (next.kept == cleaned.kept) break;
     cleaned = std::move(next);
-    settled = settle(cleaned.profile, start.image,
-                     ModuleSystem(cleaned.profile, start.light).character_costs(), options);
+    settled =
+        settle(cleaned.profile, start.image,
+               ModuleNormalEquations(cleaned.profile, start.light).character_costs(), options);
   }
   if (!settled) return std::nullopt;
   Decoding decoding = settled->decoding;
@@ -314,7 +316,7 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Start& 
 
 }  // namespace
 
-std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
+std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options) {
   constexpr std::size_t kLeastPlaces = 40;
   constexpr double kLeastGuards = 0.35;  // before any adjustment
@@ -347,7 +349,7 @@ double log_odds_of_another(const ScanProfile& profile, const Decoding& decoding)
   const SymbolFit fit = fit_symbol(upright, decoding.digits, decoding.fit.image);
   const Characters digits = characters_of(decoding.digits);
   const CharacterCosts costs =
-      ModuleSystem(upright, ModuleLight(upright, fit.image)).character_costs(&digits);
+      ModuleNormalEquations(upright, ModuleLight(upright, fit.image)).character_costs(&digits);
   return (costs.of(digits) - best_symbol(costs, SymbolClass::any).cost) / 2;
 }
 

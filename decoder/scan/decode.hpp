@@ -18,11 +18,11 @@ struct DecodeOptions {
 
 // The odds of what else could be there, against the digits that are read.
 struct PosteriorOdds {
-  double other_codes = 0;    // another code of the book or of the check digit's scheme
-  double misprints = 0;      // characters that are no such code
-  double spoilt_digits = 0;  // seven modules of anything that only look like the digit
+  double other_codes = 0;       // another code of the book or of the check digit's scheme
+  double misprints = 0;         // characters that are no such code
+  double corrupted_digits = 0;  // seven modules of anything that only look like the digit
 
-  double odds() const { return other_codes + misprints + spoilt_digits; }
+  double odds() const { return other_codes + misprints + corrupted_digits; }
 };
 
 // The most likely symbol and how much more likely than every other.
@@ -42,7 +42,7 @@ struct Decoding {
 // Starts from the given picture of the symbol (its blur is the one that matters) and alternates
 // between the most likely digits, exact by dynamic programming over neighbouring digits, and the
 // adjustment of the picture to them. The profile must have at least 40 places.
-std::optional<Decoding> decode_profile(const ScanProfile& profile, const SymbolImage& start,
+std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options);
 
 // The profile seen the other way round.

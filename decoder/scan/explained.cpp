@@ -39,7 +39,7 @@ std::optional<std::size_t> digit_at(double place) {
 
 }  // namespace
 
-std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
+std::vector<double> expected_darkness(const ImagingModel& image, const Digits& digits,
                                       const ScanProfile& profile) {
   const std::vector<float> shares = SymbolEdges(image, digits).shares_at(ScanPlaces(profile));
   std::vector<double> expected(profile.size());
@@ -50,7 +50,7 @@ std::vector<double> expected_darkness(const SymbolImage& image, const Digits& di
   return expected;
 }
 
-double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
+double explained_by_guards(const ScanProfile& profile, const ImagingModel& image,
                            const std::vector<double>& expected) {
   // Each left digit starts with a space and ends with a bar, each right digit the reverse.
   constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
@@ -64,7 +64,7 @@ double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
   return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
 }
 
-double least_explained_digit(const ScanProfile& profile, const SymbolImage& image,
+double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,
                              const std::vector<double>& expected) {
   const double middle = (image.white + image.black) / 2;
   std::array<Share, kDigitCount> shares{};

@@ -4,14 +4,14 @@
 
 #include <vector>
 
+#include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/symbol_image.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith {
 
 // The darkness expected at each place of the profile.
-std::vector<double> expected_darkness(const SymbolImage& image, const Digits& digits,
+std::vector<double> expected_darkness(const ImagingModel& image, const Digits& digits,
                                       const ScanProfile& profile);
 
 // Share of the profile's variation about mid grey that is explained where the modules are known
@@ -19,13 +19,13 @@ std::vector<double> expected_darkness(const SymbolImage& image, const Digits& di
 // stretches). Near 1 for any symbol, near 0 or below for other patterns; what was set aside counts
 // little. `expected` is the darkness for any digits: they matter only for what blur carries over
 // from the neighbouring modules.
-double explained_by_guards(const ScanProfile& profile, const SymbolImage& image,
+double explained_by_guards(const ScanProfile& profile, const ImagingModel& image,
                            const std::vector<double>& expected);
 
 // The digit that is explained worst: share of its variation about mid grey, as above, over its
 // seven modules, beyond what the profile's variances allow. A digit with a single element edge a
 // module off falls below 0.5.
-double least_explained_digit(const ScanProfile& profile, const SymbolImage& image,
+double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,
                              const std::vector<double>& expected);
 
 }  // namespace tagsmith

@@ -14,7 +14,7 @@ constexpr float kHalfLength = kModuleCount / 2.0F;
 
 using Edges = std::array<float, kModuleCount + 1>;
 
-Edges displaced_edges(const SymbolImage& image) {
+Edges displaced_edges(const ImagingModel& image) {
   Edges edges{};
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const float nominal = static_cast<float>(k) - kHalfLength;
@@ -26,11 +26,11 @@ Edges displaced_edges(const SymbolImage& image) {
 }
 
 // How far from an edge, in modules, a point spread of this standard deviation lets it matter.
-float reach_of(const SymbolImage& image, float blur) {
+float reach_of(const ImagingModel& image, float blur) {
   return std::min(14.0F, 4 * blur + static_cast<float>(std::abs(image.growth)) / 2);
 }
 
-std::size_t band_of(const ScanProfile& profile, const SymbolImage& image) {
+std::size_t band_of(const ScanProfile& profile, const ImagingModel& image) {
   double widest = 1;
   for (const ScanBin& bin : profile) widest = std::max(widest, bin.spread);
   const float reach = reach_of(image, static_cast<float>(image.blur * widest));
@@ -74,7 +74,7 @@ std::size_t write_light(const Edges& edges, std::size_t first, float at, float r
 
 }  // namespace
 
-ModuleLight::ModuleLight(const ScanProfile& profile, const SymbolImage& image)
+ModuleLight::ModuleLight(const ScanProfile& profile, const ImagingModel& image)
     : contrast_(static_cast<float>(image.black - image.white)),
       band_(band_of(profile, image)),
       places_(profile.size()),

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "decoder/scan/characters.hpp"
+#include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/symbol_image.hpp"
 
 namespace tagsmith {
 
@@ -19,7 +19,7 @@ class ModuleLight {
   static constexpr std::size_t kLanes = 8;
   static constexpr std::size_t kMostFeatures = 64;  // that add light to one place
 
-  ModuleLight(const ScanProfile& profile, const SymbolImage& image);
+  ModuleLight(const ScanProfile& profile, const ImagingModel& image);
 
   // What features add to a place; in units of the contrast.
   struct Place {

@@ -38,7 +38,7 @@ ScanPlaces::ScanPlaces(const ScanProfile& profile)
   }
 }
 
-SymbolEdges::SymbolEdges(const SymbolImage& image, const Digits& digits)
+SymbolEdges::SymbolEdges(const ImagingModel& image, const Digits& digits)
     : blur_(static_cast<float>(image.blur)) {
   const std::array<std::uint8_t, kElementCount> elements = elements_of(digits);
   int nominal = 0;

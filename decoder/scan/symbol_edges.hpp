@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/symbol_image.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -39,7 +39,7 @@ struct BarShare {
 // The edges of a symbol where its image has them.
 class SymbolEdges {
  public:
-  SymbolEdges(const SymbolImage& image, const Digits& digits);
+  SymbolEdges(const ImagingModel& image, const Digits& digits);
 
   std::vector<float> shares_at(const ScanPlaces& places) const;
   std::vector<BarShare> with_derivatives_at(const ScanPlaces& places) const;

@@ -23,14 +23,14 @@ using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
 // short or empty profile leaves open, and forbid what would turn one digit into another.
 constexpr std::array<double, kParameters> kPriorSigma{0.7, 0.5, 0.006, 0.3, 0.35, 0.3, 0.3, 0.2};
 
-Parameters pack(const SymbolImage& image) {
+Parameters pack(const ImagingModel& image) {
   Parameters p;
   p << std::log(image.blur), image.shift, image.stretch, image.bend, image.growth, image.white,
       image.black, image.shading;
   return p;
 }
 
-SymbolImage unpack(const Parameters& p) {
+ImagingModel unpack(const Parameters& p) {
   return {std::exp(p[kLogBlur]),
           p[kShift],
           p[kStretch],
@@ -67,7 +67,7 @@ Row weighed(const BarShare& bars, float from_middle, float weight, float contras
 }
 
 // Standard deviations of a profile's darkness from what an image has there, squared and summed up.
-TAGSMITH_WIDE float cost_of(const SymbolImage& image, const ScanPlaces& places,
+TAGSMITH_WIDE float cost_of(const ImagingModel& image, const ScanPlaces& places,
                             const std::vector<float>& darkness, const std::vector<float>& weights,
                             std::vector<float>& shares) {
   const auto white = static_cast<float>(image.white);
@@ -132,7 +132,7 @@ class FitProblem {
   };
 
   Cost cost_at(const Parameters& p) const {
-    const SymbolImage image = unpack(p);
+    const ImagingModel image = unpack(p);
     std::vector<float> shares = SymbolEdges(image, digits_).shares_at(places_);
     return {static_cast<double>(cost_of(image, places_, darkness_, weights_, shares)),
             prior_cost(p)};
@@ -146,7 +146,7 @@ class FitProblem {
   }
 
   std::vector<WeighedPlace> places_at(const Parameters& p) const {
-    const SymbolImage image = unpack(p);
+    const ImagingModel image = unpack(p);
     const std::vector<BarShare> bars = SymbolEdges(image, digits_).with_derivatives_at(places_);
     const auto white = static_cast<float>(image.white);
     const auto contrast = static_cast<float>(image.black - image.white);
@@ -204,9 +204,9 @@ double total_variation(const ScanProfile& profile) {
 
 }  // namespace
 
-SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start) {
+SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
   constexpr int kMaxSteps = 12;
-  SymbolImage nominal_image;
+  ImagingModel nominal_image;
   nominal_image.blur = start.blur;
   const FitProblem problem(profile, digits, pack(nominal_image));
   Parameters p = pack(start);
@@ -241,13 +241,13 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Sym
   return {unpack(p), cost.profile, 1 - cost.profile / std::max(total_variation(profile), 1e-12), 1};
 }
 
-std::vector<BarShare> bar_shares(const ScanProfile& profile, const SymbolImage& image,
+std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,
                                  const Digits& digits) {
   return SymbolEdges(image, digits).with_derivatives_at(ScanPlaces(profile));
 }
 
-FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
-                      const std::vector<BarShare>& bars) {
+NuisanceCovariance nuisance_covariance(const ScanProfile& profile, const ImagingModel& image,
+                                       const std::vector<BarShare>& bars) {
   const auto contrast = static_cast<float>(image.black - image.white);
   const ScanPlaces at(profile);
   std::vector<WeighedPlace> places(profile.size());
@@ -257,7 +257,7 @@ FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
   // With matrix = L L^T, the parameters' covariance is L^-T L^-1.
   const Eigen::LLT<ParameterMatrix> root(normal_equations(places).matrix);
   const ParameterMatrix inverse = root.matrixL().solve(ParameterMatrix::Identity());
-  FitSlack slack(places.size());
+  NuisanceCovariance slack(places.size());
   for (std::size_t i = 0; i < slack.size(); ++i) {
     const double sigma = std::sqrt(profile[i].variance);
     slack[i] = (sigma * (inverse * places[i].by_parameter.cast<double>())).cast<float>();

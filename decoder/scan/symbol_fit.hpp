@@ -6,16 +6,16 @@
 
 #include <Eigen/Core>
 
+#include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
 #include "decoder/scan/symbol_edges.hpp"
-#include "decoder/scan/symbol_image.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith {
 
 // How well a symbol explains a profile.
 struct SymbolFit {
-  SymbolImage image;
+  ImagingModel image;
   double cost = 0;       // sum of squared residuals over variances
   double explained = 0;  // share of the profile's variation that is explained, at most 1
   double kept = 1;       // share of the profile's places that were not set aside as covered
@@ -23,18 +23,18 @@ struct SymbolFit {
 
 // Adjusts all of `start` to the profile by Gauss-Newton for the given digits. The parameters are
 // held near nominal by weak priors, so that no profile can bend the symbol into another one.
-SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const SymbolImage& start);
+SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start);
 
 // What is left open of the picture of a symbol after a fit: at each place of the profile, the
 // change of the darkness by one standard deviation of eight independent combinations of the
 // parameters, as the profile and the priors leave them.
-using FitSlack = std::vector<Eigen::Matrix<float, 8, 1>>;
+using NuisanceCovariance = std::vector<Eigen::Matrix<float, 8, 1>>;
 
 // `bars` are the shares of the symbol's bars in the profile's places, with the derivatives there.
-FitSlack slack_of_fit(const ScanProfile& profile, const SymbolImage& image,
-                      const std::vector<BarShare>& bars);
+NuisanceCovariance nuisance_covariance(const ScanProfile& profile, const ImagingModel& image,
+                                       const std::vector<BarShare>& bars);
 
-std::vector<BarShare> bar_shares(const ScanProfile& profile, const SymbolImage& image,
+std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,
                                  const Digits& digits);
 
 }  // namespace tagsmith

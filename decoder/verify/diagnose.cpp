@@ -37,12 +37,12 @@ struct Levels {
 // Of the samples inside the frame, the 5th and the 95th percentile.
 Levels levels_in(const GrayView& image, const FrameCorners& corners) {
   constexpr int kSteps = 48;
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   std::vector<int> samples;
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
       const auto level =
-          sample_nearest(image, image_from_unit((i + 0.5) / kSteps, (j + 0.5) / kSteps));
+          sample_nearest(image, image_from_frame((i + 0.5) / kSteps, (j + 0.5) / kSteps));
       if (level) samples.push_back(*level);
     }
   }
@@ -58,9 +58,9 @@ Levels levels_in(const GrayView& image, const FrameCorners& corners) {
 // two: the corners of what was not read may begin anywhere. Nothing when that cannot be seen.
 std::optional<bool> bars_cross_length(const GrayView& image, const FrameCorners& corners) {
   constexpr int kSteps = 60;
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   const auto sample = [&](int right, int down) {
-    const PixelPoint at = image_from_unit(0.15 + 0.7 * right / kSteps, 0.15 + 0.7 * down / kSteps);
+    const PixelPoint at = image_from_frame(0.15 + 0.7 * right / kSteps, 0.15 + 0.7 * down / kSteps);
     const double x = std::clamp(at.x, 0.0, image.width - 1.0);
     const double y = std::clamp(at.y, 0.0, image.height - 1.0);
     return static_cast<int>(
@@ -181,12 +181,12 @@ std::optional<Diagnosis> judge_plate_light(const PlateLook& look) {
 
 // Of the white inside the frame against the middle of its upper and lower strokes.
 double frame_contrast(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   const double half_stroke = tag.frame_stroke / 2 / tag.frame_inner_height;
   std::vector<double> black;
   for (int i = 1; i < 20; ++i) {
     for (const double down : {-half_stroke, 1 + half_stroke}) {
-      const auto level = sample_nearest(image, image_from_unit(i / 20.0, down));
+      const auto level = sample_nearest(image, image_from_frame(i / 20.0, down));
       if (level) black.push_back(*level);
     }
   }
@@ -200,7 +200,7 @@ double frame_contrast(const GrayView& image, const TagTemplate& tag, const Frame
 double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
   constexpr int kSteps = 48;
   constexpr int kLines = 15;
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   const double module = module_width(tag);
   double widest = 0;
   for (const bool upper : {true, false}) {
@@ -211,8 +211,8 @@ double edge_width(const GrayView& image, const TagTemplate& tag, const FrameCorn
       const double out = (i + 0.5) / kSteps * reach - tag.frame_stroke / 2;
       for (int line = 0; line < kLines; ++line) {
         const double along = 0.3 + 0.4 * line / (kLines - 1);
-        const PixelPoint at = upper ? image_from_unit(along, out / tag.frame_inner_height)
-                                    : image_from_unit(out / tag.frame_inner_length, along);
+        const PixelPoint at = upper ? image_from_frame(along, out / tag.frame_inner_height)
+                                    : image_from_frame(out / tag.frame_inner_length, along);
         profile[static_cast<std::size_t>(i)] += sample_bilinear(image, at) / kLines;
       }
     }
@@ -250,7 +250,7 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   if (module_px < kLeastModule || edge_width(image, tag, corners) > kWidestEdge) {
     return std::nullopt;
   }
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   const double left = tag.quiet_zone_modules * module_width(tag) / tag.frame_inner_length;
   const double top = tag.margin_modules * module_width(tag) / tag.frame_inner_height;
   std::vector<double> contrasts;
@@ -261,7 +261,7 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
       const double down =
           (cell / kColumns + (static_cast<double>(i / kAlong) + 0.5) / kAcross) / kRows;
       const auto level = sample_nearest(
-          image, image_from_unit(left + right * (1 - 2 * left), top + down * (1 - 2 * top)));
+          image, image_from_frame(left + right * (1 - 2 * left), top + down * (1 - 2 * top)));
       if (!level) return std::nullopt;
       samples.push_back(*level);
     }

@@ -89,10 +89,10 @@ bool frame_may_leave(const GrayView& photo, const TagTemplate& tag, const FrameC
   const double bar_height = tag.frame_inner_height / module - 2 * tag.margin_modules;
   const double beside = (tag.quiet_zone_modules + stroke) / kModuleCount;
   const double above = (tag.margin_modules + stroke) / bar_height;
-  const Homography image_from_unit = homography_to(bars);
+  const Homography image_from_frame = homography_to(bars);
   for (const double right : {-beside, 1 + beside}) {
     for (const double down : {-above, 1 + above}) {
-      const PixelPoint at = image_from_unit(right, down);
+      const PixelPoint at = image_from_frame(right, down);
       const bool inside =
           at.x >= 0 && at.x <= photo.width - 1 && at.y >= 0 && at.y <= photo.height - 1;
       if (!inside) return true;

@@ -13,7 +13,7 @@ namespace tagsmith {
 namespace {
 
 // Mean light of the rectangle's inner half; nothing when a part of it is outside the picture.
-std::optional<double> mean_light(const GrayView& image, const Homography& image_from_unit,
+std::optional<double> mean_light(const GrayView& image, const Homography& image_from_frame,
                                  const TagTemplate& tag, const Rectangle& area) {
   constexpr int kSteps = 8;
   const ToneCurve& tone = ToneCurve::srgb();
@@ -23,7 +23,7 @@ std::optional<double> mean_light(const GrayView& image, const Homography& image_
       const double x = area.x + area.width * (0.25 + 0.5 * (i + 0.5) / kSteps);
       const double y = area.y + area.height * (0.25 + 0.5 * (j + 0.5) / kSteps);
       const auto level = sample_nearest(
-          image, image_from_unit(x / tag.frame_inner_length, y / tag.frame_inner_height));
+          image, image_from_frame(x / tag.frame_inner_length, y / tag.frame_inner_height));
       if (!level) return std::nullopt;
       sum += tone.light_of(*level);
     }
@@ -38,9 +38,9 @@ std::optional<ReflectanceReferences> find_references(const GrayView& image, cons
   if (tag.patch_size <= 0) return std::nullopt;
   const std::optional<ReferencePatches> patches = draw_tag(tag, Digits{}).patches;
   if (!patches) return std::nullopt;
-  const Homography image_from_unit = homography_to(corners);
-  const std::optional<double> white = mean_light(image, image_from_unit, tag, patches->white);
-  const std::optional<double> black = mean_light(image, image_from_unit, tag, patches->black);
+  const Homography image_from_frame = homography_to(corners);
+  const std::optional<double> white = mean_light(image, image_from_frame, tag, patches->white);
+  const std::optional<double> black = mean_light(image, image_from_frame, tag, patches->black);
   constexpr double kOverexposed = 0.98;
   constexpr double kLeastDifference = 0.1;
   if (!white || !black || *white > kOverexposed || *white - *black < kLeastDifference) {

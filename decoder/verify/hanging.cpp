@@ -18,17 +18,17 @@ namespace tagsmith {
 namespace {
 
 // The place of `corner` of the other plate in this plate's plane, metres right and down of P.
-PixelPoint in_plane(const Homography& unit_from_image, const TagTemplate& tag, PixelPoint at) {
-  const PixelPoint unit = unit_from_image(at.x, at.y);
+PixelPoint in_plane(const Homography& frame_from_image, const TagTemplate& tag, PixelPoint at) {
+  const PixelPoint unit = frame_from_image(at.x, at.y);
   return {unit.x * tag.frame_inner_length, unit.y * tag.frame_inner_height};
 }
 
 // P of b in the plane of a, if b hangs there as a does: upright, and of the same size to 15 %.
 std::optional<PixelPoint> beside(const TagTemplate& tag, const FrameCorners& a,
                                  const FrameCorners& b) {
-  const Homography unit_from_image = inverse(homography_to(a));
+  const Homography frame_from_image = inverse(homography_to(a));
   FrameCorners seen;
-  for (std::size_t i = 0; i < 4; ++i) seen[i] = in_plane(unit_from_image, tag, b[i]);
+  for (std::size_t i = 0; i < 4; ++i) seen[i] = in_plane(frame_from_image, tag, b[i]);
   const double length = tag.frame_inner_length;
   const double height = tag.frame_inner_height;
   const auto near_to = [&](PixelPoint side, double x, double y) {

@@ -23,13 +23,13 @@ std::optional<Strip> look_at(const GrayView& image, const TagTemplate& tag,
                              const FrameCorners& corners, const Rectangle& area) {
   constexpr int kAlong = 160;
   constexpr int kAcross = 12;
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   std::vector<double> samples;
   for (int i = 0; i < kAlong; ++i) {
     for (int j = 0; j < kAcross; ++j) {
       const PixelPoint at =
-          image_from_unit((area.x + area.width * (i + 0.5) / kAlong) / tag.frame_inner_length,
-                          (area.y + area.height * (j + 0.5) / kAcross) / tag.frame_inner_height);
+          image_from_frame((area.x + area.width * (i + 0.5) / kAlong) / tag.frame_inner_length,
+                           (area.y + area.height * (j + 0.5) / kAcross) / tag.frame_inner_height);
       const auto level = sample_nearest(image, at);
       if (!level) return std::nullopt;
       samples.push_back(*level);
@@ -82,7 +82,7 @@ Margins margins_of(const TagTemplate& tag) {
 // places along the frame, since letters end it early. Nothing when it goes on beyond `farthest` or
 // out of the picture: paper on paper, a white wall.
 std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag,
-                                   const Homography& image_from_unit, bool upwards,
+                                   const Homography& image_from_frame, bool upwards,
                                    double farthest) {
   constexpr int kPlaces = 24;
   constexpr double kStep = 0.001;  // metres
@@ -91,7 +91,7 @@ std::optional<double> white_beyond(const GrayView& image, const TagTemplate& tag
     const double along = 0.1 + 0.8 * (i + 0.5) / kPlaces;
     const auto sample = [&](double out) -> std::optional<double> {
       const double down = upwards ? -out : tag.frame_inner_height + out;
-      return sample_nearest(image, image_from_unit(along, down / tag.frame_inner_height));
+      return sample_nearest(image, image_from_frame(along, down / tag.frame_inner_height));
     };
     const auto white = sample(-module_width(tag) * tag.margin_modules / 2);
     if (!white) return std::nullopt;
@@ -120,10 +120,10 @@ bool is_mirrored_by_margins(const GrayView& image, const TagTemplate& tag,
   const Margins drawn = margins_of(tag);
   const double difference = std::abs(drawn.above - drawn.below);
   if (difference < kLeastDifference) return false;
-  const Homography image_from_unit = homography_to(corners);
+  const Homography image_from_frame = homography_to(corners);
   const double farthest = std::max(drawn.above, drawn.below) + difference;
-  const auto above = white_beyond(image, tag, image_from_unit, true, farthest);
-  const auto below = white_beyond(image, tag, image_from_unit, false, farthest);
+  const auto above = white_beyond(image, tag, image_from_frame, true, farthest);
+  const auto below = white_beyond(image, tag, image_from_frame, false, farthest);
   return above && below && std::abs(*above - drawn.below) < kFits * difference &&
          std::abs(*below - drawn.above) < kFits * difference;
 }

@@ -196,11 +196,11 @@ std::vector<SightedTag> printed_at(std::vector<SightedTag> group, const std::str
   if (scale == 1) return group;
   for (SightedTag& tag : group) {
     if (tag.tag != name) continue;
-    const Homography image_from_unit = homography_to(tag.seen.corners);
+    const Homography image_from_frame = homography_to(tag.seen.corners);
     const double low = 0.5 - scale / 2;
     const double high = 0.5 + scale / 2;
-    tag.seen.corners = {image_from_unit(low, low), image_from_unit(high, low),
-                        image_from_unit(high, high), image_from_unit(low, high)};
+    tag.seen.corners = {image_from_frame(low, low), image_from_frame(high, low),
+                        image_from_frame(high, high), image_from_frame(low, high)};
   }
   return group;
 }

@@ -179,10 +179,10 @@ class Noise {
 class Rays {
  public:
   Rays(const Placing& placing, double sigma) : sharp_(1 / static_cast<float>(sigma)) {
-    const Homography unit_from_image = inverse(homography_to(placing.corners));
+    const Homography frame_from_image = inverse(homography_to(placing.corners));
     for (std::size_t i = 0; i < h_.size(); ++i) {
       const double scale = i < 3 ? kFrameWidth : i < 6 ? kFrameHeight : 1;
-      h_[i] = static_cast<float>(scale * unit_from_image.h[i]);
+      h_[i] = static_cast<float>(scale * frame_from_image.h[i]);
     }
   }
 

@@ -32,14 +32,14 @@ enum class Kind {
 
 const char* name_of(Kind kind);
 
-// Whether a reading of such a symbol can be right: the tag's code, or that of a spoilt symbol which
-// still looks most like what it was. A character that is no digit must not be read at all.
+// Whether a reading of such a symbol can be right: the tag's code, or that of a corrupted symbol
+// which still looks most like what it was. A character that is no digit must not be read at all.
 bool may_be_read(Kind kind);
 
 struct Picture {
   GrayImage image;
   Kind kind = Kind::tag;
-  Digits code{};             // the symbol's, or what it was before it was spoilt
+  Digits code{};             // the symbol's, or what it was before it was corrupted
   Quad corners{};            // of the frame's inner edge, from P on
   bool odd_margins = false;  // the bars do not stand where a template of ours has them
   double module_px = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands inside the frames of mass_picture.hpp: the elements of symbols, right and spoilt.
+// What stands inside the frames of mass_picture.hpp: the elements of symbols, right and corrupted.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ Digits random_code_of(Kind kind, Random& random);
 // Widths of the elements, bars first, in modules.
 using Widths = std::vector<double>;
 
-// Those of a symbol of the kind, made from these digits where it is a tag's or a spoilt one.
+// Those of a symbol of the kind, made from these digits where it is a tag's or a corrupted one.
 Widths widths_of(Kind kind, const Digits& digits, Random& random);
 
 }  // namespace tagsmith::mass

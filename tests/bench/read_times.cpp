@@ -21,8 +21,8 @@
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/survey_options.hpp"
 #include "decoder/reader/robust_profile.hpp"
+#include "decoder/reader/survey_options.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/bench/kept_memory.hpp"
@@ -87,7 +87,7 @@ StageTimes stages_of(const GrayView& image, const std::vector<Reading>& tags, in
   });
   times.decode = time_of(runs, [&] {
     for (const SymbolProfile& profile : profiles) {
-      SymbolImage start;
+      ImagingModel start;
       start.blur = std::clamp(profile.blur, 0.1, 3.0);
       static_cast<void>(decode_profile(profile.bins, start, {}));
     }

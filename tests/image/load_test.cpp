@@ -130,9 +130,9 @@ TEST_CASE(
   odd.insert(kAfterHeader, std::string("\0\0\0\3iCCPabc\0\0\0\0", 15));  // no profile at all
   CHECK(png_of_pixels(odd).value() == png_of_pixels(png).value());
   CHECK(decode_gray_image("a.png", odd).value().samples == image.samples);
-  std::string spoilt = png;
-  spoilt[png.size() / 2] = static_cast<char>(spoilt[png.size() / 2] ^ 1);
-  CHECK(error_of(spoilt, "b.png")
+  std::string corrupted = png;
+  corrupted[png.size() / 2] = static_cast<char>(corrupted[png.size() / 2] ^ 1);
+  CHECK(error_of(corrupted, "b.png")
             .ends_with("b.png: cannot be decoded, it is damaged or cut short: the checksum of a "
                        "chunk is wrong"));
 }

@@ -11,7 +11,7 @@
 
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/explained.hpp"
-#include "decoder/scan/module_system.hpp"
+#include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/symbol_search.hpp"
 
 using namespace tagsmith;
@@ -33,7 +33,7 @@ Characters characters_of(const Digits& digits) {
 }
 
 // What the image of these digits gives, with noise.
-ScanProfile profile_of(const SymbolImage& image, const Digits& digits, double per_module,
+ScanProfile profile_of(const ImagingModel& image, const Digits& digits, double per_module,
                        std::mt19937& random) {
   constexpr double kSigma = 0.03;
   std::normal_distribution<double> noise(0, kSigma);
@@ -46,9 +46,9 @@ ScanProfile profile_of(const SymbolImage& image, const Digits& digits, double pe
   return profile;
 }
 
-ModuleSystem system_of(const ScanProfile& profile, const SymbolImage& image,
-                       const FitSlack& slack = {}) {
-  return ModuleSystem(profile, ModuleLight(profile, image), slack);
+ModuleNormalEquations system_of(const ScanProfile& profile, const ImagingModel& image,
+                                const NuisanceCovariance& slack = {}) {
+  return ModuleNormalEquations(profile, ModuleLight(profile, image), slack);
 }
 
 // The darkness of a symbol whose digit at `position` has its widths reversed, unblurred beyond the
@@ -79,7 +79,7 @@ TEST_CASE("costs of characters add up to the sum of squared residuals") {
     for (const double growth : {-0.4, 0.0, 0.4}) {
       CAPTURE(blur);
       CAPTURE(growth);
-      const SymbolImage image{blur, 0.1, 0.002, -0.1, growth, 0.05, 0.95, 0.03};
+      const ImagingModel image{blur, 0.1, 0.002, -0.1, growth, 0.05, 0.95, 0.03};
       const Digits shown = random_code(random);
       const ScanProfile profile = profile_of(image, shown, 3, random);
       const CharacterCosts costs = system_of(profile, image).character_costs();
@@ -103,7 +103,7 @@ TEST_CASE("the best symbol is found among all, and its code among the valid ones
   std::mt19937 random(22);
   for (int i = 0; i < 20; ++i) {
     const Digits digits = random_code(random);
-    SymbolImage image;
+    ImagingModel image;
     image.blur = 0.5;
     const CharacterCosts costs =
         system_of(profile_of(image, digits, 3, random), image).character_costs();
@@ -181,7 +181,7 @@ TEST_CASE("a character that is no digit is doubted at every place, with and with
       CAPTURE(with_book);
       DecodeOptions options;
       if (with_book) options.code_book = book;
-      SymbolImage start;
+      ImagingModel start;
       start.blur = 0.2;
       const auto decoding = decode_profile(foreign_profile(digits, position, 4), start, options);
       if (decoding) CHECK(decoding->confidence < 0.5);
@@ -191,7 +191,7 @@ TEST_CASE("a character that is no digit is doubted at every place, with and with
 
 TEST_CASE("costs about a reference hold where blur reaches beyond the next character") {
   std::mt19937 random(26);
-  const SymbolImage image{1.9, 0.1, 0.002, -0.1, 0.1, 0.05, 0.95, 0.03};
+  const ImagingModel image{1.9, 0.1, 0.002, -0.1, 0.1, 0.05, 0.95, 0.03};
   const Digits shown = random_code(random);
   const ScanProfile profile = profile_of(image, shown, 3, random);
   const Characters reference = characters_of(shown);
@@ -211,13 +211,14 @@ TEST_CASE("costs about a reference hold where blur reaches beyond the next chara
 
 TEST_CASE("with slack, the picture adapts to every symbol as a fit does") {
   std::mt19937 random(27);
-  SymbolImage image;
+  ImagingModel image;
   image.blur = 1.8;
   const Digits shown = random_code(random);
   ScanProfile profile = profile_of(image, shown, 3, random);
   for (ScanBin& bin : profile) bin.variance *= 10;  // a fit moves little: it is nearly linear
   const SymbolFit fit = fit_symbol(profile, shown, image);
-  const FitSlack slack = slack_of_fit(profile, fit.image, bar_shares(profile, fit.image, shown));
+  const NuisanceCovariance slack =
+      nuisance_covariance(profile, fit.image, bar_shares(profile, fit.image, shown));
   const Characters reference = characters_of(shown);
   const auto adapted = system_of(profile, fit.image, slack).character_costs(&reference);
   const auto rigid = system_of(profile, fit.image).character_costs(&reference);
@@ -235,12 +236,12 @@ TEST_CASE("with slack, the picture adapts to every symbol as a fit does") {
 
 TEST_CASE("a digit between two digits may be either") {
   std::mt19937 random(25);
-  SymbolImage image;
+  ImagingModel image;
   image.blur = 0.3;
   const Digits digits = random_code(random);
   const Characters characters = characters_of(digits);
   const ScanProfile profile = profile_of(image, digits, 4, random);
-  CHECK(system_of(profile, image).odds_of_spoilt_digits(characters) < 1e-7);
+  CHECK(system_of(profile, image).odds_of_corrupted_digits(characters) < 1e-7);
   Digits other = digits;
   other[4] = static_cast<std::uint8_t>((other[4] + 5) % 10);
   const std::vector<double> there = expected_darkness(image, other, profile);
@@ -248,13 +249,13 @@ TEST_CASE("a digit between two digits may be either") {
   for (std::size_t i = 0; i < profile.size(); ++i) {
     between[i].darkness = 0.55 * profile[i].darkness + 0.45 * there[i];
   }
-  CHECK(system_of(between, image).odds_of_spoilt_digits(characters) > 0.01);
+  CHECK(system_of(between, image).odds_of_corrupted_digits(characters) > 0.01);
 }
 
 TEST_CASE("the noise that the symbol leaves decides how sure it is") {
   std::mt19937 random(28);
   const Digits digits = random_code(random);
-  SymbolImage image;
+  ImagingModel image;
   image.blur = 1.3;
   const auto doubt_with = [&](double noise) {
     std::mt19937 draw(29);

@@ -59,8 +59,8 @@ ScanProfile make_profile(const Digits& digits, const Degradation& how, std::mt19
   return profile;
 }
 
-SymbolImage start_with(double blur) {
-  SymbolImage start;
+ImagingModel start_with(double blur) {
+  ImagingModel start;
   start.blur = blur;
   return start;
 }
@@ -113,7 +113,7 @@ TEST_CASE("a symbol whose check digit fails is never certain") {
   }
 }
 
-TEST_CASE("a spoilt digit can make a code of the other scheme unless both hold") {
+TEST_CASE("a corrupted digit can make a code of the other scheme unless both hold") {
   std::mt19937 random(17);
   int both = 0;
   for (int i = 0; i < 60; ++i) {
@@ -127,9 +127,9 @@ TEST_CASE("a spoilt digit can make a code of the other scheme unless both hold")
     REQUIRE(either->digits == code);
     if (has_check_digit(CheckDigit::sum10, code)) {
       ++both;
-      CHECK(either->doubt.spoilt_digits == doctest::Approx(named->doubt.spoilt_digits));
+      CHECK(either->doubt.corrupted_digits == doctest::Approx(named->doubt.corrupted_digits));
     } else {
-      CHECK(either->doubt.spoilt_digits > 10 * named->doubt.spoilt_digits);
+      CHECK(either->doubt.corrupted_digits > 10 * named->doubt.corrupted_digits);
     }
   }
   CHECK(both > 0);
@@ -164,7 +164,7 @@ TEST_CASE("growth is measured, not mistaken for other digits") {
     REQUIRE(has_check_digit(CheckDigit::sum10, digits) == false);
     Digits code = digits;
     code.back() = check_digit(CheckDigit::sum10, std::span(code).first<11>());
-    SymbolImage grown = start_with(0.3);
+    ImagingModel grown = start_with(0.3);
     grown.growth = growth;
     ScanProfile profile = make_profile(code, {0.3, 0.01, 0, 0, 6}, random);
     const std::vector<double> expected = expected_darkness(grown, code, profile);

@@ -5,10 +5,10 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/regions.hpp"
-#include "decoder/feature_frame/settle_frame.hpp"
 #include "decoder/image/tone_curve.hpp"
 
 using namespace tagsmith;
@@ -124,7 +124,7 @@ TEST_CASE("refined corners are exact to a fiftieth of a pixel whatever their fra
       const GrayImage image = draw_frame(left, top, right, bottom, stroke);
       const Quad rough{PixelPoint{left + 1.2, top - 0.7}, PixelPoint{right + 0.9, top + 0.8},
                        PixelPoint{right - 1.1, bottom - 1}, PixelPoint{left - 0.8, bottom + 0.9}};
-      const auto settled = settle_frame(image.view(), rough);
+      const auto settled = fit_frame_coarsely(image.view(), rough);
       REQUIRE(settled.has_value());
       const auto frame = refine_frame(image.view(), settled->corners);
       REQUIRE(frame.has_value());
@@ -142,5 +142,5 @@ TEST_CASE("no frame, no corners") {
   const Quad rough{PixelPoint{50, 40}, PixelPoint{150, 40}, PixelPoint{150, 90},
                    PixelPoint{50, 90}};
   CHECK_FALSE(looks_framed(flat.view(), rough));
-  CHECK_FALSE(settle_frame(flat.view(), rough).has_value());
+  CHECK_FALSE(fit_frame_coarsely(flat.view(), rough).has_value());
 }

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -58,7 +58,7 @@ CornerErrors errors_along_corridor(const Camera& camera, const ReadOptions& opti
   return errors;
 }
 
-std::optional<PixelPoint> there_and_back(const LensBend& lens, PixelPoint pixel) {
+std::optional<PixelPoint> there_and_back(const LensDistortion& lens, PixelPoint pixel) {
   const auto straight = lens.straightened(pixel);
   return straight ? lens.bent(*straight) : std::nullopt;
 }
@@ -83,10 +83,10 @@ TEST_CASE("a lens that bends the frame's sides does not shift its corners") {
 TEST_CASE("what is straightened is bent back to where it was") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> x(0, 1279), y(0, 959);
-  const LensBend barrel = LensBend::radial({639.5, 479.5}, -6e-7);
-  const LensBend cushion = LensBend::radial({639.5, 479.5}, 3e-7);
-  for (const LensBend& lens :
-       {barrel, cushion, LensBend(fisheye()), LensBend(wide_angle()), LensBend()}) {
+  const LensDistortion barrel = LensDistortion::radial({639.5, 479.5}, -6e-7);
+  const LensDistortion cushion = LensDistortion::radial({639.5, 479.5}, 3e-7);
+  for (const LensDistortion& lens : {barrel, cushion, LensDistortion(fisheye()),
+                                     LensDistortion(wide_angle()), LensDistortion()}) {
     for (int i = 0; i < 50; ++i) {
       const PixelPoint pixel{x(random), y(random)};
       const auto back = there_and_back(lens, pixel);
@@ -99,8 +99,8 @@ TEST_CASE("what is straightened is bent back to where it was") {
 TEST_CASE("a bent side is described by its bow to a hundredth of a pixel over half the image") {
   const Quad corners{PixelPoint{350, 120}, PixelPoint{1020, 180}, PixelPoint{980, 520},
                      PixelPoint{330, 440}};
-  for (const LensBend& lens : {LensBend(fisheye()), LensBend(wide_angle())}) {
-    const SideBows bows = bows_of(lens, corners);
+  for (const LensDistortion& lens : {LensDistortion(fisheye()), LensDistortion(wide_angle())}) {
+    const SideSagittas bows = sagittas_of(lens, corners);
     const PixelPoint from = *lens.straightened(corners[0]);
     const PixelPoint to = *lens.straightened(corners[1]);
     const SideLine side = side_of(corners, 0);
@@ -111,19 +111,19 @@ TEST_CASE("a bent side is described by its bow to a hundredth of a pixel over ha
       CHECK(std::abs(dot(off, side.outward) - bows[0].at(s)) < 0.01);
     }
   }
-  CHECK(bows_of(LensBend(), corners)[0].middle() == 0);
+  CHECK(sagittas_of(LensDistortion(), corners)[0].middle() == 0);
 }
 
 TEST_CASE("places in a bent frame are found from its pixels") {
   const Quad corners{PixelPoint{700, 120}, PixelPoint{1210, 160}, PixelPoint{1180, 420},
                      PixelPoint{690, 400}};
-  const FrameMap map(corners, LensBend(wide_angle()));
-  const Homography unit_from_image = inverse(map.flat());
+  const FrameHomography map(corners, LensDistortion(wide_angle()));
+  const Homography frame_from_image = inverse(map.flat());
   double farthest_flat = 0;
   for (double u = 0; u <= 1; u += 0.1) {
     for (double v = 0; v <= 1; v += 0.1) {
       const PixelPoint pixel = map(u, v);
-      const PixelPoint flat = unit_from_image(pixel.x, pixel.y);
+      const PixelPoint flat = frame_from_image(pixel.x, pixel.y);
       auto found_u = static_cast<float>(flat.x), found_v = static_cast<float>(flat.y);
       map.correct(found_u, found_v);
       farthest_flat = std::max(farthest_flat, std::abs(flat.x - u));
@@ -156,8 +156,8 @@ TEST_CASE("corners without a ray bend nothing") {
                      PixelPoint{30, 200}};
   Camera narrow = fisheye();
   narrow.fx = narrow.fy = 200;  // the image's corners lie outside of the image circle
-  const LensBend lens(narrow);
+  const LensDistortion lens(narrow);
   REQUIRE(lens.bends());
-  for (const SideBow& bow : bows_of(lens, corners)) CHECK(bow.middle() == 0);
-  CHECK_FALSE(FrameMap(corners, lens).bends());
+  for (const SideSagitta& bow : sagittas_of(lens, corners)) CHECK(bow.middle() == 0);
+  CHECK_FALSE(FrameHomography(corners, lens).bends());
 }

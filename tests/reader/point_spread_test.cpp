@@ -13,7 +13,7 @@ namespace {
 
 // Distance between lines along the bars at half the frame's height, a thousandth of a module apart,
 // in modules.
-double width_of_module(const FrameMap& map, double at, const SymbolLayout& layout) {
+double width_of_module(const FrameHomography& map, double at, const SymbolLayout& layout) {
   constexpr double kStep = 1e-3;
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   const double u = (at + layout.quiet_zone_modules) / modules;
@@ -30,7 +30,8 @@ TEST_CASE("one blur in pixels spreads over more modules where they are narrow") 
   const SymbolLayout layout;
   for (const double lambda : {0.0, -4e-7}) {
     CAPTURE(lambda);
-    const FrameMap map(corners, lambda == 0 ? LensBend() : LensBend::radial({640, 480}, lambda));
+    const FrameHomography map(
+        corners, lambda == 0 ? LensDistortion() : LensDistortion::radial({640, 480}, lambda));
     ScanProfile profile;
     for (double at = -4; at < 99; at += 0.37) profile.push_back({.at = at});
     set_spreads(map, layout, profile);
@@ -46,6 +47,6 @@ TEST_CASE("one blur in pixels spreads over more modules where they are narrow") 
 
 TEST_CASE("a profile without places has no spreads to set") {
   ScanProfile profile;
-  set_spreads(FrameMap({{{0, 0}, {9, 0}, {9, 5}, {0, 5}}}, LensBend()), {}, profile);
+  set_spreads(FrameHomography({{{0, 0}, {9, 0}, {9, 5}, {0, 5}}}, LensDistortion()), {}, profile);
   CHECK(profile.empty());
 }

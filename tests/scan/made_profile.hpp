@@ -5,14 +5,14 @@
 #include <cmath>
 #include <cstddef>
 
+#include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/symbol_image.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::test {
 
 // Share of the light that bars take at a place, modules.
-inline double share_of_bars(const Digits& digits, const SymbolImage& image, double at,
+inline double share_of_bars(const Digits& digits, const ImagingModel& image, double at,
                             double spread = 1) {
   const auto edge_at = [&](double nominal, double widening) {
     const double from_middle = nominal - kModuleCount / 2.0;
@@ -36,7 +36,7 @@ inline double share_of_bars(const Digits& digits, const SymbolImage& image, doub
 }
 
 // Five places a module, four modules beyond the symbol on both sides.
-inline ScanProfile profile_of(const Digits& digits, const SymbolImage& image,
+inline ScanProfile profile_of(const Digits& digits, const ImagingModel& image,
                               double variance = 1e-3) {
   ScanProfile profile;
   for (int i = -20; i < 5 * (kModuleCount + 4); ++i) {

@@ -10,15 +10,15 @@
 
 #include "decoder/scan/character_costs.hpp"
 #include "decoder/scan/characters.hpp"
+#include "decoder/scan/corrupted_digits.hpp"
 #include "decoder/scan/elastic_scan.hpp"
+#include "decoder/scan/imaging_model.hpp"
+#include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/module_light.hpp"
-#include "decoder/scan/module_system.hpp"
 #include "decoder/scan/place_rows.hpp"
 #include "decoder/scan/profile.hpp"
-#include "decoder/scan/spoilt_digits.hpp"
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/symbol_fit.hpp"
-#include "decoder/scan/symbol_image.hpp"
 #include "decoder/scan/symbol_places.hpp"
 #include "tests/scan/made_profile.hpp"
 
@@ -30,8 +30,8 @@ namespace {
 
 const Digits kDigits = *parse_digits("019000700401");
 
-SymbolImage bent_image() {
-  SymbolImage image;
+ImagingModel bent_image() {
+  ImagingModel image;
   image.blur = 0.45;
   image.shift = 0.2;
   image.stretch = 0.003;
@@ -49,7 +49,7 @@ Characters characters_of(const Digits& digits) {
   return characters;
 }
 
-double squares_left(const ScanProfile& profile, const Digits& digits, const SymbolImage& image) {
+double squares_left(const ScanProfile& profile, const Digits& digits, const ImagingModel& image) {
   double sum = 0;
   for (const ScanBin& bin : profile) {
     const double share = share_of_bars(digits, image, bin.at);
@@ -62,7 +62,7 @@ double squares_left(const ScanProfile& profile, const Digits& digits, const Symb
 // A line of light of a symbol, in samples of a tenth of `module`.
 ScanLine line_of(const Digits& digits, double module, double begin, int size) {
   ScanLine line;
-  SymbolImage image;
+  ImagingModel image;
   image.blur = 0.5;
   for (int i = 0; i < size; ++i) {
     const double at = (i + 0.5 - begin) / module;
@@ -74,7 +74,7 @@ ScanLine line_of(const Digits& digits, double module, double begin, int size) {
 }  // namespace
 
 TEST_CASE("the edges' shares of light are those of the definition") {
-  const SymbolImage image = bent_image();
+  const ImagingModel image = bent_image();
   const ScanProfile profile = profile_of(kDigits, image);
   const ScanPlaces places(profile);
   const std::vector<float> shares = SymbolEdges(image, kDigits).shares_at(places);
@@ -86,13 +86,13 @@ TEST_CASE("the edges' shares of light are those of the definition") {
 }
 
 TEST_CASE("the derivatives of the shares are those of small changes") {
-  const SymbolImage image = bent_image();
+  const ImagingModel image = bent_image();
   const ScanProfile profile = profile_of(kDigits, image);
   const ScanPlaces places(profile);
   const std::vector<BarShare> shares = SymbolEdges(image, kDigits).with_derivatives_at(places);
   constexpr double kStep = 1e-3;
-  const auto change = [&](double SymbolImage::*parameter, double at) {
-    SymbolImage more = image, less = image;
+  const auto change = [&](double ImagingModel::*parameter, double at) {
+    ImagingModel more = image, less = image;
     more.*parameter += kStep;
     less.*parameter -= kStep;
     return (share_of_bars(kDigits, more, at) - share_of_bars(kDigits, less, at)) / (2 * kStep);
@@ -100,19 +100,20 @@ TEST_CASE("the derivatives of the shares are those of small changes") {
   for (std::size_t i = 40; i < shares.size(); i += 7) {
     const double at = profile[i].at;
     const BarShare& share = shares[i];
-    CHECK(std::abs(static_cast<double>(share.by_shift) - change(&SymbolImage::shift, at)) < 2e-3);
-    CHECK(std::abs(static_cast<double>(share.by_growth) - change(&SymbolImage::growth, at)) < 2e-3);
-    CHECK(std::abs(static_cast<double>(share.by_bend) - change(&SymbolImage::bend, at)) < 2e-3);
-    CHECK(std::abs(static_cast<double>(share.by_stretch) - change(&SymbolImage::stretch, at)) <
+    CHECK(std::abs(static_cast<double>(share.by_shift) - change(&ImagingModel::shift, at)) < 2e-3);
+    CHECK(std::abs(static_cast<double>(share.by_growth) - change(&ImagingModel::growth, at)) <
+          2e-3);
+    CHECK(std::abs(static_cast<double>(share.by_bend) - change(&ImagingModel::bend, at)) < 2e-3);
+    CHECK(std::abs(static_cast<double>(share.by_stretch) - change(&ImagingModel::stretch, at)) <
           0.1);  // the ends are 47 modules from the middle
     CHECK(std::abs(static_cast<double>(share.by_log_blur) -
-                   image.blur * change(&SymbolImage::blur, at)) < 2e-3);
+                   image.blur * change(&ImagingModel::blur, at)) < 2e-3);
   }
 }
 
 TEST_CASE("a fit finds the picture that a profile was made with") {
-  const SymbolImage image = bent_image();
-  SymbolImage start;
+  const ImagingModel image = bent_image();
+  ImagingModel start;
   start.blur = 0.6;
   const SymbolFit fit = fit_symbol(profile_of(kDigits, image, 1e-6), kDigits, start);
   CHECK(fit.image.blur == doctest::Approx(image.blur).epsilon(0.01));
@@ -128,7 +129,7 @@ TEST_CASE("a fit finds the picture that a profile was made with") {
 
 TEST_CASE("a fit to other digits explains less, and does not bend the symbol into them") {
   const ScanProfile profile = profile_of(kDigits, bent_image());
-  SymbolImage start;
+  ImagingModel start;
   start.blur = 0.45;
   const double right = fit_symbol(profile, kDigits, start).explained;
   const SymbolFit other = fit_symbol(profile, *parse_digits("019000700418"), start);
@@ -138,10 +139,11 @@ TEST_CASE("a fit to other digits explains less, and does not bend the symbol int
 }
 
 TEST_CASE("what a fit leaves open is small where the profile is sure") {
-  const SymbolImage image = bent_image();
+  const ImagingModel image = bent_image();
   for (const double variance : {1e-4, 1e-2}) {
     const ScanProfile profile = profile_of(kDigits, image, variance);
-    const FitSlack slack = slack_of_fit(profile, image, bar_shares(profile, image, kDigits));
+    const NuisanceCovariance slack =
+        nuisance_covariance(profile, image, bar_shares(profile, image, kDigits));
     REQUIRE(slack.size() == profile.size());
     // Eight parameters of some 500 places: together 8 places' worth of variance.
     double sum = 0;
@@ -152,7 +154,7 @@ TEST_CASE("what a fit leaves open is small where the profile is sure") {
 }
 
 TEST_CASE("modules and the growth of edges add up to the light of a symbol") {
-  const SymbolImage image = bent_image();
+  const ImagingModel image = bent_image();
   const ScanProfile profile = profile_of(kDigits, image);
   const ModuleLight light(profile, image);
   const auto modules = modules_of(kDigits);
@@ -173,10 +175,10 @@ TEST_CASE("modules and the growth of edges add up to the light of a symbol") {
 }
 
 TEST_CASE("the cost of characters is the sum of the squares that their symbol leaves") {
-  SymbolImage image;
+  ImagingModel image;
   image.blur = 0.5;
   const ScanProfile profile = profile_of(kDigits, image);
-  const ModuleSystem system(profile, ModuleLight(profile, image));
+  const ModuleNormalEquations system(profile, ModuleLight(profile, image));
   for (const char* text : {"019000700401", "019000700418", "119000700401", "987654321098"}) {
     CAPTURE(text);
     const Digits digits = *parse_digits(text);
@@ -225,30 +227,32 @@ TEST_CASE("the cost of a symbol adds what its characters cost and what neighbour
   CHECK(costs.of(characters) == 105);
 }
 
-TEST_CASE("a spoilt digit makes the reading doubtful, a clear one does not") {
-  SymbolImage image;
+TEST_CASE("a corrupted digit makes the reading doubtful, a clear one does not") {
+  ImagingModel image;
   image.blur = 0.4;
   const auto odds_of = [&](const ScanProfile& profile) {
     const ModuleLight light(profile, image);
-    const FitSlack slack = slack_of_fit(profile, image, bar_shares(profile, image, kDigits));
-    return ModuleSystem(profile, light, slack).odds_of_spoilt_digits(characters_of(kDigits));
+    const NuisanceCovariance slack =
+        nuisance_covariance(profile, image, bar_shares(profile, image, kDigits));
+    return ModuleNormalEquations(profile, light, slack)
+        .odds_of_corrupted_digits(characters_of(kDigits));
   };
   const ScanProfile clear = profile_of(kDigits, image, 1e-4);
   CHECK(odds_of(clear) < 1e-9);
   // Two modules of one digit at half of the contrast: it may have been another one.
-  ScanProfile spoilt = clear;
-  for (ScanBin& bin : spoilt) {
+  ScanProfile corrupted = clear;
+  for (ScanBin& bin : corrupted) {
     const int first = first_module_of_digit(2);
     if (bin.at > first + 2 && bin.at < first + 4) bin.darkness = 0.5;
   }
-  CHECK(odds_of(spoilt) > 1e-3);
+  CHECK(odds_of(corrupted) > 1e-3);
 }
 
 TEST_CASE("what nothing is known of may be any digit") {
   std::array<DigitModules, kDigitCount> nothing{};
   Characters digits{};
-  // Nine others, each as likely as it is that a digit is spoilt: a thousandth.
-  CHECK(odds_of_spoilt_digits(nothing, digits) ==
+  // Nine others, each as likely as it is that a digit is corrupted: a thousandth.
+  CHECK(odds_of_corrupted_digits(nothing, digits) ==
         doctest::Approx(12 * 9 * 0.001 / 1.051).epsilon(1e-6));
 }
 

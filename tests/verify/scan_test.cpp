@@ -159,10 +159,10 @@ TEST_CASE("PDFs that cannot be read say why in words of their own") {
           .exit_code == 0);
   REQUIRE(write_file(at("text.pdf"), "hello").has_value());
   REQUIRE(write_file(at("mail.pdf"), "From: somebody\n\n" + pdf).has_value());
-  std::string spoilt = pdf;
-  spoilt.replace(spoilt.size() / 2, 400, 400, 'A');
-  REQUIRE(write_file(at("spoilt.pdf"), spoilt).has_value());
-  const json noted = verified(at("spoilt.pdf"));
+  std::string corrupted = pdf;
+  corrupted.replace(corrupted.size() / 2, 400, 400, 'A');
+  REQUIRE(write_file(at("corrupted.pdf"), corrupted).has_value());
+  const json noted = verified(at("corrupted.pdf"));
   CHECK(noted["findings"].empty());
   CHECK(noted["notes"][0].get<std::string>().starts_with(
       "page 1: the file is damaged, and others may draw it otherwise: Syntax Error"));

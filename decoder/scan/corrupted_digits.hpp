@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether digits may be other ones, spoilt until they look like these.
+// Whether digits may be other ones, corrupted until they look like these.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct DigitModules {
 };
 
 // The odds that any one of the digits, all of them of 0 to 9, is another.
-double odds_of_spoilt_digits(const std::array<DigitModules, kDigitCount>& modules,
-                             const Characters& digits);
+double odds_of_corrupted_digits(const std::array<DigitModules, kDigitCount>& modules,
+                                const Characters& digits);
 
 }  // namespace tagsmith

@@ -5,7 +5,7 @@ namespace tagsmith {
 
 // What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
 // 0 and 1.
-struct SymbolImage {
+struct ImagingModel {
   double blur = 0.3;   // standard deviation of the point spread, modules
   double shift = 0;    // of the symbol's middle, modules
   double stretch = 0;  // relative change of length

@@ -15,12 +15,13 @@ namespace tagsmith {
 
 // The profile as a quadratic function of the light that each module and each edge adds: everything
 // the decoder needs to know of it for one picture of the symbol.
-class ModuleSystem {
+class ModuleNormalEquations {
  public:
   // `light` is of these places, whatever their variances. With `slack`, the picture adapts to each
   // symbol as far as it leaves: costs about a reference are then those after a fit of the picture
   // to each symbol, linearized.
-  ModuleSystem(const ScanProfile& profile, const ModuleLight& light, const FitSlack& slack = {});
+  ModuleNormalEquations(const ScanProfile& profile, const ModuleLight& light,
+                        const NuisanceCovariance& slack = {});
 
   // With a reference, what characters share beyond their neighbours is taken from it, and the
   // picture adapts to what differs from it; without, both are left out.
@@ -31,20 +32,21 @@ class ModuleSystem {
   // profile's variances tell all that the symbol does not explain.
   std::array<float, kModuleCount> misfits(const Characters& characters) const;
 
-  // The odds that one of the digits is another one, spoilt by anything that makes it look like
+  // The odds that one of the digits is another one, corrupted by anything that makes it look like
   // this: modules of any darkness about that digit's, against modules that are printed and lit
-  // nearly evenly, or spoilt too, about this one's.
-  double odds_of_spoilt_digits(const Characters& characters) const;
+  // nearly evenly, or corrupted too, about this one's.
+  double odds_of_corrupted_digits(const Characters& characters) const;
 
  private:
-  static constexpr std::size_t kSlack = FitSlack::value_type::SizeAtCompileTime;
-  using Pull = FitSlack::value_type;
+  static constexpr std::size_t kSlack = NuisanceCovariance::value_type::SizeAtCompileTime;
+  using Pull = NuisanceCovariance::value_type;
 
   float gram(std::size_t a, std::size_t b) const;
   const float* gram_row(std::size_t a) const { return gram_.data() + a * stride_; }
   std::array<float, kFeatures> residuals_of(const Characters& characters) const;
 
-  void add_places(const ScanProfile& profile, const ModuleLight& light, const FitSlack& slack);
+  void add_places(const ScanProfile& profile, const ModuleLight& light,
+                  const NuisanceCovariance& slack);
   void add_place(const ModuleLight::Place& place, const float* light, float weight);
   void add_pull(const ModuleLight::Place& place, const float* light, float weight,
                 const Pull& slack);

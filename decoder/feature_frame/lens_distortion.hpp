@@ -14,18 +14,18 @@
 namespace tagsmith {
 
 // A map between the image and a plane in which straight lines are straight.
-class LensBend {
+class LensDistortion {
  public:
   // Bends nothing.
-  LensBend() = default;
+  LensDistortion() = default;
 
   // A camera's lens. The plane is z = 1 of the camera frame.
-  explicit LensBend(const Camera& camera);
+  explicit LensDistortion(const Camera& camera);
 
   // The division model (Fitzgibbon 2001, "Simultaneous linear estimation of multiple view geometry
   // and lens distortion", (5)): a pixel at the distance r from `centre` belongs to the point of the
   // plane, in pixels, at r / (1 + lambda r^2) in the same direction. A barrel has lambda < 0.
-  static LensBend radial(PixelPoint centre, double lambda);
+  static LensDistortion radial(PixelPoint centre, double lambda);
 
   bool bends() const { return !std::holds_alternative<std::monostate>(lens_); }
 
@@ -46,17 +46,17 @@ class LensBend {
 
 // How the lens bends the sides of a quadrilateral (clockwise in the image) whose corners have these
 // pixels, to a thousandth of their bow; zero where it has no ray for one.
-SideBows bows_of(const LensBend& lens, const Quad& corners);
+SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners);
 
 // What is known of the lens before a frame is fitted.
 struct LensGuess {
-  std::optional<LensBend> known;  // otherwise the frame's own sides tell
-  double lambda = 0;              // about the image's centre, to start from
+  std::optional<LensDistortion> known;  // otherwise the frame's own sides tell
+  double lambda = 0;                    // about the image's centre, to start from
 };
 
 // A side's bow as seen: its middle's distance outwards from the chord beyond what the lens that it
 // was fitted with gives.
-struct SeenBow {
+struct SeenSagitta {
   double beyond = 0;    // pixels
   double variance = 0;  // pixels^2
 };
@@ -69,24 +69,24 @@ struct RadialLens {   // of the division model, as radial() takes it
 // The lens of the division model that the sides of a frame tell, when they were fitted with that of
 // `lambda`; nothing when they are straight as far as can be seen, or bow in ways that no such lens
 // explains for the most part.
-std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
+std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda);
 
 // How far the middles of sides that were fitted straight may bow unseen, pixels: by the likeliest
 // lens about `centre`, the image's, and what is not known of it.
-std::array<double, 4> unseen_bows(const Quad& corners, const std::array<SeenBow, 4>& seen,
-                                  PixelPoint centre);
+std::array<double, 4> unseen_sagittas(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
+                                      PixelPoint centre);
 
 // The lambda that the bows of a settled frame tell, zero when they tell none; `sigma` of a bow's
 // middle, pixels.
-double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,
-                         PixelPoint centre);
+double lambda_of_coarse(const Quad& corners, const SideSagittas& bows, double sigma,
+                        PixelPoint centre);
 
 // The map from the unit square, (0,0) (1,0) (1,1) (0,1) -> a frame's corners in order, to the image
 // through a lens.
-class FrameMap {
+class FrameHomography {
  public:
-  FrameMap(const Quad& corners, const LensBend& lens);
+  FrameHomography(const Quad& corners, const LensDistortion& lens);
 
   PixelPoint operator()(double u, double v) const;
 
@@ -108,7 +108,7 @@ class FrameMap {
 
   void fit_correction();
 
-  LensBend lens_;
+  LensDistortion lens_;
   Homography flat_;
   Homography straight_;
   std::array<std::array<float, kAlong>, kAcross> by_u_{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/feature_frame/lens_bend.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,17 +10,17 @@
 
 namespace tagsmith {
 
-LensBend::LensBend(const Camera& camera) {
+LensDistortion::LensDistortion(const Camera& camera) {
   if (!is_rectilinear(camera)) lens_ = camera;
 }
 
-LensBend LensBend::radial(PixelPoint centre, double lambda) {
-  LensBend bend;
+LensDistortion LensDistortion::radial(PixelPoint centre, double lambda) {
+  LensDistortion bend;
   if (lambda != 0) bend.lens_ = Division{centre, lambda};
   return bend;
 }
 
-std::optional<PixelPoint> LensBend::straightened(PixelPoint pixel) const {
+std::optional<PixelPoint> LensDistortion::straightened(PixelPoint pixel) const {
   if (const auto* camera = std::get_if<Camera>(&lens_)) {
     const auto ray = ray_through(*camera, {pixel.x, pixel.y});
     return ray ? std::optional(PixelPoint{ray->x(), ray->y()}) : std::nullopt;
@@ -35,7 +35,7 @@ std::optional<PixelPoint> LensBend::straightened(PixelPoint pixel) const {
   return pixel;
 }
 
-std::optional<PixelPoint> LensBend::bent(PixelPoint point) const {
+std::optional<PixelPoint> LensDistortion::bent(PixelPoint point) const {
   if (const auto* camera = std::get_if<Camera>(&lens_)) {
     const auto pixel = project(*camera, {point.x, point.y, 1});
     return pixel ? std::optional(PixelPoint{pixel->x(), pixel->y()}) : std::nullopt;
@@ -52,7 +52,7 @@ std::optional<PixelPoint> LensBend::bent(PixelPoint point) const {
 namespace {
 
 // The corners' points of the lens's plane; nothing where it has none for one of them.
-std::optional<Quad> straightened(const LensBend& lens, const Quad& corners) {
+std::optional<Quad> straightened(const LensDistortion& lens, const Quad& corners) {
   Quad straight{};
   for (std::size_t i = 0; i < 4; ++i) {
     const auto point = lens.straightened(corners[i]);
@@ -63,7 +63,8 @@ std::optional<Quad> straightened(const LensBend& lens, const Quad& corners) {
 }
 
 // The curve through a bent side's ends and its pixels at five places.
-SideBow bow_between(const LensBend& lens, const SideLine& side, PixelPoint from, PixelPoint to) {
+SideSagitta bow_between(const LensDistortion& lens, const SideLine& side, PixelPoint from,
+                        PixelPoint to) {
   constexpr std::array<double, 5> kPlaces{0.04, 0.22, 0.5, 0.78, 0.96};
   constexpr auto kCount = static_cast<Eigen::Index>(kPlaces.size());
   const double side_length = distance(side.begin, side.end);
@@ -81,7 +82,7 @@ SideBow bow_between(const LensBend& lens, const SideLine& side, PixelPoint from,
     for (Eigen::Index k = 0; k < kCount; ++k, power *= s) powers(i, k) = power;
   }
   const Eigen::Matrix<double, kCount, 1> c = powers.partialPivLu().solve(series);
-  SideBow bow;
+  SideSagitta bow;
   std::ranges::copy(c, bow.c.begin());
   return bow;
 }
@@ -91,8 +92,8 @@ std::array<double, 4> bows_by_lambda(const Quad& corners, PixelPoint centre, dou
   double farthest = 1;
   for (const PixelPoint& corner : corners) farthest = std::max(farthest, distance(corner, centre));
   const double step = 1e-3 / (farthest * farthest);
-  const SideBows more = bows_of(LensBend::radial(centre, lambda + step), corners);
-  const SideBows less = bows_of(LensBend::radial(centre, lambda - step), corners);
+  const SideSagittas more = sagittas_of(LensDistortion::radial(centre, lambda + step), corners);
+  const SideSagittas less = sagittas_of(LensDistortion::radial(centre, lambda - step), corners);
   std::array<double, 4> by_lambda{};
   for (std::size_t i = 0; i < 4; ++i) {
     by_lambda[i] = (more[i].middle() - less[i].middle()) / (2 * step);
@@ -102,7 +103,7 @@ std::array<double, 4> bows_by_lambda(const Quad& corners, PixelPoint centre, dou
 
 // The lens that explains the bows best; `by_lambda`: the change of each with lambda, at `lambda`.
 std::optional<RadialLens> likeliest_lens(const std::array<double, 4>& by_lambda,
-                                         const std::array<SeenBow, 4>& seen, double lambda) {
+                                         const std::array<SeenSagitta, 4>& seen, double lambda) {
   double weight = 0, sum = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     if (!(seen[i].variance > 0)) continue;
@@ -115,8 +116,8 @@ std::optional<RadialLens> likeliest_lens(const std::array<double, 4>& by_lambda,
 
 }  // namespace
 
-SideBows bows_of(const LensBend& lens, const Quad& corners) {
-  SideBows bows{};
+SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners) {
+  SideSagittas bows{};
   if (!lens.bends()) return bows;
   const std::optional<Quad> straight = straightened(lens, corners);
   if (!straight) return bows;
@@ -127,7 +128,7 @@ SideBows bows_of(const LensBend& lens, const Quad& corners) {
 }
 
 // Why: docs/decisions/0006-lens-and-tone.md.
-std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenBow, 4>& seen,
+std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda) {
   constexpr double kClear = 4;  // standard deviations: straight lenses are left alone
   constexpr double kMostBarrel = 0.8, kMostCushion = 0.5;  // of 1, at the farthest corner
@@ -151,8 +152,8 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
   return lens;
 }
 
-std::array<double, 4> unseen_bows(const Quad& corners, const std::array<SeenBow, 4>& seen,
-                                  PixelPoint centre) {
+std::array<double, 4> unseen_sagittas(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
+                                      PixelPoint centre) {
   constexpr double kStrongest = 0.4;  // of 1, in the image's corners
   std::array<double, 4> bows = bows_by_lambda(corners, centre, 0);
   const std::optional<RadialLens> lens = likeliest_lens(bows, seen, 0);
@@ -163,9 +164,9 @@ std::array<double, 4> unseen_bows(const Quad& corners, const std::array<SeenBow,
   return bows;
 }
 
-double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma,
-                         PixelPoint centre) {
-  std::array<SeenBow, 4> seen{};
+double lambda_of_coarse(const Quad& corners, const SideSagittas& bows, double sigma,
+                        PixelPoint centre) {
+  std::array<SeenSagitta, 4> seen{};
   for (std::size_t i = 0; i < 4; ++i) {
     // A straight line was good enough where none was taken for bowed: that tells little.
     if (bows[i].middle() != 0) seen[i] = {bows[i].middle(), sigma * sigma};
@@ -174,7 +175,8 @@ double lambda_of_settled(const Quad& corners, const SideBows& bows, double sigma
   return lens ? lens->lambda : 0;
 }
 
-FrameMap::FrameMap(const Quad& corners, const LensBend& lens) : flat_(homography_to(corners)) {
+FrameHomography::FrameHomography(const Quad& corners, const LensDistortion& lens)
+    : flat_(homography_to(corners)) {
   if (!lens.bends()) return;
   const std::optional<Quad> straight = straightened(lens, corners);
   if (!straight) return;
@@ -183,12 +185,12 @@ FrameMap::FrameMap(const Quad& corners, const LensBend& lens) : flat_(homography
   fit_correction();
 }
 
-PixelPoint FrameMap::operator()(double u, double v) const {
+PixelPoint FrameHomography::operator()(double u, double v) const {
   if (!lens_.bends()) return flat_(u, v);
   return lens_.bent(straight_(u, v)).value_or(flat_(u, v));
 }
 
-PixelPoint FrameMap::unit_of(PixelPoint pixel) const {
+PixelPoint FrameHomography::unit_of(PixelPoint pixel) const {
   if (lens_.bends()) {
     const auto straight = lens_.straightened(pixel);
     if (straight) return inverse(straight_)(straight->x, straight->y);
@@ -196,7 +198,7 @@ PixelPoint FrameMap::unit_of(PixelPoint pixel) const {
   return inverse(flat_)(pixel.x, pixel.y);
 }
 
-void FrameMap::correct(float& u, float& v) const {
+void FrameHomography::correct(float& u, float& v) const {
   float change_u = 0, change_v = 0;
   for (std::size_t j = kAcross; j-- > 0;) {
     float along_u = 0, along_v = 0;
@@ -212,7 +214,7 @@ void FrameMap::correct(float& u, float& v) const {
 }
 
 // Least squares over a grid of places.
-void FrameMap::fit_correction() {
+void FrameHomography::fit_correction() {
   constexpr int kColumns = 11, kRows = 7;
   constexpr int kTerms = kAlong * kAcross;
   const Homography flat_from_image = inverse(flat_);

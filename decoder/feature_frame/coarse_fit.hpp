@@ -16,17 +16,17 @@ namespace tagsmith {
 // stroke and white again beyond.
 bool looks_framed(const GrayView& image, const Quad& rough);
 
-struct SettledFrame {
+struct CoarseFrame {
   Quad corners{};
-  SideBows bows{};
+  SideSagittas bows{};
 };
 
 // Moves the sides of a rough quadrilateral onto the steepest falls from white inside to dark
 // outside that most of a side's length agrees on. `bows`: how the lens bends the sides, if it is
 // known, pixels of this image; where the falls do not agree with that, a side may bow more or less.
 // Fails when a side shows no such edge.
-FrameResult<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
-                                       const SideBows& bows = {});
+FrameResult<CoarseFrame> fit_frame_coarsely(const GrayView& image, const Quad& rough,
+                                            const SideSagittas& bows = {});
 
 // A quadrilateral of which not every side may show.
 struct ShownSides {
@@ -34,9 +34,9 @@ struct ShownSides {
   std::array<bool, 4> shown{};  // side i runs from corner i to corner i + 1
 };
 
-// As settle_frame, but sides that show no edge stay where they are, and none bows other than `bows`
-// say. Nothing when the sides do not close.
+// As fit_frame_coarsely, but sides that show no edge stay where they are, and none bows other than
+// `bows` say. Nothing when the sides do not close.
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
-                                             const SideBows& bows = {});
+                                             const SideSagittas& bows = {});
 
 }  // namespace tagsmith

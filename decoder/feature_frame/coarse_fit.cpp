@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/feature_frame/settle_frame.hpp"
+#include "decoder/feature_frame/coarse_fit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -211,9 +211,9 @@ bool looks_framed(const GrayView& image, const Quad& rough) {
   return true;
 }
 
-FrameResult<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
-                                       const SideBows& bows) {
-  SettledFrame frame{rough, bows};
+FrameResult<CoarseFrame> fit_frame_coarsely(const GrayView& image, const Quad& rough,
+                                            const SideSagittas& bows) {
+  CoarseFrame frame{rough, bows};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
@@ -233,7 +233,7 @@ FrameResult<SettledFrame> settle_frame(const GrayView& image, const Quad& rough,
 }
 
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
-                                             const SideBows& bows) {
+                                             const SideSagittas& bows) {
   ShownSides result{rough, {}};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};

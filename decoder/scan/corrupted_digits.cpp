@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/scan/spoilt_digits.hpp"
+#include "decoder/scan/corrupted_digits.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@ namespace {
 
 // Shares beforehand and standard deviations of the modules, in contrasts: print and light are never
 // quite even; some digits have a reflection or a smear; few are covered.
-constexpr double kUneven = 0.05, kSpoilt = 0.001;
-constexpr double kEvenSigma = 0.06, kUnevenSigma = 0.15, kSpoiltSigma = 0.5;
+constexpr double kUneven = 0.05, kCorrupted = 0.001;
+constexpr double kEvenSigma = 0.06, kUnevenSigma = 0.15, kCorruptedSigma = 0.5;
 
 constexpr std::size_t kModules = DigitModules::kModules;
 constexpr std::size_t kDigits = 10;
@@ -97,16 +97,16 @@ Lanes log_freed(const Freed& freed, const Modules& residuals) {
 
 // Logarithms of likelihoods relative to the digit itself, all even.
 struct LogLikelihoods {
-  Lanes even, uneven, spoilt;          // the digit
-  std::array<Lanes, kDigits> changed;  // other digits, spoilt
+  Lanes even, uneven, corrupted;       // the digit
+  std::array<Lanes, kDigits> changed;  // other digits, corrupted
 };
 
 LogLikelihoods log_likelihoods(const SideBySide& digits) {
   LogLikelihoods logs;
   logs.even = log_freed(free_modules(digits.products, kEvenSigma), digits.residuals);
   logs.uneven = log_freed(free_modules(digits.products, kUnevenSigma), digits.residuals);
-  const Freed spoilt = free_modules(digits.products, kSpoiltSigma);
-  logs.spoilt = log_freed(spoilt, digits.residuals);
+  const Freed corrupted = free_modules(digits.products, kCorruptedSigma);
+  logs.corrupted = log_freed(corrupted, digits.residuals);
   for (std::size_t other = 0; other < kDigits; ++other) {
     const Modules& change = digits.changes[other];
     Modules left;
@@ -117,7 +117,7 @@ LogLikelihoods log_likelihoods(const SideBySide& digits) {
       left[i] = digits.residuals[i] - pull;
       cost += change[i] * (pull - 2 * digits.residuals[i]);
     }
-    logs.changed[other] = log_freed(spoilt, left) - cost / 2;
+    logs.changed[other] = log_freed(corrupted, left) - cost / 2;
   }
   return logs;
 }
@@ -125,21 +125,21 @@ LogLikelihoods log_likelihoods(const SideBySide& digits) {
 double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t digit) {
   const double log_even = logs.even[lane];
   const double log_uneven = std::log(kUneven) + logs.uneven[lane];
-  const double log_spoilt = std::log(kSpoilt) + logs.spoilt[lane];
+  const double log_spoilt = std::log(kCorrupted) + logs.corrupted[lane];
   const double greatest = std::max({log_even, log_uneven, log_spoilt});
   const double right = std::exp(log_even - greatest) + std::exp(log_uneven - greatest) +
                        std::exp(log_spoilt - greatest);
   double wrong = 0;
   for (std::size_t other = 0; other < kDigits; ++other) {
-    if (other != digit) wrong += kSpoilt * std::exp(logs.changed[other][lane] - greatest);
+    if (other != digit) wrong += kCorrupted * std::exp(logs.changed[other][lane] - greatest);
   }
   return wrong / right;
 }
 
 }  // namespace
 
-double odds_of_spoilt_digits(const std::array<DigitModules, kDigitCount>& modules,
-                             const Characters& digits) {
+double odds_of_corrupted_digits(const std::array<DigitModules, kDigitCount>& modules,
+                                const Characters& digits) {
   double odds = 0;
   for (std::size_t first = 0; first < kDigitCount; first += kLanes) {
     const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));

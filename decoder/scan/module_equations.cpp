@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/scan/module_system.hpp"
+#include "decoder/scan/module_equations.hpp"
 
 #include <algorithm>
 
 #include <Eigen/Core>
 
-#include "decoder/scan/spoilt_digits.hpp"
+#include "decoder/scan/corrupted_digits.hpp"
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith {
@@ -22,8 +22,8 @@ auto floats_at(float* from) { return Eigen::Map<Floats>(from); }
 
 }  // namespace
 
-ModuleSystem::ModuleSystem(const ScanProfile& profile, const ModuleLight& light,
-                           const FitSlack& slack)
+ModuleNormalEquations::ModuleNormalEquations(const ScanProfile& profile, const ModuleLight& light,
+                                             const NuisanceCovariance& slack)
     : band_(light.band()), adapts_(!slack.empty()), pull_(kFeatures, Pull::Zero()) {
   static_assert(kSlack == kLanes);
   std::size_t most = band_;
@@ -42,8 +42,8 @@ ModuleSystem::ModuleSystem(const ScanProfile& profile, const ModuleLight& light,
   take_out(present);
 }
 
-void ModuleSystem::add_places(const ScanProfile& profile, const ModuleLight& light,
-                              const FitSlack& slack) {
+void ModuleNormalEquations::add_places(const ScanProfile& profile, const ModuleLight& light,
+                                       const NuisanceCovariance& slack) {
   const float contrast = light.contrast();
   std::vector<float> weights(profile.size());
   for (std::size_t i = 0; i < profile.size(); ++i) {
@@ -60,7 +60,8 @@ void ModuleSystem::add_places(const ScanProfile& profile, const ModuleLight& lig
 
 // Adds one place of the weight: products of its features' light with each other and with its
 // darkness.
-void ModuleSystem::add_place(const ModuleLight::Place& place, const float* light, float weight) {
+void ModuleNormalEquations::add_place(const ModuleLight::Place& place, const float* light,
+                                      float weight) {
   for (std::size_t first = 0; first < place.count; first += kLanes) {
     const Floats weighted = weight * floats_at(light + first);
     floats_at(right_.data() + place.begin + first) += weighted * place.value;
@@ -76,21 +77,21 @@ void ModuleSystem::add_place(const ModuleLight::Place& place, const float* light
 }
 
 // Adds products of the light with the slack of the picture there.
-void ModuleSystem::add_pull(const ModuleLight::Place& place, const float* light, float weight,
-                            const Pull& slack) {
+void ModuleNormalEquations::add_pull(const ModuleLight::Place& place, const float* light,
+                                     float weight, const Pull& slack) {
   for (std::size_t i = 0; i < place.count; ++i) {
     pull_[place.begin + i] += weight * light[i] * slack;
   }
 }
 
-float ModuleSystem::gram(std::size_t a, std::size_t b) const {
+float ModuleNormalEquations::gram(std::size_t a, std::size_t b) const {
   const std::size_t low = std::min(a, b);
   const std::size_t high = std::max(a, b);
   return high - low < band_ ? gram_row(low)[high - low] : 0;
 }
 
 // Moves features that are known to be there from the unknowns into the residual.
-void ModuleSystem::take_out(const std::array<std::uint8_t, kFeatures>& present) {
+void ModuleNormalEquations::take_out(const std::array<std::uint8_t, kFeatures>& present) {
   for (std::size_t a = 0; a < kFeatures; ++a) {
     if (present[a] == 0) continue;
     constant_ += gram(a, a) - 2 * right_[a];
@@ -178,7 +179,7 @@ TAGSMITH_WIDE void subtract_products(const LanePulls& before, const LanePulls& p
 
 }  // namespace
 
-CharacterLanes ModuleSystem::costs_alone(std::size_t position) const {
+CharacterLanes ModuleNormalEquations::costs_alone(std::size_t position) const {
   const std::size_t base = first_feature(position);
   return costs_of_features(alphabet_at(position), gram_row(base), stride_, band_,
                            right_.data() + base);
@@ -186,8 +187,8 @@ CharacterLanes ModuleSystem::costs_alone(std::size_t position) const {
 
 // What neighbouring characters exchange: first each feature of the left one with every character at
 // `position`, then summed over the features of every left character.
-void ModuleSystem::set_pair_costs(std::size_t position,
-                                  std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
+void ModuleNormalEquations::set_pair_costs(
+    std::size_t position, std::array<CharacterCosts::Row, kCharacterCount>& pair) const {
   const std::size_t base = first_feature(position - 1);
   const std::size_t gap = first_feature(position) - base;
   if (gap >= band_ + kOwnFeatures) return;
@@ -204,7 +205,8 @@ void ModuleSystem::set_pair_costs(std::size_t position,
 }
 
 // What characters that are no neighbours share, with one of the two from the reference.
-void ModuleSystem::add_far_costs(const Characters& reference, CharacterCosts& costs) const {
+void ModuleNormalEquations::add_far_costs(const Characters& reference,
+                                          CharacterCosts& costs) const {
   const auto shared = [&](std::size_t i, std::size_t c, std::size_t j, std::size_t d) {
     const Alphabet::Active& left = alphabet_at(i).active[c];
     const Alphabet::Active& right = alphabet_at(j).active[d];
@@ -234,7 +236,8 @@ void ModuleSystem::add_far_costs(const Characters& reference, CharacterCosts& co
 
 // What a fit of the picture to each symbol takes from its cost: the square of the pull of what
 // differs from the reference, to which the picture is fitted already.
-void ModuleSystem::adapt_picture(const Characters& reference, CharacterCosts& costs) const {
+void ModuleNormalEquations::adapt_picture(const Characters& reference,
+                                          CharacterCosts& costs) const {
   static_assert(std::tuple_size_v<LanePulls> == kSlack);
   LanePulls before{};
   for (std::size_t i = 0; i < kPositions; ++i) {
@@ -260,7 +263,7 @@ void ModuleSystem::adapt_picture(const Characters& reference, CharacterCosts& co
   }
 }
 
-CharacterCosts ModuleSystem::character_costs(const Characters* reference) const {
+CharacterCosts ModuleNormalEquations::character_costs(const Characters* reference) const {
   CharacterCosts costs;
   costs.constant = static_cast<double>(constant_);
   for (std::size_t position = 0; position < kPositions; ++position) {
@@ -276,7 +279,8 @@ CharacterCosts ModuleSystem::character_costs(const Characters* reference) const 
 }
 
 // What a symbol of these characters leaves of each feature's light.
-std::array<float, kFeatures> ModuleSystem::residuals_of(const Characters& characters) const {
+std::array<float, kFeatures> ModuleNormalEquations::residuals_of(
+    const Characters& characters) const {
   std::array<float, kFeatures> residuals;
   std::copy_n(right_.begin(), kFeatures, residuals.begin());
   const auto subtract = [&](std::size_t on) {
@@ -298,7 +302,7 @@ std::array<float, kFeatures> ModuleSystem::residuals_of(const Characters& charac
   return residuals;
 }
 
-std::array<float, kModuleCount> ModuleSystem::misfits(const Characters& characters) const {
+std::array<float, kModuleCount> ModuleNormalEquations::misfits(const Characters& characters) const {
   const std::array<float, kFeatures> residuals = residuals_of(characters);
   std::array<float, kModuleCount> misfits{};
   for (std::size_t k = 0; k < misfits.size(); ++k) {
@@ -309,7 +313,7 @@ std::array<float, kModuleCount> ModuleSystem::misfits(const Characters& characte
   return misfits;
 }
 
-double ModuleSystem::odds_of_spoilt_digits(const Characters& characters) const {
+double ModuleNormalEquations::odds_of_corrupted_digits(const Characters& characters) const {
   const std::array<float, kFeatures> residuals = residuals_of(characters);
   std::array<DigitModules, kPositions> digits{};
   for (std::size_t position = 0; position < kPositions; ++position) {
@@ -326,7 +330,7 @@ double ModuleSystem::odds_of_spoilt_digits(const Characters& characters) const {
       }
     }
   }
-  return tagsmith::odds_of_spoilt_digits(digits, characters);
+  return tagsmith::odds_of_corrupted_digits(digits, characters);
 }
 
 }  // namespace tagsmith
