@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 #include "tagsmith/base/quantile.hpp"
@@ -63,8 +64,18 @@ struct Consensus {
   double steepest = 0;  // change of darkness to either neighbour
 };
 
+// The median of what rows show of a bin; where all are alike, their mean, which is quicker.
+double middle_of(std::vector<float>& seen) {
+  constexpr float kAlike = 0.1F;  // of the contrast
+  const auto [least, most] = std::ranges::minmax(seen);
+  if (most - least > kAlike) return static_cast<double>(quantile(seen, 0.5));
+  return static_cast<double>(std::accumulate(seen.begin(), seen.end(), 0.0F)) /
+         static_cast<double>(seen.size());
+}
+
 std::vector<Consensus> consensus_of(const DarkRows& rows) {
   std::vector<Consensus> all;
+  all.reserve(rows.bins);
   std::vector<float> seen;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     seen.clear();
@@ -77,8 +88,7 @@ std::vector<Consensus> consensus_of(const DarkRows& rows) {
       count += cell.count;
     }
     if (seen.empty()) continue;
-    all.push_back(
-        {bin, static_cast<double>(quantile(seen, 0.5)), static_cast<double>(place / count)});
+    all.push_back({bin, middle_of(seen), static_cast<double>(place / count)});
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Consensus& before = all[i == 0 ? 0 : i - 1];
@@ -102,8 +112,10 @@ double distance_from(const Consensus& consensus, const RowCell& cell) {
 double pixel_variance(const DarkRows& rows, const std::vector<Consensus>& consensus) {
   constexpr double kLeast = 1e-4;        // 1 % of the contrast: quantisation alone
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
+  constexpr std::size_t kEvery = 4;      // bins: some 2,000 cells tell it to 3 %
   std::vector<float> squares;
-  for (const Consensus& at : consensus) {
+  for (std::size_t i = 0; i < consensus.size(); i += kEvery) {
+    const Consensus& at = consensus[i];
     for (std::size_t row = 0; row < rows.rows; ++row) {
       const RowCell& cell = rows.at(row, at.bin);
       if (cell.count == 0) continue;
