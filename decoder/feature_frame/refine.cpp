@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,20 +15,13 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/quantile.hpp"
 
 namespace tagsmith {
 namespace {
 
-// Four samples at a time (GCC manual, "Vector Extensions").
-using Four = float __attribute__((vector_size(16)));
-
-Four four_of(float a, float b, float c, float d) { return Four{a, b, c, d}; }
-
-// f of each of the four.
-template <class F>
-Four each_of(const F& f) {
-  return four_of(f(0), f(1), f(2), f(3));
-}
+// Four samples at a time.
+using Four = Eigen::Array4f;
 
 // The light across a side: white, the stroke's black, white again, blurred. Parameters: edge place
 // at the middle and its slope, log blur, white and black at the middle and their slopes, log
@@ -53,80 +43,71 @@ struct StepModel {
         black_slope(static_cast<float>(p[kBlackSlope])),
         taper(static_cast<float>(side.taper)) {}
 
-  Four stroke_at(Four along) const { return stroke * (1 + taper * along); }
+  Four stroke_at(const Four& along) const { return stroke * (1 + taper * along); }
 
   float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
 };
 
 // Four samples; places beyond a side's last sample have weight zero.
 struct FourSamples {
-  Four along{};
-  Four across{};
-  Four value{};
-  Four weight{};
+  Four along = Four::Zero();
+  Four across = Four::Zero();
+  Four value = Four::Zero();
+  Four weight = Four::Zero();
 };
 
-std::vector<FourSamples> by_four(const std::vector<EdgeSample>& samples) {
-  std::vector<FourSamples> fours((samples.size() + 3) / 4);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    FourSamples& four = fours[i / 4];
-    four.along[i % 4] = samples[i].along;
-    four.across[i % 4] = samples[i].across;
-    four.value[i % 4] = samples[i].value;
-    four.weight[i % 4] = samples[i].weight;
+// The samples of a side.
+struct SideSamples {
+  explicit SideSamples(std::vector<EdgeSample> of_side)
+      : samples(std::move(of_side)), fours((samples.size() + 3) / 4) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const auto lane = static_cast<Eigen::Index>(i % 4);
+      FourSamples& four = fours[i / 4];
+      four.along[lane] = samples[i].along;
+      four.across[lane] = samples[i].across;
+      four.value[lane] = samples[i].value;
+      four.weight[lane] = samples[i].weight;
+    }
   }
-  return fours;
-}
+
+  std::vector<EdgeSample> samples;
+  std::vector<FourSamples> fours;  // the same
+};
 
 // The samples' prediction and what it depends on.
 struct Predicted {
-  Four sample{};
-  Four slope{};     // of the tone curve there
-  Four contrast{};  // black less white
-  Four dark{};      // share of the stroke's light
-  Four z_inner{}, z_outer{};
-  Four d_inner{}, d_outer{};  // densities at the two edges
+  Four sample;
+  Four slope;     // of the tone curve there
+  Four contrast;  // black less white
+  Four dark;      // share of the stroke's light
+  Four z_inner, z_outer;
+  Four d_inner, d_outer;  // densities at the two edges
 };
 
-Predicted predict(const StepModel& model, const FourSamples& at, const ToneCurve& tone,
-                  const NormalTable& normal) {
+Predicted predict(const StepModel& model, const FourSamples& at) {
+  const NormalTable& normal = NormalTable::get();
+  const ToneCurve& tone = ToneCurve::srgb();
   Predicted predicted;
   predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
   predicted.z_outer = predicted.z_inner - model.stroke_at(at.along) * model.per_blur;
-  std::array<NormalValue, 4> inner, outer;
-  for (std::size_t i = 0; i < 4; ++i) {
-    inner[i] = normal(predicted.z_inner[i]);
-    outer[i] = normal(predicted.z_outer[i]);
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const NormalValue inner = normal(predicted.z_inner[i]), outer = normal(predicted.z_outer[i]);
+    predicted.dark[i] = inner.integral - outer.integral;
+    predicted.d_inner[i] = inner.density;
+    predicted.d_outer[i] = outer.density;
   }
-  predicted.dark = each_of([&](std::size_t i) { return inner[i].integral - outer[i].integral; });
-  predicted.d_inner = each_of([&](std::size_t i) { return inner[i].density; });
-  predicted.d_outer = each_of([&](std::size_t i) { return outer[i].density; });
   const Four white = model.white + model.white_slope * at.along;
   predicted.contrast = model.black + model.black_slope * at.along - white;
   const Four light = white + predicted.contrast * predicted.dark;
-  std::array<ToneCurve::Point, 4> points;
-  for (std::size_t i = 0; i < 4; ++i) points[i] = tone.point_of(light[i]);
-  predicted.sample = each_of([&](std::size_t i) { return points[i].sample; });
-  predicted.slope = each_of([&](std::size_t i) { return points[i].slope; });
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const ToneCurve::Point point = tone.point_of(light[i]);
+    predicted.sample[i] = point.sample;
+    predicted.slope[i] = point.slope;
+  }
   return predicted;
 }
 
-// log(1 + x) for x >= 0 to 1e-4 of itself or better, and continuous: for costs that are compared.
-Four fast_log1p(Four x) {
-  using Bits = std::uint32_t __attribute__((vector_size(16)));
-  using Whole = std::int32_t __attribute__((vector_size(16)));
-  const auto bits = reinterpret_cast<Bits>(1 + x);
-  const Four exponent = __builtin_convertvector(reinterpret_cast<Whole>(bits >> 23U) - 127, Four);
-  const Four m = reinterpret_cast<Four>((bits & 0x7fffffU) | 0x3f800000U) - 1;
-  // Of log(1 + m) on 0 to 1 (Abramowitz and Stegun 4.1.43), made exact at 1.
-  const Four log_mantissa =
-      m *
-      (0.99949556F + m * (-0.49190896F + m * (0.28947478F + m * (-0.13606275F + m * 0.03214854F))));
-  return exponent * 0.69314718F + log_mantissa;
-}
-
 struct NormalEquations {
-  // Its lower triangle.
   Eigen::Matrix<double, kParameters, kParameters> matrix =
       Eigen::Matrix<double, kParameters, kParameters>::Zero();
   Parameters right = Parameters::Zero();
@@ -136,94 +117,63 @@ struct NormalEquations {
   double count = 0;
 };
 
-// What a sample adds to the normal equations, by the root of its weight: the prediction's change
-// with each parameter, and the residual.
-struct Row {
-  std::array<float, kParameters> terms{};
-  float residual = 0;
+// What four samples add to the normal equations, by the root of their weights: the prediction's
+// change with each parameter, and the residual.
+struct WeighedSamples {
+  Eigen::Matrix<float, kParameters, 4> terms;
+  Eigen::Vector4f residual;
+  Four weight;
+  Four cost;
 };
-
-// The samples of one side and the memory to fit them in.
-struct SideSamples {
-  std::vector<EdgeSample> samples;
-  std::vector<FourSamples> fours;
-  std::vector<Row> rows;  // of all samples, filled up to a multiple of four
-
-  explicit SideSamples(std::vector<EdgeSample> of_side)
-      : samples(std::move(of_side)), fours(by_four(samples)), rows(4 * fours.size()) {}
-};
-
-Eigen::Vector4d to_doubles(Four values) {
-  return Eigen::Vector4f(values[0], values[1], values[2], values[3]).cast<double>();
-}
-
-// Adds the products of all rows, in their order.
-void add_products(const std::vector<Row>& rows, NormalEquations& normal) {
-  // Of the lower triangle the upper left, lower left and lower right quarter, by columns.
-  std::array<Four, 4> upper_left{}, lower_left{}, lower_right{};
-  Four right_upper{}, right_lower{};
-  float squares = 0;
-  for (const Row& row : rows) {
-    Four upper, lower;
-    std::memcpy(&upper, row.terms.data(), sizeof upper);
-    std::memcpy(&lower, row.terms.data() + 4, sizeof lower);
-    for (std::size_t i = 0; i < 4; ++i) {
-      upper_left[i] += row.terms[i] * upper;
-      lower_left[i] += row.terms[i] * lower;
-      lower_right[i] += row.terms[4 + i] * lower;
-    }
-    right_upper += row.residual * upper;
-    right_lower += row.residual * lower;
-    squares += row.residual * row.residual;
-  }
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    normal.matrix.col(column).head<4>() = to_doubles(upper_left[i]);
-    normal.matrix.col(column).tail<4>() = to_doubles(lower_left[i]);
-    normal.matrix.col(4 + column).tail<4>() = to_doubles(lower_right[i]);
-  }
-  normal.right << to_doubles(right_upper), to_doubles(right_lower);
-  normal.squares = static_cast<double>(squares);
-}
 
 // Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
-NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const SideLine& side,
-                           double scale, const ToneCurve& tone) {
+WeighedSamples weighed(const StepModel& model, const FourSamples& samples, float per_scale) {
+  const Predicted predicted = predict(model, samples);
+  const Four residual = samples.value - predicted.sample;
+  const Four ratio2 = (residual * per_scale).square();
+  WeighedSamples weighed;
+  weighed.weight = samples.weight / (1 + ratio2);
+  weighed.cost = samples.weight * (1 + ratio2).log();
+  const Four root = weighed.weight.sqrt();
+  weighed.residual = (root * residual).matrix();
+  const Four by_light = root * predicted.slope;
+  const Four by_dark = by_light * predicted.contrast;
+  const Four by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
+  const Four by_white = by_light * (1 - predicted.dark), by_black = by_light * predicted.dark;
+  auto row = [&](int parameter) { return weighed.terms.row(parameter).array().transpose(); };
+  row(kPlace) = by_place;
+  row(kTurn) = by_place * samples.along;
+  row(kLogBlur) =
+      by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner);
+  row(kWhite) = by_white;
+  row(kWhiteSlope) = by_white * samples.along;
+  row(kBlack) = by_black;
+  row(kBlackSlope) = by_black * samples.along;
+  row(kLogStroke) = by_dark * predicted.d_outer * model.stroke_at(samples.along) * model.per_blur;
+  return weighed;
+}
+
+NormalEquations accumulate(const Parameters& p, const SideSamples& samples, const SideLine& side,
+                           double scale) {
   const StepModel model(p, side);
-  const NormalTable& normal_table = NormalTable::get();
   const float per_scale = 1 / static_cast<float>(scale);
-  float cost = 0, total = 0;
-  Row* row = side_samples.rows.data();
-  for (const FourSamples& four : side_samples.fours) {
-    const Predicted predicted = predict(model, four, tone, normal_table);
-    const Four residual = four.value - predicted.sample;
-    const Four ratio = residual * per_scale;
-    const Four weight = four.weight / (1 + ratio * ratio);
-    const Four root = each_of([&](std::size_t i) { return std::sqrt(weight[i]); });
-    const Four by_dark = root * predicted.slope * predicted.contrast;
-    const Four by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
-    const Four by_blur =
-        by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner);
-    const Four by_white = root * predicted.slope * (1 - predicted.dark);
-    const Four by_black = root * predicted.slope * predicted.dark;
-    const Four by_stroke =
-        by_dark * predicted.d_outer * model.stroke_at(four.along) * model.per_blur;
-    const Four by_turn = by_place * four.along, by_white_slope = by_white * four.along,
-               by_black_slope = by_black * four.along;
-    const Four left = root * residual;
-    const Four costs = four.weight * fast_log1p(ratio * ratio);
-    for (std::size_t i = 0; i < 4; ++i, ++row) {
-      // In the order of the parameters.
-      row->terms = {by_place[i],       by_turn[i],  by_blur[i],        by_white[i],
-                    by_white_slope[i], by_black[i], by_black_slope[i], by_stroke[i]};
-      row->residual = left[i];
-      cost += costs[i];
-      total += weight[i];
-    }
+  Four cost = Four::Zero(), total = Four::Zero();
+  float squares = 0;
+  Eigen::Matrix<float, kParameters, kParameters> matrix;
+  matrix.setZero();
+  Eigen::Matrix<float, kParameters, 1> right;
+  right.setZero();
+  for (const FourSamples& four : samples.fours) {
+    const WeighedSamples rows = weighed(model, four, per_scale);
+    matrix.noalias() += rows.terms * rows.terms.transpose();
+    right.noalias() += rows.terms * rows.residual;
+    squares += rows.residual.squaredNorm();
+    cost += rows.cost;
+    total += rows.weight;
   }
-  NormalEquations normal;
-  add_products(side_samples.rows, normal);
-  normal.weight = static_cast<double>(total);
+  NormalEquations normal{matrix.cast<double>(), right.cast<double>()};
+  normal.squares = static_cast<double>(squares);
+  normal.weight = static_cast<double>(total.sum());
   // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
   // is.
   constexpr double kStrokeSigma = 0.6;  // of the logarithm
@@ -231,14 +181,14 @@ NormalEquations accumulate(const Parameters& p, SideSamples& side_samples, const
   const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
   normal.matrix(kLogStroke, kLogStroke) += stroke_weight;
   normal.right[kLogStroke] += stroke_weight * stroke_residual;
-  normal.cost =
-      scale * scale * static_cast<double>(cost) + stroke_weight * stroke_residual * stroke_residual;
-  normal.count = static_cast<double>(side_samples.samples.size());
+  normal.cost = scale * scale * static_cast<double>(cost.sum()) +
+                stroke_weight * stroke_residual * stroke_residual;
+  normal.count = static_cast<double>(samples.samples.size());
   return normal;
 }
 
-Parameters first_guess(const std::vector<EdgeSample>& samples, const SideLine& side,
-                       const ToneCurve& tone) {
+Parameters first_guess(const std::vector<EdgeSample>& samples, const SideLine& side) {
+  const ToneCurve& tone = ToneCurve::srgb();
   double white = 0, black = 0, whites = 0, blacks = 0;
   for (const EdgeSample& sample : samples) {
     const double light = tone.light_of(static_cast<int>(std::lround(sample.value)));
@@ -268,41 +218,36 @@ void constrain(Parameters& p, double stroke) {
 }
 
 // Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
-double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side,
-                   const ToneCurve& tone) {
+double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side) {
   constexpr double kLeast = 3;  // grey levels
   const StepModel model(p, side);
-  const NormalTable& normal = NormalTable::get();
   std::vector<float> residuals;
-  residuals.reserve(4 * samples.fours.size());
   for (const FourSamples& four : samples.fours) {
-    const Four sample = predict(model, four, tone, normal).sample;
-    for (std::size_t i = 0; i < 4; ++i) residuals.push_back(std::abs(four.value[i] - sample[i]));
+    const Four off = (four.value - predict(model, four).sample).abs();
+    residuals.insert(residuals.end(), off.begin(), off.end());
   }
   residuals.resize(samples.samples.size());
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return std::max(kLeast, 2 * static_cast<double>(*middle) / 0.6745);
+  return std::max(kLeast, 2 * static_cast<double>(quantile(residuals, 0.5)) / 0.6745);
 }
 
 struct Solution {
   Parameters parameters;
   NormalEquations normal;
+  double scale = 1;  // of the weights
 };
 
 // Levenberg-Marquardt with the weights' scale held; at most `max_steps` steps.
-Solution minimise(SideSamples& samples, const SideLine& side, Parameters p, double scale,
+Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p, double scale,
                   int max_steps) {
   constexpr double kSettled = 3e-5;  // of the cost: the corners move by less than their noise
-  const ToneCurve& tone = ToneCurve::srgb();
   double damping = 1e-3;
-  NormalEquations normal = accumulate(p, samples, side, scale, tone);
+  NormalEquations normal = accumulate(p, samples, side, scale);
   for (int step = 0; step < max_steps && damping < 1e3; ++step) {
     Eigen::Matrix<double, kParameters, kParameters> matrix = normal.matrix;
     matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
     constrain(next, side.stroke);
-    const NormalEquations tried = accumulate(next, samples, side, scale, tone);
+    const NormalEquations tried = accumulate(next, samples, side, scale);
     if (!(tried.cost < normal.cost)) {
       damping *= 10;
       continue;
@@ -313,17 +258,16 @@ Solution minimise(SideSamples& samples, const SideLine& side, Parameters p, doub
     damping = std::max(1e-6, damping * 0.2);
     if (settled) break;
   }
-  return {p, normal};
+  return {p, normal, scale};
 }
 
 // First with the scale of the guess, then with that of what was found.
-Solution solve_side(SideSamples& samples, const SideLine& side, double start_blur) {
-  const ToneCurve& tone = ToneCurve::srgb();
-  Parameters p = first_guess(samples.samples, side, tone);
+Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
+  Parameters p = first_guess(samples.samples, side);
   p[kLogBlur] = std::log(start_blur);
   constrain(p, side.stroke);
-  p = minimise(samples, side, p, noise_scale(samples, p, side, tone), 4).parameters;
-  return minimise(samples, side, p, noise_scale(samples, p, side, tone), 15);
+  p = minimise(samples, side, p, noise_scale(samples, p, side), 4).parameters;
+  return minimise(samples, side, p, noise_scale(samples, p, side), 15);
 }
 
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
@@ -341,33 +285,30 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
 
 // How far the samples of a fitted side say that its middle is off the bow that it was fitted with:
 // one more parameter, eliminated from the others (a Schur complement).
-SeenSagitta seen_bow(const SideSamples& samples, const Solution& solution) {
+SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Solution& solution) {
   constexpr double kAlike = 1.8;  // compression makes neighbouring pixels' noise alike
   // What a pixel's response and a blurred stroke leave of a straight side's bow, as in
   // corner_covariance.
   constexpr double kUnexplained = 0.012;
   constexpr double kBlurred = 0.3;
   const NormalEquations& normal = solution.normal;
-  const auto count = static_cast<Eigen::Index>(samples.samples.size());
+  const StepModel model(solution.parameters, side);
+  const auto count = static_cast<Eigen::Index>(4 * samples.fours.size());
   Eigen::VectorXf by_bow(count);
   Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows(count, kParameters + 1);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Row& row = samples.rows[static_cast<std::size_t>(i)];
-    const float s = samples.samples[static_cast<std::size_t>(i)].along;
-    by_bow[i] = row.terms[kPlace] * (1 - s * s);
-    for (Eigen::Index k = 0; k < kParameters; ++k) {
-      rows(i, k) = row.terms[static_cast<std::size_t>(k)];
-    }
-    rows(i, kParameters) = row.residual;
+  for (Eigen::Index i = 0; i < count; i += 4) {
+    const FourSamples& four = samples.fours[static_cast<std::size_t>(i / 4)];
+    const WeighedSamples here = weighed(model, four, 1 / static_cast<float>(solution.scale));
+    rows.middleRows<4>(i) << here.terms.transpose(), here.residual;
+    by_bow.segment<4>(i) =
+        here.terms.row(kPlace).transpose().cwiseProduct((1 - four.along.square()).matrix());
   }
   const Eigen::Matrix<double, kParameters + 1, 1> products =
       (rows.transpose() * by_bow).cast<double>();
   const Parameters right =
       (rows.leftCols<kParameters>().transpose() * rows.col(kParameters)).cast<double>();
   const Parameters shared = products.head<kParameters>();
-  const Eigen::Matrix<double, kParameters, kParameters> matrix =
-      normal.matrix.selfadjointView<Eigen::Lower>();
-  const Parameters eliminated = matrix.ldlt().solve(shared);
+  const Parameters eliminated = normal.matrix.ldlt().solve(shared);
   const double information = static_cast<double>(by_bow.squaredNorm()) - shared.dot(eliminated);
   if (!(information > 0)) return {};
   const double noise = std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
@@ -406,7 +347,7 @@ bool stays_near(const Solution& solution, const SideLine& side) {
 // for its place: where a side's blur differs from its neighbours', theirs is tried as the start.
 constexpr double kStartBlur = 0.6;  // pixels
 
-SideFit fit_again(SideSamples& samples, const SideLine& side, double start_blur,
+SideFit fit_again(const SideSamples& samples, const SideLine& side, double start_blur,
                   const Solution& first) {
   const Solution second = solve_side(samples, side, start_blur);
   const bool better =
@@ -451,7 +392,7 @@ FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled,
   const double common_blur = (blurs[1] + blurs[2]) / 2;  // logarithm of
   FrameFit result;
   for (std::size_t i = 0; i < 4; ++i) {
-    result.bows[i] = seen_bow(samples[i], solutions[i]);
+    result.bows[i] = seen_bow(samples[i], lines[i], solutions[i]);
     const bool alike = std::abs(solutions[i].parameters[kLogBlur] - common_blur) < 0.25;
     const SideFit fit = alike
                             ? describe(solutions[i], lines[i])
@@ -620,15 +561,15 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
-    SideSamples samples(edge_samples(image, lines[i]));
+    const SideSamples samples(edge_samples(image, lines[i]));
     if (samples.samples.size() < 2 * kParameters) continue;
     const Solution solution = solve_side(samples, lines[i], kStartBlur);
     if (!stays_near(solution, lines[i])) continue;
+    const double doubt = bow_doubt(seen_bow(samples, lines[i], solution));
     const SideFit fit = describe(solution, lines[i]);
     lines[i] = fit.line;
     frame.sides[i] = fit.side;
     frame.shown[i] = true;
-    const double doubt = bow_doubt(seen_bow(samples, solution));
     frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
     most_doubt = std::max(most_doubt, doubt);
   }

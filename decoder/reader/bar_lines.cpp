@@ -6,32 +6,36 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <numbers>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "decoder/scan/running.hpp"
-#include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith {
 namespace {
 
-// Four neighbouring pixels side by side, in the compiler's own vectors.
-using Floats = float __attribute__((vector_size(4 * sizeof(float))));
-
 // Weights of the pixels before, at, after and two after a place at `t` of the way (Keys 1981,
 // a = -1/2). Linear interpolation would blur most halfway between pixels, which at one or two
 // pixels a module looks like other bars.
-constexpr Floats kConstant{0, 1, 0, 0};
-constexpr Floats kLinear{-0.5F, 0, 0.5F, 0};
-constexpr Floats kSquare{1, -2.5F, 2, -0.5F};
-constexpr Floats kCube{-0.5F, 1.5F, -1.5F, 0.5F};
+Eigen::Array4f cubic_weights(float t) {
+  using Four = Eigen::Array4f;
+  return Four(0, 1, 0, 0) +
+         t * (Four(-0.5F, 0, 0.5F, 0) +
+              t * (Four(1, -2.5F, 2, -0.5F) + t * Four(-0.5F, 1.5F, -1.5F, 0.5F)));
+}
 
-Floats cubic_weights(float t) { return kConstant + t * (kLinear + t * (kSquare + t * kCube)); }
-
-float sum_of(Floats values) { return (values[0] + values[1]) + (values[2] + values[3]); }
+// Light between the pixels of which `row_of(j)` gives the four in row j of four.
+template <class RowOf>
+float interpolated(const RowOf& row_of, float across, float down) {
+  const Eigen::Array4f weights = cubic_weights(down);
+  Eigen::Array4f columns = weights[0] * row_of(0);
+  for (int j = 1; j < 4; ++j) columns += weights[j] * row_of(j);
+  return (cubic_weights(across) * columns).sum();
+}
 
 // Beyond the image its border pixels continue.
 float light_at(const SampledLight& light, PixelPoint at) {
@@ -39,21 +43,27 @@ float light_at(const SampledLight& light, PixelPoint at) {
   const double y = std::clamp(at.y, 0.0, light.height() - 1.0);
   const int left = static_cast<int>(x);
   const int top = static_cast<int>(y);
-  const Floats across = cubic_weights(static_cast<float>(x - left));
-  const Floats down = cubic_weights(static_cast<float>(y - top));
-  Floats columns{};
-  for (int j = 0; j < 4; ++j) {
+  const auto row_of = [&](int j) {
     const float* row = light.row(std::clamp(top + j - 1, 0, light.height() - 1));
-    Floats pixels{};
+    Eigen::Array4f pixels;
     for (int i = 0; i < 4; ++i) pixels[i] = row[std::clamp(left + i - 1, 0, light.width() - 1)];
-    columns += down[j] * pixels;
-  }
-  return sum_of(across * columns);
+    return pixels;
+  };
+  return interpolated(row_of, static_cast<float>(x - left), static_cast<float>(y - top));
 }
 
 // Whether all pixels that light_at takes are the image's.
 bool is_inside(const SampledLight& light, PixelPoint at) {
   return at.x >= 1 && at.y >= 1 && at.x < light.width() - 2 && at.y < light.height() - 2;
+}
+
+// The same for such a place.
+float light_inside(const SampledLight& light, PixelPoint at) {
+  const int left = static_cast<int>(at.x), top = static_cast<int>(at.y);
+  const float* corner = light.row(top - 1) + left - 1;
+  const std::ptrdiff_t width = light.width();
+  const auto row_of = [&](int j) { return Eigen::Map<const Eigen::Array4f>(corner + j * width); };
+  return interpolated(row_of, static_cast<float>(at.x - left), static_cast<float>(at.y - top));
 }
 
 // A thin line: its samples are taken at start + i * step.
@@ -63,100 +73,6 @@ struct ThinLine {
 
   PixelPoint at(std::size_t i) const { return start + static_cast<double>(i) * step; }
 };
-
-// Eight samples at a time, in the compiler's own vectors.
-constexpr std::size_t kTogether = 8;
-using Eight = float __attribute__((vector_size(kTogether * sizeof(float))));
-using FourDoubles = double __attribute__((vector_size(4 * sizeof(double))));
-using FourInts = std::int32_t __attribute__((vector_size(4 * sizeof(std::int32_t))));
-
-// Samples whose places are found before their light is: a cache's fill.
-constexpr std::size_t kBlock = 64;
-
-// Of a block's places along x or y: the pixels before them, and the weights, by tap, that
-// cubic_weights has there.
-struct Taps {
-  std::array<std::int32_t, kBlock> pixel;
-  std::array<std::array<float, kBlock>, 4> weight;
-};
-
-// Of the `count` places at start + (first + i) * step, in eights.
-inline void find_taps(double start, double step, double first, std::size_t count, Taps& taps) {
-  constexpr FourDoubles kNext{0, 1, 2, 3};
-  for (std::size_t i = 0; i < count; i += kTogether) {
-    const FourDoubles here = start + ((first + static_cast<double>(i)) + kNext) * step;
-    const FourDoubles later = start + ((first + static_cast<double>(i + 4)) + kNext) * step;
-    const FourInts pixel = __builtin_convertvector(here, FourInts);
-    const FourInts later_pixel = __builtin_convertvector(later, FourInts);
-    std::memcpy(&taps.pixel[i], &pixel, sizeof pixel);
-    std::memcpy(&taps.pixel[i + 4], &later_pixel, sizeof pixel);
-    const Floats beyond =
-        __builtin_convertvector(here - __builtin_convertvector(pixel, FourDoubles), Floats);
-    const Floats later_beyond =
-        __builtin_convertvector(later - __builtin_convertvector(later_pixel, FourDoubles), Floats);
-    const Eight t = __builtin_shufflevector(beyond, later_beyond, 0, 1, 2, 3, 4, 5, 6, 7);
-    for (std::size_t tap = 0; tap < 4; ++tap) {
-      const Eight weight =
-          kConstant[tap] + t * (kLinear[tap] + t * (kSquare[tap] + t * kCube[tap]));
-      std::memcpy(&taps.weight[tap][i], &weight, sizeof weight);
-    }
-  }
-}
-
-// Adds to eight samples what their four columns of pixels give by the weights across.
-inline void add_columns(const Floats* columns, const Taps& across, std::size_t first,
-                        float* samples) {
-  const Eight p0 = __builtin_shufflevector(columns[0], columns[4], 0, 1, 2, 3, 4, 5, 6, 7);
-  const Eight p1 = __builtin_shufflevector(columns[1], columns[5], 0, 1, 2, 3, 4, 5, 6, 7);
-  const Eight p2 = __builtin_shufflevector(columns[2], columns[6], 0, 1, 2, 3, 4, 5, 6, 7);
-  const Eight p3 = __builtin_shufflevector(columns[3], columns[7], 0, 1, 2, 3, 4, 5, 6, 7);
-  const Eight a = __builtin_shufflevector(p0, p1, 0, 8, 1, 9, 4, 12, 5, 13);
-  const Eight b = __builtin_shufflevector(p0, p1, 2, 10, 3, 11, 6, 14, 7, 15);
-  const Eight c = __builtin_shufflevector(p2, p3, 0, 8, 1, 9, 4, 12, 5, 13);
-  const Eight d = __builtin_shufflevector(p2, p3, 2, 10, 3, 11, 6, 14, 7, 15);
-  std::array<Eight, 4> weights;
-  for (std::size_t tap = 0; tap < 4; ++tap) {
-    std::memcpy(&weights[tap], &across.weight[tap][first], sizeof(Eight));
-  }
-  Eight sum;
-  std::memcpy(&sum, samples, sizeof sum);
-  sum += (weights[0] * __builtin_shufflevector(a, c, 0, 1, 8, 9, 4, 5, 12, 13) +
-          weights[1] * __builtin_shufflevector(a, c, 2, 3, 10, 11, 6, 7, 14, 15)) +
-         (weights[2] * __builtin_shufflevector(b, d, 0, 1, 8, 9, 4, 5, 12, 13) +
-          weights[3] * __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15));
-  std::memcpy(samples, &sum, sizeof sum);
-}
-
-// Adds light_at for those samples from `first` on, before `end`, all inside; as far as eight are
-// left. Returns where it ended.
-TAGSMITH_WIDE std::size_t add_inside(const SampledLight& light, const ThinLine& thin,
-                                     std::size_t first, std::size_t end, float* samples) {
-  const std::ptrdiff_t stride = light.width();
-  const float* corner = light.row(0);
-  Taps across, down;
-  std::array<Floats, kBlock> columns;
-  while (first + kTogether <= end) {
-    const std::size_t count = std::min(kBlock, (end - first) / kTogether * kTogether);
-    const auto at = static_cast<double>(static_cast<std::ptrdiff_t>(first));
-    find_taps(thin.start.x, thin.step.x, at, count, across);
-    find_taps(thin.start.y, thin.step.y, at, count, down);
-    for (std::size_t i = 0; i < count; ++i) {
-      const float* row = corner + (down.pixel[i] - 1) * stride + (across.pixel[i] - 1);
-      std::array<Floats, 4> pixels;
-      for (std::size_t tap = 0; tap < 4; ++tap, row += stride) {
-        std::memcpy(&pixels[tap], row, sizeof(Floats));
-      }
-      columns[i] = ((down.weight[0][i] * pixels[0] + down.weight[1][i] * pixels[1]) +
-                    down.weight[2][i] * pixels[2]) +
-                   down.weight[3][i] * pixels[3];
-    }
-    for (std::size_t i = 0; i < count; i += kTogether) {
-      add_columns(&columns[i], across, i, samples + first + i);
-    }
-    first += count;
-  }
-  return first;
-}
 
 // Adds the light along one thin line to `line`.
 void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanLine& line) {
@@ -171,8 +87,8 @@ void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanL
   while (first < end && !is_inside(light, thin.at(first))) ++first;
   while (end > first && !is_inside(light, thin.at(end - 1))) --end;
   for (std::size_t i = 0; i < first; ++i) line[i] += light_at(light, thin.at(i));
-  first = add_inside(light, thin, first, end, line.data());
-  for (std::size_t i = first; i < line.size(); ++i) line[i] += light_at(light, thin.at(i));
+  for (std::size_t i = first; i < end; ++i) line[i] += light_inside(light, thin.at(i));
+  for (std::size_t i = end; i < line.size(); ++i) line[i] += light_at(light, thin.at(i));
 }
 
 // The thin lines that a thick one is the mean of: how many, and where one of them runs.

@@ -130,7 +130,7 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
     const char* measured;
   };
   std::vector<Case> cases{
-      {"far away", {10.6}, "too-small", "0.46 pixels a module"},
+      {"far away", {10.8}, "too-small", "0.45 pixels a module"},
       {"farther", {11}, "too-small", "pixels a module"},
       {"out of focus", {2}, "blurred", "modules, limit 0.9"},
       {"far out of focus", {2}, "blurred", "modules, limit 0.9"},
