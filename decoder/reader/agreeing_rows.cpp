@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <vector>
 
@@ -137,29 +138,158 @@ bool agrees(const Consensus& with, const RowCell& cell, double variance) {
          beyond * beyond <= kSigmas * kSigmas * variance / static_cast<double>(cell.count);
 }
 
-// One bin of the profile; `seen` is the pixels of all rows.
-ScanBin bin_of(const SymbolRows& symbol, const DarkRows& rows, const Consensus& at,
+// Which cells to leave out, row by row.
+class CellStates {
+ public:
+  CellStates(const DarkRows& rows, const std::vector<Consensus>& consensus, double variance,
+             int per_module)
+      : size_(consensus.size()), states_(rows.rows * size_) {
+    for (std::size_t row = 0; row < rows.rows; ++row) {
+      std::vector<std::size_t> odd;
+      for (std::size_t i = 0; i < size_; ++i) {
+        const RowCell& cell = rows.at(row, consensus[i].bin);
+        if (cell.count == 0 || agrees(consensus[i], cell, variance)) continue;
+        states_[row * size_ + i] |= kOdd;
+        odd.push_back(i);
+      }
+      mark_covers(row, odd, consensus, per_module);
+    }
+  }
+
+  bool is_odd(std::size_t row, std::size_t i) const {
+    return (states_[row * size_ + i] & kOdd) != 0;
+  }
+  bool is_covered(std::size_t row, std::size_t i) const {
+    return (states_[row * size_ + i] & kCovered) != 0;
+  }
+
+ private:
+  static constexpr std::uint8_t kOdd = 1;      // disagrees with the other rows
+  static constexpr std::uint8_t kCovered = 2;  // on a stretch of its row with something in front
+
+  // An occluder disagrees in spaces, if it is dark, and on bars, if it is light: its stretch of a
+  // row is what lies between odd cells that stand close.
+  void mark_covers(std::size_t row, const std::vector<std::size_t>& odd,
+                   const std::vector<Consensus>& consensus, int per_module) {
+    constexpr double kBridge = 4.5;     // modules: more than the widest element
+    constexpr double kLeastRun = 2;     // modules
+    constexpr double kLeastOdd = 0.12;  // of a stretch's cells
+    const auto bin = [&](std::size_t k) { return consensus[odd[k]].bin; };
+    for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
+      if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kBridge * per_module) {
+        continue;
+      }
+      const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
+      if (run >= kLeastRun * per_module && static_cast<double>(k - begin) >= kLeastOdd * run) {
+        // A pixel's width of the occluder's outline belongs to it too.
+        const std::size_t first = odd[begin] - (odd[begin] > 0 ? 1 : 0);
+        const std::size_t last = std::min(odd[k - 1] + 1, size_ - 1);
+        for (std::size_t i = first; i <= last; ++i) states_[row * size_ + i] |= kCovered;
+      }
+      begin = k;
+    }
+  }
+
+  std::size_t size_;
+  std::vector<std::uint8_t> states_;
+};
+
+// Sums over pixels of a bin's rows.
+struct PixelSums {
+  double darkness = 0, place = 0, count = 0;
+
+  void add(const RowCell& cell) {
+    const auto pixels = static_cast<double>(cell.count);
+    darkness += pixels * static_cast<double>(cell.light);
+    place += pixels * static_cast<double>(cell.place);
+    count += pixels;
+  }
+};
+
+// A bin's rows by state.
+struct BinSums {
+  PixelSums clear;         // neither odd nor covered
+  PixelSums even;          // not odd
+  PixelSums covered;       // odd or not
+  double odd = 0;          // pixels
+  double odd_outside = 0;  // of them, outside of covered stretches
+};
+
+std::vector<BinSums> sums_of(const DarkRows& rows, const std::vector<Consensus>& consensus,
+                             const CellStates& states) {
+  std::vector<BinSums> all(consensus.size());
+  for (std::size_t row = 0; row < rows.rows; ++row) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const RowCell& cell = rows.at(row, consensus[i].bin);
+      if (cell.count == 0) continue;
+      const bool odd = states.is_odd(row, i), covered = states.is_covered(row, i);
+      const auto count = static_cast<double>(cell.count);
+      if (covered) all[i].covered.add(cell);
+      if (!odd) all[i].even.add(cell);
+      if (!odd && !covered) all[i].clear.add(cell);
+      if (odd) all[i].odd += count;
+      if (odd && !covered) all[i].odd_outside += count;
+    }
+  }
+  return all;
+}
+
+// Variance of the darkness along the symbol, over a window.
+class Modulation {
+ public:
+  void count(const PixelSums& pixels, double sign) {
+    if (pixels.count == 0) return;
+    const double darkness = pixels.darkness / pixels.count;
+    count_ += sign;
+    sum_ += sign * darkness;
+    squares_ += sign * darkness * darkness;
+  }
+
+  double variance() const {
+    return count_ < 2 ? 0 : std::max(0.0, squares_ / count_ - sum_ * sum_ / (count_ * count_));
+  }
+
+ private:
+  double count_ = 0, sum_ = 0, squares_ = 0;
+};
+
+// Whether a bin's covered cells are to be left out: where they are plain along the symbol and the
+// clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
+// other way round, the clear cells are the occluder.
+std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_module) {
+  constexpr std::size_t kWindow = 4;  // modules to either side
+  constexpr double kPlainer = 0.4;    // variance of covered cells against that of clear ones
+  const std::size_t reach = kWindow * static_cast<std::size_t>(per_module);
+  std::vector<bool> certain(sums.size());
+  Modulation clear, covered;
+  const auto count = [&](const BinSums& bin, double sign) {
+    clear.count(bin.clear, sign);
+    covered.count(bin.covered, sign);
+  };
+  for (std::size_t i = 0; i < std::min(reach, sums.size()); ++i) count(sums[i], 1);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (i + reach < sums.size()) count(sums[i + reach], 1);
+    if (i > reach) count(sums[i - reach - 1], -1);
+    certain[i] = covered.variance() < kPlainer * clear.variance();
+  }
+  return certain;
+}
+
+ScanBin bin_of(const SymbolRows& symbol, const Consensus& at, const BinSums& sums, bool certain,
                double variance) {
   constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
   constexpr double kHidden = 4;         // variance that says nothing
   constexpr double kLeastUsed = 0.2;    // of the bars' height
-  double darkness = 0, place = 0, used = 0, seen = 0;
-  for (std::size_t row = 0; row < rows.rows; ++row) {
-    const RowCell& cell = rows.at(row, at.bin);
-    if (cell.count == 0) continue;
-    const auto count = static_cast<double>(cell.count);
-    seen += count;
-    if (!agrees(at, cell, variance)) continue;
-    darkness += count * static_cast<double>(cell.light);
-    place += count * static_cast<double>(cell.place);
-    used += count;
-  }
-  if (used < kLeastUsed * seen) return {symbol.module_of(at.place), at.median, kHidden, 0};
+  const PixelSums& used = certain ? sums.clear : sums.even;
+  const double odd = certain ? sums.odd_outside : sums.odd;
+  const double seen = sums.even.count + sums.odd;
+  if (used.count < kLeastUsed * seen) return {symbol.module_of(at.place), at.median, kHidden, 0};
   // Where the height disagrees with itself the median may have taken the wrong side: the doubt
   // grows from nothing at full agreement to the whole contrast where half disagrees.
-  const double doubt = std::min(1.0, 2 * (seen - used) / seen);
-  return {symbol.module_of(place / used), darkness / used,
-          variance / used + kModelError * kModelError + doubt * doubt * doubt * doubt, used / seen};
+  const double doubt = std::min(1.0, 2 * odd / (odd + used.count));
+  return {symbol.module_of(used.place / used.count), used.darkness / used.count,
+          variance / used.count + kModelError * kModelError + doubt * doubt * doubt * doubt,
+          used.count / seen};
 }
 
 }  // namespace
@@ -169,9 +299,14 @@ ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& level
   const DarkRows dark = dark_rows(rows, levels, top, bottom);
   const std::vector<Consensus> consensus = consensus_of(dark);
   const double variance = pixel_variance(dark, consensus);
+  const CellStates states(dark, consensus, variance, rows.bins_per_module);
+  const std::vector<BinSums> sums = sums_of(dark, consensus, states);
+  const std::vector<bool> certain = certain_covers(sums, rows.bins_per_module);
   ScanProfile profile;
   profile.reserve(consensus.size());
-  for (const Consensus& at : consensus) profile.push_back(bin_of(rows, dark, at, variance));
+  for (std::size_t i = 0; i < consensus.size(); ++i) {
+    profile.push_back(bin_of(rows, consensus[i], sums[i], certain[i], variance));
+  }
   return profile;
 }
 
