@@ -323,6 +323,11 @@ Result<void> check_options(const LocalizeOptions& options) {
   if (options.smooth && (options.follow || options.method == "paper")) {
     return fail("--smooth needs a whole run (--run) and the headings of --method joint");
   }
+  if (options.smooth && options.explain) {
+    return fail(
+        "--explain tells what makes a single position uncertain, and --smooth joins all of a run: "
+        "leave one of them out");
+  }
   if (options.confirmed && options.method != "joint") {
     return fail("--confirmed needs --method joint: the paper's closed form has nothing to spare");
   }

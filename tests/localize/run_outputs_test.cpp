@@ -150,6 +150,14 @@ TEST_CASE("what cannot be written is refused, and nothing is written") {
   CHECK(fs::is_empty(folder.path()));
 }
 
+TEST_CASE("--smooth with --explain is refused: no option is dropped in silence") {
+  const ProgramOutput both =
+      run_tagsmith(on_survey("corridor", "surveys/corridor/run.csv") + " --smooth --explain");
+  CHECK(both.exit_code == 2);
+  CHECK(both.out.empty());
+  CHECK(both.err.find("--explain") != std::string::npos);
+}
+
 TEST_CASE("--smooth predicts what the cameras did not see") {
   const TemporaryFolder folder;
   const fs::path run = folder.path() / "run.csv";
