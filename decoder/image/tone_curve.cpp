@@ -18,7 +18,10 @@ double decode(double value) {
 }  // namespace
 
 ToneCurve::ToneCurve() {
-  for (std::size_t i = 0; i < light_.size(); ++i) light_[i] = decode(static_cast<double>(i) / 255);
+  for (std::size_t i = 0; i < light_.size(); ++i) {
+    light_[i] = decode(static_cast<double>(i) / 255);
+    light_table_[i] = static_cast<float>(light_[i]);
+  }
   for (std::size_t i = 0; i < sample_.size(); ++i) {
     sample_[i] = 255 * encode(static_cast<double>(i) / kSteps);
     rounded_[i] = static_cast<float>(sample_[i]);

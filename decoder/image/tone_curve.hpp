@@ -16,6 +16,9 @@ class ToneCurve {
 
   double light_of(int sample) const { return light_[static_cast<std::size_t>(sample)]; }
 
+  // The light of every sample, in single precision.
+  const std::array<float, 256>& light_table() const { return light_table_; }
+
   // The sample for an amount of light, not rounded, clamped to 0-255, and d sample / d light there.
   struct Point {
     float sample = 0;
@@ -36,6 +39,7 @@ class ToneCurve {
   ToneCurve();
   static constexpr int kSteps = 4096;
   std::array<double, 256> light_{};
+  std::array<float, 256> light_table_{};  // the same
   std::array<double, kSteps + 2> sample_{};
   std::array<float, kSteps + 2> rounded_{};  // the same, for point_of
 };

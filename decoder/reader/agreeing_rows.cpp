@@ -278,12 +278,12 @@ std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_modul
 ScanBin bin_of(const SymbolRows& symbol, const Consensus& at, const BinSums& sums, bool certain,
                double variance) {
   constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
-  constexpr double kHidden = 4;         // variance that says nothing
   constexpr double kLeastUsed = 0.2;    // of the bars' height
   const PixelSums& used = certain ? sums.clear : sums.even;
   const double odd = certain ? sums.odd_outside : sums.odd;
   const double seen = sums.even.count + sums.odd;
-  if (used.count < kLeastUsed * seen) return {symbol.module_of(at.place), at.median, kHidden, 0};
+  if (used.count < kLeastUsed * seen)
+    return {symbol.module_of(at.place), at.median, kHiddenVariance, 0};
   // Where the height disagrees with itself the median may have taken the wrong side: the doubt
   // grows from nothing at full agreement to the whole contrast where half disagrees.
   const double doubt = std::min(1.0, 2 * odd / (odd + used.count));

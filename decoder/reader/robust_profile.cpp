@@ -43,8 +43,16 @@ void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
   }
 }
 
+// The fine rows of a symbol without what occluders hide. `stroke_px` is the frame's.
+SymbolRows rows_in_sight(const GrayView& image, const Quad& corners, const LensDistortion& lens,
+                         const SymbolLayout& layout, double stroke_px) {
+  SymbolRows rows(image, corners, lens, layout, RowHeight::fine);
+  const double stroke = stroke_share(corners, stroke_px);
+  hide_behind(find_occluders(image, rows.image_from_frame, layout, stroke), rows);
+  return rows;
+}
+
 ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed) {
-  constexpr double kHidden = 4;         // variance that says nothing
   constexpr float kModelError = 0.02F;  // of the contrast
   constexpr float kFewRows = 0.1F;      // of the contrast where hardly a row shows
   constexpr float kLeastShown = 0.05F;
@@ -54,7 +62,7 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
     if (rows.middles[bin] < 0) continue;
     const double place = rows.module_of(static_cast<double>(rows.middles[bin]));
     if (at.weight == 0 || at.shown < kLeastShown) {
-      profile.push_back({place, 0.5, kHidden, 1});
+      profile.push_back({place, 0.5, kHiddenVariance, 1});
       continue;
     }
     const float few = kFewRows * (1 - at.shown) * (1 - at.shown);
@@ -142,11 +150,8 @@ SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
 }
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
-  SymbolRows rows(image_, frame_.corners, lens_, rows_.layout, RowHeight::fine);
   const double stroke_px = (frame_.sides[0].stroke_px + frame_.sides[2].stroke_px) / 2;
-  hide_behind(find_occluders(image_, rows.image_from_frame, rows.layout,
-                             stroke_share(frame_.corners, stroke_px)),
-              rows);
+  SymbolRows rows = rows_in_sight(image_, frame_.corners, lens_, rows_.layout, stroke_px);
   // What a highlight bleaches is plain too: there its rows' own light decides.
   if (added == AddedLight::even) leave_out_plain(rows);
   return finished(profile_of(rows, settle(rows, added).agreed), rows, frame_);
@@ -160,10 +165,7 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   Quad aligned = corners;
   for (int round = 0; round < kRounds; ++round) {
-    SymbolRows rows(image, aligned, lens, layout, RowHeight::fine);
-    hide_behind(
-        find_occluders(image, rows.image_from_frame, layout, stroke_share(aligned, stroke_px)),
-        rows);
+    SymbolRows rows = rows_in_sight(image, aligned, lens, layout, stroke_px);
     leave_out_plain(rows);
     const auto lean = lean_of(rows);
     if (!lean) return corners;

@@ -8,21 +8,6 @@
 #include "decoder/image/tone_curve.hpp"
 
 namespace tagsmith {
-namespace {
-
-// Light of every sample.
-const std::array<float, 256>& light_table() {
-  static const auto table = [] {
-    std::array<float, 256> light{};
-    for (std::size_t i = 0; i < light.size(); ++i) {
-      light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
-    }
-    return light;
-  }();
-  return table;
-}
-
-}  // namespace
 
 SampledLight::SampledLight(const GrayView& image)
     : image_(image), made_(static_cast<std::size_t>(image.height)) {}
@@ -30,7 +15,7 @@ SampledLight::SampledLight(const GrayView& image)
 void SampledLight::make_rows(int first, int last) {
   const auto width = static_cast<std::size_t>(image_.width);
   if (!light_) light_ = std::make_unique_for_overwrite<float[]>(width * made_.size());
-  const std::array<float, 256>& light = light_table();
+  const std::array<float, 256>& light = ToneCurve::srgb().light_table();
   const int end = std::min(last, image_.height - 1) + 1;
   for (int y = std::max(0, first); y < end; ++y) {
     const auto at = static_cast<std::size_t>(y);

@@ -100,17 +100,9 @@ TAGSMITH_WIDE void places_in_unit(const std::array<float, 9>& h, int x, int x_st
   }
 }
 
-std::array<float, 256> light_of_samples() {
-  std::array<float, 256> light{};
-  for (std::size_t i = 0; i < light.size(); ++i) {
-    light[i] = static_cast<float>(ToneCurve::srgb().light_of(static_cast<int>(i)));
-  }
-  return light;
-}
-
 // Sums of the pixels in the cells that hold their centres.
 void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
-  static const std::array<float, 256> kLight = light_of_samples();
+  const std::array<float, 256>& light = ToneCurve::srgb().light_table();
   const PixelBox box = box_of(rows, image);
   const PixelSteps steps = pixel_steps(rows, corners);
   const CellPlaces places(rows);
@@ -126,7 +118,7 @@ void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
       const float bin = u[i] * places.bins_per_width - places.first_bin;
       if (!(row >= 0 && row < row_count && bin >= 0 && bin < bin_count)) continue;
       RowCell& cell = rows.cell(static_cast<std::size_t>(row), static_cast<std::size_t>(bin));
-      cell.light += kLight[*sample];
+      cell.light += light[*sample];
       cell.place += bin;
       cell.count += 1;
     }

@@ -216,7 +216,6 @@ struct Cleaned {
 Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding) {
   constexpr double kTolerance = 0.12;  // of the contrast, beside the noise
   constexpr double kAgreement = 0.85;
-  constexpr double kCoveredVariance = 4;
   Cleaned cleaned{profile, 1};
   std::size_t covered = 0;
   const ImagingModel& image = decoding.fit.image;
@@ -226,7 +225,7 @@ Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding)
     const double residual = std::abs(profile[i].darkness - expected[i]);
     const double contrast = image.black - image.white;
     if (residual < kTolerance * contrast + 3.5 * std::sqrt(profile[i].variance)) continue;
-    cleaned.profile[i].variance = kCoveredVariance;
+    cleaned.profile[i].variance = kHiddenVariance;
     ++covered;
   }
   cleaned.kept = 1 - static_cast<double>(covered) / static_cast<double>(profile.size());

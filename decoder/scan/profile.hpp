@@ -18,6 +18,9 @@ struct ScanBin {
   double spread = 1;
 };
 
+// The variance, in contrasts squared, of a place that says nothing.
+inline constexpr double kHiddenVariance = 4;
+
 // In order of `at`; places that no pixel covers are absent.
 using ScanProfile = std::vector<ScanBin>;
 
