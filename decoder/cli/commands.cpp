@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/commands.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include "decoder/cli/demo_command.hpp"
 #include "decoder/cli/localize_command.hpp"
 #include "decoder/cli/read_command.hpp"
@@ -18,22 +16,15 @@
 #include "tagsmith/cli/print_command.hpp"
 #include "tagsmith/cli/validate_command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-std::vector<Command> add_commands(CLI::App& app) {
-  std::vector<Command> commands{
-      new_command(app),    validate_command(app), draw_command(app),
-      plan_command(app),   export_command(app),   print_command(app, prove_pages),
-      diff_command(app),   read_command(app),     verify_command(app),
-      report_command(app), localize_command(app), simulate_command(app),
-      demo_command(app),
+std::vector<Command> all_commands() {
+  return {
+      new_command(),    validate_command(),         draw_command(),     plan_command(),
+      export_command(), print_command(prove_pages), diff_command(),     read_command(),
+      verify_command(), report_command(),           localize_command(), simulate_command(),
+      demo_command(),
   };
-  for (const Command& command : commands) {
-    for (CLI::Option* option : command.app->get_options()) {
-      if (option->nonpositional()) option->allow_extra_args(false);
-    }
-  }
-  return commands;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,10 +6,9 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-// Adds every command of the program. Each option takes one value each time it is given, so that
-// what follows is a file again: `read --survey mine.yaml a.jpg b.jpg`.
-std::vector<Command> add_commands(CLI::App& app);
+// Every command of the program, in the order of their list.
+std::vector<Command> all_commands();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "decoder/localize/fix.hpp"
@@ -33,7 +32,7 @@
 #include "tagsmith/survey/revision.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -337,23 +336,30 @@ int run(const fs::path& output, int jobs) {
 
 }  // namespace
 
-Command demo_command(CLI::App& parent) {
+Command demo_command() {
   struct Options {
     std::string output = "tagsmith-demo";
     int jobs = 0;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* app = parent.add_subcommand(
-      "demo", "The whole loop on the corridor of Xu et al. (2017): print, verify, read, localize");
-  app->add_option("-o,--output", options->output, "Folder for the files; made if missing")
-      ->type_name("DIR")
-      ->capture_default_str();
-  add_jobs_option(*app, options->jobs, "Files read at once");
-  app->footer(
-      "Exit: 0 all went well, 1 a print or a photo has a finding, 2 the files could not be "
-      "made.\n\n"
-      "Example:\n  tagsmith demo -o demo");
-  return {app, [options] { return run(options->output, options->jobs); }};
+  return {
+      .name = "demo",
+      .summary =
+          "The whole loop on the corridor of Xu et al. (2017): print, verify, read, localize",
+      .options = {{.names = "-o,--output",
+                   .target = &options->output,
+                   .help = "Folder for the files; made if missing",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder,
+                   .shows_default = true},
+                  jobs_option(options->jobs, "Files read at once")},
+      .notes =
+          "Exit: 0 all went well, 1 a print or a photo has a finding, 2 the files could not be "
+          "made.\n\n"
+          "Example:\n"
+          "  tagsmith demo -o demo",
+      .run = [options] { return run(options->output, options->jobs); },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command demo_command(CLI::App& parent);
+Command demo_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/image/heif.hpp"
 #include "tagsmith/base/stream.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -117,4 +117,4 @@ std::string skipped_in_words(const SkippedFiles& skipped) {
   return text + (video ? "; " + std::string(kFramesOfVideo) : "");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Extensions of the pictures that load_gray_image reads, and those, PDF and SVG.
 std::span<const std::string_view> image_extensions();
@@ -38,4 +38,4 @@ Result<FileList> list_files(const std::vector<std::string>& arguments,
 // "2 mp4, 1 pipe", with what to do about videos.
 std::string skipped_in_words(const SkippedFiles& skipped);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

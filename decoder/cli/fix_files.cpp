@@ -15,7 +15,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string csv_number(const std::optional<double>& value) {
@@ -120,4 +120,4 @@ Result<std::string> fixes_tum(const std::vector<Fix>& fixes, const Run& run,
          (mirrored ? "; x is minus the grid's x, which grows to the left" : "") + "\n" + text;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

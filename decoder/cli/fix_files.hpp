@@ -10,7 +10,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A table with a row for each measurement (RFC 4180, lines end with LF), as docs/formats.md says.
 // `fixes[i]` belongs to `measurements[i]`.
@@ -24,4 +24,4 @@ std::string fixes_csv(const std::vector<Fix>& fixes, const std::vector<Measureme
 Result<std::string> fixes_tum(const std::vector<Fix>& fixes, const Run& run,
                               const std::vector<Survey>& surveys);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -150,4 +150,4 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
   return text_of({{"summary", std::move(values)}});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "decoder/localize/fix.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The budget's parts by their names in JSON and tables.
 std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget& budget);
@@ -25,4 +25,4 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 std::string summary_json_line(std::span<const FixSummary> summaries,
                               const std::vector<std::string>& assumed);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

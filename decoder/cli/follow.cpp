@@ -20,7 +20,7 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -115,4 +115,4 @@ int follow(const FollowInput& input) {
   return all_located ? kExitOk : kExitFindings;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

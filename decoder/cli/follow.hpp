@@ -12,7 +12,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct FollowInput {
   const std::vector<Survey>& surveys;
@@ -31,4 +31,4 @@ struct FollowInput {
 // code 0 when every measurement was located, else 1.
 int follow(const FollowInput& input);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -98,4 +98,4 @@ std::string to_json_line(const ImageReadings& readings, const std::vector<Survey
                   {"time_ms", with_decimals(readings.time_ms, 3)}});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

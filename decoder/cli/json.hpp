@@ -9,7 +9,7 @@
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What `read` has to say about one picture.
 struct ImageReadings {
@@ -32,4 +32,4 @@ std::string check_digit_name(const FramelessReading& reading);
 // Without its line end. Bytes of file names that are no UTF-8 become U+FFFD.
 std::string to_json_line(const ImageReadings& readings, const std::vector<Survey>& surveys);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -45,7 +44,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kName = "localize";
@@ -398,58 +397,93 @@ int run_localize(const LocalizeOptions& options) {
 
 }  // namespace
 
-Command localize_command(CLI::App& parent) {
+Command localize_command() {
   const auto options = std::make_shared<LocalizeOptions>();
-  CLI::App* app = parent.add_subcommand(
-      kName, "The vehicle's position at each measurement of a run, from what its cameras saw");
-  app->add_option("surveys", options->surveys, "Survey files of the tunnel (survey.yaml)")
-      ->required()
-      ->type_name("SURVEY");
-  app->add_option("--rig", options->rig, "The vehicle's cameras and range sensors (rig.yaml)")
-      ->required()
-      ->type_name("RIG");
-  app->add_option("--run", options->run, "The measurements: images or distances, and ranges")
-      ->type_name("RUN.csv");
-  app->add_option(
-         "--method", options->method,
-         "joint: one fit to all tags, ranges and the rig's priors; paper: closed form from "
-         "a tag on each wall and the range to the left wall; both: compares")
-      ->check(CLI::IsMember({"joint", "paper", "both"}))
-      ->capture_default_str();
-  app->add_option("--reader", options->reader,
-                  "What reads the images: this program's reader, or the paper's published pipeline")
-      ->check(CLI::IsMember({"tagsmith", "paper"}))
-      ->capture_default_str();
-  app->add_flag("--json", options->json, "One JSON object a line, the summary last");
-  app->add_flag("--explain", options->explain,
-                "What survey, pixels, ranges and calibration contribute to each sigma");
-  app->add_option("--residuals", options->pictures,
-                  "Draw each measurement's residuals: seen against fitted corners")
-      ->type_name("DIR");
-  app->add_flag("--unsurveyed", options->unsurveyed,
-                "Use tags that are not in the survey too, at their coded positions");
-  app->add_flag("--confirmed", options->confirmed,
-                "No position where a wrong plate would go unnoticed: by one tag alone, unless the "
-                "motion (--smooth, --follow) by other tags agrees");
-  app->add_flag("--follow", options->follow,
-                "Read measurements as JSON lines from standard input and answer each at once");
-  app->add_option("-o,--output,--csv", options->csv, "Write the positions to this table too")
-      ->type_name("FIXES.csv");
-  app->add_flag("--smooth", options->smooth,
-                "Fit a motion of steady velocity to the run, fill its gaps; needs the column time");
-  app->add_option("--tum", options->tum,
-                  "Write the trajectory (TUM format); needs the run's column time")
-      ->type_name("FILE");
-  app->add_option("--drawing", options->drawing,
-                  "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg or .png")
-      ->type_name("FILE");
-  add_jobs_option(*app, options->jobs, "Images read at the same time");
-  app->footer(
-      "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: some "
-      "have no\nposition, each with its reason; 2: a survey, rig or run could not be used.\n\n"
-      "Example:\n  tagsmith localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml "
-      "--run surveys/corridor/run.csv");
-  return {app, [options] { return run_localize(*options); }};
+  return {
+      .name = kName,
+      .summary = "The vehicle's position at each measurement of a run, from what its cameras saw",
+      .options = {{.names = "SURVEY",
+                   .target = &options->surveys,
+                   .help = "Survey files of the tunnel (survey.yaml)",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "--rig",
+                   .target = &options->rig,
+                   .help = "The vehicle's cameras and range sensors (rig.yaml)",
+                   .placeholder = "RIG",
+                   .kind = ValueKind::rig,
+                   .required = true},
+                  {.names = "--run",
+                   .target = &options->run,
+                   .help = "The measurements: images or distances, and ranges",
+                   .placeholder = "RUN.csv",
+                   .kind = ValueKind::table},
+                  {.names = "--method",
+                   .target = &options->method,
+                   .help = "joint: one fit to all tags, ranges and the rig's priors; paper: closed "
+                           "form from a tag on each wall and the range to the left wall; both: "
+                           "compares",
+                   .shows_default = true,
+                   .choices = {"joint", "paper", "both"}},
+                  {.names = "--reader",
+                   .target = &options->reader,
+                   .help = "What reads the images: this program's reader, or the paper's published "
+                           "pipeline",
+                   .shows_default = true,
+                   .choices = {"tagsmith", "paper"}},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object a line, the summary last"},
+                  {.names = "--explain",
+                   .target = &options->explain,
+                   .help = "What survey, pixels, ranges and calibration contribute to each sigma"},
+                  {.names = "--residuals",
+                   .target = &options->pictures,
+                   .help = "Draw each measurement's residuals: seen against fitted corners",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder},
+                  {.names = "--unsurveyed",
+                   .target = &options->unsurveyed,
+                   .help = "Use tags that are not in the survey too, at their coded positions"},
+                  {.names = "--confirmed",
+                   .target = &options->confirmed,
+                   .help = "No position where a wrong plate would go unnoticed: by one tag alone, "
+                           "unless the motion (--smooth, --follow) by other tags agrees"},
+                  {.names = "--follow",
+                   .target = &options->follow,
+                   .help = "Read measurements as JSON lines from standard input and answer each at "
+                           "once"},
+                  {.names = "-o,--output,--csv",
+                   .target = &options->csv,
+                   .help = "Write the positions to this table too",
+                   .placeholder = "FIXES.csv",
+                   .kind = ValueKind::file},
+                  {.names = "--smooth",
+                   .target = &options->smooth,
+                   .help = "Fit a motion of steady velocity to the run, fill its gaps; needs the "
+                           "column time"},
+                  {.names = "--tum",
+                   .target = &options->tum,
+                   .help = "Write the trajectory (TUM format); needs the run's column time",
+                   .placeholder = "FILE",
+                   .kind = ValueKind::file},
+                  {.names = "--drawing",
+                   .target = &options->drawing,
+                   .help =
+                       "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg "
+                       "or .png",
+                   .placeholder = "FILE",
+                   .kind = ValueKind::file},
+                  jobs_option(options->jobs, "Images read at the same time")},
+      .notes =
+          "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: "
+          "some have no position, each with its reason; 2: a survey, rig or run could not be "
+          "used.\n\n"
+          "Example:\n"
+          "  tagsmith localize surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml "
+          "--run surveys/corridor/run.csv",
+      .run = [options] { return run_localize(*options); },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

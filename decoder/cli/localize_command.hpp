@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command localize_command(CLI::App& parent);
+Command localize_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "decoder/cli/file_list.hpp"
@@ -27,12 +26,12 @@
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExample = R"(Example:
+constexpr const char* kNotes = R"(Example:
   tagsmith read surveys/corridor/photos --survey surveys/corridor/survey.yaml
 
 --json prints one object an image: image, width, height, tags (digits, check_digit, position,
@@ -217,35 +216,48 @@ int run(const Options& options) {
 
 }  // namespace
 
-Command read_command(CLI::App& parent) {
-  auto options = std::make_shared<Options>();
-  CLI::App* app = parent.add_subcommand("read", "Decode the tags in pictures; needs no survey");
-  app->add_option("image", options->images,
-                  "Pictures, folders of pictures, or - for a list of files on standard input")
-      ->required()
-      ->type_name("IMAGE");
-  app->add_option("--survey", options->surveys,
-                  "Read only the codes of this survey (repeatable); reaches smaller tags")
-      ->type_name("FILE");
-  app->add_option("--check", options->check, "Check digit that a tag must have (default: either)")
-      ->check(CLI::IsMember({"sum10", "gs1"}));
-  app->add_option("--reader", options->reader,
-                  "tagsmith, or paper: the published pipeline, literally, for comparison")
-      ->check(CLI::IsMember({"tagsmith", "paper"}))
-      ->capture_default_str();
-  app->add_option("--frameless", options->frameless,
-                  "Read symbols without a feature frame: fallback (where a picture has no tag with "
-                  "one), always, or never")
-      ->check(CLI::IsMember({"fallback", "always", "never"}))
-      ->capture_default_str();
-  app->add_option("--explain", options->explain,
-                  "Folder for a drawing of each picture: frames, corners, scan lines, digits with "
-                  "their margins, what was refused and why")
-      ->type_name("DIR");
-  app->add_flag("--json", options->json, "One JSON object an image");
-  add_jobs_option(*app, options->jobs, "Pictures read at once");
-  app->footer(kExample);
-  return {app, [options] { return run(*options); }};
+Command read_command() {
+  const auto options = std::make_shared<Options>();
+  return {
+      .name = "read",
+      .summary = "Decode the tags in pictures; needs no survey",
+      .options = {{.names = "IMAGE",
+                   .target = &options->images,
+                   .help = "Pictures, folders of pictures, or - for a list of files on standard "
+                           "input",
+                   .kind = ValueKind::picture,
+                   .required = true},
+                  {.names = "--survey",
+                   .target = &options->surveys,
+                   .help = "Read only the codes of this survey; reaches smaller tags",
+                   .placeholder = "SURVEY",
+                   .kind = ValueKind::survey},
+                  {.names = "--check",
+                   .target = &options->check,
+                   .help = "Check digit that a tag must have (default: either)",
+                   .choices = {"sum10", "gs1"}},
+                  {.names = "--reader",
+                   .target = &options->reader,
+                   .help = "tagsmith, or paper: the published pipeline, literally, for comparison",
+                   .shows_default = true,
+                   .choices = {"tagsmith", "paper"}},
+                  {.names = "--frameless",
+                   .target = &options->frameless,
+                   .help = "Read symbols without a feature frame: fallback (where a picture has no "
+                           "tag with one), always, or never",
+                   .shows_default = true,
+                   .choices = {"fallback", "always", "never"}},
+                  {.names = "--explain",
+                   .target = &options->explain,
+                   .help = "Folder for a drawing of each picture: frames, corners, scan lines, "
+                           "digits with their margins, what was refused and why",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder},
+                  {.names = "--json", .target = &options->json, .help = "One JSON object an image"},
+                  jobs_option(options->jobs, "Pictures read at once")},
+      .notes = kNotes,
+      .run = [options] { return run(*options); },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command read_command(CLI::App& parent);
+Command read_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "decoder/cli/report_files.hpp"
@@ -19,10 +18,10 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kExample = R"(Example:
+constexpr const char* kNotes = R"(Example:
   tagsmith verify --json --crops crops mine/survey.yaml photos > photos.jsonl
   tagsmith report mine/survey.yaml photos.jsonl --html report.html --pdf report.pdf
 
@@ -121,21 +120,34 @@ Result<int> run(const Options& options) {
 
 }  // namespace
 
-Command report_command(CLI::App& parent) {
+Command report_command() {
   auto options = std::make_shared<Options>();
-  CLI::App* app = parent.add_subcommand("report", "Merge what verify runs found into one report");
-  app->add_option("survey", options->survey, "The survey")->required()->type_name("SURVEY");
-  app->add_option("file", options->files, "Output of `verify --json`")
-      ->required()
-      ->type_name("FILE.jsonl");
-  add_report_options(*app, options->report);
-  add_hanging_options(*app, options->hanging);
-  app->add_flag("--json", options->json, "Print the summary as one JSON object");
-  app->footer(kExample);
-  return {app, [options] {
+  Command command{
+      .name = "report",
+      .summary = "Merge what verify runs found into one report",
+      .options = {{.names = "SURVEY",
+                   .target = &options->survey,
+                   .help = "The survey",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "FILE.jsonl",
+                   .target = &options->files,
+                   .help = "Output of `verify --json`",
+                   .kind = ValueKind::json_lines,
+                   .required = true},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "Print the summary as one JSON object"}},
+      .notes = kNotes,
+      .run =
+          [options] {
             const Result<int> code = run(*options);
             return code ? *code : report_failure("report", code.error());
-          }};
+          },
+  };
+  std::ranges::move(report_options(options->report), std::back_inserter(command.options));
+  std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));
+  return command;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

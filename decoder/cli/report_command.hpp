@@ -3,9 +3,9 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // `tagsmith report`: one summary of any number of `verify --json` runs.
-Command report_command(CLI::App& parent);
+Command report_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -20,7 +20,7 @@
 #include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -248,4 +248,4 @@ Result<std::vector<Sheet>> draw_report(const Survey& survey, const VerifyMerge& 
   return lay_out_sheets(block, parts);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

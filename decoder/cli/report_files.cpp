@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "decoder/image/half_size.hpp"
@@ -21,7 +20,7 @@
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,11 +103,22 @@ Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::
 
 }  // namespace
 
-void add_report_options(CLI::App& app, ReportFiles& files) {
-  app.add_option("--html", files.html, "Write the report as a web page that needs nothing else")
-      ->type_name("FILE");
-  app.add_option("--pdf", files.pdf, "Write the report as PDF")->type_name("FILE");
-  app.add_option("--csv", files.csv, "Write a table of the survey's tags")->type_name("FILE");
+std::vector<CommandOption> report_options(ReportFiles& files) {
+  return {{.names = "--html",
+           .target = &files.html,
+           .help = "Write the report as a web page that needs nothing else",
+           .placeholder = "FILE",
+           .kind = ValueKind::file},
+          {.names = "--pdf",
+           .target = &files.pdf,
+           .help = "Write the report as PDF",
+           .placeholder = "FILE",
+           .kind = ValueKind::file},
+          {.names = "--csv",
+           .target = &files.csv,
+           .help = "Write a table of the survey's tags",
+           .placeholder = "FILE",
+           .kind = ValueKind::file}};
 }
 
 void add_report_files(const ReportFiles& report, CommandFiles& files) {
@@ -214,4 +224,4 @@ std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,
   return lines;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,13 +9,10 @@
 #include "decoder/verify/verify_json.hpp"
 #include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/command.hpp"
 #include "tagsmith/render/sheet.hpp"
 
-namespace CLI {
-class App;
-}
-
-namespace tagsmith {
+namespace tagsmith::detail {
 
 class CommandFiles;
 
@@ -29,7 +26,7 @@ struct ReportFiles {
 };
 
 // --html, --pdf and --csv.
-void add_report_options(CLI::App& app, ReportFiles& files);
+std::vector<CommandOption> report_options(ReportFiles& files);
 
 // Names them as outputs of the command.
 void add_report_files(const ReportFiles& report, CommandFiles& files);
@@ -70,4 +67,4 @@ void tell_broken_lines(const std::string& file, const VerifyLineCounts& counts);
 std::vector<std::string> unchecked_and_notes_words(const Completeness& covered,
                                                    const VerifyMerge& merged, std::size_t most);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include "tagsmith/render/tunnel_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 Colour status_colour(const std::string& status) {
   if (status == "ok") return colours::kGreen;
@@ -47,4 +47,4 @@ std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& mer
   return views;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

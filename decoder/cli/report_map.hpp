@@ -8,7 +8,7 @@
 #include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Of the statuses of status_of.
 Colour status_colour(const std::string& status);
@@ -19,4 +19,4 @@ void add_status_mark(SketchLayer& layer, const SketchPoint& at, const std::strin
 // A view for each strip of the tunnel; marks in the layer `status`.
 std::vector<DrawingView> report_map(const Survey& survey, const VerifyMerge& merged);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

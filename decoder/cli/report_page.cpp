@@ -14,7 +14,7 @@
 #include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -415,4 +415,4 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
          "</script>\n</body>\n</html>\n";
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -16,7 +16,7 @@
 #include "decoder/paper/published.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix2d;
@@ -307,4 +307,4 @@ Result<std::vector<Sheet>> draw_run(const Survey& survey, const Rig& rig, const 
   return lay_out_sheets(block, views, {paper, coarsest_plan_scale(survey)});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

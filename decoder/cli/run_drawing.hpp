@@ -12,7 +12,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The tunnel's plan where the run went, with the truth, each fix, its 95 % ellipse and its error
 // (after Figs 17, 20 and 21 of Xu et al. 2017); a chart of the errors; their means, 95 % and
@@ -22,4 +22,4 @@ namespace tagsmith {
 Result<std::vector<Sheet>> draw_run(const Survey& survey, const Rig& rig, const Run& run,
                                     const std::vector<Fix>& fixes, Paper paper = Paper::a3);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

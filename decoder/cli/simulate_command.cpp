@@ -15,7 +15,6 @@
 #include <system_error>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -27,7 +26,6 @@
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/jobs_option.hpp"
-#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -35,7 +33,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -426,57 +424,95 @@ int run_simulate(const SimulateOptions& options) {
   return kExitOk;
 }
 
-void add_camera_options(CLI::App& app, SimulateOptions& options) {
-  app.add_option("--blur", options.blur_px, "Standard deviation of the lens's blur, pixels")
-      ->type_name("PX")
-      ->check(number_between(0, 20))
-      ->capture_default_str();
-  app.add_option("--noise", options.noise, "Standard deviation of the noise at middle grey")
-      ->type_name("LEVELS")
-      ->check(number_between(0, 100))
-      ->capture_default_str();
-  app.add_flag("--linear", options.linear, "Grey levels in proportion to light (default: sRGB)");
-  app.add_option("--seed", options.seed, "Of the noise and of the walls' texture")
-      ->check(number_between(0, 1e18))
-      ->capture_default_str();
-  app.add_option("--format", options.format, "Image format")
-      ->check(CLI::IsMember({"png", "jpg"}))
-      ->capture_default_str();
-  app.add_option("--quality", options.quality, "JPEG quality, 1 to 100")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+std::vector<CommandOption> camera_options(SimulateOptions& options) {
+  return {{.names = "--blur",
+           .target = &options.blur_px,
+           .help = "Standard deviation of the lens's blur, pixels",
+           .placeholder = "PX",
+           .shows_default = true,
+           .least = 0,
+           .greatest = 20},
+          {.names = "--noise",
+           .target = &options.noise,
+           .help = "Standard deviation of the noise at middle grey",
+           .placeholder = "LEVELS",
+           .shows_default = true,
+           .least = 0,
+           .greatest = 100},
+          {.names = "--linear",
+           .target = &options.linear,
+           .help = "Grey levels in proportion to light (default: sRGB)"},
+          {.names = "--seed",
+           .target = &options.seed,
+           .help = "Of the noise and of the walls' texture",
+           .placeholder = "N",
+           .shows_default = true,
+           .least = 0,
+           .greatest = 1e15},
+          {.names = "--format",
+           .target = &options.format,
+           .help = "Image format",
+           .shows_default = true,
+           .choices = {"png", "jpg"}},
+          {.names = "--quality",
+           .target = &options.quality,
+           .help = "JPEG quality, 1 to 100",
+           .placeholder = "N",
+           .shows_default = true,
+           .least = 1,
+           .greatest = 100}};
 }
 
 }  // namespace
 
-Command simulate_command(CLI::App& parent) {
+Command simulate_command() {
   const auto options = std::make_shared<SimulateOptions>();
-  CLI::App* app =
-      parent.add_subcommand(kName, "What the cameras would see along a run, for rehearsals");
-  app->add_option("survey", options->survey, "The tunnel and its tags (survey.yaml)")
-      ->required()
-      ->type_name("SURVEY");
-  app->add_option("--rig", options->rig, "The vehicle's cameras and range sensors (rig.yaml)")
-      ->required()
-      ->type_name("RIG");
-  app->add_option("--run", options->run, "True positions: id, truth_x, truth_y, truth_z, ...")
-      ->required()
-      ->type_name("RUN.csv");
-  app->add_option("-o,--output", options->folder, "Folder for the images, run.csv and truth.json")
-      ->required()
-      ->type_name("DIR");
-  add_camera_options(*app, *options);
-  app->add_flag("--force", options->force, "Write into a folder that is not empty");
-  app->add_flag("--json", options->json, "One JSON object an image, the summary last");
-  add_jobs_option(*app, options->jobs, "Images made at the same time");
-  app->footer(
-      "For each row and camera DIR/ID_CAMERA.png; DIR/run.csv with the ranges measured and the "
-      "truth, for localize;\nDIR/truth.json with each plate's corners in pixels. Without "
-      "truth_heading the vehicle looks along the tunnel.\nLabel text on the plates is not drawn. "
-      "Exit code 0: all files written; 2: wrong use or input, none written.\n\n"
-      "Example:\n  tagsmith simulate surveys/curved/survey.yaml --rig surveys/curved/rig.yaml "
-      "--run surveys/curved/run.csv \\\n    -o rehearsal");
-  return {app, [options] { return run_simulate(*options); }};
+  Command command{
+      .name = kName,
+      .summary = "What the cameras would see along a run, for rehearsals",
+      .options = {{.names = "SURVEY",
+                   .target = &options->survey,
+                   .help = "The tunnel and its tags (survey.yaml)",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "--rig",
+                   .target = &options->rig,
+                   .help = "The vehicle's cameras and range sensors (rig.yaml)",
+                   .placeholder = "RIG",
+                   .kind = ValueKind::rig,
+                   .required = true},
+                  {.names = "--run",
+                   .target = &options->run,
+                   .help = "True positions: id, truth_x, truth_y, truth_z, ...",
+                   .placeholder = "RUN.csv",
+                   .kind = ValueKind::table,
+                   .required = true},
+                  {.names = "-o,--output",
+                   .target = &options->folder,
+                   .help = "Folder for the images, run.csv and truth.json",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder,
+                   .required = true},
+                  {.names = "--force",
+                   .target = &options->force,
+                   .help = "Write into a folder that is not empty"},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object an image, the summary last"},
+                  jobs_option(options->jobs, "Images made at the same time")},
+      .notes =
+          "For each row and camera DIR/ID_CAMERA.png; DIR/run.csv with the ranges measured and the "
+          "truth, for localize; DIR/truth.json with each plate's corners in pixels. Without "
+          "truth_heading the vehicle looks along the tunnel. Label text on the plates is not "
+          "drawn. Exit code 0: all files written; 2: wrong use or input, none written.\n\n"
+          "Example:\n"
+          "  tagsmith simulate surveys/curved/survey.yaml --rig surveys/curved/rig.yaml --run "
+          "surveys/curved/run.csv \\\n"
+          "    -o rehearsal",
+      .run = [options] { return run_simulate(*options); },
+  };
+  std::ranges::move(camera_options(*options), std::back_inserter(command.options));
+  return command;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command simulate_command(CLI::App& parent);
+Command simulate_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

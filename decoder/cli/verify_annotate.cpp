@@ -13,7 +13,7 @@
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/base/checksum.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kPoor = 1.5;  // grades below it are poor
@@ -79,4 +79,4 @@ Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& fol
       copy->bytes};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // NAME-HASH.jpg (of lossless pictures .png) in the folder, HASH being of the whole path: photos of
 // several folders often have one name. Each tag is outlined in the colour of its status, with its
@@ -20,4 +20,4 @@ Result<std::optional<SheetFile>> annotated_copy(const std::filesystem::path& fol
                                                 const InputFile& file,
                                                 const VerifiedFile& verified);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,6 @@
 #include <unistd.h>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/stat.h>
@@ -34,17 +33,16 @@
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/jobs_option.hpp"
-#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExample = R"(Example:
+constexpr const char* kNotes = R"(Example:
   tagsmith verify surveys/corridor/survey.yaml print/*.pdf photos --html report.html
 
 --json prints one object a file: file, tags (tag, status, digits, corners, message, page), findings;
@@ -461,43 +459,67 @@ Result<int> run(Options options) {
 
 }  // namespace
 
-Command verify_command(CLI::App& parent) {
+Command verify_command() {
   auto options = std::make_shared<Options>();
-  CLI::App* app =
-      parent.add_subcommand("verify", "Check print files and photos against the survey");
-  app->add_option("survey", options->survey, "The survey")->required()->type_name("SURVEY");
-  app->add_option(
-         "file", options->files,
-         "Pictures, PDFs, SVGs, folders of them, or - for a list of files on standard input")
-      ->type_name("FILE");
-  app->add_option("--also", options->also,
-                  "Another survey, whose tags are named when they turn up here")
-      ->type_name("SURVEY");
-  app->add_option("--resume", options->resume,
-                  "Skip files whose content an earlier --json run verified against this survey")
-      ->type_name("FILE.jsonl");
-  app->add_option("--crops", options->crops, "Folder for a picture of every faulty tag")
-      ->type_name("DIR");
-  app->add_option("--annotate", options->annotate,
-                  "Folder for a copy of every photo with its tags outlined and named")
-      ->type_name("DIR");
-  add_report_options(*app, options->report);
-  app->add_flag("--complete", options->complete,
-                "Tags of the survey that no file shows are wrong too");
-  app->add_flag("--json", options->json, "One JSON object a file, then the summary");
-  add_jobs_option(*app, options->jobs, "Files read at once");
-  add_hanging_options(*app, options->hanging);
-  app->add_option("--dpi", options->scan_dpi,
-                  "Pictures are flat scans of prints with so many dots per inch, not photos: their "
-                  "printed size is checked, too")
-      ->type_name("DPI")
-      ->check(number_between(10, 10'000))
-      ->excludes("--rig");
-  app->footer(kExample);
-  return {app, [options] {
+  Command command{
+      .name = "verify",
+      .summary = "Check print files and photos against the survey",
+      .options = {{.names = "SURVEY",
+                   .target = &options->survey,
+                   .help = "The survey",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "FILE",
+                   .target = &options->files,
+                   .help = "Pictures, PDFs, SVGs, folders of them, or - for a list of files on "
+                           "standard input",
+                   .kind = ValueKind::file},
+                  {.names = "--also",
+                   .target = &options->also,
+                   .help = "Another survey, whose tags are named when they turn up here",
+                   .placeholder = "SURVEY",
+                   .kind = ValueKind::survey},
+                  {.names = "--resume",
+                   .target = &options->resume,
+                   .help = "Skip files whose content an earlier --json run verified against this "
+                           "survey",
+                   .placeholder = "FILE.jsonl",
+                   .kind = ValueKind::json_lines},
+                  {.names = "--crops",
+                   .target = &options->crops,
+                   .help = "Folder for a picture of every faulty tag",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder},
+                  {.names = "--annotate",
+                   .target = &options->annotate,
+                   .help = "Folder for a copy of every photo with its tags outlined and named",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder},
+                  {.names = "--complete",
+                   .target = &options->complete,
+                   .help = "Tags of the survey that no file shows are wrong too"},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object a file, then the summary"},
+                  {.names = "--dpi",
+                   .target = &options->scan_dpi,
+                   .help = "Pictures are flat scans of prints with so many dots per inch, not "
+                           "photos: their printed size is checked, too",
+                   .placeholder = "DPI",
+                   .least = 10,
+                   .greatest = 10'000,
+                   .excludes = {"--rig"}},
+                  jobs_option(options->jobs, "Files read at once")},
+      .notes = kNotes,
+      .run =
+          [options] {
             const Result<int> code = run(*options);
             return code ? *code : report_failure("verify", code.error());
-          }};
+          },
+  };
+  std::ranges::move(report_options(options->report), std::back_inserter(command.options));
+  std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));
+  return command;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command verify_command(CLI::App& parent);
+Command verify_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,17 +4,15 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string verdict_in_words(const HungTag& tag) {
@@ -49,31 +47,34 @@ void print_in_words(const HungTag& tag) {
 
 }  // namespace
 
-void add_hanging_options(CLI::App& app, HangingOptions& options) {
-  CLI::Option* rig =
-      app.add_option(
-             "--rig", options.rig,
-             "The cameras that took the photos: tells where tags hang that are seen together")
-          ->type_name("RIG");
-  CLI::Option* camera =
-      app.add_option(
-             "--camera", options.camera,
-             "The rig's camera that took all photos, each by itself (default: the one whose "
-             "name stands in the file's name)")
-          ->type_name("NAME")
-          ->needs(rig);
-  app.add_option("--run", options.run,
-                 "Run file that says which camera took which photo, and which were taken together; "
-                 "without FILE its photos are verified")
-      ->type_name("RUN.csv")
-      ->needs(rig)
-      ->excludes(camera);
-  app.add_option("--tolerance", options.tolerance_mm,
-                 "Farthest that a corner of a tag's frame may be from its place, in mm")
-      ->type_name("MM")
-      ->capture_default_str()
-      ->check(number_between(0.1, 1000))
-      ->needs(rig);
+std::vector<CommandOption> hanging_options(HangingOptions& options) {
+  return {{.names = "--rig",
+           .target = &options.rig,
+           .help = "The cameras that took the photos: tells where tags hang that are seen together",
+           .placeholder = "RIG",
+           .kind = ValueKind::rig},
+          {.names = "--camera",
+           .target = &options.camera,
+           .help = "The rig's camera that took all photos, each by itself (default: the one whose "
+                   "name stands in the file's name)",
+           .placeholder = "NAME",
+           .needs = {"--rig"}},
+          {.names = "--run",
+           .target = &options.run,
+           .help = "Run file that says which camera took which photo, and which were taken "
+                   "together; without FILE its photos are verified",
+           .placeholder = "RUN.csv",
+           .kind = ValueKind::table,
+           .needs = {"--rig"},
+           .excludes = {"--camera"}},
+          {.names = "--tolerance",
+           .target = &options.tolerance_mm,
+           .help = "Farthest that a corner of a tag's frame may be from its place, in mm",
+           .placeholder = "MM",
+           .shows_default = true,
+           .least = 0.1,
+           .greatest = 1000,
+           .needs = {"--rig"}}};
 }
 
 Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
@@ -131,4 +132,4 @@ void print_hanging(const HungTags& hung) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

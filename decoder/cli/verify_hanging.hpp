@@ -8,13 +8,10 @@
 
 #include "decoder/verify/hanging_check.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/command.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace CLI {
-class App;
-}
-
-namespace tagsmith {
+namespace tagsmith::detail {
 
 class CommandFiles;
 
@@ -25,7 +22,7 @@ struct HangingOptions {
   double tolerance_mm = 1e3 * kHangTolerance;
 };
 
-void add_hanging_options(CLI::App& app, HangingOptions& options);
+std::vector<CommandOption> hanging_options(HangingOptions& options);
 
 // What the options say; nothing without --rig. The files are named as inputs of the command, and
 // the photos of the run are `photos`.
@@ -44,4 +41,4 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
 // One line a checked tag, for people.
 void print_hanging(const HungTags& hung);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

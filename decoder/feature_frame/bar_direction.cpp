@@ -7,7 +7,7 @@
 
 #include "decoder/image/bilinear.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kPlaces = 80;
@@ -55,4 +55,4 @@ BarSteps bar_steps(const GrayView& image, const Quad& quad) {
           mean_step(image, [&](double u, double v) { return map(v, u); })};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How much the grey level changes along the sides 0 and 2 (`along`) and along the sides 1 and 3
 // (`across`), averaged over the other direction so that only what runs through counts: mean
@@ -17,4 +17,4 @@ struct BarSteps {
 
 BarSteps bar_steps(const GrayView& image, const Quad& quad);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 
 #include "decoder/feature_frame/bar_direction.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Chosen by `./dev bench frameless` and `bench photos` on the dark and dirty photos. With strengths
@@ -227,4 +227,4 @@ std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<co
   return regions;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

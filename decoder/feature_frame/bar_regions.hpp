@@ -10,7 +10,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A rectangle full of bars, turned into the direction in which they follow each other, in pixels.
 struct BarRegion {
@@ -54,4 +54,4 @@ struct BarRegionTuning {
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture,
                                         std::span<const Quad> known = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kRowStep = 2;
@@ -264,4 +264,4 @@ TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known
   return mask;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

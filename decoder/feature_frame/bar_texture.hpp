@@ -10,7 +10,7 @@
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Sums over a tile of the absolute differences between neighbouring pixels, of every other row.
 struct Texture {
@@ -63,4 +63,4 @@ inline bool is_directed(const Gradient& gradient, int least_strength) {
 // and texture without a direction.
 TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

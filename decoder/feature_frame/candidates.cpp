@@ -9,7 +9,7 @@
 
 #include "decoder/feature_frame/regions.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The inner edge of a frame whose outer edge this is: strokes are about 4 of 113 modules.
@@ -143,4 +143,4 @@ std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOpti
   return candidates;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

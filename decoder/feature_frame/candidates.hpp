@@ -10,7 +10,7 @@
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // One level of an image pyramid, or of a part of the image.
 struct PyramidLevel {
@@ -44,4 +44,4 @@ struct CandidateOptions {
 // pixel or two.
 std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOptions& options = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/bilinear.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Grey levels at places `step` pixels apart, `half` of them to either side of the middle.
@@ -252,4 +252,4 @@ std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& 
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

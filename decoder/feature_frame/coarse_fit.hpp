@@ -10,7 +10,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A quick look: whether at half the places or more of every side it is white inside, dark on the
 // stroke and white again beyond.
@@ -39,4 +39,4 @@ struct ShownSides {
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
                                              const SideSagittas& bows = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i % 8); }
@@ -74,4 +74,4 @@ CornerCovariance turned(const CornerCovariance& covariance, std::size_t first) {
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

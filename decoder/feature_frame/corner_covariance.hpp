@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct RefinedFrame;
 
@@ -20,4 +20,4 @@ CornerCovariance corner_covariance(const RefinedFrame& frame);
 // The covariance of the corners taken in cyclic order from corner `first` on.
 CornerCovariance turned(const CornerCovariance& covariance, std::size_t first);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

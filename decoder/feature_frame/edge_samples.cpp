@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Pixels near a side, gathered by how far along and how far across they lie: fine across near the
@@ -130,4 +130,4 @@ std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side
   return samples_near(image, side, inward, outward, margin);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The mean of the pixels in one place relative to a side.
 struct EdgeSample {
@@ -21,4 +21,4 @@ struct EdgeSample {
 // to edge, of a thick one the inner part: then its thickness stays as guessed and does not matter.
 std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/line_levels.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // A fall from white to dark on a scan line, in a block's coordinates.
@@ -280,4 +280,4 @@ std::optional<Quad> frame_around(const GrayView& image, const BarRegion& block) 
                      side_line(block, along, -1.0 * across, *left, height, -height)});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Looks outwards from the bars for the straight edges from white to dark that surround them, each
 // shown by about half of its length; what covers the rest does not matter. The inner edge of the
@@ -22,4 +22,4 @@ std::optional<Quad> frame_around(const GrayView& image, const BarRegion& block);
 std::optional<Quad> frame_between(const GrayView& image, const BarRegion& block,
                                   const SideLine& left, const SideLine& right);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

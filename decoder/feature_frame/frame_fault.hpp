@@ -3,7 +3,7 @@
 
 #include <tl/expected.hpp>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Why an outline could not be fitted as the inner edge of a feature frame.
 enum class FrameFault {
@@ -20,4 +20,4 @@ using FrameResult = tl::expected<T, FrameFault>;
 
 inline tl::unexpected<FrameFault> fail(FrameFault fault) { return tl::unexpected(fault); }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 LensDistortion::LensDistortion(const Camera& camera) {
   if (!is_rectilinear(camera)) lens_ = camera;
@@ -245,4 +245,4 @@ void FrameHomography::fit_correction() {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/geometry/camera.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A map between the image and a plane in which straight lines are straight.
 class LensDistortion {
@@ -115,4 +115,4 @@ class FrameHomography {
   std::array<std::array<float, kAlong>, kAcross> by_v_{};
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

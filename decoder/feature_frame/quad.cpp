@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Where the lines a->b and c->d meet; nothing when they are parallel.
@@ -166,4 +166,4 @@ Homography inverse(const Homography& homography) {
            m[3] * m[7] - m[4] * m[6], m[1] * m[6] - m[0] * m[7], m[0] * m[4] - m[1] * m[3]}};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Four corners in order around the quadrilateral, clockwise in the image (y down).
 using Quad = std::array<PixelPoint, 4>;
@@ -55,4 +55,4 @@ Homography homography_to(const Quad& quad);
 // The inverse map: image pixels to the unit square.
 Homography inverse(const Homography& homography);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

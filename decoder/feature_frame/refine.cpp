@@ -17,7 +17,7 @@
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/base/quantile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Four samples at a time.
@@ -587,4 +587,4 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
   return frame;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // One fitted side of the frame, from corner i to corner i+1.
 struct FrameSide {
@@ -50,4 +50,4 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
                                              const std::array<bool, 4>& shown, double hidden_sigma,
                                              const LensDistortion& lens = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

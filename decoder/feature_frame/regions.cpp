@@ -12,7 +12,7 @@
 
 #include "decoder/feature_frame/tile_threshold.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -248,4 +248,4 @@ std::vector<Region> find_regions(const GrayView& image, const RegionOptions& opt
   return kept;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct RegionOptions {
   // A neighbourhood whose contrast is less than this many grey levels is flat, and white.
@@ -44,4 +44,4 @@ struct Region {
 // them that do not touch the image's border.
 std::vector<Region> find_regions(const GrayView& image, const RegionOptions& options = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

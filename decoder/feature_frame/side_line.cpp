@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Corners are clockwise in the image, so the outside is to the left of the direction of travel.
 SideLine side_of(const Quad& quad, std::size_t i) {
@@ -96,4 +96,4 @@ std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides) {
   return is_convex(corners) ? std::optional(corners) : std::nullopt;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How far a side stands outwards from the chord between its ends where a lens bends it:
 // (1 - s^2) (c0 + c1 s + c2 s^2 + ...) pixels at s, which is -1 at the begin and 1 at the end.
@@ -57,4 +57,4 @@ SideLine moved(const SideLine& side, double begin_shift, double end_shift);
 // Where neighbouring sides meet; nothing when they are nearly parallel or do not close.
 std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

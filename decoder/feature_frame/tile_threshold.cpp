@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Samples = std::vector<std::uint8_t>;
@@ -351,4 +351,4 @@ DarkPixels mark_dark(const GrayView& image, TileThresholds thresholds, std::size
   return dark;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

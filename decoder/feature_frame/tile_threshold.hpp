@@ -10,7 +10,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Side of the square tiles, pixels. The threshold sees 3 x 3 tiles, so an edge is found wherever
 // both its sides lie within about two tiles; 8 keeps bars and quiet zones of the smallest readable
@@ -78,4 +78,4 @@ struct DarkPixels {
 // sharpest contrasts in a picture, and its texture and noise are without end.
 DarkPixels mark_dark(const GrayView& image, TileThresholds thresholds, std::size_t max_changes);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kModules = kModuleCount;
@@ -237,4 +237,4 @@ ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& op
   return scan;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

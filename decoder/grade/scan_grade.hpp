@@ -9,7 +9,7 @@
 
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class GradeParameter {
   decode,
@@ -61,4 +61,4 @@ struct ScanGrade {
 // quiet zone to that of the right one.
 ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& options);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

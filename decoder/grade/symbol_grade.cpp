@@ -13,7 +13,7 @@
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kScans = 10;
@@ -188,4 +188,4 @@ std::string to_string(const SymbolGrade& grade) {
   return fmt::format("{:.1f} ({})", grade.grade, to_string(grade.worst));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // True reflectances of two places of the picture, linear in light.
 struct ReflectanceReferences {
@@ -52,4 +52,4 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
 // "3.4 (decodability)"; "4.0" without a blame.
 std::string to_string(const SymbolGrade& grade);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -17,7 +17,7 @@
 #include "decoder/image/png_chunks.hpp"
 #include "decoder/image/upright.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kMaxPixels = 200e6;
@@ -209,4 +209,4 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // An outlined quadrilateral with lines of text on a plate of its colour; its first corner, which is
 // the tag's P, has a disc.
@@ -33,4 +33,4 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
                                           const std::vector<PictureMark>& marks,
                                           const std::vector<std::string>& caption = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Whether a place has pixels on all sides.
 inline bool is_inside(const GrayView& image, PixelPoint at) {
@@ -46,4 +46,4 @@ inline float sample_inside(const GrayView& image, PixelPoint at) {
   return above + fy * (below - above);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -2,34 +2,18 @@
 #include "decoder/image/codecs.hpp"
 
 #include <dlfcn.h>
-#include <type_traits>
 
-#include <opencv2/imgcodecs.hpp>
-
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
-// What is looked up by name below has these types.
-static_assert(std::is_same_v<decltype(Codecs::encode), decltype(&cv::imencode)>);
-static_assert(std::is_same_v<decltype(Codecs::decode),
-                             decltype(static_cast<decltype(Codecs::decode)>(&cv::imdecode))>);
-
-// Names of C++ functions as the compiler writes them (Itanium C++ ABI, section 5.1).
-constexpr const char* kDecode = "_ZN2cv8imdecodeERKNS_11_InputArrayEi";
-constexpr const char* kEncode =
-    "_ZN2cv8imencodeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKNS_11_InputArrayERSt6"
-    "vectorIhSaIhEERKSB_IiSaIiEE";
-
 Result<Codecs> load_codecs() {
-  void* library = dlopen(TAGSMITH_CODECS, RTLD_LAZY | RTLD_LOCAL);
-  if (library == nullptr) return fail(std::string("OpenCV's codecs are missing: ") + dlerror());
-  Codecs codecs;
-  codecs.decode = reinterpret_cast<decltype(codecs.decode)>(dlsym(library, kDecode));
-  codecs.encode = reinterpret_cast<decltype(codecs.encode)>(dlsym(library, kEncode));
-  if (codecs.decode == nullptr || codecs.encode == nullptr) {
-    return fail(TAGSMITH_CODECS " is not the library that this program was built with");
-  }
-  return codecs;
+  // Found by the search path of the program or library that this is linked into.
+  void* module = dlopen("tagsmith_codecs.so", RTLD_LAZY | RTLD_LOCAL);
+  if (module == nullptr) return fail(std::string("OpenCV's codecs are missing: ") + dlerror());
+  const auto table =
+      reinterpret_cast<decltype(&tagsmith_opencv_codecs)>(dlsym(module, "tagsmith_opencv_codecs"));
+  if (table == nullptr) return fail("tagsmith_codecs.so is not the module of this program");
+  return *table();
 }
 
 }  // namespace
@@ -39,4 +23,4 @@ const Result<Codecs>& codecs() {
   return loaded;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

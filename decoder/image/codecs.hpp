@@ -14,7 +14,7 @@ class Mat;
 class _InputArray;
 }  // namespace cv
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Functions of opencv2/imgcodecs.hpp, whose flags and parameters they take; they throw
 // cv::Exception.
@@ -25,7 +25,10 @@ struct Codecs {
                  const std::vector<int>& parameters) = nullptr;  // cv::imencode
 };
 
-// Loads them once, whichever threads ask. Fails when the library is not there.
+// Loads them once, whichever threads ask. Fails when the module tagsmith_codecs.so is not there.
 const Result<Codecs>& codecs();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail
+
+// The one function of that module.
+extern "C" const tagsmith::detail::Codecs* tagsmith_opencv_codecs();

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A view of 8-bit grey samples, row by row; does not own them. Pixel (0, 0) is the upper left one.
 struct GrayView {
@@ -28,4 +28,4 @@ struct GrayImage {
   GrayView view() const { return {samples.data(), width, height, width}; }
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 GrayImage grow_ink(const GrayView& image, int pixels) {
   GrayImage result{image.width, image.height, {}};
@@ -35,4 +35,4 @@ GrayImage exchange_black_and_white(const GrayView& image) {
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

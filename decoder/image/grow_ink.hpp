@@ -4,7 +4,7 @@
 
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The image with everything dark so many pixels wider and higher, or, negative, narrower. The image
 // must not be empty.
@@ -13,4 +13,4 @@ GrayImage grow_ink(const GrayView& image, int pixels);
 // Black for white.
 GrayImage exchange_black_and_white(const GrayView& image);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

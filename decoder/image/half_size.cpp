@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Pairs of samples are taken as one 16-bit number, so that the compiler works on eight or more at a
@@ -39,4 +39,4 @@ GrayImage half_size(const GrayView& image) {
   return half;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

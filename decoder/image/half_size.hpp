@@ -3,9 +3,9 @@
 
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The image at half its size, each pixel the mean of four; an odd last row or column is dropped.
 GrayImage half_size(const GrayView& image);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

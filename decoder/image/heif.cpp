@@ -10,7 +10,7 @@
 
 #include <libheif/heif.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using namespace std::string_view_literals;
@@ -276,4 +276,4 @@ Result<ColourImage> decode_heif_colour(std::string_view bytes, double most_pixel
   return image;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

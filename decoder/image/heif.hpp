@@ -9,7 +9,7 @@
 #include "decoder/image/jpeg.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // True when the bytes begin as a still image of ISO/IEC 23008-12 does, whose pictures are of HEVC
 // or AV1.
@@ -34,4 +34,4 @@ Result<GrayImage> decode_heif(std::string_view bytes, double most_pixels);
 // The same in colour.
 Result<ColourImage> decode_heif_colour(std::string_view bytes, double most_pixels);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

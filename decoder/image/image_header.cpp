@@ -6,7 +6,7 @@
 
 #include "decoder/image/heif.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using namespace std::string_view_literals;
@@ -193,4 +193,4 @@ std::optional<int> exif_orientation(std::string_view bytes) {
   return std::nullopt;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

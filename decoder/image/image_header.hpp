@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct ImageHeader {
   std::uint32_t width = 0;
@@ -25,4 +25,4 @@ std::optional<int> exif_orientation(std::string_view bytes);
 // The same of any format that says it: JPEG by its EXIF, HEIF by its own properties.
 std::optional<int> shown_orientation(std::string_view bytes);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include <cstdio>  // jpeglib.h needs it
 #include <jpeglib.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // libjpeg leaves a file that it cannot decode by a long jump out of its error handler: what lies
@@ -129,4 +129,4 @@ Result<std::optional<DecodedImage>> decode_jpeg(std::string_view bytes, double m
   return std::optional(std::move(decoded));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct DecodedImage {
   GrayImage image;
@@ -39,4 +39,4 @@ struct ColourImage {
 // The same in colour.
 Result<std::optional<ColourImage>> decode_jpeg_colour(std::string_view bytes, double most_pixels);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/image/bilinear.hpp"
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kBlock = 64;  // places at a time
@@ -97,4 +97,4 @@ void sample_line_inside(const GrayView& image, const PlacesOnLine& places,
   sample_floats(image, places, levels);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

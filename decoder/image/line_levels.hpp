@@ -7,7 +7,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Evenly spaced places along a line: place i is at start + (first + i) * spacing * direction.
 struct PlacesOnLine {
@@ -25,4 +25,4 @@ void sample_line(const GrayView& image, const PlacesOnLine& places, std::span<do
 // What sample_inside() gives at each place, all of which must be inside as it asks for.
 void sample_line_inside(const GrayView& image, const PlacesOnLine& places, std::span<float> levels);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -20,7 +20,7 @@
 #include "tagsmith/base/regular_file.hpp"
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = 512U << 20U;
@@ -178,4 +178,4 @@ Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& 
   return write_file(path, *bytes);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/image/jpeg.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The pixels as stored: EXIF orientation is ignored, because calibration and corners refer to the
 // sensor. Colour becomes luma; deeper samples are scaled to 8 bits. Fails on files that are no
@@ -34,4 +34,4 @@ Result<std::string> encode_gray_image(const std::filesystem::path& name, const G
 Result<void> save_gray_image(const std::filesystem::path& path, const GrayView& image,
                              int jpeg_quality = 95);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

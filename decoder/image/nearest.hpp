@@ -8,7 +8,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The grey level of the nearest pixel; nothing beyond the centres of the outermost ones, and for a
 // place that is no number.
@@ -18,4 +18,4 @@ inline std::optional<std::uint8_t> sample_nearest(const GrayView& image, PixelPo
   return image.at(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A pixel position or a difference of two; (0, 0) is the centre of the upper left pixel.
 struct PixelPoint {
@@ -22,4 +22,4 @@ inline double cross(PixelPoint a, PixelPoint b) { return a.x * b.y - a.y * b.x; 
 inline double length(PixelPoint a) { return std::sqrt(dot(a, a)); }
 inline double distance(PixelPoint a, PixelPoint b) { return length(b - a); }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

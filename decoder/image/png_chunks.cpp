@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <zlib.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using namespace std::string_view_literals;
@@ -55,4 +55,4 @@ Result<std::string> png_of_pixels(std::string_view bytes) {
   return fail("its last chunk is missing");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // True for the content of a PNG file.
 bool is_png(std::string_view bytes);
@@ -17,4 +17,4 @@ bool is_png(std::string_view bytes);
 // the file, where a chunk's checksum is wrong or a chunk goes on beyond the file's end.
 Result<std::string> png_of_pixels(std::string_view bytes);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 GrayImage shrunk_to(const GrayView& image, int most) {
   const int longer = std::max(image.width, image.height);
@@ -32,4 +32,4 @@ GrayImage shrunk_to(const GrayView& image, int most) {
   return small;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

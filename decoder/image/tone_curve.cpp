@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double encode(double light) {
@@ -40,4 +40,4 @@ double ToneCurve::sample_of(double light) const {
   return sample_[index] + fraction * (sample_[index + 1] - sample_[index]);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

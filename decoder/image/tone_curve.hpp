@@ -6,7 +6,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // sRGB (IEC 61966-2-1), with samples 0-255 and light 0-1. Blur happens in light, so edges are
 // located there; cameras without the curve are told by the bars, whose widths are known.
@@ -44,4 +44,4 @@ class ToneCurve {
   std::array<float, kSteps + 2> rounded_{};  // the same, for point_of
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

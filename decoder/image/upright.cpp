@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 bool Upright::mirrors() const {
   return orientation == 2 || orientation == 4 || orientation == 5 || orientation == 7;
@@ -46,4 +46,4 @@ GrayImage turn_upright(const GrayView& stored, int orientation) {
   return shown;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

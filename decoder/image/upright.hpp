@@ -5,7 +5,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How a stored picture becomes upright: EXIF orientation 1 to 8 (CIPA DC-008, Orientation).
 struct Upright {
@@ -30,4 +30,4 @@ struct Upright {
 // The picture, or a part of it, as it is to be shown.
 GrayImage turn_upright(const GrayView& stored, int orientation);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix3d;
@@ -158,4 +158,4 @@ double attitude_scatter(const AdjustmentProblem& problem) {
   return most;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 
 #include "decoder/localize/plate_adjustment.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The standard deviation about each axis, radians, that the plates' is not above with a
 // probability of 97.5 %, the pictures considered: a posterior quantile. Plates of one station are
@@ -15,4 +15,4 @@ namespace tagsmith {
 // any other, larger ones ever less. Pictures that tell nothing give 0.55 degrees.
 double attitude_scatter(const AdjustmentProblem& problem);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double mean_of(const std::vector<double>& values) {
@@ -123,4 +123,4 @@ FixSummary summarize(const std::vector<Fix>& fixes, const std::vector<Measuremen
   return summary;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How the vehicle stands, radians.
 struct Attitude {
@@ -144,4 +144,4 @@ struct FixSummary {
 // `fixes[i]` belongs to `measurements[i]`.
 FixSummary summarize(const std::vector<Fix>& fixes, const std::vector<Measurement>& measurements);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

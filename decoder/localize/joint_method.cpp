@@ -18,7 +18,7 @@
 #include "decoder/localize/unchecked.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -487,4 +487,4 @@ Fix localize_jointly(const Observation& observation, const std::vector<Survey>& 
   return fix;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The vehicle's pose.
 //
@@ -35,4 +35,4 @@ namespace tagsmith {
 Fix localize_jointly(const Observation& observation, const std::vector<Survey>& surveys,
                      const Rig& rig);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Index;
@@ -408,4 +408,4 @@ double chi_square_limit(int degrees_of_freedom, double z) {
   return n * std::pow(1 - 2 / (9 * n) + z * std::sqrt(2 / (9 * n)), 3);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

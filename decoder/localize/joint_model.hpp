@@ -15,7 +15,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A range as measured: the least horizontal distance from O to a wall's plates, metres.
 struct WallRange {
@@ -132,4 +132,4 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit);
 // (Wilson and Hilferty 1931).
 double chi_square_limit(int degrees_of_freedom, double z);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

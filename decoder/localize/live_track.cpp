@@ -11,7 +11,7 @@
 #include "decoder/reader/expected_tags.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 bool is_usable(const LiveTrack& track, double time, const MotionModel& motion) {
@@ -145,4 +145,4 @@ Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
   return confirmed ? confirmed_by_motion(std::move(fix)) : fix;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where the vehicle should be, before its images are read.
 struct PosePrior {
@@ -57,4 +57,4 @@ std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
 Fix follow_track(std::optional<LiveTrack>& track, Fix fix, double time,
                  const std::vector<Survey>& surveys, const MotionModel& motion = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

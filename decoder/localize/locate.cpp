@@ -17,7 +17,7 @@
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // An image as far as it has been looked at.
@@ -183,4 +183,4 @@ Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, c
   return locate(std::move(observation), images, surveys, rig, prior);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

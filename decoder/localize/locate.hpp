@@ -15,7 +15,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // An image of a measurement.
 struct CameraImage {
@@ -39,4 +39,4 @@ Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraIm
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior = std::nullopt);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

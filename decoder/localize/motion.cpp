@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Chi-square of four degrees of freedom that one in 10,000 exceeds.
@@ -121,4 +121,4 @@ MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measu
   return update;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

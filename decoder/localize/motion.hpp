@@ -11,7 +11,7 @@
 
 #include "decoder/localize/fix.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How the vehicle moves. Accelerations are white noise: in one second they change a velocity by
 // this standard deviation, in t seconds by sqrt(t) times as much.
@@ -84,4 +84,4 @@ Fix confirmed_by_motion(Fix fix);
 
 double wrapped_angle(double angle);  // radians, within half a turn either way
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The tag, and the index of its survey, that `matches`; all of them.
@@ -195,4 +195,4 @@ Observation observe(const Measurement& measurement, const std::vector<Survey>& s
   return observation;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

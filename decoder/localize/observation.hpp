@@ -19,7 +19,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where a tag's corners lie in an image.
 struct SeenCorners {
@@ -100,4 +100,4 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
                    const ReaderChoice& reader,
                    const std::optional<PosePrior>& prior = std::nullopt);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/geometry/centerline.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::string outside_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position_in_world) {
   const CenterlineAddress address = tunnel.centerline.locate(position_in_world.head<2>());
@@ -29,4 +29,4 @@ std::string outside_tunnel(const Tunnel& tunnel, const Eigen::Vector3d& position
   return {};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

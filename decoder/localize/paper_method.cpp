@@ -21,7 +21,7 @@
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/pair_angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The paper gives both tags one height. A difference this large comes from no survey's noise, and
@@ -391,4 +391,4 @@ Fix localize_by_paper(const Observation& observation, const std::vector<Survey>&
   return with_position(fix, *position, input, *pair, d->sigma, survey);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

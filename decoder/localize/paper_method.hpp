@@ -10,7 +10,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // O by the closed form.
 //
@@ -37,4 +37,4 @@ namespace tagsmith {
 Fix localize_by_paper(const Observation& observation, const std::vector<Survey>& surveys,
                       const Rig& rig);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

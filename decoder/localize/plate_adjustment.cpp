@@ -12,7 +12,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Index;
@@ -583,4 +583,4 @@ bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting) {
   return true;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "decoder/localize/sighting_model.hpp"
 #include "tagsmith/survey/rig.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What a rig's cameras saw at one moment, from one place.
 struct Station {
@@ -88,4 +88,4 @@ std::vector<SinglePose> single_poses(const AdjustmentProblem& problem, const Sig
 // False when none does even at a hundred times the covariance: it must not be used.
 bool make_consistent(const AdjustmentProblem& problem, Sighting& sighting);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "decoder/localize/plate_search.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -477,4 +477,4 @@ Consensus find_consensus(AdjustmentProblem problem, double tolerance) {
   return Judge(std::move(problem), tolerance).run();
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

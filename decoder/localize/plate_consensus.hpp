@@ -9,7 +9,7 @@
 
 #include "decoder/localize/plate_adjustment.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class HangVerdict {
   unchecked,  // never seen together with another plate that hangs as surveyed
@@ -79,4 +79,4 @@ double farthest_corner(const SightedPlate& plate, const PlateOffset& offset);
 // A plate that disagrees by less than the tolerance fits.
 Consensus find_consensus(AdjustmentProblem problem, double tolerance = kHangTolerance);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix2d;
@@ -110,4 +110,4 @@ std::optional<std::array<Pose, 2>> plate_poses(const std::array<Vector3d, 4>& ra
   return poses;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

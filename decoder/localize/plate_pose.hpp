@@ -9,7 +9,7 @@
 
 #include "tagsmith/geometry/pose.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Both camera_from_plate that a rectangle's perspective picture allows, by Infinitesimal
 // Plane-based Pose Estimation (Collins and Bartoli 2014, "Infinitesimal Plane-Based Pose
@@ -23,4 +23,4 @@ namespace tagsmith {
 std::optional<std::array<Pose, 2>> plate_poses(const std::array<Eigen::Vector3d, 4>& rays,
                                                double length, double height);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "decoder/localize/joint_model.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kGate = 3.7;  // normal value that is exceeded once in 10 000
@@ -339,4 +339,4 @@ PlateExplanation explain(AdjustmentProblem problem, const Given& given) {
   return Search(std::move(problem), given).run();
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

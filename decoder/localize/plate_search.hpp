@@ -9,7 +9,7 @@
 
 #include "decoder/localize/plate_adjustment.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 inline constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400
 
@@ -66,4 +66,4 @@ struct Given {
 // those left agree. Of a station left out the pictures of each camera are still used by themselves.
 PlateExplanation explain(AdjustmentProblem problem, const Given& given = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "decoder/localize/outside_tunnel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 using Eigen::Vector3d;
 
@@ -300,4 +300,4 @@ PoseSearch search_poses(JointProblem& problem) {
   return search;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 
 #include "decoder/localize/joint_model.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How many standard deviations the vehicle may stand from what the rig says. With one tag alone
 // the stance is nearly all there is to tell a wrong plate by.
@@ -53,4 +53,4 @@ std::size_t plate_count(const JointFit& fit);
 // The plates (indices in the problem) that the fit rests on.
 std::set<std::size_t> plates_of(const JointFit& fit);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/printable.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kCaption = 60;  // pixels above each image
@@ -81,4 +81,4 @@ std::string residual_picture(const Fix& fix, const Rig& rig) {
   return svg + "</svg>\n";
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -47,4 +47,4 @@ SettledFit settled(const JointProblem& problem, const JointFit& fit) {
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include "decoder/localize/joint_model.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A pose, and how well it is known with everything that survey and rig call uncertain.
 struct SettledFit {
@@ -24,4 +24,4 @@ struct SettledFit {
 // apart, which counts as of the calibration. Why: docs/decisions/0020-unstated-is-not-exact.md.
 SettledFit settled(const JointProblem& problem, const JointFit& fit);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include "decoder/localize/plate_pose.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Index;
@@ -111,4 +111,4 @@ std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
   return poses;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "tagsmith/geometry/observation_model.hpp"
 #include "tagsmith/survey/rig.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A plate of which something was seen.
 struct SightedPlate {
@@ -78,4 +78,4 @@ std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
                                                              const SightedPlate& plate,
                                                              const Sighting& sighting);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 
 #include "decoder/localize/outside_tunnel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kContradictions = 3;  // in a row, after which the motion is doubted, not the fixes
@@ -308,4 +308,4 @@ Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& 
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

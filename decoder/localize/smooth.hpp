@@ -11,7 +11,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Fails, naming the row, when one has no time or not a later one than the row before.
 Result<void> check_times(const Run& run);
@@ -37,4 +37,4 @@ Result<std::vector<Fix>> smooth_fixes(const std::vector<Fix>& fixes, const Run& 
                                       const std::vector<Survey>& surveys, const Rig& rig,
                                       const MotionModel& motion = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Index;
@@ -243,4 +243,4 @@ std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit&
   return unchecked;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_model.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Each kind of mistake that could move the position by more than four of its standard deviations
 // while chi-square stays where right measurements leave it, with how far at most. A mistake is a
@@ -21,4 +21,4 @@ namespace tagsmith {
 std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit& fit,
                                     double variance_factor);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

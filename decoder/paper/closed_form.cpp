@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/pair_circle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Squared lengths this little below zero are rounding of an exact zero (1 um), not inconsistency.
@@ -136,4 +136,4 @@ tl::expected<Eigen::Vector3d, ClosedFormFailure> paper_position(const ClosedForm
   return Eigen::Vector3d(plane->x(), plane->y(), z);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // D, the distance from the camera to corner P, metres, by (6)-(10). `p` and `q` are the projections
 // P' and Q', `centre` the image's centre S, `focal_px` the focal length in pixels (f / (M/m)),
@@ -59,4 +59,4 @@ struct ClosedFormFailure {
 // corridor, and often leaves no real solution, which the paper does not mention.
 tl::expected<Eigen::Vector3d, ClosedFormFailure> paper_position(const ClosedFormInput& input);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

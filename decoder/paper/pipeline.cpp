@@ -16,7 +16,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Histogram = std::array<std::int64_t, 256>;
@@ -307,4 +307,4 @@ ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -17,7 +17,7 @@
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct PixelIndex {
   int x = 0;
@@ -84,4 +84,4 @@ tl::expected<PaperReading, PaperFailure> read_paper(const PaperSegmentation& seg
 // digits that are not in the code book, are a rejection.
 ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

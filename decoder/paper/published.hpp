@@ -4,7 +4,7 @@
 
 #include "tagsmith/geometry/centerline.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Mean errors over the points of an experiment of Xu et al. 2017, metres.
 struct PublishedErrors {
@@ -24,4 +24,4 @@ inline const PublishedErrors& published_errors_for(const Centerline& centerline)
   return kPublishedStraight;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

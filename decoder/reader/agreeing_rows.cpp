@@ -10,7 +10,7 @@
 
 #include "tagsmith/base/quantile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // A quantity over the frame, bilinear between its corners.
@@ -310,4 +310,4 @@ ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& level
   return profile;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

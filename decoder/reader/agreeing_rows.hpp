@@ -8,7 +8,7 @@
 #include "decoder/reader/symbol_rows.hpp"
 #include "decoder/scan/profile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The light of the plate's white and of the frame's black at the ends of the frame's upper and
 // lower sides: at (0,0) (1,0) (1,1) (0,1) of the unit square.
@@ -22,4 +22,4 @@ struct PlateLevels {
 ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
                                 double bottom);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

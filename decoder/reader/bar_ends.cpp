@@ -11,7 +11,7 @@
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kWindows = 8;    // of the symbol, side by side
@@ -345,4 +345,4 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
   return {even ? EndsVerdict::unknown : EndsVerdict::odd, corners, 0, 0};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

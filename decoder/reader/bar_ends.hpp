@@ -11,7 +11,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Bars in the unit square of a quadrilateral, v downwards along the bars.
 struct BarField {
@@ -63,4 +63,4 @@ struct EndsVerdict {
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
                               const SymbolLayout& layout, const LensDistortion& lens = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "decoder/scan/running.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Weights of the pixels before, at, after and two after a place at `t` of the way (Keys 1981,
@@ -267,4 +267,4 @@ bool has_bars(SampledLight& light, const BarRegion& region) {
   return false;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

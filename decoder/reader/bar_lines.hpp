@@ -7,7 +7,7 @@
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A region's own axes: a line runs `across` the bars, and averages `along` them.
 struct LineFrame {
@@ -36,4 +36,4 @@ ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset,
 // symbol does of which at least half shows: a quick look.
 bool has_bars(SampledLight& light, const BarRegion& region);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

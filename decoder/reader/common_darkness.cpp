@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/quantile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Weighted sums along a row, up to each bin.
@@ -366,4 +366,4 @@ SettledRows settle(const SymbolRows& rows, AddedLight added) {
   return settled;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "decoder/reader/symbol_rows.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What the light in front of a row adds within ten modules: the same everywhere, or, under a
 // highlight, what changes from bar to bar.
@@ -85,4 +85,4 @@ struct SettledRows {
 // between their own white and black.
 SettledRows settle(const SymbolRows& rows, AddedLight added);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

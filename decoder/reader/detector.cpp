@@ -10,7 +10,7 @@
 #include "decoder/reader/frame_by_bars.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Source = TagHypothesis::Source;
@@ -395,4 +395,4 @@ FrameCorners Detector::expected_corners(const SymbolHypothesis& symbol) const {
   return again ? corners_by_bars(*again) : aligned.corners;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -24,7 +24,7 @@
 #include "decoder/reader/searched_image.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A place that may hold a tag, and what became of it.
 struct TagHypothesis {
@@ -154,4 +154,4 @@ class Detector {
   std::vector<TagHypothesis> hypotheses_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "decoder/reader/explain.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kPictureWidth = 1600;  // the picture is shown about this wide
@@ -266,4 +266,4 @@ Result<std::string> draw_explanation(const GrayView& image, const Explanation& e
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

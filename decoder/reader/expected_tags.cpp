@@ -10,7 +10,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The frame's inner corners in the image; nothing when one is out of it.
@@ -51,4 +51,4 @@ std::vector<ExpectedTag> expected_tags(const Survey& survey, const Camera& camer
   return expected;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

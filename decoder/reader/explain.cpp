@@ -15,7 +15,7 @@
 #include "decoder/scan/explained.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double cost_of(const ScanProfile& profile, const std::vector<double>& expected) {
@@ -142,4 +142,4 @@ Explanation explain(const ReadResult& result) {
   return explanation;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A symbol's scan profile beside what its digits should look like.
 struct ExplainedSymbol {
@@ -45,4 +45,4 @@ Explanation explain(const ReadResult& result);
 // The explanation drawn over the picture, with a panel for each symbol below: a PNG file's bytes.
 Result<std::string> draw_explanation(const GrayView& image, const Explanation& explanation);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

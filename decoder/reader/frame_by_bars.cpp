@@ -17,7 +17,7 @@
 #include "decoder/reader/bar_ends.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Why: docs/decisions/0005-hidden-frame-sides.md.
@@ -245,4 +245,4 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
                    {std::max(0.35, 0.12 * module_px), 1.2 + 0.006 * height}, lens);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/reader/located_bars.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The frame around bars that were located: these say where the left and right sides are (to half a
 // module or so), the picture where the upper and lower ones; each is then fitted if it shows there.
@@ -24,4 +24,4 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
                                             const Quad& expected, const SymbolLayout& layout,
                                             double module_px, const LensGuess& lens = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -17,7 +17,7 @@
 #include "decoder/scan/running.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kMostRegions = 10;
@@ -409,4 +409,4 @@ ReadResult with_frameless(SearchedImage& picture, const ReadOptions& options, Re
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/searched_image.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Every UPC-A symbol of the image that its bars alone make certain, whatever its rotation; small,
 // blurred and bent ones too. Bars are located by their texture, read line by line with a free
@@ -25,4 +25,4 @@ inline FramelessResult read_frameless(const GrayView& image, const ReadOptions& 
 // that were rejected.
 ReadResult with_frameless(SearchedImage& picture, const ReadOptions& options, ReadResult result);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

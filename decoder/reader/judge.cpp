@@ -12,7 +12,7 @@
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // What speaks against believing the symbol by itself, or nothing.
@@ -181,4 +181,4 @@ Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection) {
   return rejection;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

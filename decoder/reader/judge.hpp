@@ -11,7 +11,7 @@
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Bars that grew or shrank by more are refused, modules: beyond, narrow elements vanish.
 inline constexpr double kMostGrowth = 0.7;
@@ -58,4 +58,4 @@ std::optional<Reading> read_again(const GrayView& image, const Rejection& reject
 // What is told of a symbol that is not believed.
 Rejection rejection_of(SymbolHypothesis symbol, const Objection& objection);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

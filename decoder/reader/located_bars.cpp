@@ -12,7 +12,7 @@
 #include "decoder/reader/region_scan.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Fits the modules of the lines' boundaries; those that most others contradict count little.
@@ -92,4 +92,4 @@ std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& reg
   return bars;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

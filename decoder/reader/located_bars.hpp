@@ -8,7 +8,7 @@
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/sampled_light.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where the bars of a symbol stand, read or not.
 struct LocatedBars {
@@ -32,4 +32,4 @@ struct LocatedBars {
 std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region,
                                        std::span<const LocatedBars> located = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

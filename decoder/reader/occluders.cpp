@@ -12,7 +12,7 @@
 #include "tagsmith/base/quantile.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Places around the bars, clockwise, where the plate should be all white, or all black.
@@ -404,4 +404,4 @@ HiddenWidth hidden_width(const Occluder& occluder, double v) {
   return top <= v && v <= bottom ? width : HiddenWidth{};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

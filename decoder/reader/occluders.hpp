@@ -10,7 +10,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The area between two crossings, clockwise in the unit square of the frame's inside; its corners
 // may lie outside of it.
@@ -41,4 +41,4 @@ std::vector<Occluder> strips_along_bars(const GrayView& image,
                                         const FrameHomography& image_from_frame,
                                         const SymbolLayout& layout, double stroke);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

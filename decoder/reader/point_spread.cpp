@@ -9,7 +9,7 @@
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Distance in the image between bars that are a unit apart, by which a module's width goes.
@@ -71,4 +71,4 @@ void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& la
   for (ScanBin& bin : profile) bin.spread = std::clamp(spread(u_of(bin)), 1 / kMost, kMost);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/quad.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // An outline found in a level, which may be that of a feature frame.
 struct Outline {
@@ -31,4 +31,4 @@ struct RefusedFrame {
 // image.
 using Proposal = std::variant<Outline, RoughFrame, RefusedFrame, BarRegion>;
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -16,7 +16,7 @@
 #include "decoder/image/half_size.hpp"
 #include "decoder/reader/bar_lines.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Frames larger than this are seen in the image at half its size, pixels.
@@ -248,4 +248,4 @@ void propose_bars(SearchContext& search) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/searched_image.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What proposers see and what they share.
 struct SearchContext {
@@ -45,4 +45,4 @@ void propose_refused(SearchContext& search);
 // Bars that no reading explains.
 void propose_bars(SearchContext& search);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

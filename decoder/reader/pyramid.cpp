@@ -7,7 +7,7 @@
 
 #include "decoder/image/half_size.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 Pyramid::Pyramid(const GrayView& image) {
   // Noise halves from level to level, and with it the contrast that stands out from it.
@@ -21,4 +21,4 @@ Pyramid::Pyramid(const GrayView& image) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

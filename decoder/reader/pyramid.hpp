@@ -7,7 +7,7 @@
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A level and what its tiles show.
 struct SearchLevel {
@@ -37,4 +37,4 @@ class Pyramid {
   std::deque<SearchLevel> levels_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

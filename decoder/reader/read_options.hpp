@@ -10,7 +10,7 @@
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A tag that should be in the picture: predicted from a survey and the last position, or seen in
 // the picture before.
@@ -67,4 +67,4 @@ struct ReadOptions {
   bool tell_passed_over = false;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/reader/propose.hpp"
 #include "decoder/reader/searched_image.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // In their order, the cheapest first.
@@ -69,4 +69,4 @@ ReadResult read_tags(const GrayView& image, const ReadOptions& options) {
   return search.result();
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

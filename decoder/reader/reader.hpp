@@ -9,7 +9,7 @@
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // All tags in the image, whatever their rotation and perspective, and what was refused and why.
 ReadResult read_tags(const GrayView& image, const ReadOptions& options = {});
@@ -41,4 +41,4 @@ class TagSearch {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/reader/reading.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string describe(FrameFault fault) {
@@ -82,4 +82,4 @@ std::string describe(const Rejection& rejection) {
 
 std::string describe(const FramelessRejection& rejection) { return describe(rejection.reason); }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

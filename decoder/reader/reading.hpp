@@ -16,7 +16,7 @@
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Which way a tag was read.
 enum class ReadingMethod {
@@ -115,4 +115,4 @@ struct ReadResult {
   FramelessResult frameless{};  // empty unless asked for (ReadOptions::frameless)
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 SymbolPlace place_of(const ElasticAlignment& alignment) {
   const double begin = alignment.boundaries.front();
@@ -159,4 +159,4 @@ RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarReg
   return scan;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

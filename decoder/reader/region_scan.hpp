@@ -12,7 +12,7 @@
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A look of bars that is tried.
 struct BarLook {
@@ -64,4 +64,4 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
 RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
                        ReadLine first, int lines, Wanted wanted);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "decoder/reader/point_spread.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Standard deviation of the point spread across the bars, modules, from the left and right side of
@@ -182,4 +182,4 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
   return aligned;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

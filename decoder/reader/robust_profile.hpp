@@ -11,7 +11,7 @@
 #include "decoder/reader/symbol_rows.hpp"
 #include "decoder/scan/profile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct SymbolProfile {
   ScanProfile bins;
@@ -67,4 +67,4 @@ class RobustProfile {
 Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
                      const SymbolLayout& layout, const LensDistortion& lens = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

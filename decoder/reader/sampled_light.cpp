@@ -7,7 +7,7 @@
 
 #include "decoder/image/tone_curve.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 SampledLight::SampledLight(const GrayView& image)
     : image_(image), made_(static_cast<std::size_t>(image.height)) {}
@@ -27,4 +27,4 @@ void SampledLight::make_rows(int first, int last) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

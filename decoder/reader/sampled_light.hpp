@@ -8,7 +8,7 @@
 
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The light (0-1, of the sRGB tone curve) of an image's pixels, row by row, each row made when it
 // is first wanted. The image's samples must outlive it.
@@ -34,4 +34,4 @@ class SampledLight {
   std::vector<bool> made_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Whether two regions are the same bars, seen at two levels.
@@ -45,4 +45,4 @@ const std::vector<BarRegion>& SearchedImage::bars() {
   return *bars_;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/reader/pyramid.hpp"
 #include "decoder/reader/sampled_light.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // One picture and what all who look for tags and bars in it share, made when it is first wanted.
 // The image's samples must outlive it.
@@ -33,4 +33,4 @@ class SearchedImage {
   std::optional<std::vector<BarRegion>> bars_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

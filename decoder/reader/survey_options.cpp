@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 ReadOptions read_options_for(std::span<const Survey> surveys) {
   ReadOptions options;
@@ -22,4 +22,4 @@ ReadOptions read_options_for(std::span<const Survey> surveys) {
   return options;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,10 +6,10 @@
 #include "decoder/reader/read_options.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How to read the tags of these surveys: their templates' layouts, their codes as the code book,
 // and their check digit where they agree on one.
 ReadOptions read_options_for(std::span<const Survey> surveys);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

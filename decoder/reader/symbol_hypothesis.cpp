@@ -8,7 +8,7 @@
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The best explained hypothesis along the symbol direction(s) that are possible. `profile_of` gives
@@ -119,4 +119,4 @@ FrameCorners corners_of(const SymbolHypothesis& symbol) {
   return corners;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

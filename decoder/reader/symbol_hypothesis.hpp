@@ -15,7 +15,7 @@
 #include "decoder/reader/symbol_layout.hpp"
 #include "decoder/scan/decode.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The symbol that explains best what stands in a frame; whether it is believed is another matter.
 struct SymbolHypothesis {
@@ -72,4 +72,4 @@ FrameCorners corners_by_bars(const SymbolHypothesis& symbol);
 // both ways when that is not clear. Upside down is left to the symbol.
 std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -3,7 +3,7 @@
 
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where the symbol stands inside the feature frame. The default is that of both plates of Xu et al.
 // (2017): 9 modules of white on every side of the bars.
@@ -17,4 +17,4 @@ struct SymbolLayout {
 
 SymbolLayout layout_of(const TagTemplate& tag);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double modules_inside(const SymbolLayout& layout) {
@@ -246,4 +246,4 @@ void leave_out_plain(SymbolRows& rows) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

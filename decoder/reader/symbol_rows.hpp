@@ -11,7 +11,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The pixels of one row and bin.
 struct RowCell {
@@ -58,4 +58,4 @@ struct SymbolRows {
 // Why: docs/decisions/0004-occlusion.md.
 void leave_out_plain(SymbolRows& rows);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/scan/character_costs.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 double CharacterCosts::of(const Characters& characters) const {
   double cost = constant + alone[0][characters[0]];
@@ -11,4 +11,4 @@ double CharacterCosts::of(const Characters& characters) const {
   return cost;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include "decoder/scan/characters.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Sum of squared residuals over variances of the symbol made of any characters:
 // constant + sum of alone[i][c_i] + sum of pair[i][c_i][c_(i+1)]. Light adds up, so this is exact
@@ -21,4 +21,4 @@ struct CharacterCosts {
   double of(const Characters& characters) const;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

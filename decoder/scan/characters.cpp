@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using CharacterModules = std::array<std::uint8_t, kModulesPerDigit>;
@@ -64,4 +64,4 @@ const Alphabet& alphabet_at(std::size_t position) {
   return kHalves[position < 6 ? 0 : 1];
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Seven modules that start and end like a digit's hold two bars and two spaces; there are twenty
 // ways, and UPC-A uses ten. Characters 0-9 are the digits; 10-19 are the same widths backwards: the
@@ -51,4 +51,4 @@ struct Alphabet {
 // Of the characters at a position.
 const Alphabet& alphabet_at(std::size_t position);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Shares beforehand and standard deviations of the modules, in contrasts: print and light are never
@@ -149,4 +149,4 @@ double odds_of_corrupted_digits(const std::array<DigitModules, kDigitCount>& mod
   return odds;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "decoder/scan/characters.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A digit's profile as a quadratic function of the darkness of its modules. The growth of the edges
 // stays as it is: what one edge has of its own must not speak for a digit without it.
@@ -21,4 +21,4 @@ struct DigitModules {
 double odds_of_corrupted_digits(const std::array<DigitModules, kDigitCount>& modules,
                                 const Characters& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -16,7 +16,7 @@
 #include "decoder/scan/symbol_search.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 ScanProfile turned(const ScanProfile& profile) {
   ScanProfile result(profile.rbegin(), profile.rend());
@@ -352,4 +352,4 @@ double log_odds_of_another(const ScanProfile& profile, const Decoding& decoding)
   return (costs.of(digits) - best_symbol(costs, SymbolClass::any).cost) / 2;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

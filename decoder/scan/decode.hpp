@@ -9,7 +9,7 @@
 #include "decoder/scan/symbol_fit.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct DecodeOptions {
   std::optional<CheckDigit> check;    // nothing = either scheme counts as valid
@@ -52,4 +52,4 @@ ScanProfile turned(const ScanProfile& profile);
 // of the same symbol better than these digits, by the decoding's noise: 0 where none does.
 double log_odds_of_another(const ScanProfile& profile, const Decoding& decoding);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kPerModule = kPlacedPerModule;
@@ -544,4 +544,4 @@ std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const Symbol
   return alignment;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "decoder/scan/symbol_places.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How bars look on the line.
 struct BarShape {
@@ -85,4 +85,4 @@ std::optional<ElasticAlignment> align_elastic(const PlacedLine& line, const BarT
 std::optional<ElasticAlignment> align_elastic(const ScanLine& line, const SymbolPlace& place,
                                               const BarTemplates& templates, const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

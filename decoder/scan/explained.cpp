@@ -9,7 +9,7 @@
 #include "decoder/scan/symbol_edges.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Sums over one stretch of a profile.
@@ -81,4 +81,4 @@ double least_explained_digit(const ScanProfile& profile, const ImagingModel& ima
   return least;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The darkness expected at each place of the profile.
 std::vector<double> expected_darkness(const ImagingModel& image, const Digits& digits,
@@ -28,4 +28,4 @@ double explained_by_guards(const ScanProfile& profile, const ImagingModel& image
 double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,
                              const std::vector<double>& expected);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

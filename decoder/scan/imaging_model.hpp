@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
 // 0 and 1.
@@ -16,4 +16,4 @@ struct ImagingModel {
   double shading = 0;  // change of both levels from the middle to the right end
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

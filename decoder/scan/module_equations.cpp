@@ -8,7 +8,7 @@
 #include "decoder/scan/corrupted_digits.hpp"
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kPositions = kDigitCount;
@@ -330,7 +330,7 @@ double ModuleNormalEquations::odds_of_corrupted_digits(const Characters& charact
       }
     }
   }
-  return tagsmith::odds_of_corrupted_digits(digits, characters);
+  return tagsmith::detail::odds_of_corrupted_digits(digits, characters);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "decoder/scan/profile.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The profile as a quadratic function of the light that each module and each edge adds: everything
 // the decoder needs to know of it for one picture of the symbol.
@@ -66,4 +66,4 @@ class ModuleNormalEquations {
   std::vector<float> gram_;  // row a: of the features a, a + 1, ... with a
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/normal.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr float kHalfLength = kModuleCount / 2.0F;
@@ -100,4 +100,4 @@ ModuleLight::ModuleLight(const ScanProfile& profile, const ImagingModel& image)
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // For one picture of the symbol. Does not depend on the profile's variances.
 class ModuleLight {
@@ -44,4 +44,4 @@ class ModuleLight {
   std::vector<float> light_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

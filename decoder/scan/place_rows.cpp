@@ -5,7 +5,7 @@
 
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 PlaceRows filled_rows(float cost) {
   PlaceRows rows;
   for (PlaceRow& row : rows) row.fill(cost);
@@ -59,4 +59,4 @@ float least_of(const PlaceRows& rows) {
   return *std::ranges::min_element(least);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

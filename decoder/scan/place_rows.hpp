@@ -6,7 +6,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 inline constexpr std::size_t kPlaceCount = 51;
 inline constexpr std::size_t kWidthCount = 9;  // local module widths
@@ -38,4 +38,4 @@ float least_sum(const PlaceRow& a, const PlaceRow& b);
 
 float least_of(const PlaceRows& rows);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

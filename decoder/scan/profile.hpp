@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // One place along the symbol.
 struct ScanBin {
@@ -24,4 +24,4 @@ inline constexpr double kHiddenVariance = 4;
 // In order of `at`; places that no pixel covers are absent.
 using ScanProfile = std::vector<ScanBin>;
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Each of the first `count` samples becomes the greater or the less of it and the one `step` later.
@@ -116,4 +116,4 @@ std::vector<float> local_darkness(const std::vector<float>& line, std::size_t wi
   return darkness;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

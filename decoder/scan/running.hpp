@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The greatest and the least sample about each.
 std::vector<float> running_maximum(const std::vector<float>& samples, std::size_t window);
@@ -19,4 +19,4 @@ std::vector<float> running_mean(const std::vector<float>& samples, std::size_t w
 // `window` samples to both sides.
 std::vector<float> local_darkness(const std::vector<float>& line, std::size_t window);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

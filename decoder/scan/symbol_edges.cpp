@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr float kHalfLength = kModuleCount / 2.0F;
@@ -109,4 +109,4 @@ std::vector<BarShare> SymbolEdges::with_derivatives_at(const ScanPlaces& places)
   return shares;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Places of a profile in single precision, quantity by quantity.
 struct ScanPlaces {
@@ -58,4 +58,4 @@ class SymbolEdges {
   float blur_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

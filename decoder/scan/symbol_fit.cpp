@@ -11,7 +11,7 @@
 #include "decoder/scan/symbol_edges.hpp"
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kParameters = 8;
@@ -265,4 +265,4 @@ NuisanceCovariance nuisance_covariance(const ScanProfile& profile, const Imaging
   return slack;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

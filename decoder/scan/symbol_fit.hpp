@@ -11,7 +11,7 @@
 #include "decoder/scan/symbol_edges.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How well a symbol explains a profile.
 struct SymbolFit {
@@ -37,4 +37,4 @@ NuisanceCovariance nuisance_covariance(const ScanProfile& profile, const Imaging
 std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,
                                  const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kPerModule = kPlacedPerModule;
@@ -229,4 +229,4 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
   return placed;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

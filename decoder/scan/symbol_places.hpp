@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Light along a line across the bars, evenly spaced; any unit. Lines are handled in their own
 // samples: sample i covers i to i + 1.
@@ -44,4 +44,4 @@ struct PlacedLine {
 // Nothing when the place leaves no room on the line.
 std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& place);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

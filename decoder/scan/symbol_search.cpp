@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/wide.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kPositions = kDigitCount;
@@ -249,4 +249,4 @@ double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference,
   return total;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

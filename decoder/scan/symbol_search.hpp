@@ -8,7 +8,7 @@
 #include "decoder/scan/character_costs.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Which symbols are looked at.
 enum class SymbolClass {
@@ -49,4 +49,4 @@ double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, Ch
 double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference,
                     std::span<const Digits> book);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Mean of max(0, u - x) for x uniform in [low, high]: the running integral over u of the part of
@@ -118,4 +118,4 @@ void CoverageGrid::integrate() {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Sums of weighted polygon areas. Cell (x, y) is the square [x, x+1] x [y, y+1]. Use: add polygons,
 // then integrate once, then read rows; clear begins again.
@@ -39,4 +39,4 @@ class CoverageGrid {
   std::vector<float> cells_;  // differences between neighbouring cells until integrated
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

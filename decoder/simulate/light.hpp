@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Samples row by row, in units of the light that a perfectly white surface returns under an
 // irradiance of 1.
@@ -39,4 +39,4 @@ struct Lighting {
 // the direction to the lamp that has this cosine; the back of a surface gets no lamp light.
 double irradiance(const Lighting& lighting, double distance, double cosine);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The finaliser of SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number
@@ -75,4 +75,4 @@ double value_noise(std::uint64_t seed, double x, double y) {
   return (1 - v) * upper + v * lower;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // 64 well mixed bits for the `counter`-th draw of a stream.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t counter);
@@ -20,4 +20,4 @@ double gaussian_noise(std::uint64_t seed, std::uint64_t counter);
 // lattice, interpolated with zero slope there.
 double value_noise(std::uint64_t seed, double x, double y);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

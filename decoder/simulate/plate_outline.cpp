@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -128,4 +128,4 @@ std::vector<Vector2d> outline_in_image(const Camera& camera, const ViewingFrustu
   return outline;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The part of space that a camera can see and a little more, as bounds of x/z and y/z and of their
 // distance from the axis.
@@ -33,4 +33,4 @@ std::vector<Eigen::Vector2d> outline_in_image(const Camera& camera, const Viewin
                                               const Pose& camera_from_plate,
                                               const Rectangle& rectangle);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -115,4 +115,4 @@ std::vector<PlateTruth> plate_truths(const Camera& camera, std::span<const Scene
   return truths;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "decoder/simulate/scene.hpp"
 #include "tagsmith/geometry/camera.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct PlateTruth {
   // Inner corners of the feature frame P, F, R (lower right), Q in pixels, also beyond the image's
@@ -43,4 +43,4 @@ std::optional<double> depth_on_plate(const ScenePlate& plate, const Eigen::Vecto
 // Plate coordinates (x right, y down from P) of a point of the plate's plane.
 Eigen::Vector2d point_on_plate(const ScenePlate& plate, const Eigen::Vector3d& point_in_camera);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

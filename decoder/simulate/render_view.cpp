@@ -10,7 +10,7 @@
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/plate_outline.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -458,4 +458,4 @@ Pose camera_from_turned_plate(const Camera& camera, const TagDrawing& drawing,
   return pose;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -21,7 +21,7 @@
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/geometry/pose.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct ViewOptions {
   Lighting lighting;
@@ -53,4 +53,4 @@ Pose camera_from_turned_plate(const Camera& camera, const TagDrawing& drawing,
                               const Eigen::Vector2d& pixel, double distance, double yaw,
                               double pitch, double roll);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Blotches of dust or mud.
 struct Dirt {
@@ -60,4 +60,4 @@ struct Backdrop {
   LightImage depth;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

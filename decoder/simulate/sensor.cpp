@@ -9,7 +9,7 @@
 
 #include "decoder/simulate/noise.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double light_for(SensorTone curve, double level_share) {
@@ -109,4 +109,4 @@ BlurKernel blur_kernel(double sigma_px, int cells_per_px) {
   return kernel;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

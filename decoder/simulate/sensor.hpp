@@ -10,7 +10,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/simulate/light.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class SensorTone {
   linear,
@@ -46,4 +46,4 @@ struct BlurKernel {
 // edge's response off by less than 0.003 of its contrast at 4 cells a pixel and 0.7 px sigma.
 BlurKernel blur_kernel(double sigma_px, int cells_per_px);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

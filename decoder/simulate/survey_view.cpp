@@ -13,7 +13,7 @@
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -138,4 +138,4 @@ std::optional<double> measured_range(const Survey& survey, const RigRange& range
   return measured;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The plates that the camera's image could show were there no walls, and their indices in
 // survey.tags. World frame.
@@ -58,4 +58,4 @@ double distance_to_wall(const Survey& survey, Side wall, const Eigen::Vector3d& 
 std::optional<double> measured_range(const Survey& survey, const RigRange& range,
                                      const Eigen::Vector3d& position_in_world, std::uint64_t seed);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

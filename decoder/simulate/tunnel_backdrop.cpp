@@ -10,7 +10,7 @@
 #include "tagsmith/placement/floor_and_roof.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -191,4 +191,4 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
   return backdrop;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Brick walls that stand `standoff` metres behind the plates' planes (wall_standoff), a rough floor
 // and roof that follow the center line's grade; one ray a pixel, textures softened to the pixel's
@@ -19,4 +19,4 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
                          const Pose& world_from_camera, const Lighting& lighting,
                          std::uint64_t seed);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

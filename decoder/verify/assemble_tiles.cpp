@@ -6,7 +6,7 @@
 
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 int pixels(double metres, double per_metre) {
@@ -46,4 +46,4 @@ Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePag
   return PageImage{std::move(plate), 1 / per_metre, {}};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

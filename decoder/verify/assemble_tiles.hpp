@@ -9,7 +9,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where one tile is drawn.
 struct TilePage {
@@ -23,4 +23,4 @@ struct TilePage {
 Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePage>& pages,
                                  double dots_per_inch = 150);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 
 #include <sys/wait.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kErrorBytes = 64U << 10U;
@@ -122,4 +122,4 @@ Result<ProcessOutput> run_process(const std::vector<std::string>& argv,
   return output;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct ProcessLimits {
   std::chrono::milliseconds time{60'000};  // wall time, then it is killed
@@ -27,4 +27,4 @@ struct ProcessOutput {
 Result<ProcessOutput> run_process(const std::vector<std::string>& argv,
                                   const ProcessLimits& limits = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

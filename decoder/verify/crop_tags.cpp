@@ -7,7 +7,7 @@
 #include "decoder/image/shrink.hpp"
 #include "decoder/image/upright.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& corners,
                                      int orientation) {
@@ -45,4 +45,4 @@ GrayImage small_picture(const GrayView& image, int orientation) {
   return orientation == 1 ? small : turn_upright(small.view(), orientation);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/verify/verified_file.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What is within these corners and half a frame's size more on each side, at most 800 pixels wide,
 // turned upright by the picture's EXIF `orientation`. Nothing of what lies outside of the picture.
@@ -21,4 +21,4 @@ void crop_faults(const GrayView& image, std::vector<VerifiedTag>& tags, int orie
 // The whole picture, no side of it longer than 480 pixels, turned upright.
 GrayImage small_picture(const GrayView& image, int orientation);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

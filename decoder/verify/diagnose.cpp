@@ -16,7 +16,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // What is too narrow to be read is told as seen from the side beyond this incidence, radians.
@@ -390,4 +390,4 @@ std::optional<Diagnosis> diagnose_picture(const GrayView& image) {
   return judge_light(image, {{{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}}, kPicture);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct Diagnosis {
   std::string rule;   // docs/verify-rules.md
@@ -36,4 +36,4 @@ std::optional<Diagnosis> diagnose_light(const GrayView& image, const FrameCorner
 // could have been seen in it.
 std::optional<Diagnosis> diagnose_picture(const GrayView& image);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

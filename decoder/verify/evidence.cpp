@@ -15,7 +15,7 @@
 #include "decoder/verify/diagnose.hpp"
 #include "decoder/verify/mirrored.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // True when the point lies inside the corners' convex outline, whichever way it turns.
@@ -218,4 +218,4 @@ const Survey* home_of(std::span<const Survey> also, const Digits& digits) {
   return home == also.end() ? nullptr : &*home;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -16,7 +16,7 @@
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How a tag came to be seen.
 enum class Sight {
@@ -83,4 +83,4 @@ int differing_digits(const Digits& a, const Digits& b);
 // The other survey that has the tag, or null.
 const Survey* home_of(std::span<const Survey> also, const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

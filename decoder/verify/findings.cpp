@@ -19,7 +19,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // In order of precedence: what a tag is, whether it reads, how it is printed, how it hangs, and
@@ -277,4 +277,4 @@ std::optional<Finding> find_other_file(const PictureEvidence& evidence, const Ta
                              to_string(*seen.tag.digits), fmt::join(names, ", "))};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "decoder/verify/evidence.hpp"
 #include "decoder/verify/verified_file.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Looks at one tag that no finding of higher precedence was made of. `status` of the picture's
 // other tags says which of them are in order so far.
@@ -26,4 +26,4 @@ std::optional<Finding> find_wrong_scale(const PictureEvidence& evidence, const T
 std::optional<Finding> find_repeated(const PictureEvidence& evidence, const TagEvidence& seen);
 std::optional<Finding> find_other_file(const PictureEvidence& evidence, const TagEvidence& seen);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

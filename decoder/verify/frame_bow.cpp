@@ -12,7 +12,7 @@
 #include "decoder/image/line_levels.hpp"
 #include "decoder/image/pixel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kPlaces = 33;  // along a side
@@ -211,4 +211,4 @@ std::optional<Finding> find_bent(const PictureEvidence& evidence, const TagEvide
                              seen.tag.tag, 100 * share, 100 * limit)};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Of the sides P-F, F-R, R-Q, Q-P: how far the middle of the inner edge stands outwards from the
 // line through its ends, pixels (inwards: negative).
@@ -39,4 +39,4 @@ inline constexpr double kMostBendOfUnknownLens = 0.02;
 // The plate of a photo's tag that is bent.
 std::optional<Finding> find_bent(const PictureEvidence& evidence, const TagEvidence& seen);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Mean light of the rectangle's inner half; nothing when a part of it is outside the picture.
@@ -59,4 +59,4 @@ void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verif
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

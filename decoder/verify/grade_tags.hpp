@@ -10,7 +10,7 @@
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What the template's reference patches are taken to reflect: plain white film and solid ink.
 inline constexpr double kWhitePatchReflectance = 0.85;
@@ -25,4 +25,4 @@ std::optional<ReflectanceReferences> find_references(const GrayView& image, cons
 // Fills `grade`, or `grade_reason`.
 void grade_tag(const GrayView& image, const TagTemplate& tag, VerifiedTag& verified);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

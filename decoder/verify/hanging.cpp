@@ -14,7 +14,7 @@
 #include "decoder/image/pixel.hpp"
 #include "decoder/image/upright.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The place of `corner` of the other plate in this plate's plane, metres right and down of P.
@@ -175,4 +175,4 @@ std::optional<Finding> find_misplaced(const PictureEvidence& evidence, const Tag
   return found;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

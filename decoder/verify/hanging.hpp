@@ -9,7 +9,7 @@
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // True when the survey has the tag hang with its arrow up, to 45 degrees.
 bool hangs_upright(const Survey& survey, const VerifiedTag& tag);
@@ -38,4 +38,4 @@ std::optional<Finding> find_upside_down(const PictureEvidence& evidence, const T
 // at 2 px a module or more: farther away the plane is too uncertain.
 std::optional<Finding> find_misplaced(const PictureEvidence& evidence, const TagEvidence& seen);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "decoder/verify/sighting_pick.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // True when all that is wrong is that the camera's note of its up has the tag on its head.
@@ -217,4 +217,4 @@ void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTa
   judge_up(survey, setup, file);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Which photos can tell where tags hang, and how far from its place one may hang.
 struct HangingSetup {
@@ -40,4 +40,4 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
 void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
                    VerifiedFile& file);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,7 +18,7 @@
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -379,4 +379,4 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   return result;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

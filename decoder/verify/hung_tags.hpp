@@ -15,7 +15,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // "unchecked", "fits", "off" or "doubtful".
 std::string to_string(HangVerdict verdict);
@@ -73,4 +73,4 @@ inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degre
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance = kHangTolerance);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/regular_file.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 Result<InputFile> read_input_file(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMaxBytes = 512U << 20U;
@@ -14,4 +14,4 @@ Result<InputFile> read_input_file(const std::filesystem::path& path) {
   return InputFile{path, std::move(*bytes), std::move(hash)};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

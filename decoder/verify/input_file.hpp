@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct InputFile {
   std::filesystem::path path;
@@ -18,4 +18,4 @@ struct InputFile {
 // Fails when the file cannot be read, is no regular file, or has more than 512 MiB.
 Result<InputFile> read_input_file(const std::filesystem::path& path);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

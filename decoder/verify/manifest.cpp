@@ -12,7 +12,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/compare.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -249,4 +249,4 @@ void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFil
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -20,7 +20,7 @@
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct ManifestTag {
   std::string name;
@@ -77,4 +77,4 @@ void find_missing(std::span<const ManifestTag> expected, VerifiedFile& file);
 // A document is stale when one of the manifest's tags is.
 void find_stale(const PrintManifest& manifest, const Survey& survey, VerifiedFile& file);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

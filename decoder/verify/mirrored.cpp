@@ -10,7 +10,7 @@
 #include "decoder/image/nearest.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct Strip {
@@ -145,4 +145,4 @@ std::string find_mirroring(const GrayView& image, const TagTemplate& tag,
   return {};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How it is seen that a tag is a mirrored print; empty when it is not. A UPC-A symbol mirrored has
 // the bars of the same symbol upside down, so its bars cannot tell. The label can: it stands below
@@ -18,4 +18,4 @@ namespace tagsmith {
 std::string find_mirroring(const GrayView& image, const TagTemplate& tag,
                            const FrameCorners& corners, double module_px);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

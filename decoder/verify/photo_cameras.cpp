@@ -7,7 +7,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -97,4 +97,4 @@ std::optional<PhotoOrigin> PhotoCameras::origin_of(const fs::path& photo) const 
   return several ? std::nullopt : origin;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct PhotoOrigin {
   std::size_t camera = 0;  // of the rig
@@ -45,4 +45,4 @@ class PhotoCameras {
   std::map<std::filesystem::path, PhotoOrigin> run_;  // by absolute path
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -20,7 +20,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -228,4 +228,4 @@ Result<std::vector<TagProof>> prove_pages(const Survey& survey, std::span<const 
   return proofs;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

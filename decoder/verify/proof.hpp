@@ -9,7 +9,7 @@
 #include "tagsmith/cli/print_proof.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What ProvePages asks for (tagsmith/cli/print_proof.hpp). Tags are read as cameras will read them:
 // by the survey's template, but without its list of codes. A tag fails when its digits are not the
@@ -18,4 +18,4 @@ namespace tagsmith {
 Result<std::vector<TagProof>> prove_pages(const Survey& survey, std::span<const ProofPage> pages,
                                           int dots_per_inch);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kMaxPages = 1000;
@@ -193,4 +193,4 @@ void paste(const GrayImage& piece, GrayImage& image, int x, int y) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

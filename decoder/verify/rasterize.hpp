@@ -11,7 +11,7 @@
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A page's size in metres, as displayed (its rotation applied).
 struct PageSize {
@@ -63,4 +63,4 @@ void paste(const GrayImage& piece, GrayImage& image, int x, int y);
 // SVG, or the picture would have more than 200 million pixels.
 Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch = 150);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // FNV-1a, 64 bits: the same on every machine, so that the choice is.
@@ -72,4 +72,4 @@ void SightingPick::take(std::span<const SightedTag> sighted) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

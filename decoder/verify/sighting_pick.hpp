@@ -13,7 +13,7 @@
 
 #include "decoder/verify/hung_tags.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Stations kept of any two tags that are seen together. More tell little more: what is left is
 // what the survey and the rig do not know.
@@ -53,4 +53,4 @@ class SightingPick {
   std::vector<SightedTag> taken_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

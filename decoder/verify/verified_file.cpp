@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::string to_string(TagStatus status) {
   constexpr std::array<const char*, kTagStatuses> kNames{
@@ -49,4 +49,4 @@ std::string identity_of(const VerifiedFile& file) {
   return file.file.string() + '\n' + file.sha256;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

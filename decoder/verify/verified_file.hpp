@@ -17,7 +17,7 @@
 #include "decoder/verify/hung_tags.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class TagStatus {
   ok,          // the survey has this tag
@@ -116,4 +116,4 @@ std::set<std::string> rules_of(const VerifiedFile& file);
 // The file and its content: the same in two runs.
 std::string identity_of(const VerifiedFile& file);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

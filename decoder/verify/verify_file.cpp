@@ -21,7 +21,7 @@
 #include "decoder/verify/rasterize.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // One file to verify, and what its manifest says of it; null and none without a manifest.
@@ -325,4 +325,4 @@ Result<VerifiedFile> verify_file(const VerifyRequest& request, const std::filesy
   return verify_file(request, *input);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -16,7 +16,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What files are verified against; the surveys outlive it.
 struct VerifyRequest {
@@ -41,4 +41,4 @@ struct VerifyRequest {
 Result<VerifiedFile> verify_file(const VerifyRequest& request, const InputFile& file);
 Result<VerifiedFile> verify_file(const VerifyRequest& request, const std::filesystem::path& path);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,7 +18,7 @@
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -433,4 +433,4 @@ Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
   return counts;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

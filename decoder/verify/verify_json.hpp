@@ -17,7 +17,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::string to_json_line(const VerifiedFile& file);
 
@@ -44,4 +44,4 @@ struct VerifyLineCounts {
 Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
                                            const std::function<void(VerifiedFile)>& take);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

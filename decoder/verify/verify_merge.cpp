@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 void add_fault(VerifyMerge& merged, FaultRecord fault) {
@@ -271,4 +271,4 @@ std::string describe(const UnseenStretch& stretch) {
   return fmt::format("{} wall {}: {}", to_string(stretch.side), place, names);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

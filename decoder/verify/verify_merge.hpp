@@ -13,7 +13,7 @@
 #include "decoder/verify/verified_file.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What all files say about one tag.
 struct TagRecord {
@@ -158,4 +158,4 @@ std::vector<std::string> unchecked_words(const Completeness& covered, const Veri
 // "left 12.40 to 18.20 m: 3 tags, 004L to 006L".
 std::string describe(const UnseenStretch& stretch);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::array kRules{
@@ -125,4 +125,4 @@ std::string verify_rules_table() {
   return text;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct VerifyRule {
   std::string_view code;
@@ -23,4 +23,4 @@ const VerifyRule* find_verify_rule(std::string_view code);
 // The rules as a table in Markdown.
 std::string verify_rules_table();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

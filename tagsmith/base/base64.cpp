@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kLetters =
@@ -24,4 +24,4 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::string base64(std::string_view bytes);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include <openssl/evp.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct FreeContext {
@@ -59,4 +59,4 @@ Result<std::string> sha256_of_file(const std::filesystem::path& path) {
   return hexadecimal(checksum);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,11 +8,11 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::string sha256(std::string_view bytes);
 
 // Of a file's content, whatever its size.
 Result<std::string> sha256_of_file(const std::filesystem::path& path);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

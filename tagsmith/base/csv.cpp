@@ -5,7 +5,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // What spreadsheets compute instead of showing it (OWASP, "CSV injection").
@@ -74,4 +74,4 @@ std::string csv_row(const std::vector<std::string>& fields) {
   return row + "\r\n";
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

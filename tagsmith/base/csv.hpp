@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A line's fields, trimmed, without the apostrophe that csv_field puts before text; a quoted field
 // ends on its own line. Nothing when a quote is not closed or stands in the middle of a field.
@@ -21,4 +21,4 @@ std::string csv_field(const std::string& text);
 // The fields as csv_field writes them, joined by commas, and CR LF.
 std::string csv_row(const std::vector<std::string>& fields);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

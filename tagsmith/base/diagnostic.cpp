@@ -5,7 +5,7 @@
 
 #include "tagsmith/base/printable.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string place(const Diagnostic& diagnostic) {
@@ -46,4 +46,4 @@ bool has_errors(const std::vector<Diagnostic>& diagnostics) {
   });
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class Severity { error, warning };
 
@@ -39,4 +39,4 @@ std::string to_string(const std::vector<Diagnostic>& diagnostics, bool errors_on
 
 bool has_errors(const std::vector<Diagnostic>& diagnostics);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/stream.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -71,4 +71,4 @@ Result<void> write_file(const fs::path& path, std::string_view bytes) {
   return {};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The file's bytes. Fails when it cannot be opened, is a directory, or exceeds `max_bytes`.
 Result<std::string> read_file(const std::filesystem::path& path,
@@ -19,4 +19,4 @@ Result<std::string> read_file(const std::filesystem::path& path,
 // folders are made. A link stays, its target is replaced; a stream (stream.hpp) is written to.
 Result<void> write_file(const std::filesystem::path& path, std::string_view bytes);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 NormalTable::NormalTable() {
   for (std::size_t i = 0; i < values_.size(); ++i) {
@@ -19,4 +19,4 @@ const NormalTable& NormalTable::get() {
   return kTable;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Integral of the density up to z (to 2e-6), and the density itself (to 4e-6).
 struct NormalValue {
@@ -36,4 +36,4 @@ class NormalTable {
   std::array<NormalValue, kSize + 2> values_{};
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

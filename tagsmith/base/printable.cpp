@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Longer texts would overflow Pango's 32-bit lengths, and fit nowhere.
@@ -125,4 +125,4 @@ std::string markup_text(std::string_view text) {
   return markup;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Length of the UTF-8 sequence at the front of the text, 0 when it is none (RFC 3629, section 4).
 std::size_t utf8_length(std::string_view text);
@@ -31,4 +31,4 @@ std::string printable_text(std::string_view text);
 // printable_text for elements and quoted attributes of SVG and HTML: < > & " ' as entities.
 std::string markup_text(std::string_view text);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The value that `share` (0-1) of the others are not above, of values that are not none; 0.5 is
 // the median, the lower one of an even number's two. Changes their order.
@@ -17,4 +17,4 @@ Value quantile(std::vector<Value>& values, double share) {
   return *place;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

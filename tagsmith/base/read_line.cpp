@@ -3,7 +3,7 @@
 
 #include <istream>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::optional<std::string> read_line(std::istream& stream, std::size_t most) {
   constexpr int kEnd = std::istream::traits_type::eof();
@@ -17,4 +17,4 @@ std::optional<std::string> read_line(std::istream& stream, std::size_t most) {
   return line;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

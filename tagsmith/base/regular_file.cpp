@@ -6,7 +6,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/stream.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 
 Result<std::string> read_regular_file(const fs::path& path, std::uintmax_t max_bytes) {
@@ -18,4 +18,4 @@ Result<std::string> read_regular_file(const fs::path& path, std::uintmax_t max_b
   return read_file(path, max_bytes);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

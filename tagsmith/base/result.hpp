@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What went wrong, in words for the user: where, what was found, what was expected.
 struct Error {
@@ -22,4 +22,4 @@ inline tl::unexpected<Error> fail(std::string message) {
   return tl::unexpected<Error>(Error{std::move(message)});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

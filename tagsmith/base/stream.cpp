@@ -3,7 +3,7 @@
 
 #include <system_error>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -39,4 +39,4 @@ bool is_stream(const fs::path& path) {
          (is_in_proc(target) && fs::is_regular_file(target, ignored));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

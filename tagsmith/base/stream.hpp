@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // "pipe", "socket", "device", "folder", "file".
 std::string file_type(const std::filesystem::file_status& status);
@@ -21,4 +21,4 @@ std::filesystem::path behind_links(const std::filesystem::path& path);
 // or standard output, which no file can replace.
 bool is_stream(const std::filesystem::path& path);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

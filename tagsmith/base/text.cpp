@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Levenshtein distance with one row of memory.
@@ -86,4 +86,4 @@ std::optional<std::string> nearest_word(std::string_view word,
   return nearest;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

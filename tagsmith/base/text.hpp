@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The text without spaces, tabs and line ends at both ends.
 std::string_view trim(std::string_view text);
@@ -31,4 +31,4 @@ std::string format_number(double value, int decimals = 6);
 std::optional<std::string> nearest_word(std::string_view word,
                                         std::span<const std::string> candidates);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 bool same_but_for_quotes(std::string_view a, std::string_view b) {
@@ -67,4 +67,4 @@ Result<std::vector<FixedLine>> fix_file(const std::string& path,
   return std::move(fixed.lines);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

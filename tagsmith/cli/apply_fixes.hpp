@@ -8,7 +8,7 @@
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A line that a remedy changed.
 struct FixedLine {
@@ -31,4 +31,4 @@ FixedText apply_fixes(const std::string& text, std::vector<Diagnostic> diagnosti
 Result<std::vector<FixedLine>> fix_file(const std::string& path,
                                         const std::vector<Diagnostic>& diagnostics);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/command.hpp"
 
-#include <algorithm>
-#include <cstdio>
-
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/console.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-std::string unknown_command(const std::vector<Command>& commands,
-                            const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return {};
-  std::vector<std::string> names;
-  names.reserve(commands.size());
-  for (const Command& command : commands) names.push_back(command.app->get_name());
-  const std::string& found = arguments.front();
-  if (std::ranges::find(names, found) != names.end()) return {};
-  const auto near = nearest_word(found, names);
-  return "no command `" + found + "`" + (near ? ", did you mean `" + *near + "`?" : "");
-}
+std::vector<std::string> CommandOption::all_names() const { return split(names, ','); }
 
 int report_failure(const std::string& command, const Error& error) {
   // Further lines are indented: a file's name may hold a line feed, and must not begin a line.
@@ -38,4 +24,4 @@ void print_assumptions(const std::string& command, const std::vector<std::string
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/base/stream.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -138,4 +138,4 @@ Result<void> publish_files(const std::vector<SheetFile>& files) {
   return {};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

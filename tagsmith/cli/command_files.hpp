@@ -13,7 +13,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Gathers the files of one command, each with the role that it has there, in the words of messages:
 // "the survey", "--html". Empty paths are options that were not given.
@@ -54,4 +54,4 @@ class CommandFiles {
 // to, as by write_file.
 Result<void> publish_files(const std::vector<SheetFile>& files);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 
 #include "tagsmith/base/printable.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Text of which the line feeds are meant: tables, several findings. Whatever in it comes from
 // outside must be on one line already.
@@ -64,4 +64,4 @@ inline void bytes_to_stdout(const std::string& bytes) {
 // the program says itself what is wrong with them.
 inline void mute_libraries() { std::cerr.setstate(std::ios_base::badbit); }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -17,7 +16,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct DiffOptions {
@@ -78,21 +77,32 @@ int diff(const DiffOptions& options) {
 
 }  // namespace
 
-Command diff_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand(
-      "diff", "What to print, reprint, move and remove when a survey changes");
+Command diff_command() {
   const auto options = std::make_shared<DiffOptions>();
-  app->add_option("OLD", options->before, "The survey as the plates were made")->required();
-  app->add_option("NEW", options->after, "The survey as it is now")->required();
-  app->add_flag("--json", options->json, "One JSON object a tag that differs, then the summary");
-  app->footer(
-      "A line a tag: what to do, its name, why. `tagsmith print NEW --only FILE` prints what it "
-      "asks for.\n"
-      "Exit: 0 nothing to do, 1 something is, 2 a survey cannot be read.\n\n"
-      "Example:\n"
-      "  tagsmith diff old/survey.yaml survey.yaml > changes.txt\n"
-      "  tagsmith print survey.yaml -o out/changed --only changes.txt");
-  return {app, [options] { return diff(*options); }};
+  return {
+      .name = "diff",
+      .summary = "What to print, reprint, move and remove when a survey changes",
+      .options = {{.names = "OLD",
+                   .target = &options->before,
+                   .help = "The survey as the plates were made",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "NEW",
+                   .target = &options->after,
+                   .help = "The survey as it is now",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object a tag that differs, then the summary"}},
+      .notes =
+          "A line a tag: what to do, its name, why. `tagsmith print NEW --only FILE` prints what "
+          "it asks for. Exit: 0 nothing to do, 1 something is, 2 a survey cannot be read.\n\n"
+          "Example:\n"
+          "  tagsmith diff old/survey.yaml survey.yaml > changes.txt\n"
+          "  tagsmith print survey.yaml -o out/changed --only changes.txt",
+      .run = [options] { return diff(*options); },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

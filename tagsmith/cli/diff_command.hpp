@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command diff_command(CLI::App& parent);
+Command diff_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

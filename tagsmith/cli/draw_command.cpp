@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tagsmith/cli/command_files.hpp"
@@ -23,7 +22,7 @@
 #include "tagsmith/survey/revision.hpp"
 #include "tagsmith/survey/rig.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct DrawOptions {
@@ -93,31 +92,45 @@ Result<void> draw(const DrawOptions& options) {
 
 }  // namespace
 
-Command draw_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand(
-      "draw", "What a survey means: plan, walls, section, theta, plates, table of tags");
+Command draw_command() {
   const auto options = std::make_shared<DrawOptions>();
-  app->add_option("SURVEY", options->surveys,
-                  "Survey file (YAML); several are drawn in one plan first")
-      ->required();
-  app->add_option("--rig", options->rig, "Rig file (YAML): draws the vehicle's cameras too");
-  app->add_option("-o,--output", options->output,
-                  "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...")
-      ->required();
-  app->add_option("--paper", options->paper, "a3 or a4, landscape (default: a3)")
-      ->check(CLI::IsMember({"a3", "a4"}));
-  app->footer(
-      "Compare the drawing with the tunnel before anything is printed. It is to scale: print it "
-      "at\n"
-      "100 %. The plan is never mirrored; a grid whose x grows to the left shows so in its "
-      "axes.\n\n"
-      "Example:\n"
-      "  tagsmith draw surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml \\\n"
-      "    -o out/corridor.pdf");
-  return {app, [options] {
+  return {
+      .name = "draw",
+      .summary = "What a survey means: plan, walls, section, theta, plates, table of tags",
+      .options = {{.names = "SURVEY",
+                   .target = &options->surveys,
+                   .help = "Survey file (YAML); several are drawn in one plan first",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "--rig",
+                   .target = &options->rig,
+                   .help = "Rig file (YAML): draws the vehicle's cameras too",
+                   .placeholder = "RIG",
+                   .kind = ValueKind::rig},
+                  {.names = "-o,--output",
+                   .target = &options->output,
+                   .help =
+                       "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...",
+                   .placeholder = "FILE",
+                   .kind = ValueKind::file,
+                   .required = true},
+                  {.names = "--paper",
+                   .target = &options->paper,
+                   .help = "Paper, landscape (default: a3)",
+                   .choices = {"a3", "a4"}}},
+      .notes =
+          "Compare the drawing with the tunnel before anything is printed. It is to scale: print "
+          "it at 100 %. The plan is never mirrored; a grid whose x grows to the left shows so in "
+          "its axes.\n\n"
+          "Example:\n"
+          "  tagsmith draw surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml \\\n"
+          "    -o out/corridor.pdf",
+      .run =
+          [options] {
             const Result<void> drawn = draw(*options);
             return drawn ? kExitOk : report_failure("draw", drawn.error());
-          }};
+          },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command draw_command(CLI::App& parent);
+Command draw_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
@@ -15,7 +14,7 @@
 #include "tagsmith/render/dxf.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct ExportOptions {
@@ -63,27 +62,39 @@ Result<void> run_export(const ExportOptions& options) {
 
 }  // namespace
 
-Command export_command(CLI::App& parent) {
-  CLI::App* app =
-      parent.add_subcommand("export", "A survey's tags as CSV, JSON, DXF or WPILib field layout");
+Command export_command() {
   const auto options = std::make_shared<ExportOptions>();
-  app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
-  app->add_option("-o,--output", options->output,
-                  "FILE.csv, FILE.json, FILE.wpilib.json or FILE.dxf; - for standard output")
-      ->required();
-  app->add_option("--format", options->format,
-                  "csv, json, wpilib or dxf (default: by the file's name; csv for -)")
-      ->check(CLI::IsMember({"csv", "json", "wpilib", "dxf"}));
-  app->footer(
-      "The CSV goes back by `tagsmith new NAME --from FILE --order own`. CSV, JSON and DXF are in "
-      "the\ngrid, the WPILib field layout in the right-handed frame that WPILib wants.\n\n"
-      "Example:\n"
-      "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.csv\n"
-      "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.dxf");
-  return {app, [options] {
+  return {
+      .name = "export",
+      .summary = "A survey's tags as CSV, JSON, DXF or WPILib field layout",
+      .options = {{.names = "SURVEY",
+                   .target = &options->survey,
+                   .help = "Survey file (YAML)",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "-o,--output",
+                   .target = &options->output,
+                   .help = "FILE.csv, FILE.json, FILE.wpilib.json or FILE.dxf; - for standard "
+                           "output",
+                   .placeholder = "FILE",
+                   .kind = ValueKind::file,
+                   .required = true},
+                  {.names = "--format",
+                   .target = &options->format,
+                   .help = "What is written (default: by the file's name; csv for -)",
+                   .choices = {"csv", "json", "wpilib", "dxf"}}},
+      .notes =
+          "The CSV goes back by `tagsmith new NAME --from FILE --order own`. CSV, JSON and DXF are "
+          "in the grid, the WPILib field layout in the right-handed frame that WPILib wants.\n\n"
+          "Example:\n"
+          "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.csv\n"
+          "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.dxf",
+      .run =
+          [options] {
             const Result<void> done = run_export(*options);
             return done ? kExitOk : report_failure("export", done.error());
-          }};
+          },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

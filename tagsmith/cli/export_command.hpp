@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command export_command(CLI::App& parent);
+Command export_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

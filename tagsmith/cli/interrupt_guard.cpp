@@ -8,7 +8,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct CleanUps {
@@ -82,4 +82,4 @@ std::unique_lock<std::mutex> InterruptGuard::hold_off() {
   return std::unique_lock(clean_ups().mutex);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // While it lives, SIGINT, SIGTERM and SIGHUP call `clean_up`, on a thread of its own, before they
 // end the process as they would have without. Signals that the process ignores (nohup) stay
@@ -31,4 +31,4 @@ class InterruptGuard {
   int number_ = 0;  // 0 = guards nothing
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/jobs_option.hpp"
 
-#include <CLI/CLI.hpp>
+namespace tagsmith::detail {
 
-namespace tagsmith {
-
-void add_jobs_option(CLI::App& app, int& jobs, const std::string& what) {
-  app.add_option("--jobs", jobs, what + " (default 0: as many as there are cores)")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024));
+CommandOption jobs_option(int& jobs, const std::string& what) {
+  return {.names = "--jobs",
+          .target = &jobs,
+          .help = what + " (default 0: as many as there are cores)",
+          .placeholder = "N",
+          .least = 0,
+          .greatest = 1024};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

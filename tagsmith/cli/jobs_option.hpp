@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// --jobs, the same in every command.
 #pragma once
 
 #include <string>
 
-namespace CLI {
-class App;
-}
+#include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-// Adds --jobs N, 0 to 1024. `what` begins its description: "Files read at once".
-void add_jobs_option(CLI::App& app, int& jobs, const std::string& what);
+// --jobs of a command that works on several things at once; `what` says on which. 0 means as many
+// as there are cores.
+CommandOption jobs_option(int& jobs, const std::string& what);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,12 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/survey/draft_survey.hpp"
@@ -26,7 +24,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -234,69 +232,97 @@ Result<int> run_new(const NewOptions& options) {
   return write_draft(options);
 }
 
-void add_options(CLI::App* app, NewOptions& options) {
-  app->add_option("NAME", options.name, "Folder to make; the survey has its name")->required();
-  CLI::Option* from =
-      app->add_option("--from", options.points, "Draft the survey from this list of points (CSV)");
-  app->add_option("--order", options.list.order,
-                  "Columns of the list: P point, E east (x), N north (y), Z, D description, - "
-                  "skipped, as PENZD; or own: a list of `tagsmith export`")
-      ->needs(from);
-  app->add_flag("--header", options.list.header, "The list's first line names its columns")
-      ->needs(from);
-  app->add_option("--ignore", options.list.ignore,
-                  "Leave points with these descriptions out, separated by commas")
-      ->delimiter(',')
-      ->needs(from);
-  app->add_option("--template", options.template_name, "Plate (default: tag-400x300)")->needs(from);
-  app->add_option("--x-axis", options.x_axis,
-                  "right (default) or left of +y seen from above, where the grid's x grows")
-      ->check(CLI::IsMember({"right", "left"}))
-      ->needs(from);
-  app->add_option("--check-digit", options.check_digit, "gs1 (default) or sum10")
-      ->check(CLI::IsMember({"gs1", "sum10"}))
-      ->needs(from);
-  app->add_option("--tolerance", options.tolerance_mm,
-                  "How far a point may be off, millimetres (default: 30)")
-      ->check(number_between(0.1, 10'000.0))
-      ->needs(from);
-  app->add_option("--mount-height", options.mount_height,
-                  "Metres of P above the floor, for lists without floor points")
-      ->check(number_between(0.0, 100.0))
-      ->needs(from);
-  app->add_option("--tunnel-height", options.tunnel_height,
-                  "Metres of the roof above the floor, for lists without roof points")
-      ->check(number_between(0.1, 1000.0))
-      ->needs(from);
-  app->add_option("--walls", options.walls,
-                  "parallel (default): one width for all; measured: walls and roof run through "
-                  "their points, the center line through CL")
-      ->check(CLI::IsMember({"parallel", "measured"}))
-      ->needs(from);
-  app->add_flag("--json", options.json, "One JSON object a point, then a summary")->needs(from);
+// The options that shape a draft from points.
+std::vector<CommandOption> draft_options(NewOptions& options) {
+  std::vector<CommandOption> draft{
+      {.names = "--order",
+       .target = &options.list.order,
+       .help = "Columns of the list: P point, E east (x), N north (y), Z, D description, - "
+               "skipped, as PENZD; or own: a list of `tagsmith export`",
+       .placeholder = "ORDER"},
+      {.names = "--header",
+       .target = &options.list.header,
+       .help = "The list's first line names its columns"},
+      {.names = "--ignore",
+       .target = &options.list.ignore,
+       .help = "Leave points with these descriptions out, separated by commas",
+       .placeholder = "D,...",
+       .by_commas = true},
+      {.names = "--template",
+       .target = &options.template_name,
+       .help = "Plate (default: tag-400x300)",
+       .placeholder = "NAME"},
+      {.names = "--x-axis",
+       .target = &options.x_axis,
+       .help = "right (default) or left of +y seen from above, where the grid's x grows",
+       .choices = {"right", "left"}},
+      {.names = "--check-digit",
+       .target = &options.check_digit,
+       .help = "gs1 (default) or sum10",
+       .choices = {"gs1", "sum10"}},
+      {.names = "--tolerance",
+       .target = &options.tolerance_mm,
+       .help = "How far a point may be off, millimetres (default: 30)",
+       .placeholder = "MM",
+       .least = 0.1,
+       .greatest = 10'000},
+      {.names = "--mount-height",
+       .target = &options.mount_height,
+       .help = "Metres of P above the floor, for lists without floor points",
+       .placeholder = "M",
+       .least = 0,
+       .greatest = 100},
+      {.names = "--tunnel-height",
+       .target = &options.tunnel_height,
+       .help = "Metres of the roof above the floor, for lists without roof points",
+       .placeholder = "M",
+       .least = 0.1,
+       .greatest = 1000},
+      {.names = "--walls",
+       .target = &options.walls,
+       .help = "parallel (default): one width for all; measured: walls and roof run through "
+               "their points, the center line through CL",
+       .choices = {"parallel", "measured"}},
+      {.names = "--json",
+       .target = &options.json,
+       .help = "One JSON object a point, then a summary"}};
+  for (CommandOption& option : draft) option.needs = {"--from"};
+  return draft;
 }
 
 }  // namespace
 
-Command new_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand(
-      "new", "Survey and rig files to edit, or a survey from surveyed points");
+Command new_command() {
   const auto options = std::make_shared<NewOptions>();
-  add_options(app, *options);
-  app->footer(
-      "Descriptions of points, by their first word: TL TR a tag's P on the left or right wall (or "
-      "its\nname, as 000L), WL WR the wall in the plates' plane, CL the center line on the floor, "
-      "FL "
-      "the\nfloor, RF the roof. Left and right are those of the drive; list the points of each "
-      "kind "
-      "along\nthe drive. Nothing about the columns is guessed.\n\n"
-      "Example:\n"
-      "  tagsmith new drift-7\n"
-      "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8");
-  return {app, [options] {
+  Command command{
+      .name = "new",
+      .summary = "Survey and rig files to edit, or a survey from surveyed points",
+      .options = {{.names = "NAME",
+                   .target = &options->name,
+                   .help = "Folder to make; the survey has its name",
+                   .kind = ValueKind::folder,
+                   .required = true},
+                  {.names = "--from",
+                   .target = &options->points,
+                   .help = "Draft the survey from this list of points (CSV)",
+                   .placeholder = "FILE.csv",
+                   .kind = ValueKind::table}},
+      .notes =
+          "Descriptions of points, by their first word: TL TR a tag's P on the left or right wall "
+          "(or its name, as 000L), WL WR the wall in the plates' plane, CL the center line on the "
+          "floor, FL the floor, RF the roof. Left and right are those of the drive; list the "
+          "points of each kind along the drive. Nothing about the columns is guessed.\n\n"
+          "Example:\n"
+          "  tagsmith new drift-7\n"
+          "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8",
+      .run =
+          [options] {
             const Result<int> done = run_new(*options);
             return done ? *done : report_failure("new", done.error());
-          }};
+          },
+  };
+  std::ranges::move(draft_options(*options), std::back_inserter(command.options));
+  return command;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

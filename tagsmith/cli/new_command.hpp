@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command new_command(CLI::App& parent);
+Command new_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 
 #include "tagsmith/cli/console.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double now_seconds() {
@@ -70,4 +70,4 @@ void ProgressBar::draw() {
   drawn_ = true;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What becomes of a finished piece of work, e.g. printing its result.
 using Delivery = std::function<void()>;
@@ -41,4 +41,4 @@ class ProgressBar {
   bool drawn_ = false;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

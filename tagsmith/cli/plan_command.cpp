@@ -11,14 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/jobs_option.hpp"
-#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/plan_optimise.hpp"
 #include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
@@ -30,7 +28,7 @@
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -162,96 +160,138 @@ Result<bool> plan(const PlanCommandOptions& options) {
   return summary.gaps.empty();
 }
 
-// A number of poses with the middle one among them.
-CLI::Validator odd_up_to(int most) {
-  return {[most](std::string& text) {
-            const std::optional<double> value = parse_number(text);
-            if (value && *value >= 1 && *value <= most && std::fmod(*value, 2) == 1) {
-              return std::string();
-            }
-            return fmt::format("found `{}`, expected an odd number from 1 to {}", text, most);
-          },
-          ""};
+constexpr double kFarthest = 1e6;  // metres before or behind the center line's start
+
+std::vector<CommandOption> drive_options(PlanOptions& options) {
+  return {{.names = "--from",
+           .target = &options.from,
+           .help = "Chainage of the plan's start, m (default: 0)",
+           .placeholder = "M",
+           .least = -kFarthest,
+           .greatest = kFarthest},
+          {.names = "--to",
+           .target = &options.to,
+           .help = "Chainage of its end, m (default: the center line's end)",
+           .placeholder = "M",
+           .least = -kFarthest,
+           .greatest = kFarthest},
+          {.names = "--step",
+           .target = &options.step,
+           .help = "Step of the chainage, m (default: 0.05)",
+           .placeholder = "M",
+           .least = 1e-4,
+           .greatest = 1000},
+          {.names = "--offsets",
+           .target = &options.lateral_offsets,
+           .help = "Lateral offsets over the envelope, odd (default: 5)",
+           .placeholder = "N",
+           .least = 1,
+           .greatest = 101,
+           .odd = true},
+          {.names = "--headings",
+           .target = &options.headings,
+           .help = "Headings over the envelope, odd (default: 5)",
+           .placeholder = "N",
+           .least = 1,
+           .greatest = 101,
+           .odd = true},
+          {.names = "--speed",
+           .target = &options.speed,
+           .help = "Speed in m/s instead of the envelope's",
+           .placeholder = "M/S",
+           .least = 0,
+           .greatest = 100},
+          {.names = "--corner-sigma",
+           .target = &options.corner_sigma_px,
+           .help = "Standard deviation of a corner's coordinate, pixels (default: as measured)",
+           .placeholder = "PX",
+           .least = 1e-4,
+           .greatest = 100},
+          jobs_option(options.jobs, "Cores to use at most")};
 }
 
-void add_drive_options(CLI::App& app, PlanOptions& options) {
-  constexpr double kFarthest = 1e6;  // metres before or behind the center line's start
-  app.add_option("--from", options.from, "Chainage of the plan's start, m (default: 0)")
-      ->check(number_between(-kFarthest, kFarthest));
-  app.add_option("--to", options.to, "Chainage of its end, m (default: the center line's end)")
-      ->check(number_between(-kFarthest, kFarthest));
-  app.add_option("--step", options.step, "Step of the chainage, m (default: 0.05)")
-      ->check(number_between(1e-4, 1000.0));
-  app.add_option("--offsets", options.lateral_offsets,
-                 "Lateral offsets over the envelope, odd (default: 5)")
-      ->check(odd_up_to(101));
-  app.add_option("--headings", options.headings, "Headings over the envelope, odd (default: 5)")
-      ->check(odd_up_to(101));
-  app.add_option("--speed", options.speed, "Speed in m/s instead of the envelope's")
-      ->check(number_between(0.0, 100.0));
-  app.add_option("--corner-sigma", options.corner_sigma_px,
-                 "Standard deviation of a corner's coordinate, pixels (default: as measured)")
-      ->check(number_between(1e-4, 100.0));
-  add_jobs_option(app, options.jobs, "Cores to use at most");
-}
-
-void add_optimise_options(CLI::App& app, PlanCommandOptions& options) {
-  CLI::Option* optimise = app.add_flag(
-      "--optimise", options.optimise,
-      "Look for the cheapest layout that keeps the promise below; -o writes its survey");
-  app.add_option_function<double>(
-         "--plane-sigma",
-         [&options](double mm) { options.optimisation.requirement.plane_sigma = mm / 1000; },
-         "Greatest sigma in the plane at any pose, mm (default: 20)")
-      ->check(number_between(1e-3, 1e5))
-      ->needs(optimise);
-  app.add_option("--tags-lost", options.optimisation.requirement.tags_lost,
-                 "Tags that may be unreadable, 0 or 1 (default: 0)")
-      ->check(CLI::Range(0, 1))
-      ->needs(optimise);
-  app.add_option_function<std::string>(
-         "--least",
-         [&options](const std::string& what) {
-           options.optimisation.order = what == "plate" ? CostOrder::plate : CostOrder::tags;
-         },
-         "tags: fewest tags, that is the widest spacing; plate: smallest plate (default: tags)")
-      ->check(CLI::IsMember({"tags", "plate"}))
-      ->needs(optimise);
-  app.add_option("--vary", options.optimisation.vary,
-                 "What may change besides the spacing, by commas (default: all of "
-                 "height,plate,stagger,alpha; none: nothing else)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"height", "plate", "stagger", "alpha", "none"}))
-      ->needs(optimise);
+std::vector<CommandOption> optimise_options(OptimiseOptions& options) {
+  return {{.names = "--plane-sigma",
+           .target = [&options](double mm) { options.requirement.plane_sigma = mm / 1000; },
+           .help = "Greatest sigma in the plane at any pose, mm (default: 20)",
+           .placeholder = "MM",
+           .least = 1e-3,
+           .greatest = 1e5,
+           .needs = {"--optimise"}},
+          {.names = "--tags-lost",
+           .target = &options.requirement.tags_lost,
+           .help = "Tags that may be unreadable, 0 or 1 (default: 0)",
+           .placeholder = "N",
+           .least = 0,
+           .greatest = 1,
+           .needs = {"--optimise"}},
+          {.names = "--least",
+           .target =
+               [&options](const std::string& what) {
+                 options.order = what == "plate" ? CostOrder::plate : CostOrder::tags;
+               },
+           .help = "tags: fewest tags, that is the widest spacing; plate: smallest plate "
+                   "(default: tags)",
+           .choices = {"tags", "plate"},
+           .needs = {"--optimise"}},
+          {.names = "--vary",
+           .target = &options.vary,
+           .help = "What may change besides the spacing (default: all of "
+                   "height,plate,stagger,alpha; none: nothing else)",
+           .by_commas = true,
+           .choices = {"height", "plate", "stagger", "alpha", "none"},
+           .needs = {"--optimise"}}};
 }
 
 }  // namespace
 
-Command plan_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand(
-      kName,
-      "What the cameras will see along the drive, and how well the vehicle will know its place");
+Command plan_command() {
   const auto options = std::make_shared<PlanCommandOptions>();
-  app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
-  app->add_option("--rig", options->rig, "Rig file (YAML); vehicle.envelope says how far it strays")
-      ->required();
-  add_drive_options(*app, options->plan);
-  app->add_option("-o,--output", options->folder,
-                  "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with --optimise, the "
-                  "chosen survey; made if missing");
-  add_optimise_options(*app, *options);
-  app->add_flag("--json", options->json, "One JSON object instead of the report");
-  app->footer(
-      "Example:\n"
-      "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5\n"
-      "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5 \\\n"
-      "    --optimise --plane-sigma 5 --tags-lost 1 -o out/better\n"
-      "Exit code: 0 every pose has a position, 1 some have none, 2 a file cannot be read.");
-  return {app, [options] {
+  Command command{
+      .name = kName,
+      .summary =
+          "What the cameras will see along the drive, and how well the vehicle will know "
+          "its place",
+      .options = {{.names = "SURVEY",
+                   .target = &options->survey,
+                   .help = "Survey file (YAML)",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "--rig",
+                   .target = &options->rig,
+                   .help = "Rig file (YAML); vehicle.envelope says how far it strays",
+                   .placeholder = "RIG",
+                   .kind = ValueKind::rig,
+                   .required = true},
+                  {.names = "-o,--output",
+                   .target = &options->folder,
+                   .help = "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
+                           "--optimise, the chosen survey; made if missing",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object instead of the report"},
+                  {.names = "--optimise",
+                   .target = &options->optimise,
+                   .help = "Look for the cheapest layout that keeps the promise below; -o writes "
+                           "its survey"}},
+      .notes =
+          "Exit code: 0 every pose has a position, 1 some have none, 2 a file cannot be read.\n\n"
+          "Example:\n"
+          "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5\n"
+          "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5 \\\n"
+          "    --optimise --plane-sigma 5 --tags-lost 1 -o out/better",
+      .run =
+          [options] {
             const Result<bool> covered = plan(*options);
             if (!covered) return report_failure(kName, covered.error());
             return *covered ? kExitOk : kExitFindings;
-          }};
+          },
+  };
+  std::ranges::move(optimise_options(options->optimisation), std::back_inserter(command.options));
+  std::ranges::move(drive_options(options->plan), std::back_inserter(command.options));
+  return command;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

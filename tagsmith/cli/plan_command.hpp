@@ -5,8 +5,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command plan_command(CLI::App& parent);
+Command plan_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

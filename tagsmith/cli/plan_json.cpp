@@ -9,7 +9,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -154,4 +154,4 @@ std::string plan_json(const PlannedDrive& drive) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

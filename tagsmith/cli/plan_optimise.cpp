@@ -20,7 +20,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -281,4 +281,4 @@ std::string optimisation_json(const Optimisation& optimisation) {
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/placement/optimise.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct OptimiseOptions {
   Requirement requirement;
@@ -42,4 +42,4 @@ std::string optimisation_report(const Optimisation& optimisation, const Optimise
 // One JSON object (docs/formats.md).
 std::string optimisation_json(const Optimisation& optimisation);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -369,4 +369,4 @@ std::string plan_page(const PlannedDrive& drive) {
   return page;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

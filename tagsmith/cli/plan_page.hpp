@@ -6,9 +6,9 @@
 
 #include "tagsmith/cli/plan_report.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // HTML with its styles, data and script inside; opens without a network, on a phone as well.
 std::string plan_page(const PlannedDrive& drive);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kMostListed = 5;
@@ -199,4 +199,4 @@ std::string plan_report(const PlannedDrive& drive) {
   return text;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A plan with what it is of.
 struct PlannedDrive {
@@ -38,4 +38,4 @@ std::string plan_report(const PlannedDrive& drive);
 // One JSON object on one line (docs/formats.md).
 std::string plan_json(const PlannedDrive& drive);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

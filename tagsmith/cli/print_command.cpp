@@ -13,21 +13,19 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/jobs_option.hpp"
-#include "tagsmith/cli/number_between.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct PrintOptions {
@@ -194,92 +192,132 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
 }
 
 // An option in millimetres whose value is kept in metres.
-CLI::Option* add_length(CLI::App& app, const std::string& name, double& metres,
-                        const std::string& text) {
-  return app.add_option_function<double>(
-      name, [&metres](double millimetres) { metres = millimetres / 1000; }, text);
+CommandOption length_option(const std::string& name, double& metres, const std::string& text,
+                            double least, double greatest) {
+  return {.names = name,
+          .target = [&metres](double millimetres) { metres = millimetres / 1000; },
+          .help = text,
+          .placeholder = "MM",
+          .least = least,
+          .greatest = greatest};
 }
 
-void add_paper_options(CLI::App& app, PrintOptions& options) {
-  app.add_option("--paper", options.paper,
-                 "A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in mm: as many "
-                 "plates a page as it holds (default: the page is one plate with its margin)");
-  app.add_flag("--tile", options.style.tiled,
-               "Plates in pieces on several sheets of the paper, with an assembly sheet");
-  add_length(app, "--overlap", options.style.overlap, "Of neighbouring tiles, mm (default: 10)")
-      ->check(number_between(5.0, 50.0));
-  add_length(app, "--bleed", options.style.bleed,
-             "How far crop marks and bleed box stand off the plate, mm (default: 3)")
-      ->check(number_between(0.0, 20.0));
+std::vector<CommandOption> choice_options(PrintOptions& options) {
+  return {{.names = "--format",
+           .target = &options.formats,
+           .help = "Separated by commas; both = pdf,svg (default: both)",
+           .by_commas = true,
+           .choices = {"pdf", "svg", "png", "both"}},
+          {.names = "--tags",
+           .target = &options.tags,
+           .help = "Only these tags, by name, separated by commas",
+           .placeholder = "NAME,...",
+           .kind = ValueKind::tag,
+           .by_commas = true},
+          {.names = "--only",
+           .target = &options.only,
+           .help = "Only the tags that this file names, one a line; the output of `tagsmith diff` "
+                   "will do; - for standard input",
+           .placeholder = "FILE",
+           .kind = ValueKind::file,
+           .excludes = {"--tags"}},
+          {.names = "--single",
+           .target = &options.style.single,
+           .help = "All pages in one PDF, tags.pdf"}};
 }
 
-void add_printer_options(CLI::App& app, PrintOptions& options) {
-  app.add_option(
-         "--dpi", options.style.dots_per_inch,
-         "The printer's dots per inch: every edge stands on a whole dot; also the resolution "
-         "of PNG and of the proof (default: the template's dots_per_inch, else 300 for "
-         "those)")
-      ->check(CLI::Range(50, 10'000));
-  add_length(app, "--bar-adjust", options.style.bar_adjustment,
-             "Added to the width of every bar and of the frame, mm; -0.1 takes away what the "
-             "ink adds (default: 0)")
-      ->check(number_between(-10.0, 10.0));
-  app.add_flag("--proof", options.proof,
-               "Draw the files as pixels, read them, and write nothing unless digits, sizes and "
-               "corners are the survey's");
+std::vector<CommandOption> paper_options(PrintOptions& options) {
+  return {{.names = "--paper",
+           .target = &options.paper,
+           .help = "A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in mm: as many "
+                   "plates a page as it holds (default: the page is one plate with its margin)",
+           .placeholder = "PAPER"},
+          {.names = "--tile",
+           .target = &options.style.tiled,
+           .help = "Plates in pieces on several sheets of the paper, with an assembly sheet"},
+          length_option("--overlap", options.style.overlap,
+                        "Of neighbouring tiles, mm (default: 10)", 5, 50),
+          length_option("--bleed", options.style.bleed,
+                        "How far crop marks and bleed box stand off the plate, mm (default: 3)", 0,
+                        20)};
 }
 
-void add_installer_options(CLI::App& app, PrintOptions& options) {
-  app.add_flag("--no-setting-out", options.no_setting_out,
-               "Without the installer's setting-out.csv and setting-out.pdf");
-  add_length(app, "--tolerance", options.style.tolerance,
-             "How far P may hang from its place, mm, for the setting-out list (default: twice "
-             "the survey's sigma, at least 5)")
-      ->check(number_between(0.1, 1000.0));
-  app.add_option("--point-order", options.point_order,
-                 "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)")
-      ->check(CLI::IsMember({"PENZD", "PNEZD"}));
+std::vector<CommandOption> printer_options(PrintOptions& options) {
+  return {{.names = "--dpi",
+           .target = &options.style.dots_per_inch,
+           .help = "The printer's dots per inch: every edge stands on a whole dot; also the "
+                   "resolution of PNG and of the proof (default: the template's dots_per_inch, "
+                   "else 300 for those)",
+           .placeholder = "DPI",
+           .least = 50,
+           .greatest = 10'000},
+          length_option("--bar-adjust", options.style.bar_adjustment,
+                        "Added to the width of every bar and of the frame, mm; -0.1 takes away "
+                        "what the ink adds (default: 0)",
+                        -10, 10),
+          {.names = "--proof",
+           .target = &options.proof,
+           .help = "Draw the files as pixels, read them, and write nothing unless digits, sizes "
+                   "and corners are the survey's"}};
+}
+
+std::vector<CommandOption> installer_options(PrintOptions& options) {
+  return {{.names = "--no-setting-out",
+           .target = &options.no_setting_out,
+           .help = "Without the installer's setting-out.csv and setting-out.pdf"},
+          length_option("--tolerance", options.style.tolerance,
+                        "How far P may hang from its place, mm, for the setting-out list (default: "
+                        "twice the survey's sigma, at least 5)",
+                        0.1, 1000),
+          {.names = "--point-order",
+           .target = &options.point_order,
+           .help = "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)",
+           .choices = {"PENZD", "PNEZD"}}};
 }
 
 }  // namespace
 
-Command print_command(CLI::App& parent, const ProvePages& prove) {
-  CLI::App* app = parent.add_subcommand(
-      "print", "Print-ready PDF, SVG and PNG files of a survey's tags, and the installer's lists");
+Command print_command(const ProvePages& prove) {
   const auto options = std::make_shared<PrintOptions>();
-  app->add_option("SURVEY", options->survey, "Survey file (YAML)")->required();
-  app->add_option("-o,--output", options->folder,
-                  "Folder for the files and their manifest; made if missing")
-      ->required();
-  app->add_option("--format", options->formats,
-                  "pdf, svg, png, separated by commas, or both = pdf,svg (default: both)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"pdf", "svg", "png", "both"}));
-  CLI::Option* tags =
-      app->add_option("--tags", options->tags, "Only these tags, by name, separated by commas")
-          ->delimiter(',');
-  app->add_option("--only", options->only,
-                  "Only the tags that this file names, one a line; the output of `tagsmith diff` "
-                  "will do; - for standard input")
-      ->excludes(tags);
-  app->add_flag("--single", options->style.single, "All pages in one PDF, tags.pdf");
-  add_paper_options(*app, *options);
-  add_printer_options(*app, *options);
-  add_installer_options(*app, *options);
-  add_jobs_option(*app, options->style.jobs, "Cores to use at most");
-  app->add_flag("--json", options->json, "One JSON object a printed tag, then a summary");
-  app->footer(
-      "Every page is at true scale, with a 100 mm scale bar in both directions: print at 100 %,\n"
-      "then measure both. Exit: 0 printed, 1 the proof found a fault, 2 wrong use or unreadable\n"
-      "input; nothing is written with 1 and 2.\n\n"
-      "Example:\n"
-      "  tagsmith print surveys/corridor/survey.yaml -o out/print\n"
-      "  tagsmith print surveys/corridor/survey.yaml -o out/office --paper A4 --tile --format pdf\n"
-      "  tagsmith print surveys/corridor/survey.yaml -o out/spares --format pdf --tags 000L,003R");
-  return {app, [options, prove] {
+  Command command{
+      .name = "print",
+      .summary = "Print-ready PDF, SVG and PNG files of a survey's tags, and the installer's lists",
+      .options = {{.names = "SURVEY",
+                   .target = &options->survey,
+                   .help = "Survey file (YAML)",
+                   .kind = ValueKind::survey,
+                   .required = true},
+                  {.names = "-o,--output",
+                   .target = &options->folder,
+                   .help = "Folder for the files and their manifest; made if missing",
+                   .placeholder = "DIR",
+                   .kind = ValueKind::folder,
+                   .required = true},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object a printed tag, then a summary"},
+                  jobs_option(options->style.jobs, "Cores to use at most")},
+      .notes =
+          "Every page is at true scale, with a 100 mm scale bar in both directions: print at "
+          "100 %, then measure both. Exit: 0 printed, 1 the proof found a fault, 2 wrong use or "
+          "unreadable input; nothing is written with 1 and 2.\n\n"
+          "Example:\n"
+          "  tagsmith print surveys/corridor/survey.yaml -o out/print\n"
+          "  tagsmith print surveys/corridor/survey.yaml -o out/office --paper A4 --tile --format "
+          "pdf\n"
+          "  tagsmith print surveys/corridor/survey.yaml -o out/spares --format pdf --tags "
+          "000L,003R",
+      .run =
+          [options, prove] {
             const Result<int> printed = print(*options, prove);
             return printed ? *printed : report_failure("print", printed.error());
-          }};
+          },
+  };
+  for (const auto& group : {choice_options(*options), paper_options(*options),
+                            printer_options(*options), installer_options(*options)}) {
+    std::ranges::copy(group, std::back_inserter(command.options));
+  }
+  return command;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,9 +5,9 @@
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/print_proof.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // `prove` is what --proof runs.
-Command print_command(CLI::App& parent, const ProvePages& prove);
+Command print_command(const ProvePages& prove);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -21,7 +21,7 @@
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Tag names become file names.
@@ -274,4 +274,4 @@ Result<void> write_print(const PrintJob& job, const StagedFiles& files,
   return all && single ? write_single(job, files, done) : all;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -17,7 +17,7 @@
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct PrintStyle {
   std::vector<SheetFormat> formats{SheetFormat::pdf, SheetFormat::svg};
@@ -92,4 +92,4 @@ TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag);
 Result<void> write_print(
     const PrintJob& job, const StagedFiles& files, const std::function<void()>& done = [] {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

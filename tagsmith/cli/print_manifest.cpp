@@ -11,7 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -154,4 +154,4 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
   return csv;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

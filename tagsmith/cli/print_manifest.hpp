@@ -10,7 +10,7 @@
 #include "tagsmith/cli/print_job.hpp"
 #include "tagsmith/cli/print_proof.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct PrintedTag {
   const PlacedTag* tag = nullptr;
@@ -38,4 +38,4 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record);
 // manifest.csv: the tags, one a row (RFC 4180).
 std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // What a line asks for; a line that cannot be understood has no name.
@@ -76,4 +76,4 @@ Result<std::vector<std::string>> read_tags_to_print(const std::string& path,
   return names;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

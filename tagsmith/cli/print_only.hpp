@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The names in a file ("-" = `standard_input`), one a line: alone, or as `tagsmith diff` writes
 // them, in words or with --json. Of a diff's lines those that say print or reprint count; move and
@@ -17,4 +17,4 @@ namespace tagsmith {
 Result<std::vector<std::string>> read_tags_to_print(const std::string& path,
                                                     std::istream& standard_input);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

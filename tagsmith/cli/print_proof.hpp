@@ -13,7 +13,7 @@
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A page as it was laid out, and the file it stands in.
 struct ProofPage {
@@ -41,4 +41,4 @@ struct TagProof {
 using ProvePages = std::function<Result<std::vector<TagProof>>(
     const Survey& survey, std::span<const ProofPage> pages, int dots_per_inch)>;
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

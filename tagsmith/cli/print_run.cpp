@@ -18,7 +18,7 @@
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/survey/setting_out.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kSettingOutList = "setting-out.csv";
@@ -161,4 +161,4 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
   return written ? Result<PrintRecord>(std::move(record)) : fail(written.error().message);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

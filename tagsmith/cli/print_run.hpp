@@ -7,7 +7,7 @@
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/print_manifest.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Makes everything in the folder, or nothing when something fails. A proof that finds a fault
 // leaves the folder as it was; the record then holds the problems. A progress bar is shown.
@@ -18,4 +18,4 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
 // True when the proof found a fault.
 bool has_problems(const PrintRecord& record);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/printable.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kLongestExcerpt = 96;  // bytes
@@ -78,4 +78,4 @@ std::string FindingPrinter::text_of(const Diagnostic& diagnostic) {
   return text;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The line of the finding with its number, and the offending text underlined below it; each line
 // ends with a line feed. Of a long line only the part around the finding. Empty when the finding
@@ -25,4 +25,4 @@ class FindingPrinter {
   std::map<std::string, std::string> texts_;  // by file
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -19,7 +19,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/stream.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -224,4 +224,4 @@ Result<void> StagedFiles::publish() {
   return {};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

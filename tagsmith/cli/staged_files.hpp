@@ -12,7 +12,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/interrupt_guard.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Files gather in a hidden folder inside the target folder; publish() moves them to their names.
 // Without publish(), or when it fails, the destructor leaves the disk as it was before, folders
@@ -56,4 +56,4 @@ class StagedFiles {
   InterruptGuard guard_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -211,4 +211,4 @@ std::string field_layout_json(const Survey& survey) {
                {"field", {{"length", micrometre(size.x())}, {"width", micrometre(size.y())}}}});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

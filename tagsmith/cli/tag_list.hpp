@@ -7,7 +7,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // RFC 4180, a tag a row: address, position of P, as-built data and, the same in every row, what the
 // codes need. `tagsmith new --from FILE --order own` reads it back. Lengths to the micrometre.
@@ -21,4 +21,4 @@ std::string tags_json(const Survey& survey);
 // ID = 2 * pair, and 1 more on the right.
 std::string field_layout_json(const Survey& survey);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

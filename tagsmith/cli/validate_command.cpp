@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -26,7 +25,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/rules.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct ValidateOptions {
@@ -249,30 +248,49 @@ int run_validate(const ValidateOptions& options) {
 
 }  // namespace
 
-Command validate_command(CLI::App& parent) {
-  CLI::App* app = parent.add_subcommand(
-      "validate", "Every problem of surveys, rigs and templates in one go, and how to mend it");
+Command validate_command() {
   const auto options = std::make_shared<ValidateOptions>();
-  app->add_option("SURVEY", options->surveys,
-                  "Survey files (YAML); several are checked against each other too");
-  app->add_option("--rig", options->rigs,
-                  "Rig file to check as well, and whether its cameras can see the surveys' tags; "
-                  "repeatable");
-  app->add_option("--template", options->templates, "Template file to check as well; repeatable");
-  app->add_flag("--fix", options->fix,
-                "Write the mechanical remedies into the files (misspelt keys, decimal commas, "
-                "quotes), show them, and report what is left");
-  app->add_option("--explain", options->explain, "What the rule RULE is about, and why");
-  app->add_flag("--rules", options->list_rules, "All rules, as a table");
-  app->add_flag("--json", options->json, "One JSON object a line for each finding");
-  app->footer(
-      "Example:\n"
-      "  tagsmith validate surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml\n"
-      "  tagsmith validate --fix mine/survey.yaml\n"
-      "  tagsmith validate --explain spacing-outlier\n"
-      "A comment `# tagsmith: allow RULE: REASON` on or above a line silences a warning.\n"
-      "Exit code: 0 no errors, 1 errors found, 2 a file cannot be read.");
-  return {app, [options] { return run_validate(*options); }};
+  return {
+      .name = "validate",
+      .summary = "Every problem of surveys, rigs and templates in one go, and how to mend it",
+      .options = {{.names = "SURVEY",
+                   .target = &options->surveys,
+                   .help = "Survey files (YAML); several are checked against each other too",
+                   .kind = ValueKind::survey},
+                  {.names = "--rig",
+                   .target = &options->rigs,
+                   .help = "Rig file to check as well, and whether its cameras can see the "
+                           "surveys' tags",
+                   .placeholder = "RIG",
+                   .kind = ValueKind::rig},
+                  {.names = "--template",
+                   .target = &options->templates,
+                   .help = "Template file to check as well",
+                   .placeholder = "FILE",
+                   .kind = ValueKind::tag_template},
+                  {.names = "--fix",
+                   .target = &options->fix,
+                   .help = "Write the mechanical remedies into the files (misspelt keys, decimal "
+                           "commas, quotes), show them, and report what is left"},
+                  {.names = "--explain",
+                   .target = &options->explain,
+                   .help = "What the rule RULE is about, and why",
+                   .placeholder = "RULE"},
+                  {.names = "--rules",
+                   .target = &options->list_rules,
+                   .help = "All rules, as a table"},
+                  {.names = "--json",
+                   .target = &options->json,
+                   .help = "One JSON object a line for each finding"}},
+      .notes =
+          "A comment `# tagsmith: allow RULE: REASON` on or above a line silences a warning. "
+          "Exit code: 0 no errors, 1 errors found, 2 a file cannot be read.\n\n"
+          "Example:\n"
+          "  tagsmith validate surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml\n"
+          "  tagsmith validate --fix mine/survey.yaml\n"
+          "  tagsmith validate --explain spacing-outlier",
+      .run = [options] { return run_validate(*options); },
+  };
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

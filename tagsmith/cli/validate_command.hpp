@@ -4,8 +4,8 @@
 
 #include "tagsmith/cli/command.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
-Command validate_command(CLI::App& parent);
+Command validate_command();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

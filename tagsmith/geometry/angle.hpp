@@ -3,9 +3,9 @@
 
 #include <numbers>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 constexpr double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix2d;
@@ -332,4 +332,4 @@ bool in_image(const Camera& camera, const Vector2d& pixel) {
          pixel.y() <= camera.height - 0.5;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class LensModel {
   // OpenCV calib3d, "Detailed description": the ratio of two polynomials in the radius, and two
@@ -71,4 +71,4 @@ std::optional<Eigen::Vector3d> ray_through(const Camera& camera, const Eigen::Ve
 // True when the pixel lies on the image, its outermost half pixels included.
 bool in_image(const Camera& camera, const Eigen::Vector2d& pixel);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

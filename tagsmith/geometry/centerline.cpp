@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The place `distance` further along an element that starts at `start`; either sign.
@@ -124,4 +124,4 @@ CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
   return nearest;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

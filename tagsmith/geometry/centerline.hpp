@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // One piece of the center line. Lengths are horizontal, as chainages are.
 struct CenterlineElement {
@@ -65,4 +65,4 @@ Eigen::Vector3d direction_of(double heading);
 // Unit vector to the right of the drive, horizontal, for a heading.
 Eigen::Vector3d right_of(double heading);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

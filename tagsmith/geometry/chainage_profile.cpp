@@ -7,7 +7,7 @@
 #include <iterator>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Stations = std::vector<ProfileStation>;
@@ -137,4 +137,4 @@ ChainageProfile sum(const ChainageProfile& a, const ChainageProfile& b) {
   return ChainageProfile(std::move(stations));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

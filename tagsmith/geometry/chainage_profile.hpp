@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A value at a chainage, both in metres.
 struct ProfileStation {
@@ -58,4 +58,4 @@ class ChainageProfile {
 // a + b.
 ChainageProfile sum(const ChainageProfile& a, const ChainageProfile& b);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/geometry/side_line.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix3d;
@@ -109,4 +109,4 @@ Eigen::Matrix<double, 8, 1> by_outward_edges(const Eigen::Matrix<double, 8, 1>& 
   return shift;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/geometry/chainage_profile.hpp"
 #include "tagsmith/geometry/pose.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where a vehicle's origin O is and how the vehicle stands there; world frame, metres, radians.
 struct VehiclePose {
@@ -75,4 +75,4 @@ struct ObservedWall {
 ObservedWall observe_wall(const Centerline& centerline, const ChainageProfile& wall_offset,
                           const Eigen::Vector3d& position);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 PairCircle pair_circle(const PairDistances& distances, double tunnel_width, double pair_angle) {
   const double cosine = std::cos(pair_angle);
@@ -20,4 +20,4 @@ PairCircle pair_circle(const PairDistances& distances, double tunnel_width, doub
   return circle;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

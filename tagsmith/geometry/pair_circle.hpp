@@ -4,7 +4,7 @@
 // with it.
 #pragma once
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // D1, D2 from O to the corners P1, P2 of a pair and d from O to the left wall, metres.
 struct PairDistances {
@@ -27,4 +27,4 @@ struct PairCircle {
 // (11)-(17), with P1P2 = W_T / cos(theta). `pair_angle` is theta, more than 0.
 PairCircle pair_circle(const PairDistances& distances, double tunnel_width, double pair_angle);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

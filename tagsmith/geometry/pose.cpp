@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 Pose operator*(const Pose& a_from_b, const Pose& b_from_c) {
   return {a_from_b.rotation * b_from_c.rotation, a_from_b * b_from_c.translation};
@@ -26,4 +26,4 @@ Eigen::Matrix3d rotation_from_yaw_pitch_roll(double yaw, double pitch, double ro
       .toRotationMatrix();
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

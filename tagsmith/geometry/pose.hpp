@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // x_target = rotation * x_source + translation, metres, right-handed frames.
 struct Pose {
@@ -24,4 +24,4 @@ Pose inverse(const Pose& a_from_b);
 // left, pitch positive nose down, roll positive to the right (REP-103).
 Eigen::Matrix3d rotation_from_yaw_pitch_roll(double yaw, double pitch, double roll);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -138,4 +138,4 @@ SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
   return nearest;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

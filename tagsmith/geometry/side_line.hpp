@@ -9,7 +9,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/chainage_profile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Offsets here are metres to the right of the center line, negative to its left.
 
@@ -40,4 +40,4 @@ struct SideFoot {
 SideFoot nearest_on_side(const Centerline& line, const ChainageProfile& offset,
                          const Eigen::Vector2d& position);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

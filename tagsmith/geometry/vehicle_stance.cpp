@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 VehiclePose vehicle_on_floor(const CenterlinePoint& floor, const FloorStance& stance) {
   VehiclePose vehicle;
@@ -41,4 +41,4 @@ ObservedStance observe_stance(const CenterlinePoint& floor, const VehiclePose& v
   return stance;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A vehicle's place and attitude against the floor below it; metres, radians.
 struct FloorStance {
@@ -34,4 +34,4 @@ ObservedStance observe_stance(const Centerline& centerline, const VehiclePose& v
 // The same where the floor is known: `floor` is the center line's place abreast of the vehicle.
 ObservedStance observe_stance(const CenterlinePoint& floor, const VehiclePose& vehicle);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

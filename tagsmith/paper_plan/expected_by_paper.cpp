@@ -9,7 +9,7 @@
 #include "tagsmith/geometry/pair_circle.hpp"
 #include "tagsmith/survey/pair_angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix3d;
@@ -211,4 +211,4 @@ std::optional<PaperExpectation> expect_by_paper(const Survey& survey, const Rig&
   return expectation;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/placement/drive_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Of the sights, the pair of tags that the method takes (see localize_by_paper), with D1 and D2
 // from the corners P and Q. Nothing without such a pair, without a range to the left wall, or with
@@ -20,4 +20,4 @@ std::optional<PaperExpectation> expect_by_paper(const Survey& survey, const Rig&
                                                 std::span<const PlateSight> sights,
                                                 const AccuracyOptions& options);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,7 +18,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -498,4 +498,4 @@ Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOpt
   return plan;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -19,7 +19,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What the published method would give at a pose, of the measurements that have a solution: the
 // others say nothing.
@@ -137,4 +137,4 @@ struct DrivePlan {
 // the number of poses.
 Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOptions& options);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Matrix3d;
@@ -222,4 +222,4 @@ std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& inform
   return covariance;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

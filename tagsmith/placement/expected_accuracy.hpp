@@ -14,7 +14,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct AccuracyOptions {
   // Of a coordinate of a corner, pixels; absent = what the reader was measured to reach.
@@ -41,4 +41,4 @@ VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
 // The covariance of x, y, z, heading, pitch, roll; nothing when the information does not suffice.
 std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& information);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -66,4 +66,4 @@ std::optional<RoomExit> FloorAndRoof::first_exit(const Vector3d& origin, const V
   return exit;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

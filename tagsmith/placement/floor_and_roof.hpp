@@ -10,7 +10,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A line of sight leaves the tunnel's room between two places of it.
 struct RoomExit {
@@ -55,4 +55,4 @@ class FloorAndRoof {
   double greatest_offset_ = 0;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/survey/place_tags.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 bool all_look_aside(const Rig& rig) {
   return std::ranges::all_of(rig.cameras,
@@ -65,4 +65,4 @@ Rig with_alpha(const Rig& rig, std::optional<double> alpha) {
   return changed;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

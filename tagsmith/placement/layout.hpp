@@ -11,7 +11,7 @@
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What every pose of every demanded column must have.
 struct Requirement {
@@ -59,4 +59,4 @@ Survey with_layout(const Survey& survey, const Layout& layout);
 // The rig with its side cameras turned about the vertical to look so far forward.
 Rig with_alpha(const Rig& rig, std::optional<double> alpha);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kSpacingStep = 0.05;     // metres: what an installer measures off
@@ -310,4 +310,4 @@ bool LayoutSearch::hangs_in_tunnel(const Layout& layout) const {
          layout.series.mount_height + above <= survey_.tunnel.height.least() - kFloorClearance;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/placement/layout.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Searches with a coarse plan and proves with the plan as asked for. Keeps references to all it is
 // given.
@@ -76,4 +76,4 @@ class LayoutSearch {
   Demand coarse_;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "tagsmith/placement/layout_search.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kRounds = 2;  // over all freedoms
@@ -132,4 +132,4 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
       format_number(1000 * result.chosen.worst_plane, 1), 100 * result.chosen.met_share));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

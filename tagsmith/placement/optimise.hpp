@@ -13,7 +13,7 @@
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What the search may change. The spacing always varies.
 struct Freedom {
@@ -46,4 +46,4 @@ Result<Optimisation> optimise(const Survey& survey, const Rig& rig,
                               const Freedom& freedom, const PlanOptions& options,
                               const SearchProgress& progress = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

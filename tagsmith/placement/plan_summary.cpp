@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kWindow = 1.0;      // metres, of the worst stretch
@@ -203,4 +203,4 @@ PlanSummary summarize(const DrivePlan& plan) {
   return summary;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

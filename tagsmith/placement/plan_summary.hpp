@@ -9,7 +9,7 @@
 
 #include "tagsmith/placement/drive_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Shares of all poses, 0 to 1.
 struct WallShare {
@@ -87,4 +87,4 @@ PlanSummary summarize(const DrivePlan& plan);
 // True when every pose of the column has a position.
 bool is_covered(const DrivePlan& plan, const PlanColumn& column);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

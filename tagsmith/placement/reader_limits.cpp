@@ -8,7 +8,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -75,8 +75,8 @@ BlurLimits::BlurLimits(bool code_book, ReadShare share) : rows_(kCosines + 1), l
     // More blur never helps: the table's small ups and downs are the measurement's noise.
     double least = 0;
     for (std::size_t blur = 0; blur < kBlursPx.size(); ++blur) {
-      least =
-          std::max(least, tagsmith::least_module_px(code_book, incidence, kBlursPx[blur], share));
+      least = std::max(
+          least, tagsmith::detail::least_module_px(code_book, incidence, kBlursPx[blur], share));
       row.module_px[blur] = least;
     }
     least_ = std::min(least_, row.module_px.front());
@@ -96,4 +96,4 @@ double BlurLimits::greatest_blur_px(double cosine, double module_px) const {
   return mix(kBlursPx[blur - 1], kBlursPx[blur], share);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How much of what is seen under the stated conditions is read.
 enum class ReadShare { reliable, half };  // 99 %, 50 %
@@ -43,4 +43,4 @@ class BlurLimits {
   double least_ = 0;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

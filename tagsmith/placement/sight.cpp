@@ -11,7 +11,7 @@
 
 #include "tagsmith/geometry/camera.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -341,4 +341,4 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
   return sight;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

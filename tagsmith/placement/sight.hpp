@@ -16,7 +16,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Blur of a camera whose rig does not state it: the standard deviation of the simulation's lens.
 inline constexpr double kUsualBlurPx = 0.7;
@@ -136,4 +136,4 @@ class SightModel {
   double reach_ = 0;
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/geometry/side_line.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -146,4 +146,4 @@ double standoff_behind(double farthest) {
   return std::min(std::max(farthest, 0.0) + kGap, kMost);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Where a line of sight, seen from above, first meets a wall.
 struct WallHit {
@@ -74,4 +74,4 @@ double wall_standoff(const Survey& survey, double chainage, double reach = 60);
 // The same for plates of which the farthest corner lies `farthest` metres behind the planes.
 double standoff_behind(double farthest);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

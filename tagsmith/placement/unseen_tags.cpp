@@ -8,7 +8,7 @@
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/sight.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kStep = 0.25;   // metres between two places of the vehicle
@@ -112,4 +112,4 @@ std::vector<std::size_t> unseen_tags(const Survey& survey, const Rig& rig) {
   return unseen;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

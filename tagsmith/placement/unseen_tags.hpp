@@ -8,7 +8,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Indices in survey.tags of those that no camera of the rig sees completely and large enough to be
 // read standing still with the survey as code book, wherever on the center line the vehicle is
@@ -17,4 +17,4 @@ namespace tagsmith {
 // tags.
 std::vector<std::size_t> unseen_tags(const Survey& survey, const Rig& rig);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -314,4 +314,4 @@ DrawingView rig_view(const Survey& survey, const Rig& rig) {
   return view;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class Paper { a4, a3 };  // landscape
 
@@ -27,4 +27,4 @@ std::string scale_text(double denominator);
 // 1, 2 or 5 times a power of ten, at least `least`.
 double round_step(double least);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

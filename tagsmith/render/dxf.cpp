@@ -17,7 +17,7 @@
 #include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -281,4 +281,4 @@ std::string render_dxf(const Survey& survey) {
   return dxf.text();
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // DXF of AutoCAD 2000 (AC1015) in grid coordinates, metres ($INSUNITS 6), to the micrometre.
 // Layers: CENTERLINE and WALLS on the floor (level arcs as ARC, graded ones as 3D lines), PLATES
@@ -16,4 +16,4 @@ namespace tagsmith {
 // then the mirror image, as all drawings in that grid are.
 std::string render_dxf(const Survey& survey);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -273,4 +273,4 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
   return view;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kRounding = 1e-9;
@@ -107,4 +107,4 @@ Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
   return page;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/render/print_paper.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct NestPlan {
   int columns = 0;
@@ -41,4 +41,4 @@ struct NamedDrawing {
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kLeastCropGap = 0.003;  // between the plate's corner and its crop marks
@@ -142,4 +142,4 @@ Page lay_out_page(const std::string& name, const TagDrawing& tag, const PageNote
   return page;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

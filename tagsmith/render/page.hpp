@@ -8,7 +8,7 @@
 
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What is said about a page, in its margin and in the file's metadata.
 struct PageNotes {
@@ -84,4 +84,4 @@ std::string what_to_measure(const TagDrawing& tag);
 // The nearest place at or before which a dot begins; `value` itself for 0 dots per inch.
 double at_dot(double value, int dots_per_inch);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

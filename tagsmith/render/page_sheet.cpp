@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -149,4 +149,4 @@ Sheet sheet_of(const Page& page, bool with_contour) {
   return sheet;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

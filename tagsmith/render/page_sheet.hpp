@@ -5,7 +5,7 @@
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/render/sheet.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // All in black. Feature frame, bars, arrow, patches, drill holes and label are layers of their own,
 // named `tag-1-bars` and so on where the page has several tags or shows one in part, and titled
@@ -13,4 +13,4 @@ namespace tagsmith {
 // layer CutContour; without it holes are circles to drill.
 Sheet sheet_of(const Page& page, bool with_contour = true);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "tagsmith/render/print_settings.hpp"
 #include "tagsmith/render/sheet_on_cairo.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kPointsPerMetre = 72 / 0.0254;
@@ -109,4 +109,4 @@ Result<void> write_pdf(const std::filesystem::path& path, const SheetSource& she
   return stream ? Result<void>{} : fail(path.string() + ": cannot be written, is the disk full?");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A PDF of these sheets at true scale: vectors only but for pictures, black as the black ink alone,
 // fonts embedded, cut contours in a spot colour, told to print unscaled (print_settings.hpp). The
@@ -26,4 +26,4 @@ using SheetSource = std::function<void(const std::function<void(const Sheet&)>&)
 // folder must be there.
 Result<void> write_pdf(const std::filesystem::path& path, const SheetSource& sheets);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,7 +18,7 @@
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -309,4 +309,4 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
   return lay_out_sheets(block, views, style);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

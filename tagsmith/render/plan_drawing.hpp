@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // How well the poses of one chainage are served, as one colour.
 enum class Service { both_walls, one_wall, some_poses, none };
@@ -30,4 +30,4 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
 // nothing to draw.
 Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

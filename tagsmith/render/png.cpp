@@ -14,7 +14,7 @@
 #include "tagsmith/render/sheet_on_cairo.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kMostSide = 30'000;  // Cairo's limit is 32767
@@ -132,4 +132,4 @@ Result<std::string> render_png(const Sheet& sheet, double dots_per_inch, PngColo
   return bytes;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

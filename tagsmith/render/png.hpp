@@ -7,7 +7,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class PngColours { rgb, grey };  // grey: of 8 bits, for what is black on white
 
@@ -16,4 +16,4 @@ enum class PngColours { rgb, grey };  // grey: of 8 bits, for what is black on w
 // same sheet gives the same bytes. Fails when it would have more than 30 000 pixels a side.
 Result<std::string> render_png(const Sheet& sheet, double dots_per_inch, PngColours colours);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 const std::array<PrintPaper, 7> kPapers{{{"Letter", 0.2159, 0.2794},
@@ -82,4 +82,4 @@ void add_paper_notes(Page& page, const std::string& first, const std::string& se
   add_note(page, second, kBaseline + 1.6 * kNoteHeight, max_width);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

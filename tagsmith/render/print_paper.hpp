@@ -8,7 +8,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/page.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Metres; sheets upright. A roll has no height: pages are as long as their content.
 struct PrintPaper {
@@ -49,4 +49,4 @@ inline constexpr double kPaperMarkLength = 0.004;
 void add_paper_notes(Page& page, const std::string& first, const std::string& second,
                      double max_width);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 
 #include "tagsmith/base/checksum.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::string_view kEndOfObject = "\nendobj\n";
@@ -211,4 +211,4 @@ Result<void> PrintSettingsFilter::finish() {
   return written_ ? Result<void>{} : fail("PDF: cannot be written, is the disk full?");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What a page says to those who cut it.
 struct PdfPageSettings {
@@ -68,4 +68,4 @@ class PrintSettingsFilter {
 // with a contour `1 0 1 RG` as the colour space CutContour in full. Text in brackets stays.
 std::string with_print_colours(std::string_view content, bool has_contour);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -186,4 +186,4 @@ Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
   return lay_out_sheets(block, std::span(&part, 1));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/render/sheet.hpp"
 #include "tagsmith/survey/setting_out.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A4 sheets with a row a tag: name, side, chainage, offset, height, x, y, z, tolerance, digits, and
 // a box to tick; below it a row for a plate that hangs otherwise than its wall says. The head says
@@ -24,4 +24,4 @@ Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
                                                std::span<const SettingOut> list,
                                                const std::string& revision);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

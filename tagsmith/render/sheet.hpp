@@ -13,7 +13,7 @@
 
 #include "tagsmith/render/sketch.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Sheet frame: origin at the upper left corner, x to the right, y down, metres on paper. Angles are
 // counter-clockwise as one sees them.
@@ -61,4 +61,4 @@ struct Sheet {
   std::optional<Eigen::AlignedBox2d> bleed{};  // to where its surface is printed
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/render/png.hpp"
 #include "tagsmith/render/svg.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 Result<std::string> render_sheet(const Sheet& sheet, SheetFormat format) {
@@ -57,4 +57,4 @@ Result<std::vector<SheetFile>> render_sheets(std::span<const Sheet> sheets,
   return files;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

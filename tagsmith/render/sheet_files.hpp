@@ -11,7 +11,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/sheet.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class SheetFormat { pdf, svg, png };
 
@@ -29,4 +29,4 @@ struct SheetFile {
 Result<std::vector<SheetFile>> render_sheets(std::span<const Sheet> sheets,
                                              const std::filesystem::path& path);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

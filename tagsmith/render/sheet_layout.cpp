@@ -13,7 +13,7 @@
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/title_block.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -271,4 +271,4 @@ Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
   return lay_out_sheets(block, std::span(&part, 1));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

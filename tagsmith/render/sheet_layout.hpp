@@ -14,7 +14,7 @@
 #include "tagsmith/render/sheet.hpp"
 #include "tagsmith/render/sketch.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Directions of the grid's axes in a view, as sketched (x right, y up); unit vectors.
 struct ViewAxes {
@@ -62,4 +62,4 @@ Result<std::vector<Sheet>> lay_out_sheets(const TitleBlock& block,
                                           std::span<const DrawingView> views,
                                           const DrawingStyle& style = {});
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

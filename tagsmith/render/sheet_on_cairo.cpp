@@ -10,7 +10,7 @@
 
 #include "tagsmith/render/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
@@ -156,4 +156,4 @@ void draw_sheet(cairo_t* context, const Sheet& sheet, double units_per_metre) {
   cairo_restore(context);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 typedef struct _cairo cairo_t;                  // NOLINT(bugprone-reserved-identifier)
 typedef struct _cairo_surface cairo_surface_t;  // NOLINT(bugprone-reserved-identifier)
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct CairoDestroy {
   void operator()(cairo_surface_t* surface) const;
@@ -22,4 +22,4 @@ using CairoContext = std::unique_ptr<cairo_t, CairoDestroy>;
 // The context's user space is scaled from metres on paper by so many units.
 void draw_sheet(cairo_t* context, const Sheet& sheet, double units_per_metre);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

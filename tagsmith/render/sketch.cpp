@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::vector<double> dashed() { return {0.003, 0.001}; }
 
@@ -14,4 +14,4 @@ SketchLayer& Sketch::layer(std::string_view name) {
   return found != layers.end() ? *found : layers.emplace_back(SketchLayer{std::string(name), {}});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

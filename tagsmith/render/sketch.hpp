@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // sRGB, 0 to 1.
 struct Colour {
@@ -159,4 +159,4 @@ struct Sketch {
   SketchLayer& layer(std::string_view name);
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

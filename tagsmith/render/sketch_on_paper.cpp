@@ -10,7 +10,7 @@
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -237,4 +237,4 @@ std::optional<Vector2d> model_extent(const Sketch& sketch) {
   return box.isEmpty() ? Vector2d(0, 0) : Vector2d(box.sizes());
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/render/sheet.hpp"
 #include "tagsmith/render/sketch.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Paper frame: x right, y down, metres; the origin is the sketch's.
 struct SketchOnPaper {
@@ -24,4 +24,4 @@ SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator);
 // is not finite.
 std::optional<Eigen::Vector2d> model_extent(const Sketch& sketch);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/survey_views.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 DrawingPart plan_part(const Survey& survey, Paper paper) {
@@ -104,4 +104,4 @@ Result<std::vector<Sheet>> draw_survey(const Survey& survey, const std::optional
   return lay_out_sheets(block, parts);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

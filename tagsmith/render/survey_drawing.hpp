@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Tags listed in the drawing's table at most; a longer table belongs into `tagsmith export`.
 inline constexpr std::size_t kMostListedTags = 2'000;
@@ -32,4 +32,4 @@ Result<std::vector<Sheet>> draw_survey(const Survey& survey, const std::optional
 // and as lay_out_sheets does.
 Result<std::vector<Sheet>> draw_together(const std::vector<Survey>& surveys, Paper paper);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

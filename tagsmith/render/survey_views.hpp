@@ -14,7 +14,7 @@
 #include "tagsmith/survey/setting_out.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A length in words of a drawing: to the millimetre, without zeros at its end.
 std::string metres(double length);
@@ -67,4 +67,4 @@ DrawingView survey_notes(const Survey& survey, const std::optional<Rig>& rig);
 // All tags with side, digits, position, chainage and height above the floor, by columns.
 std::vector<DrawingView> tag_tables(const Survey& survey, Paper paper);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
@@ -104,4 +104,4 @@ std::string render_svg(const Sheet& sheet) {
   return svg + "</svg>\n";
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,11 +6,11 @@
 
 #include "tagsmith/render/sheet.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // An SVG 1.1 document whose user unit is one millimetre, with the sheet's size in mm on white. Each
 // layer is a group of its own (`id` = its name). Text is outlines with the words as their title: it
 // looks alike where fonts are missing. The same sheet gives the same bytes.
 std::string render_svg(const Sheet& sheet);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

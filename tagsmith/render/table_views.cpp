@@ -13,7 +13,7 @@
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -216,4 +216,4 @@ std::vector<DrawingView> tag_tables(const Survey& survey, Paper paper) {
   return views;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

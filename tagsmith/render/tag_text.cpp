@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string with_revision(const std::string& name, const std::string& revision) {
@@ -52,4 +52,4 @@ std::string survey_keywords(const Survey& survey, const std::string& revision) {
   return "survey " + with_revision(survey.name, revision);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

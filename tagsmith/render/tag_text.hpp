@@ -8,7 +8,7 @@
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // To the millimetre, never "-0.000".
 std::string to_millimetre(double metres);
@@ -26,4 +26,4 @@ PageNotes page_notes(const Survey& survey, const PlacedTag& tag, const std::stri
 // Survey and revision, for the metadata of files.
 std::string survey_keywords(const Survey& survey, const std::string& revision);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Text is laid out at one font size and scaled to its height when drawn, so that its shape does not
@@ -217,4 +217,4 @@ std::string text_path(const SheetText& text) {
   return data;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

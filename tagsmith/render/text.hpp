@@ -9,7 +9,7 @@
 
 typedef struct _cairo cairo_t;  // NOLINT(bugprone-reserved-identifier): as cairo.h has it
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // True when the machine's fonts have every character of the text; what none has prints as a box.
 bool has_glyphs(const std::string& text);
@@ -27,4 +27,4 @@ void show_text(cairo_t* context, const SheetText& text);
 // The glyphs' outlines as path data of SVG, millimetres from the text's place along its baseline.
 std::string text_path(const SheetText& text);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kWaste = 0.008;      // shown beyond the plate's edge
@@ -326,4 +326,4 @@ std::vector<Page> lay_out_tiles(const std::string& name, const TagDrawing& tag,
   return pages;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

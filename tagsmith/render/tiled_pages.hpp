@@ -9,7 +9,7 @@
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/render/print_paper.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Sheets in columns and rows; each shows its window of the plate. Neighbours share a strip as wide
 // as the overlap.
@@ -45,4 +45,4 @@ std::vector<std::string> tile_page_names(const TilePlan& plan);
 std::vector<Page> lay_out_tiles(const std::string& name, const TagDrawing& tag,
                                 const PageNotes& notes, const TilePlan& plan);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

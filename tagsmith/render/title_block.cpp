@@ -9,7 +9,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::AlignedBox2d;
@@ -141,4 +141,4 @@ void add_title_block(Sheet& sheet, const TitleBlock& block, const SheetNumber& n
   sheet.layers.push_back(std::move(layer));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

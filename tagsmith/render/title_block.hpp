@@ -10,7 +10,7 @@
 #include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Metres on paper, y down.
 struct SheetFrame {
@@ -31,4 +31,4 @@ struct SheetNumber {
 void add_title_block(Sheet& sheet, const TitleBlock& block, const SheetNumber& number,
                      std::optional<double> scale_denominator, const SheetFrame& frame);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -289,4 +289,4 @@ DrawingView plan_view(const Survey& survey, const PlanStrip& strip) {
   return view;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A piece of the tunnel that is drawn in one view, turned so that the drive runs from left to
 // right. The view is never mirrored: a grid with x to the left shows as its axes.
@@ -56,4 +56,4 @@ ViewAxes plan_axes(const Survey& survey, const PlanStrip& strip);
 // to its sketch, with points as strip.view_from_world has them.
 DrawingView plan_view(const Survey& survey, const PlanStrip& strip);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

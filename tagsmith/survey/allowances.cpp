@@ -11,7 +11,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/rules.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::string_view kMark = "# tagsmith:";
@@ -133,4 +133,4 @@ std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std
   return diagnostics;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

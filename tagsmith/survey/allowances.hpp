@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Rules whose findings may come from the survey and another file together, a rig or a second
 // survey: a comment that allows one is no idle one where that file was not given.
@@ -27,4 +27,4 @@ std::vector<Diagnostic> without_allowed(std::vector<Diagnostic> diagnostics, std
 std::vector<Diagnostic> allowed_removed(std::vector<Diagnostic> diagnostics,
                                         const std::filesystem::path& file);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 CalibrationSigma usual_calibration(IntrinsicsSource source, int image_width) {
   CalibrationSigma sigma{.position = 0.005, .angle = radians(0.5), .edge = 0.1};
   switch (source) {
@@ -75,4 +75,4 @@ std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig&
   return all;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 inline constexpr double kUsualSigma = 0.003;  // of a surveyed coordinate, metres
 // Of a plate's attitude about each axis: hung by eye and spirit level.
@@ -36,4 +36,4 @@ std::vector<std::string> assumed_calibration(const Rig& rig);
 // All of it, plates' attitudes included.
 std::vector<std::string> assumptions(std::span<const Survey> surveys, const Rig& rig);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
@@ -384,4 +384,4 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, Find
   overlaps.log_all(series_place, "overlap", "a wider spacing", log);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A tag and where the survey file speaks of it.
 struct SourcedTag {
@@ -31,4 +31,4 @@ void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Plac
 // O(n log n) time for n tags.
 void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string place_text(const Eigen::Vector3d& p) {
@@ -112,4 +112,4 @@ std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& a
   return differences;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class TagChange {
   print,    // a new tag
@@ -36,4 +36,4 @@ std::vector<TagDifference> compare_surveys(const Survey& before, const Survey& a
 // What differs between two templates in what is printed, in words; empty when nothing does.
 std::string describe_template_change(const TagTemplate& before, const TagTemplate& after);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

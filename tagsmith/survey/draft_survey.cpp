@@ -14,7 +14,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kPayloadDigits = kDigitCount - 1;
@@ -290,4 +290,4 @@ std::string draft_survey(const SurveyDraft& draft) {
   return text;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A straight drive with ten pairs, every key explained; reads without findings.
 std::string survey_to_edit(const std::string& name);
@@ -40,4 +40,4 @@ Result<PositionCode> code_for(const std::vector<SurveyedPoint>& points, CheckDig
 // The survey file of a draft. Positions of P are those of the list, to the micrometre.
 std::string draft_survey(const SurveyDraft& draft);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Bytes [begin, begin + length) become `text`.
@@ -106,4 +106,4 @@ Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>
   return edited;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/result.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // `key: value` in the map that the path leads to. Where the map has no such key, it takes the place
 // of the key `instead_of`, or else becomes the map's first.
@@ -23,4 +23,4 @@ struct YamlEdit {
 // changed is no plain scalar.
 Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>& edits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/allowances.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Metres that a plate, hung as well as one does, is off the place that was printed on it.
@@ -106,4 +106,4 @@ void lint_exchanged_codes(const Survey& survey, std::span<const Survey> among, F
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

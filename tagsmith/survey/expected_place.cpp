@@ -11,7 +11,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kOnWall = 0.1;          // metres that a plate may be off its wall's plane
@@ -181,4 +181,4 @@ std::optional<std::string> likely_slip(const Survey& survey, const PlacedTag& ta
   return std::move(slips.front().words);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/survey/check_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Address of a plate in the tunnel: of its frame's middle along and across, of P in height. Metres.
 struct PlateAddress {
@@ -50,4 +50,4 @@ std::optional<std::string> likely_slip(const Survey& survey, const PlacedTag& ta
 // Median; NaN of nothing.
 double median(std::vector<double> values);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

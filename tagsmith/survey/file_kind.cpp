@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct FileKind {
@@ -39,4 +39,4 @@ bool is_other_kind(const YamlNode& root, std::string_view key, FindingLog& log) 
   return true;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

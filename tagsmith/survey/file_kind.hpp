@@ -7,10 +7,10 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Whether a file whose first key should be `key` (survey, rig or tag) is one of the other two
 // kinds. Then that is logged, as one error instead of one for each of its keys.
 bool is_other_kind(const YamlNode& root, std::string_view key, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kMostOfOneRule = 100;
@@ -45,4 +45,4 @@ void FindingLog::add(Diagnostic diagnostic) {
   diagnostics_.push_back(std::move(diagnostic));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

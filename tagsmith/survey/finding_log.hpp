@@ -10,7 +10,7 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Line and column in a file, 1-based; 0 = the whole file, the whole line.
 struct Place {
@@ -31,7 +31,7 @@ class FindingLog {
   // Findings of another file (a template that the survey names), taken over as they are.
   void append(const std::vector<Diagnostic>& diagnostics);
 
-  bool has_errors() const { return tagsmith::has_errors(diagnostics_); }
+  bool has_errors() const { return tagsmith::detail::has_errors(diagnostics_); }
 
   // In the order of the file; what was left out is said last.
   std::vector<Diagnostic> sorted() const;
@@ -44,4 +44,4 @@ class FindingLog {
   std::map<std::pair<std::string, Severity>, int> counts_;  // by rule
 };
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 
 #include "tagsmith/survey/expected_place.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::MatrixXd;
@@ -416,4 +416,4 @@ std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tol
   return best;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

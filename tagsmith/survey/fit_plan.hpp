@@ -10,7 +10,7 @@
 
 #include "tagsmith/geometry/centerline.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A point in the world, and where across the tunnel it lies: `side` tunnel half widths to the right
 // of the center line (-1, 0, 1).
@@ -36,4 +36,4 @@ struct PlanFit {
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
                                 int most_elements);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -13,7 +13,7 @@
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::MatrixXd;
@@ -509,4 +509,4 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   return fit;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

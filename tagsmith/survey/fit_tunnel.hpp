@@ -10,7 +10,7 @@
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct TunnelFitOptions {
   // A point further from where the fit has it does not fit, metres: across (walls and the plates on
@@ -53,4 +53,4 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
 
 inline constexpr int kMostFittedElements = 12;
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,7 +18,7 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string metres(double value) { return format_number(value, 3) + " m"; }
@@ -280,4 +280,4 @@ void lint_series(const Survey& survey, Place tags_place, FindingLog& log) {
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Logs an error when hardly any surveyed tag lies at its wall, but nearly all do in the mirror
 // image of the grid or with x and y exchanged. True when it did: nothing said about single tags
@@ -30,4 +30,4 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
 // its label.
 void lint_series(const Survey& survey, Place tags_place, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include "tagsmith/geometry/centerline.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Part of the pitch by which a pair's stagger may differ from W_T tan(theta).
@@ -34,4 +34,4 @@ double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedT
   return std::atan2(stagger, width);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The angle theta for a tag on the left wall and one on the right. The one that the survey states,
 // when the tags' stagger along the drive is that of a pair, either way round, to an eighth of the
@@ -18,4 +18,4 @@ double pair_angle_for(const Survey& survey, const PlacedTag& left, const PlacedT
 // The heading of the drive (world frame) midway between two tags, from how their plates hang.
 double heading_between(const PlacedTag& left, const PlacedTag& right);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

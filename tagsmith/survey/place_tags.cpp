@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 GridPoint to_grid_point(const Eigen::Vector3d& point) { return {point.x(), point.y(), point.z()}; }
@@ -109,4 +109,4 @@ PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& dig
   return tag;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // More tags than this in one survey are refused.
 inline constexpr int kMostTags = 1'000'000;
@@ -48,4 +48,4 @@ std::optional<PlacedTag> with_own_digits(PlacedTag tag, const PositionCode& code
 // The tag with these printed digits.
 PlacedTag with_digits(PlacedTag tag, const PositionCode& code, const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

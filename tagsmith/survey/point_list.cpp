@@ -16,7 +16,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kCodes = "TL, TR, WL, WR, CL, FL, RF or the name of a tag, as 000L";
@@ -327,4 +327,4 @@ Result<PointListReading> read_point_list(const std::filesystem::path& path,
   return reading;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

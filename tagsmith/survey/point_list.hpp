@@ -14,7 +14,7 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class PointKind {
   left_tag,    // TL, or the name of a tag: corner P
@@ -79,4 +79,4 @@ struct PointListReading {
 Result<PointListReading> read_point_list(const std::filesystem::path& path,
                                          const PointListOptions& options);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 #include "tagsmith/survey/yaml_document.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::uintmax_t kLargestFile = 8U << 20U;  // a calibration with all its image points
@@ -395,4 +395,4 @@ Result<CalibrationReading> read_calibration(const CalibrationRequest& request) {
   return reading;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/geometry/camera.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct CalibrationRequest {
   std::filesystem::path file;
@@ -35,4 +35,4 @@ struct CalibrationReading {
 // cannot be read at all.
 Result<CalibrationReading> read_calibration(const CalibrationRequest& request);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/survey/camera_limits.hpp"
 #include "tagsmith/survey/read_calibration.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -227,4 +227,4 @@ std::optional<Intrinsics> read_intrinsics(const MapReader& map, const fs::path& 
   return intrinsics;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The keys of a camera that these functions read.
 std::vector<std::string> intrinsics_keys();
@@ -29,4 +29,4 @@ struct Intrinsics {
 std::optional<Intrinsics> read_intrinsics(const MapReader& map,
                                           const std::filesystem::path& folder);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kPayloadDigits = kDigitCount - 1;
@@ -148,4 +148,4 @@ std::map<TagKey, PlacedEntry> read_placed(const YamlNode* node,
   return placed;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

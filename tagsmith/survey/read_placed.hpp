@@ -11,7 +11,7 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // An entry of `placed` as written.
 struct PlacedEntry {
@@ -32,4 +32,4 @@ using TagKey = std::pair<int, Side>;
 std::map<TagKey, PlacedEntry> read_placed(const YamlNode* node,
                                           const std::optional<CheckDigit>& check, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

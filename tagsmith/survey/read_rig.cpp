@@ -18,7 +18,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -285,4 +285,4 @@ Result<Rig> load_rig(const fs::path& path) {
   return std::move(*reading->rig);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/tunnel_limits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 const char* kWallHint = "a list of [chainage, distance]: [[0, 1.9], [12.5, 2.1]]";
@@ -193,4 +193,4 @@ Room read_room(const MapReader& tunnel) {
   return room;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "tagsmith/survey/tunnel.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Metres: of width, height and a wall's distance; of the plates from the rock.
 inline constexpr double kLargestRoom = 1e3;
@@ -27,4 +27,4 @@ struct Room {
 // From the keys width, height, sections, walls and stand_off of the map.
 Room read_room(const MapReader& tunnel);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

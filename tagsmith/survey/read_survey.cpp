@@ -23,7 +23,7 @@
 #include "tagsmith/survey/read_tunnel.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -379,4 +379,4 @@ std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
   return diagnostics;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

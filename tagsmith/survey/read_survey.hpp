@@ -12,7 +12,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What a survey file said. `survey` is there exactly when no finding is an error.
 struct SurveyReading {
@@ -36,4 +36,4 @@ Result<std::vector<Survey>> load_surveys(const std::vector<std::filesystem::path
 // Findings about several surveys together: equal codes, equal survey names.
 std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

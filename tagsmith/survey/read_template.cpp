@@ -15,7 +15,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -308,4 +308,4 @@ fs::path data_directory() {
   return TAGSMITH_SOURCE_FOLDER;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -11,7 +11,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct TemplateReading {
   std::optional<TagTemplate> tag;  // there exactly when no finding is an error
@@ -35,4 +35,4 @@ std::string own_templates();
 // them, else the source tree it was built from.
 std::filesystem::path data_directory();
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

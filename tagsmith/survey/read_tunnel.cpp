@@ -8,7 +8,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_room.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct Elements {
@@ -136,4 +136,4 @@ Grid read_grid(const YamlNode* node, FindingLog& log) {
   return Grid{map.choice("x_axis", {"right", "left"}) == "left"};
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "tagsmith/survey/tunnel_limits.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The grid; right-handed when the node is null.
 Grid read_grid(const YamlNode* node, FindingLog& log);
@@ -16,4 +16,4 @@ Grid read_grid(const YamlNode* node, FindingLog& log);
 // Nothing when it has a fault, which is logged.
 std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The survey as one text with everything in a fixed order. Texts are quoted by their length, so
@@ -124,4 +124,4 @@ std::string survey_revision(const Survey& survey) {
   return sha256(content.bytes()).substr(0, kShown);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,11 +6,11 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Twelve hexadecimal digits: the first of the SHA-256 of what the survey says. Comments, order of
 // keys and the file's name do not change it; a millimetre, a digit, the template's sizes do.
 // Lengths count to the micrometre, angles to 1e-9 rad.
 std::string survey_revision(const Survey& survey);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // Camera axes (x right, y down, z along the optical axis) of a camera that looks along a body's
@@ -40,4 +40,4 @@ Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading
   return pose;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

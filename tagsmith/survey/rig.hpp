@@ -14,7 +14,7 @@
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Standard deviations of a camera's calibration; 0 = exact.
 struct CalibrationSigma {
@@ -102,4 +102,4 @@ RigReading read_rig_text(const std::filesystem::path& path, std::string_view tex
 // The rig, or all its errors in one message.
 Result<Rig> load_rig(const std::filesystem::path& path);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // By code.
@@ -264,4 +264,4 @@ const Rule* find_rule(std::string_view code) {
   return found != kRules.end() && found->code == code ? &*found : nullptr;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 struct Rule {
   std::string_view code;  // as in Diagnostic::code
@@ -19,4 +19,4 @@ std::span<const Rule> rules();
 // The rule with this code, or null.
 const Rule* find_rule(std::string_view code);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -15,7 +15,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
@@ -275,4 +275,4 @@ Result<Run> load_run(const fs::path& path, const Rig& rig) {
   return run;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

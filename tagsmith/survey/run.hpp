@@ -13,7 +13,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/rig.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What one camera saw: an image, or a distance already measured to a named tag.
 struct CameraMeasurement {
@@ -42,4 +42,4 @@ struct Run {
 // file:line:column of every fault found (column = the field's number).
 Result<Run> load_run(const std::filesystem::path& path, const Rig& rig);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 double usual_tolerance(const Survey& survey) {
   constexpr double kTapeAndLevel = 0.005;
@@ -23,4 +23,4 @@ std::vector<SettingOut> setting_out(const Survey& survey, std::span<const Placed
   return list;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

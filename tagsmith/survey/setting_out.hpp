@@ -7,7 +7,7 @@
 
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Corner P of a tag: its address along the drive beside its coordinates. Metres.
 struct SettingOut {
@@ -26,4 +26,4 @@ double usual_tolerance(const Survey& survey);
 std::vector<SettingOut> setting_out(const Survey& survey, std::span<const PlacedTag* const> tags,
                                     double tolerance);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -10,7 +10,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 const PlacedTag* find_if(const Survey& survey, const auto& matches) {
@@ -129,4 +129,4 @@ bool is_turned_from_wall(const Tunnel& tunnel, const TagTemplate& tag, const Pla
          kTurned;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

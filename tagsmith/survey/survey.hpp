@@ -15,7 +15,7 @@
 #include "tagsmith/symbology/position_code.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The mine's grid. Geometry inside the program is right-handed, x, y, z up, and called "world"; a
 // grid whose x axis points to the left of +y is mirrored here and nowhere else.
@@ -109,4 +109,4 @@ double facing_of(const Pose& world_from_plate);
 // the drive, and what holds for plates on walls does not hold for it.
 bool is_turned_from_wall(const Tunnel& tunnel, const TagTemplate& tag, const PlacedTag& placed);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

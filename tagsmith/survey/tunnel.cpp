@@ -7,7 +7,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/side_line.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::string range_text(const ChainageProfile& profile) {
@@ -70,4 +70,4 @@ std::string width_text(const Tunnel& tunnel) { return range_text(widths_of(tunne
 
 std::string height_text(const Tunnel& tunnel) { return range_text(tunnel.height); }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

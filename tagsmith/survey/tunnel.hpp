@@ -9,7 +9,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/geometry/chainage_profile.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 enum class Side { left, right };  // of the drive
 
@@ -61,4 +61,4 @@ double wall_heading(const Tunnel& tunnel, Side side, double chainage, double pla
 std::string width_text(const Tunnel& tunnel);
 std::string height_text(const Tunnel& tunnel);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

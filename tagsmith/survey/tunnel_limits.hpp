@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Metres: national grids reach 1e7; of tunnel, radius, spacing; of a coordinate's standard
 // deviation.
@@ -13,4 +13,4 @@ inline constexpr double kLongest = 1e5;
 inline constexpr double kWorstSigma = 10;
 inline constexpr std::size_t kMostElements = 1'000;
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

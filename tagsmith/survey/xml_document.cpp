@@ -10,7 +10,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr int kDeepest = 32;
@@ -124,4 +124,4 @@ std::optional<YamlNode> parse_xml(std::string_view text, FindingLog& log) {
   return root;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

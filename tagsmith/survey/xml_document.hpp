@@ -9,7 +9,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // The children of the root element as a map from their names; attributes are left out. An element
 // with children is a map, or a list when all of them are called `_`; text of several words is a
@@ -17,4 +17,4 @@ namespace tagsmith {
 // why is in the log: syntax, not UTF-8, nested deeper than 32.
 std::optional<YamlNode> parse_xml(std::string_view text, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -14,7 +14,7 @@
 
 #include "tagsmith/base/printable.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kDeepest = 32;
@@ -261,4 +261,4 @@ std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
   return root;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "tagsmith/survey/finding_log.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // A key of a map, as written.
 struct YamlKey {
@@ -38,4 +38,4 @@ std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
 // Logs the first byte that is no UTF-8 text; true when there is none.
 bool check_utf8(std::string_view text, FindingLog& log);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

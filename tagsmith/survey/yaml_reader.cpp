@@ -10,7 +10,7 @@
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr std::size_t kLongestText = 200;
@@ -360,4 +360,4 @@ void MapReader::exclude_each_other(const std::vector<std::string>& keys) const {
               "remove one of the two");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

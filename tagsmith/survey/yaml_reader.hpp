@@ -15,7 +15,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What a number may be.
 struct NumberRange {
@@ -107,4 +107,4 @@ class MapReader {
 // "a, b or c", each in backquotes.
 std::string either_of(const std::vector<std::string>& words);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

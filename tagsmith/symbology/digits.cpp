@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::optional<Digits> parse_digits(std::string_view text) {
   if (text.size() != kDigitCount) return std::nullopt;
@@ -43,4 +43,4 @@ bool has_check_digit(CheckDigit scheme, const Digits& digits) {
   return check_digit(scheme, std::span(digits).first<11>()) == digits.back();
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 inline constexpr int kDigitCount = 12;
 
@@ -34,4 +34,4 @@ std::uint8_t check_digit(CheckDigit scheme, std::span<const std::uint8_t, 11> di
 
 bool has_check_digit(CheckDigit scheme, const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

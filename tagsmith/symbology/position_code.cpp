@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 std::int64_t unit_count(int digit_count) {
@@ -67,4 +67,4 @@ GridPoint decode_position(const PositionCode& code, const Digits& digits) {
   return position;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

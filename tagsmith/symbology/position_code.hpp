@@ -9,7 +9,7 @@
 
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Grid coordinates x, y, z in metres.
 using GridPoint = std::array<double, 3>;
@@ -41,4 +41,4 @@ std::optional<EncodedPosition> encode_position(const PositionCode& code, const G
 // The coded position, the check digit apart.
 GridPoint decode_position(const PositionCode& code, const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 std::array<std::uint8_t, kElementCount> elements_of(const Digits& digits) {
   std::array<std::uint8_t, kElementCount> elements{};
@@ -26,4 +26,4 @@ std::array<std::uint8_t, kModuleCount> modules_of(const Digits& digits) {
   return modules;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 inline constexpr int kModuleCount = 95;
 inline constexpr int kElementCount = 59;
@@ -47,4 +47,4 @@ std::array<std::uint8_t, kElementCount> elements_of(const Digits& digits);
 // 1 = bar, 0 = space, left to right.
 std::array<std::uint8_t, kModuleCount> modules_of(const Digits& digits);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 Rectangle inner_frame(const TagTemplate& tag) {
@@ -263,4 +263,4 @@ TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText&
   return drawing;
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

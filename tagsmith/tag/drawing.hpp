@@ -10,7 +10,7 @@
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Plate frame: origin at P (upper left inner corner of the feature frame), x to the right, y down,
 // metres, seen facing the plate.
@@ -106,4 +106,4 @@ TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText&
 // Capital letters smaller than this cannot be read on a wall at arm's length.
 inline constexpr double kLeastLabelHeight = 0.001;
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

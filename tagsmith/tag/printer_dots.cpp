@@ -6,7 +6,7 @@
 
 #include "tagsmith/base/text.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 double dot_of(int dots_per_inch) { return kMetresPerInch / dots_per_inch; }
@@ -108,4 +108,4 @@ std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& draw
          format_number(drawn.quiet_zone_modules, 3) + " modules";
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -7,7 +7,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 inline constexpr double kMetresPerInch = 0.0254;
 
@@ -41,4 +41,4 @@ TagDrawing with_bar_adjustment(TagDrawing drawing, double adjustment, int dots_p
 std::string describe_rounding(const TagTemplate& wanted, const TagTemplate& drawn,
                               int dots_per_inch);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 double module_width(const TagTemplate& tag) {
   return tag.frame_inner_length / (kModuleCount + 2.0 * tag.quiet_zone_modules);
@@ -11,4 +11,4 @@ double bar_height(const TagTemplate& tag) {
   return tag.frame_inner_height - 2.0 * tag.margin_modules * module_width(tag);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // What is printed for people between the feature frame and the plate's edge.
 struct LabelStyle {
@@ -56,4 +56,4 @@ double module_width(const TagTemplate& tag);
 // Height of the bars: inner height - 2 margins.
 double bar_height(const TagTemplate& tag);
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 TEST_CASE("text that a spreadsheet would compute gets an apostrophe, numbers get none") {
   const struct {

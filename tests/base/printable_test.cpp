@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 TEST_CASE("a terminal is shown what would move its cursor, colour it or turn its text") {
   const struct {

@@ -21,7 +21,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/kept_memory.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kSurvey = "surveys/corridor/survey.yaml";
@@ -187,6 +187,6 @@ void read_photo_by_paper_pipeline(benchmark::State& state) {
 BENCHMARK(read_photo_by_paper_pipeline)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail
 
 BENCHMARK_MAIN();

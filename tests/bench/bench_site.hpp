@@ -8,7 +8,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith::bench {
+namespace tagsmith::detail::bench {
 
 struct Site {
   Survey survey;
@@ -29,4 +29,4 @@ inline Result<Site> load_shipped_site(const std::string& name) {
   return load_site(folder + "/survey.yaml", folder + "/rig.yaml");
 }
 
-}  // namespace tagsmith::bench
+}  // namespace tagsmith::detail::bench

@@ -27,7 +27,7 @@
 #include "tagsmith/survey/run.hpp"
 #include "tests/bench/bench_site.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 
 namespace {

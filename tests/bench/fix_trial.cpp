@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/observation_model.hpp"
 
-namespace tagsmith::bench {
+namespace tagsmith::detail::bench {
 
 using Eigen::Vector3d;
 using test::Draws;
@@ -100,4 +100,4 @@ PoseError error_of(const Fix& fix, const VehiclePose& truth, const Grid& grid) {
   return result;
 }
 
-}  // namespace tagsmith::bench
+}  // namespace tagsmith::detail::bench

@@ -12,7 +12,7 @@
 #include "tests/bench/bench_site.hpp"
 #include "tests/support/draws.hpp"
 
-namespace tagsmith::bench {
+namespace tagsmith::detail::bench {
 
 // A shipped survey and its rig with standard deviations that a careful calibration leaves.
 Result<Site> calibrated_site(const std::string& name);
@@ -43,4 +43,4 @@ struct PoseError {
 // Of a fix that has a position.
 PoseError error_of(const Fix& fix, const VehiclePose& truth, const Grid& grid);
 
-}  // namespace tagsmith::bench
+}  // namespace tagsmith::detail::bench

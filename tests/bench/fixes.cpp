@@ -23,7 +23,7 @@
 #include "tests/bench/fix_trial.hpp"
 #include "tests/support/draws.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using bench::corners_in_image;
 using bench::noisy;
 using bench::PoseError;

@@ -15,7 +15,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct Scene {
@@ -99,4 +99,4 @@ void two_images_with_prior(benchmark::State& state) { two_images_to_position(sta
 BENCHMARK(two_images_with_prior)->Unit(benchmark::kMillisecond)->UseManualTime()->MinTime(4);
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

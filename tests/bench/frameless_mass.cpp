@@ -22,8 +22,8 @@
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/support/bar_picture.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::BarPicture;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::BarPicture;
 
 namespace {
 
@@ -153,7 +153,7 @@ class Trials {
     Digits digits = random_code(random);
     const std::vector<int> widths = widths_of(kind, digits, random);
     const BarPicture how = random_picture(random);
-    const GrayImage image = tagsmith::test::picture_of(widths, how);
+    const GrayImage image = tagsmith::detail::test::picture_of(widths, how);
     ReadOptions options;
     options.min_confidence = 0.5;
     const FramelessResult result = read_frameless(image.view(), options);

@@ -10,7 +10,7 @@
 
 #include "tagsmith/base/file.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // How much of a photo is decoded.
@@ -61,4 +61,4 @@ BENCHMARK_CAPTURE(decode_jpeg_part, coefficients, Part::coefficients)
 BENCHMARK_CAPTURE(decode_jpeg_part, colour, Part::colour)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

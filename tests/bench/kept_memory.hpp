@@ -3,7 +3,7 @@
 
 #include <malloc.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 // Memory that is freed stays with the process, so that of two that are compared neither pays for
 // fresh pages because of what the other gave back (glibc manual, "Malloc Tunable Parameters").
@@ -13,4 +13,4 @@ inline void keep_freed_memory() {
   mallopt(M_TRIM_THRESHOLD, 32 * kMost - 1);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -28,7 +28,7 @@
 #include "tests/support/corridor_template.hpp"
 #include "tests/support/draws.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::Draws;

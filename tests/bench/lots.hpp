@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 
 using Random = std::mt19937_64;
 
@@ -25,4 +25,4 @@ inline double log_uniform(Random& random, double low, double high) {
   return std::exp(uniform(random, std::log(low), std::log(high)));
 }
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

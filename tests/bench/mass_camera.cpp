@@ -13,7 +13,7 @@
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/normal.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 namespace {
 
 // One over the point spread's standard deviations on the plate, modules.
@@ -307,4 +307,4 @@ void take(Picture& picture, const Scene& scene, const Placing& placing, const Se
   }
 }
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

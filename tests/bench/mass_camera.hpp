@@ -8,7 +8,7 @@
 #include "tests/bench/lots.hpp"
 #include "tests/bench/mass_scene.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 
 // The frame's inner corners in the picture, for a module of `module_px` in its middle, and the
 // picture's size.
@@ -38,4 +38,4 @@ struct Compression {
 void take(Picture& picture, const Scene& scene, const Placing& placing, const Sensor& sensor,
           const Compression& compression, Random& random);
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

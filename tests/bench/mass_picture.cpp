@@ -7,7 +7,7 @@
 #include "tests/bench/mass_scene.hpp"
 #include "tests/bench/mass_symbols.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 
 Picture draw(std::uint64_t seed) {
   Random random(seed);
@@ -32,4 +32,4 @@ Picture draw(std::uint64_t seed) {
   return picture;
 }
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

@@ -12,7 +12,7 @@
 #include "decoder/image/gray.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 
 enum class Kind {
   tag,
@@ -83,4 +83,4 @@ Picture draw_troubled(Trouble trouble, std::uint64_t seed);
 // Twelve random digits with a valid check digit (gs1).
 Digits random_code(std::mt19937_64& random);
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

@@ -8,7 +8,7 @@
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/bench/mass_symbols.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 namespace {
 
 void dirty(Scene& scene, Random& random) {
@@ -80,4 +80,4 @@ Scene make_scene(const Picture& picture, Random& random) {
   return scene;
 }
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

@@ -9,7 +9,7 @@
 #include "tests/bench/lots.hpp"
 #include "tests/bench/mass_picture.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 
 // The plate of Xu et al. (2017), tag-400x300, in modules.
 inline constexpr double kFrameWidth = 113;
@@ -48,4 +48,4 @@ struct Scene {
 // A plate with the picture's symbol, in every way at once as it may be.
 Scene make_scene(const Picture& picture, Random& random);
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

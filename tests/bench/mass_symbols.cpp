@@ -11,7 +11,7 @@
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 namespace {
 
 Widths symbol_widths(const Digits& digits) {
@@ -191,4 +191,4 @@ Widths widths_of(Kind kind, const Digits& digits, Random& random) {
   }
 }
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

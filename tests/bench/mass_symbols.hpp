@@ -8,7 +8,7 @@
 #include "tests/bench/lots.hpp"
 #include "tests/bench/mass_picture.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 
 // Of what is drawn, each as often as its share says.
 Kind random_kind(Random& random);
@@ -23,4 +23,4 @@ using Widths = std::vector<double>;
 // Those of a symbol of the kind, made from these digits where it is a tag's or a corrupted one.
 Widths widths_of(Kind kind, const Digits& digits, Random& random);
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

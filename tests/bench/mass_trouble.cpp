@@ -13,7 +13,7 @@
 #include "tests/bench/mass_scene.hpp"
 #include "tests/bench/mass_symbols.hpp"
 
-namespace tagsmith::mass {
+namespace tagsmith::detail::mass {
 namespace {
 
 Strip strip_at(double angle, double u, double v, double half_width, double light) {
@@ -143,4 +143,4 @@ Picture draw_troubled(Trouble trouble, std::uint64_t seed) {
   return picture;
 }
 
-}  // namespace tagsmith::mass
+}  // namespace tagsmith::detail::mass

@@ -9,7 +9,7 @@
 #include <ZXing/ReadBarcode.h>
 #endif
 
-namespace tagsmith::bench {
+namespace tagsmith::detail::bench {
 namespace {
 
 [[maybe_unused]] std::string as_upca(const std::string& digits) {
@@ -63,4 +63,4 @@ const std::vector<OtherReader>& other_readers() {
   return readers;
 }
 
-}  // namespace tagsmith::bench
+}  // namespace tagsmith::detail::bench

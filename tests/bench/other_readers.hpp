@@ -8,7 +8,7 @@
 
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith::bench {
+namespace tagsmith::detail::bench {
 
 struct OtherReader {
   std::string name;
@@ -21,4 +21,4 @@ struct OtherReader {
 // there. They demand the gs1 check digit. zxing-cpp gives one symbol a picture.
 const std::vector<OtherReader>& other_readers();
 
-}  // namespace tagsmith::bench
+}  // namespace tagsmith::detail::bench

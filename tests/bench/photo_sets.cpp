@@ -20,7 +20,7 @@
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/other_readers.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using nlohmann::json;
 namespace fs = std::filesystem;
 

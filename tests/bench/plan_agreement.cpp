@@ -21,7 +21,7 @@
 #include "tagsmith/placement/sight.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

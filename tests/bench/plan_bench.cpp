@@ -8,7 +8,7 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tests/placement/corridors.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // A tag a metre; bends of 50 m radius make up a part of the drive when it is not straight.
@@ -88,4 +88,4 @@ void plan_sight_alone_metres(benchmark::State& state) { plan(state, two_cameras(
 BENCHMARK(plan_sight_alone_metres)->Arg(1000)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,8 +18,8 @@
 #include "tests/bench/bench_site.hpp"
 #include "tests/support/plan_trial.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using bench::Site;
 
 namespace {

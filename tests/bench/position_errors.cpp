@@ -22,7 +22,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 
 namespace {

@@ -13,7 +13,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ void zint_svgs(benchmark::State& state) {
 BENCHMARK(zint_svgs)->Arg(2000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

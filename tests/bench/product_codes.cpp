@@ -18,7 +18,7 @@
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/other_readers.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,8 +98,8 @@ void read_folder(const fs::path& folder) {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail
 
 int main(int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) tagsmith::read_folder(argv[i]);
+  for (int i = 1; i < argc; ++i) tagsmith::detail::read_folder(argv[i]);
 }

@@ -34,7 +34,7 @@
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/mass_picture.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -28,7 +28,7 @@
 #include "tests/bench/kept_memory.hpp"
 #include "tests/bench/other_readers.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -229,6 +229,6 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail
 
-int main(int argc, char** argv) { return tagsmith::run(argc, argv); }
+int main(int argc, char** argv) { return tagsmith::detail::run(argc, argv); }

@@ -20,7 +20,7 @@
 #include "tests/bench/mass_picture.hpp"
 #include "tests/bench/other_readers.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

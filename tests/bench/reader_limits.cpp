@@ -24,7 +24,7 @@
 #include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

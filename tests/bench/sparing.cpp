@@ -21,7 +21,7 @@
 #include "tests/bench/bench_site.hpp"
 #include "tests/support/draws.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using test::Draws;
 
 namespace {

@@ -20,7 +20,7 @@
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith::bench {
+namespace tagsmith::detail::bench {
 
 // Any code with the check digit of GS1.
 inline Digits random_code(std::mt19937_64& random) {
@@ -74,4 +74,4 @@ inline std::array<double, 8> corner_errors(const Reading& reading, const PlateTr
   return errors;
 }
 
-}  // namespace tagsmith::bench
+}  // namespace tagsmith::detail::bench

@@ -23,7 +23,7 @@
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -157,7 +157,7 @@ void print_start() {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail
 
 int main(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
@@ -172,8 +172,8 @@ int main(int argc, char** argv) {
   }
   int worst = 0;
   for (std::size_t i = 0; i < arguments.size(); i += 2) {
-    worst = std::max(worst, tagsmith::measure(count, arguments[i], arguments[i + 1]));
+    worst = std::max(worst, tagsmith::detail::measure(count, arguments[i], arguments[i + 1]));
   }
-  tagsmith::print_start();
+  tagsmith::detail::print_start();
   return worst;
 }

@@ -27,7 +27,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/wide_corridor.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 
 namespace {

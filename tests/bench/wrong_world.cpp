@@ -27,7 +27,7 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tests/bench/fix_trial.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using bench::Site;
 using Eigen::Vector3d;
 using test::Draws;

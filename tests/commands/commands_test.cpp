@@ -5,29 +5,12 @@
 #include <filesystem>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <doctest/doctest.h>
 
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
-
-TEST_CASE("every option of every command takes one value, and what follows is no other") {
-  CLI::App app;
-  int options = 0;
-  for (const Command& command : add_commands(app)) {
-    for (const CLI::Option* option : command.app->get_options()) {
-      if (!option->nonpositional() || option->get_items_expected_min() == 0) continue;  // a flag
-      CAPTURE(command.app->get_name());
-      CAPTURE(option->get_name());
-      CHECK_FALSE(option->get_allow_extra_args());
-      CHECK(option->get_items_expected_min() == 1);
-      ++options;
-    }
-  }
-  CHECK(options > 60);
-}
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 TEST_CASE("photos behind --survey are photos") {
   const std::string photo = "surveys/corridor/photos/corridor_01_left.jpg";

@@ -9,7 +9,7 @@
 
 #include "tests/support/program.hpp"
 
-using namespace tagsmith::test;
+using namespace tagsmith::detail::test;
 namespace fs = std::filesystem;
 
 TEST_CASE("a lens that reaches to the horizon lets validate and plan end") {

@@ -10,7 +10,7 @@
 
 #include "tests/support/program.hpp"
 
-using namespace tagsmith::test;
+using namespace tagsmith::detail::test;
 namespace fs = std::filesystem;
 
 namespace {

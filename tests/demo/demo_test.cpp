@@ -14,7 +14,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,4 +98,4 @@ TEST_CASE("a folder that cannot be made is an error, and nothing is left behind"
   CHECK(*read_file(file) == "x");
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

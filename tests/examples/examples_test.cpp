@@ -4,7 +4,7 @@
 
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 TEST_CASE("read_tag names the tag in a photo of the corridor") {
   const ProgramOutput output = run_shell(
@@ -21,4 +21,4 @@ TEST_CASE("read_tag says what it cannot read") {
   CHECK(output.err.find("main.cpp: is no image") == 0);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

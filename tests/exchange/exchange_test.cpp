@@ -26,8 +26,8 @@
 
 namespace fs = std::filesystem;
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 
 namespace {

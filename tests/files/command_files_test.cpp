@@ -12,8 +12,8 @@
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

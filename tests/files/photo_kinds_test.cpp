@@ -16,8 +16,8 @@
 #include "tests/support/turned_heic.hpp"
 
 namespace fs = std::filesystem;
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using nlohmann::json;
 
 namespace {

@@ -10,7 +10,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 
 namespace {

@@ -9,7 +9,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

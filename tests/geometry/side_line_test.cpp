@@ -12,7 +12,7 @@
 
 #include "tagsmith/geometry/observation_model.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using doctest::Approx;
 using Eigen::Vector2d;
 using Eigen::Vector3d;

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 
 TEST_CASE("a vehicle follows its floor: uphill nose up, across the slope it leans") {

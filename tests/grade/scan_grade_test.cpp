@@ -8,8 +8,8 @@
 
 #include "tests/grade/synthetic_symbol.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 
 namespace {

@@ -9,8 +9,8 @@
 #include "decoder/image/tone_curve.hpp"
 #include "tests/grade/synthetic_symbol.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 inline constexpr int kPerModule = 20;
 inline constexpr double kWhite = 0.90;
@@ -41,4 +41,4 @@ inline void paint(std::vector<double>& profile, double from, double to, double r
   }
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -17,7 +17,7 @@
 
 namespace fs = std::filesystem;
 
-namespace tagsmith::house {
+namespace tagsmith::detail::house {
 namespace {
 
 std::vector<fs::path> data_files(const std::string& extension) {
@@ -99,4 +99,4 @@ TEST_CASE("the data folders hold nothing else") {
   }
 }
 
-}  // namespace tagsmith::house
+}  // namespace tagsmith::detail::house

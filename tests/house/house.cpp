@@ -9,7 +9,7 @@
 #include <regex>
 #include <set>
 
-namespace tagsmith::house {
+namespace tagsmith::detail::house {
 namespace {
 
 constexpr std::array<std::string_view, 20> kLayers{
@@ -269,4 +269,4 @@ std::vector<std::string> unlisted_sources(std::string_view cmake_list,
   return unlisted;
 }
 
-}  // namespace tagsmith::house
+}  // namespace tagsmith::detail::house

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tagsmith::house {
+namespace tagsmith::detail::house {
 
 // The project's folders, lowest first: each may include itself and what stands before it.
 std::span<const std::string_view> layers();
@@ -40,4 +40,4 @@ std::vector<std::string> cited_decisions(std::string_view text);
 std::vector<std::string> unlisted_sources(std::string_view cmake_list,
                                           std::span<const std::string> sources);
 
-}  // namespace tagsmith::house
+}  // namespace tagsmith::detail::house

@@ -16,7 +16,7 @@
 
 namespace fs = std::filesystem;
 
-namespace tagsmith::house {
+namespace tagsmith::detail::house {
 namespace {
 
 using test::contents;
@@ -304,4 +304,4 @@ TEST_CASE("every command that ./dev help lists is one") {
   CHECK(test::run_shell("./dev nothing").exit_code == 2);
 }
 
-}  // namespace tagsmith::house
+}  // namespace tagsmith::detail::house

@@ -13,7 +13,7 @@
 #include "decoder/image/upright.hpp"
 #include "tests/support/exif_jpeg.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // A white picture of 400 x 300 as a JPEG file that says it is to be turned so.
@@ -85,4 +85,4 @@ TEST_CASE("orientation that is cut short or out of range is none") {
   CHECK(!exif_orientation("\x89PNG\r\n"));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

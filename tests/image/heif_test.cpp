@@ -16,7 +16,7 @@
 #include "tests/support/program.hpp"
 #include "tests/support/turned_heic.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // The picture as heif-enc writes it.
@@ -112,4 +112,4 @@ TEST_CASE("videos are told by how they begin, and no picture is taken for one") 
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

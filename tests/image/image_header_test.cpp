@@ -9,7 +9,7 @@
 
 #include "decoder/image/load.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 GrayImage ramp(int width, int height) {
@@ -84,4 +84,4 @@ TEST_CASE("Other files have no header") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 
 #include "decoder/image/bilinear.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 TEST_CASE("levels along a line are those of the places one by one, to the last bit") {
   std::mt19937 draw(7);
@@ -45,4 +45,4 @@ TEST_CASE("levels along a line are those of the places one by one, to the last b
   }
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

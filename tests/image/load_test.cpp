@@ -18,7 +18,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -221,4 +221,4 @@ TEST_CASE("the luma of JPEGs is what OpenCV decodes, grey, colour and progressiv
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

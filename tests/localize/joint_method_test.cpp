@@ -16,14 +16,14 @@
 #include "tests/localize/site.hpp"
 #include "tests/support/draws.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
-using tagsmith::test::Draws;
-using tagsmith::test::error_of;
-using tagsmith::test::observation_at;
-using tagsmith::test::pose_at;
-using tagsmith::test::Site;
-using tagsmith::test::site_named;
+using tagsmith::detail::test::Draws;
+using tagsmith::detail::test::error_of;
+using tagsmith::detail::test::observation_at;
+using tagsmith::detail::test::pose_at;
+using tagsmith::detail::test::Site;
+using tagsmith::detail::test::site_named;
 
 namespace {
 

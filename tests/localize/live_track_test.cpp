@@ -12,7 +12,7 @@
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 Fix fix_at(double y, std::vector<std::string> tags) {
@@ -175,4 +175,4 @@ TEST_CASE("images are read where the tags are expected as they are without") {
   CHECK(expected_tags(prior, surveys[0], rig->cameras[0]).empty());
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

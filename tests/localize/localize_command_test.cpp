@@ -15,14 +15,14 @@
 #include "tests/support/program.hpp"
 
 using nlohmann::json;
-using tagsmith::test::contents;
-using tagsmith::test::count_lines;
-using tagsmith::test::file_with;
-using tagsmith::test::json_lines;
-using tagsmith::test::on_survey;
-using tagsmith::test::ProgramOutput;
-using tagsmith::test::run_tagsmith;
-using tagsmith::test::TemporaryFolder;
+using tagsmith::detail::test::contents;
+using tagsmith::detail::test::count_lines;
+using tagsmith::detail::test::file_with;
+using tagsmith::detail::test::json_lines;
+using tagsmith::detail::test::on_survey;
+using tagsmith::detail::test::ProgramOutput;
+using tagsmith::detail::test::run_tagsmith;
+using tagsmith::detail::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
@@ -190,9 +190,9 @@ TEST_CASE("a missing or broken image costs its own row only") {
 TEST_CASE("a position from a damaged image says so, by both methods and by name") {
   const TemporaryFolder folder;
   const fs::path photos = fs::absolute("surveys/corridor/photos");
-  std::string jpeg = *tagsmith::read_file(photos / "corridor_05_left.jpg");
+  std::string jpeg = *tagsmith::detail::read_file(photos / "corridor_05_left.jpg");
   jpeg.erase(jpeg.size() - 3'000, 2'000);
-  REQUIRE(tagsmith::write_file(folder.path() / "worn.jpg", jpeg).has_value());
+  REQUIRE(tagsmith::detail::write_file(folder.path() / "worn.jpg", jpeg).has_value());
   const std::string run = file_with(
       folder.path() / "run.csv",
       "id,left,right,d\n5,worn.jpg," + (photos / "corridor_05_right.jpg").string() + ",0.894\n");

@@ -17,7 +17,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct Site {
@@ -156,4 +156,4 @@ TEST_CASE("an image without a tag, or of another size, is told") {
   CHECK(fix.reason.find("right: is 1279 x 960 pixels, expected 1280 x 960") != std::string::npos);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -22,7 +22,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/wide_corridor.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector3d;
@@ -367,4 +367,4 @@ TEST_CASE("when nothing fits, the rig or the survey is wrong and no plate is acc
   for (const PlateCheck& check : consensus.plates) CHECK(check.verdict == HangVerdict::unchecked);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

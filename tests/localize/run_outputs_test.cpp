@@ -15,14 +15,14 @@
 #include "tests/support/program.hpp"
 
 using nlohmann::json;
-using tagsmith::test::contents;
-using tagsmith::test::count_lines;
-using tagsmith::test::file_with;
-using tagsmith::test::json_lines;
-using tagsmith::test::on_survey;
-using tagsmith::test::ProgramOutput;
-using tagsmith::test::run_tagsmith;
-using tagsmith::test::TemporaryFolder;
+using tagsmith::detail::test::contents;
+using tagsmith::detail::test::count_lines;
+using tagsmith::detail::test::file_with;
+using tagsmith::detail::test::json_lines;
+using tagsmith::detail::test::on_survey;
+using tagsmith::detail::test::ProgramOutput;
+using tagsmith::detail::test::run_tagsmith;
+using tagsmith::detail::test::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/support/contents.hpp"
 #include "tests/support/json_lines.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // The command line on a shipped survey and its rig.
 inline std::string on_survey(const std::string& name, const std::string& run) {
@@ -28,4 +28,4 @@ inline std::size_t count_lines(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count(text, '\n'));
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

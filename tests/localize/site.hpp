@@ -15,7 +15,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct Site {
   Survey survey;
@@ -72,4 +72,4 @@ inline double error_of(const Fix& fix, const Site& site, const VehiclePose& trut
   return (*fix.position_in_grid - grid_from_world(site.survey.grid, truth.position)).norm();
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tests/support/corridor_template.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 
 namespace {

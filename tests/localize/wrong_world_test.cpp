@@ -20,7 +20,7 @@
 #include "tests/support/draws.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using Eigen::Vector3d;
 using nlohmann::json;
 using test::error_of;

@@ -17,7 +17,7 @@
 #include "tagsmith/geometry/centerline.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -18,7 +18,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include "tests/placement/corridors.hpp"
 #include "tests/support/plan_trial.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tagsmith/survey/survey.hpp"
 #include "tests/support/corridor_template.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // The paper's corridor plates in a tunnel of this course.
 inline Survey survey_along(std::vector<CenterlineElement> elements, int pairs,
@@ -55,4 +55,4 @@ inline Rig crawler() {
   return rig;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

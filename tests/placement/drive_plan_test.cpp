@@ -9,8 +9,8 @@
 #include "tagsmith/placement/plan_summary.hpp"
 #include "tests/placement/corridors.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

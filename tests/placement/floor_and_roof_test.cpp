@@ -11,8 +11,8 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/placement/corridors.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using Eigen::Vector3d;
 
 TEST_CASE("a crest hides what stands low behind it, a sag what hangs high") {

@@ -11,8 +11,8 @@
 #include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include "tests/support/browser.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 using nlohmann::json;
@@ -61,4 +61,4 @@ TEST_CASE("the plan's page has its chart and its numbers, fits a phone, and repo
   }
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

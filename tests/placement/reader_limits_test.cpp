@@ -7,7 +7,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 TEST_CASE("a sharp tag seen squarely is read below 1 px a module, with the code book lower still") {
   const double plain = least_module_px(false, 0, 0.35);

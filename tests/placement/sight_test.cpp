@@ -10,8 +10,8 @@
 #include "decoder/simulate/plate_truth.hpp"
 #include "tests/placement/corridors.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 TEST_CASE("files stay as given, folders become their pictures in order, - the list given") {
   const test::TemporaryFolder temporary;
@@ -38,4 +38,4 @@ TEST_CASE("a folder without pictures and an empty list are errors") {
   CHECK(!list_files({"-"}, image_extensions(), input).has_value());
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 
 #include "tests/verify/survey_of_four.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 using nlohmann::json;
 using test::reading_of;
@@ -55,4 +55,4 @@ TEST_CASE("a file name that is no UTF-8 still gives a line of JSON") {
         "\xef\xbf\xbd\xef\xbf\xbd.jpg");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

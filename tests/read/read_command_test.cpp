@@ -15,7 +15,7 @@
 #include "tests/support/json_lines.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -236,4 +236,4 @@ TEST_CASE("the help has an example") {
   CHECK(output.out.find("tagsmith read surveys/corridor/photos") != std::string::npos);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

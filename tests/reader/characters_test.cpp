@@ -14,7 +14,7 @@
 #include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/symbol_search.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "decoder/scan/explained.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct DrawnSymbol {
   static constexpr int kMargin = 30;  // pixels around the frame's inside
@@ -65,4 +65,4 @@ struct DrawnSymbol {
   GrayImage image;
 };
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

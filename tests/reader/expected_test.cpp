@@ -15,7 +15,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

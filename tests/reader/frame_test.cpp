@@ -11,7 +11,7 @@
 #include "decoder/feature_frame/regions.hpp"
 #include "decoder/image/tone_curve.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

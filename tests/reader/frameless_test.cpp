@@ -14,7 +14,7 @@
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/support/bar_picture.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 constexpr const char* kCode = "036000291452";  // GS1's own example of a UPC-A number
@@ -168,4 +168,4 @@ TEST_CASE("images without room for a symbol are no trouble") {
   }
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -10,8 +10,8 @@
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "tests/reader/drawn_symbol.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::DrawnSymbol;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::DrawnSymbol;
 
 namespace {
 

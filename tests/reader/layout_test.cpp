@@ -11,7 +11,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

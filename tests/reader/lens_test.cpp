@@ -12,7 +12,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 TEST_CASE("a blurred tag is read as well from the side as from the front") {
   constexpr double kModulePx = 1.2, kBlurPx = 1.4;

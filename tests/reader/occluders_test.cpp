@@ -5,7 +5,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 TEST_CASE("an occluder hides the places of a row that lie inside it") {
   // A cable that slants from the upper side to the lower one, and beyond both.
@@ -33,4 +33,4 @@ TEST_CASE("an occluder hides nothing above and below itself") {
   CHECK(within.end == doctest::Approx(0.6));
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -14,7 +14,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/reader/reader.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 namespace fs = std::filesystem;
 
 namespace {

@@ -7,7 +7,7 @@
 
 #include "tagsmith/symbology/upca.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

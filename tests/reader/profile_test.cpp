@@ -11,8 +11,8 @@
 #include "decoder/reader/symbol_rows.hpp"
 #include "tests/reader/drawn_symbol.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::DrawnSymbol;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::DrawnSymbol;
 
 namespace {
 

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

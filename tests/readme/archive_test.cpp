@@ -13,7 +13,7 @@
 #include "tests/readme/documents.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST_CASE("GNU parallel on two processes gives the report of one run") {
   CHECK_MESSAGE(same(archive.report_of("all.jsonl"), expected), output.err);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -10,7 +10,7 @@
 
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace fs = std::filesystem;
 namespace {
 
@@ -136,4 +136,4 @@ DocumentRun run_document(const std::string& markdown) {
   return run;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

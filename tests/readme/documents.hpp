@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // A fenced block: its lines, and what stands behind the opening fence.
 struct Block {
@@ -32,4 +32,4 @@ struct DocumentRun {
 //   order; `...` stands for any lines.
 DocumentRun run_document(const std::string& markdown);
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

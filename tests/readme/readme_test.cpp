@@ -15,7 +15,7 @@
 
 namespace fs = std::filesystem;
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 std::string joined(const std::vector<std::string>& texts) {
@@ -101,4 +101,4 @@ TEST_CASE("links to files are found") {
         expected);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -15,8 +15,8 @@
 #include "tagsmith/survey/read_template.hpp"
 #include "tests/render/sample_survey.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 namespace fs = std::filesystem;
 
 namespace {

@@ -10,8 +10,8 @@
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tests/render/sample_survey.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 
 namespace {

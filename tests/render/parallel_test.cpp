@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 TEST_CASE("results come in order, whatever is finished first") {
   for (const int jobs : {0, 1, 2, 7}) {
@@ -49,4 +49,4 @@ TEST_CASE("nothing to do is done at once") {
   });
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

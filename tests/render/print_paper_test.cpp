@@ -11,8 +11,8 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 TEST_CASE("black and cut contours get their colour spaces, whatever the blanks") {
   struct Case {
@@ -52,4 +52,4 @@ TEST_CASE("a sink that takes no more stops the PDF") {
   CHECK_FALSE(filter.finish());
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

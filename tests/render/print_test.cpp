@@ -12,8 +12,8 @@
 #include "tagsmith/base/text.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 using nlohmann::json;
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 void need_program(const std::string& name, const std::string& package) {
@@ -125,4 +125,4 @@ double darkest(const Raster& raster, const Rectangle& rectangle) {
   return dark;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -8,7 +8,7 @@
 #include "decoder/image/gray.hpp"
 #include "tagsmith/render/page.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct Raster {
   GrayImage image;
@@ -38,4 +38,4 @@ std::vector<double> lines_mm(const Profile& profile);
 // The most darkness of any pixel inside the rectangle (metres on the page).
 double darkest(const Raster& raster, const Rectangle& rectangle);
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

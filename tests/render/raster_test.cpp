@@ -17,8 +17,8 @@
 #include "tests/render/sample_survey.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tagsmith/render/tag_text.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 inline TagTemplate small_template() {
   return {.name = "tag-400x300",
@@ -56,4 +56,4 @@ inline Page sample_page(const TagTemplate& tag, const std::string& survey_name =
   return tag_page(survey, sample_tag(survey, {1.9, 12.34, 0.4}));
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -15,8 +15,8 @@
 #include "tagsmith/render/svg.hpp"
 #include "tests/render/raster.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 using Eigen::Vector2d;
 

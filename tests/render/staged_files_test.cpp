@@ -8,8 +8,8 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 namespace fs = std::filesystem;
 
 namespace {

@@ -12,8 +12,8 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 #include "tagsmith/base/printable.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using doctest::Approx;
 
 namespace {

@@ -14,8 +14,8 @@
 #include "tagsmith/survey/place_tags.hpp"
 #include "tests/support/corridor_template.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using doctest::Approx;
 using Eigen::Vector2d;
 

@@ -9,7 +9,7 @@
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // Share of the light that bars take at a place, modules.
 inline double share_of_bars(const Digits& digits, const ImagingModel& image, double at,
@@ -49,4 +49,4 @@ inline ScanProfile profile_of(const Digits& digits, const ImagingModel& image,
   return profile;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -22,9 +22,9 @@
 #include "decoder/scan/symbol_places.hpp"
 #include "tests/scan/made_profile.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::profile_of;
-using tagsmith::test::share_of_bars;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::profile_of;
+using tagsmith::detail::test::share_of_bars;
 
 namespace {
 

@@ -14,9 +14,9 @@
 #include "tagsmith/survey/rules.hpp"
 #include "tests/support/program.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using nlohmann::json;
-using tagsmith::test::run_tagsmith;
+using tagsmith::detail::test::run_tagsmith;
 
 namespace {
 

@@ -24,8 +24,8 @@
 
 namespace fs = std::filesystem;
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 using Json = nlohmann::json;
 
 namespace {

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -99,4 +99,4 @@ TEST_CASE("Weights add and opposite directions cancel") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 TEST_CASE("Gaussian noise follows the normal distribution") {
@@ -66,4 +66,4 @@ TEST_CASE("Value noise is continuous, within 0 and 1, and not constant") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

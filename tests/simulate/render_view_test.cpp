@@ -14,7 +14,7 @@
 #include "tests/support/corridor_template.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -423,4 +423,4 @@ TEST_CASE("An independent reader reads the symbols") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct Moments {
@@ -140,4 +140,4 @@ TEST_CASE("Without blur a pixel is the plain mean of its cells") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

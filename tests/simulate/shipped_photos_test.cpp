@@ -17,7 +17,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,4 +133,4 @@ TEST_CASE("Between the walls the plates of the photos are seen and no others") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

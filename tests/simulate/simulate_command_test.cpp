@@ -12,7 +12,7 @@
 #include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -210,4 +210,4 @@ TEST_CASE("--help shows an example") {
 }
 
 }  // namespace
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -11,7 +11,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/tunnel_walls.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
@@ -262,4 +262,4 @@ TEST_CASE("Places outside of the tunnel are told from those inside") {
 }
 
 }  // namespace
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

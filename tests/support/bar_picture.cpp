@@ -7,7 +7,7 @@
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/simulate/noise.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 constexpr int kFiner = 3;  // samples of a pixel on each axis
@@ -145,4 +145,4 @@ GrayImage picture_of(const std::vector<int>& element_widths, const BarPicture& h
   return image;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -7,7 +7,7 @@
 
 #include "decoder/image/gray.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // How a picture of bars is taken.
 struct BarPicture {
@@ -30,4 +30,4 @@ struct BarPicture {
 // Bars and spaces of these widths in modules, bar first.
 GrayImage picture_of(const std::vector<int>& element_widths, const BarPicture& how);
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -7,7 +7,7 @@
 
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -81,4 +81,4 @@ PageVisit visit_page(const fs::path& page, int width, int height, const std::str
   return {text.substr(2), console_lines(output.err)};
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

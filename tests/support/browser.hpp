@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct PageVisit {
   std::string result;                // what the script returned, as JSON
@@ -19,4 +19,4 @@ struct PageVisit {
 PageVisit visit_page(const std::filesystem::path& page, int width, int height,
                      const std::string& script);
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

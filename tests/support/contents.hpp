@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // A file's bytes; ends the test when there is no such file.
 inline std::string contents(const std::filesystem::path& path) {
@@ -17,4 +17,4 @@ inline std::string contents(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

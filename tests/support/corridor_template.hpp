@@ -3,7 +3,7 @@
 
 #include "tagsmith/tag/template.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // The plate of the straight corridor experiment (Xu et al. 2017), as templates/tag-400x300.yaml has
 // it, for tests of layers that do not read files.
@@ -18,4 +18,4 @@ inline TagTemplate corridor_template() {
   return tag;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -10,7 +10,7 @@
 
 #include "tagsmith/survey/rig.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 class Draws {
  public:
@@ -51,4 +51,4 @@ inline Rig disturbed(Rig rig, Draws& draws) {
   return rig;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // The JPEG with an EXIF segment that says this orientation (CIPA DC-008, tag 274).
 inline std::string with_orientation(const std::string& jpeg, int orientation) {
@@ -16,4 +16,4 @@ inline std::string with_orientation(const std::string& jpeg, int orientation) {
   return jpeg.substr(0, 2) + exif + jpeg.substr(2);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // What `--json` printed, an object a line.
 inline std::vector<nlohmann::json> json_lines(const std::string& text) {
@@ -17,4 +17,4 @@ inline std::vector<nlohmann::json> json_lines(const std::string& text) {
   return lines;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

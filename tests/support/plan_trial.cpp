@@ -10,7 +10,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -157,4 +157,4 @@ void count(TrialTally& tally, const Vector6& error, const VehicleCovariance& exp
   ++tally.located;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -12,7 +12,7 @@
 #include "tagsmith/placement/expected_accuracy.hpp"
 #include "tests/support/draws.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct PlanTrial {
   VehiclePose truth;
@@ -61,4 +61,4 @@ struct TrialTally {
 void count(TrialTally& tally, const Eigen::Matrix<double, 6, 1>& error,
            const VehicleCovariance& expected, double drive_heading);
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

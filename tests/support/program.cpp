@@ -8,7 +8,7 @@
 
 #include <sys/wait.h>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace fs = std::filesystem;
 namespace {
 
@@ -51,4 +51,4 @@ TemporaryFolder::~TemporaryFolder() {
   fs::remove_all(path_, ignored);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

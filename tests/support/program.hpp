@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct ProgramOutput {
   int exit_code = -1;
@@ -36,4 +36,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

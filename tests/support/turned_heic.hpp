@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 inline std::string big_endian(std::size_t value) {
   std::string bytes;
@@ -63,4 +63,4 @@ inline std::string turned_heic(std::string heic, unsigned quarters, std::optiona
   return heic;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -9,7 +9,7 @@
 #include "tagsmith/geometry/pose.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 struct WideCorridor {
   Survey survey = load_survey("surveys/corridor/survey.yaml").value();
@@ -26,4 +26,4 @@ struct WideCorridor {
   }
 };
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -8,7 +8,7 @@
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 Survey survey_of(const std::string& text) {
@@ -75,4 +75,4 @@ TEST_CASE("setting-out: offsets are negative on the left, heights count from the
   }
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -6,7 +6,7 @@
 
 #include "tagsmith/base/file.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 std::string right_survey() {
   return R"(survey: trial
@@ -78,4 +78,4 @@ int count_findings(const std::vector<Diagnostic>& diagnostics, const std::string
   }));
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // A right survey of 20 lines whose template lies among the tool's own.
 std::string right_survey();
@@ -35,4 +35,4 @@ struct Breakage {
   int line;
 };
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

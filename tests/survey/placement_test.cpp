@@ -10,8 +10,8 @@
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
-using namespace tagsmith;
-using namespace tagsmith::test;
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
 
 namespace {
 

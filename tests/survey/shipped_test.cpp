@@ -20,7 +20,7 @@
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 namespace fs = std::filesystem;
 
 namespace {

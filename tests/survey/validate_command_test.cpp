@@ -9,7 +9,7 @@
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
-using namespace tagsmith::test;
+using namespace tagsmith::detail::test;
 
 TEST_CASE("validate passes the shipped surveys and says so on standard error only") {
   const ProgramOutput output = run_tagsmith(

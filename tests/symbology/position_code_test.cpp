@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 TEST_CASE("the paper's positions have the paper's digits") {
   PositionCode code;

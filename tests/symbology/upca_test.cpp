@@ -10,7 +10,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include "tagsmith/survey/read_template.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using doctest::Approx;
 
 namespace {

@@ -7,7 +7,7 @@
 
 #include "tests/support/corridor_template.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 using doctest::Approx;
 
 namespace {

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 using std::chrono::milliseconds;
 
@@ -50,4 +50,4 @@ TEST_CASE("a program that is not there, hangs, floods or crashes is told") {
   CHECK(crashing->exit_code == 128 + 9);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -18,7 +18,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 struct Shot {
@@ -208,4 +208,4 @@ TEST_CASE("a picture too dark to show a tag, or washed out, is told") {
   CHECK(rule_of_light(120) == "low-contrast");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

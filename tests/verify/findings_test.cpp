@@ -6,7 +6,7 @@
 #include "decoder/verify/verify_merge.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using test::reading_of;
@@ -150,4 +150,4 @@ TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   CHECK(missing_tags(survey, merged) == std::vector<std::string>{"001L", "001R"});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

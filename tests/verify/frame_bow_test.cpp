@@ -13,7 +13,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 const Camera kCamera{1280, 960, 1600, 1600, 639.5, 479.5};
@@ -121,4 +121,4 @@ TEST_CASE("what a lens bends is no bent plate, whether the lens is known or not"
   }
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -9,7 +9,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 constexpr double kPixelsPerMetre = 2000;
@@ -106,4 +106,4 @@ TEST_CASE("a far tag has a reason instead of a grade") {
   CHECK(finding.grade_reason.find("pixels a module") != std::string::npos);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -16,7 +16,7 @@
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // 000L and 001L 0.8 m apart on the left wall, 000R facing them.
@@ -165,4 +165,4 @@ TEST_CASE("a tag on its head on a page is upside down") {
   CHECK(find_upside_down(evidence, evidence.tags[1])->rule == "upside-down");
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

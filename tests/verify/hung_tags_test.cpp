@@ -17,7 +17,7 @@
 #include "tagsmith/survey/revision.hpp"
 #include "tests/support/wide_corridor.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
@@ -385,4 +385,4 @@ TEST_CASE("a rig that stands on its wheels tells which tags of a photo stand on 
   CHECK(judged(on_head).tags[0].status == TagStatus::ok);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

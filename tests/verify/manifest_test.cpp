@@ -9,7 +9,7 @@
 #include "tests/support/program.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using test::reading_of;
@@ -147,4 +147,4 @@ TEST_CASE("a print from an older survey is found") {
         std::vector<std::string>{"stale: 009L was printed, but survey little has no such tag"});
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

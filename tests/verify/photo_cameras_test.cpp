@@ -5,7 +5,7 @@
 
 #include "tagsmith/survey/read_survey.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 Rig rig_with(const std::vector<std::string>& names) {
@@ -60,4 +60,4 @@ TEST_CASE("a run tells by its rows, however its photos' paths are written") {
   CHECK_FALSE(cameras.origin_of("elsewhere/corridor_03_right.jpg"));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

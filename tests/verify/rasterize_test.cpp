@@ -10,7 +10,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 // A PDF of one page a media box (points), each with a black square of 72 points at its lower left.
@@ -115,4 +115,4 @@ TEST_CASE("without poppler-utils the error says what to install") {
         std::string::npos);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

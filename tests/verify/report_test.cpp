@@ -16,7 +16,7 @@
 #include "tests/support/exif_jpeg.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -269,4 +269,4 @@ TEST_CASE("the summary says what the photos cover, of which wall, how often and 
   CHECK(covered["by_tag"][8]["best_grade"].is_null());
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

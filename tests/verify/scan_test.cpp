@@ -16,7 +16,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -201,4 +201,4 @@ TEST_CASE("a damaged photo is read, with a note that names the file and not on s
   CHECK(read.err.find("IMG_1.jpg: the file is damaged") != std::string::npos);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

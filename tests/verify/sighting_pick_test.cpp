@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 SightedTag sighting(const std::string& station, const std::string& tag) {
@@ -61,4 +61,4 @@ TEST_CASE("of many stations those are kept that tie tags together, whatever thei
   CHECK(picked({sighting("x", "a"), sighting("x", "a")}, 5).empty());
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -8,7 +8,7 @@
 #include "decoder/reader/reading.hpp"
 #include "tagsmith/survey/survey.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // Tags 000L, 000R, 001L, 001R of a survey "little" with check digit sum10, on plates 400 x 300.
 inline Survey survey_of_four() {
@@ -43,4 +43,4 @@ inline Reading reading_of(const std::string& digits, double x = 100) {
   return reading;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

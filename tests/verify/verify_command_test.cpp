@@ -21,7 +21,7 @@
 #include "tests/support/json_lines.hpp"
 #include "tests/support/program.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -702,4 +702,4 @@ TEST_CASE("wrong use gives exit code 2 and nothing on standard output") {
   CHECK(run_tagsmith("verify --help").out.find("Example:") != std::string::npos);
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

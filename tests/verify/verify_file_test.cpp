@@ -15,7 +15,7 @@
 #include "tests/support/exif_jpeg.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 using test::reading_of;
 
@@ -110,4 +110,4 @@ TEST_CASE("photos of a phone are verified however it was held, and shown upright
   CHECK(verified(photo_held(good, 3, false)).up == UpSource::unknown);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-namespace tagsmith {
+namespace tagsmith::detail {
 namespace {
 
 using nlohmann::json;
@@ -96,4 +96,4 @@ TEST_CASE("what is no line of verify is none") {
   CHECK(!verified_file_from(line.dump()));
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

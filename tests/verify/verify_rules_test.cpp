@@ -9,7 +9,7 @@
 
 #include "tagsmith/base/file.hpp"
 
-namespace tagsmith {
+namespace tagsmith::detail {
 
 TEST_CASE("every rule of the catalogue is reported somewhere") {
   std::string sources;
@@ -33,4 +33,4 @@ TEST_CASE("docs/verify-rules.md has the table") {
   CHECK(read_file("docs/verify-rules.md")->find(verify_rules_table()) != std::string::npos);
 }
 
-}  // namespace tagsmith
+}  // namespace tagsmith::detail

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Words of a command line, taken apart by CLI11: the one place that knows that library.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/command.hpp"
+
+namespace tagsmith::detail {
+
+enum class Asked { run, help };
+
+// Puts the arguments of the command into the targets of its options. An error names the option,
+// what was found and what was expected, and the option that was probably meant.
+Result<Asked> parse_command(const Command& command, const std::vector<std::string>& arguments);
+
+}  // namespace tagsmith::detail
