@@ -4,9 +4,9 @@
 #include <exception>
 
 #include "decoder/cli/commands.hpp"
+#include "tagsmith/cli/commit.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/program.hpp"
-#include "tagsmith_commit.hpp"
 
 using namespace tagsmith::detail;
 

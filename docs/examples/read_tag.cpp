@@ -14,14 +14,14 @@ int stop(const std::string& message) {
 
 int main(int argc, char** argv) {
   if (argc != 3) return stop("usage: read_tag SURVEY IMAGE");
-  const auto survey = tagsmith::load_survey(argv[1]);
+  const auto survey = tagsmith::detail::load_survey(argv[1]);
   if (!survey) return stop(survey.error().message);
-  const auto image = tagsmith::load_gray_image(argv[2]);
+  const auto image = tagsmith::detail::load_gray_image(argv[2]);
   if (!image) return stop(image.error().message);
 
-  for (const tagsmith::Reading& reading : tagsmith::read_tags(image->view()).tags) {
-    const tagsmith::PlacedTag* tag = tagsmith::find_tag(*survey, reading.digits);
-    std::cout << tagsmith::to_string(reading.digits) << " is "
+  for (const tagsmith::detail::Reading& reading : tagsmith::detail::read_tags(image->view()).tags) {
+    const tagsmith::detail::PlacedTag* tag = tagsmith::detail::find_tag(*survey, reading.digits);
+    std::cout << tagsmith::detail::to_string(reading.digits) << " is "
               << (tag ? tag->name : "not in the survey");
     if (tag) std::cout << ", corner P at " << tag->p_in_grid.transpose() << " m";
     std::cout << "\n";

@@ -40,7 +40,7 @@ std::string expected_number(const CommandOption& option) {
 std::string problem_of_value(const CommandOption& option, const std::string& text) {
   if (!option.choices.empty()) {
     if (std::ranges::find(option.choices, text) != option.choices.end()) return {};
-    return fmt::format("found `{}`, expected {}", text, fmt::join(option.choices, ", "));
+    return fmt::format("found `{}`, expected {}", text, fmt::join(option.choices, " or "));
   }
   const bool takes_number =
       std::visit([](const auto& target) { return kTakesNumber<std::decay_t<decltype(target)>>; },
@@ -88,6 +88,9 @@ std::vector<std::string> separated(const CommandOption& option,
 
 // Checks and assigns what was given to one option; CLI::ValidationError otherwise.
 bool take(const CommandOption& option, const std::vector<std::string>& words) {
+  if (words.size() > 1 && !option.is_repeatable()) {
+    throw CLI::ValidationError(option.all_names().back(), "given twice, it takes one value");
+  }
   const std::vector<std::string> values = separated(option, words);
   for (const std::string& value : values) {
     if (const std::string problem = problem_of_value(option, value); !problem.empty()) {
@@ -105,11 +108,10 @@ void add_option(CLI::App& app, const CommandOption& option) {
   } else {
     added = app.add_option(option.names,
                            [&option](const CLI::results_t& words) { return take(option, words); });
-    added->type_size(1)->expected(1);
-    if (option.is_repeatable()) {
-      added->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->expected(1, 1 << 20);
-    }
-    added->allow_extra_args(option.is_positional());
+    const bool takes_all = option.is_repeatable() || !option.is_positional();
+    added->type_size(1)->expected(1, takes_all ? CLI::detail::expected_max_vector_size : 1);
+    added->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    added->allow_extra_args(option.is_positional() && option.is_repeatable());
   }
   added->required(option.required);
 }
