@@ -11,15 +11,12 @@
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tests/schemas/schema_judge.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -122,26 +119,6 @@ const std::vector<Format>& formats() {
   return all;
 }
 
-Json schema_json(const std::string& name) {
-  return Json::parse(read_file("docs/schemas/" + name + ".schema.json").value());
-}
-
-class SchemaJudge {
- public:
-  explicit SchemaJudge(const Json& json) {
-    valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
-    parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(json), schema_);
-  }
-
-  bool accepts(const Json& document) {
-    valijson::Validator validator;
-    return validator.validate(schema_, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
-  }
-
- private:
-  valijson::Schema schema_;
-};
-
 // JSON is YAML, as long as lines break.
 std::string parser_objection(const Format& format, const Json& document) {
   static const TemporaryFolder folder;
@@ -192,27 +169,6 @@ void change_everywhere(const Json& root, const Json::json_pointer& at,
     }
   } else if (value.is_array()) {
     for (std::size_t i = 0; i < value.size(); ++i) change_everywhere(root, at / i, changes);
-  }
-}
-
-// Descriptions of everything that a key may hold.
-void collect_undescribed(const Json& schema, const std::string& where,
-                         std::vector<std::string>& undescribed) {
-  if (schema.contains("properties")) {
-    for (const auto& [key, value] : schema["properties"].items()) {
-      const bool refines = !schema.contains("additionalProperties");
-      if (!refines && !value.contains("description")) undescribed.push_back(where + "." + key);
-      collect_undescribed(value, where + "." + key, undescribed);
-    }
-  }
-  for (const char* part : {"items", "additionalProperties"}) {
-    if (schema.contains(part) && schema[part].is_object()) {
-      collect_undescribed(schema[part], where + "[]", undescribed);
-    }
-  }
-  for (const char* part : {"oneOf", "anyOf", "allOf"}) {
-    if (!schema.contains(part)) continue;
-    for (const Json& choice : schema[part]) collect_undescribed(choice, where, undescribed);
   }
 }
 
@@ -323,8 +279,8 @@ TEST_CASE("schema and parser agree on keys that exclude or need each other") {
 
 TEST_CASE("every key of a schema has a text to show in an editor") {
   for (const Format& format : formats()) {
-    std::vector<std::string> undescribed;
-    collect_undescribed(schema_json(format.name), format.name, undescribed);
-    for (const std::string& key : undescribed) FAIL_CHECK(key << " has no description");
+    for (const std::string& key : undescribed_keys(schema_json(format.name))) {
+      FAIL_CHECK(format.name << key << " has no description");
+    }
   }
 }
