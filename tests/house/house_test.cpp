@@ -109,6 +109,28 @@ TEST_CASE("every source file is built by its folder's CMakeLists.txt") {
   }
 }
 
+// What a stage of the reader does is tested with inputs made for it, not by whole pictures alone.
+TEST_CASE("every header of the reader's stages is included by a test of these") {
+  const std::string stages[] = {"scan", "feature_frame", "reader"};
+  std::string tests;
+  for (const std::string& stage : stages) {
+    for (const fs::directory_entry& entry : fs::directory_iterator("tests/" + stage)) {
+      if (entry.path().extension() == ".cpp") tests += contents(entry.path());
+    }
+  }
+  std::size_t headers = 0;
+  for (const std::string& stage : stages) {
+    for (const fs::directory_entry& entry : fs::directory_iterator("decoder/" + stage)) {
+      if (entry.path().extension() != ".hpp") continue;
+      ++headers;
+      const std::string header = entry.path().string();
+      CHECK_MESSAGE(tests.find("#include \"" + header + "\"") != std::string::npos,
+                    "no test of its module includes " << header);
+    }
+  }
+  CHECK(headers > 40);
+}
+
 // Two types of one name in one namespace break the program without a word from the linker.
 TEST_CASE("no two headers define a type of one name") {
   std::map<std::string, std::string> defined_in;

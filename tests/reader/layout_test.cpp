@@ -6,6 +6,7 @@
 
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
+#include "decoder/reader/symbol_layout.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -45,6 +46,16 @@ TEST_CASE("the layout of the paper's plates is the default") {
   CHECK(layout.quiet_zone_modules == 9);
   CHECK(layout.bars_top == doctest::Approx(SymbolLayout{}.bars_top).epsilon(0.01));
   CHECK(layout.bars_bottom == doctest::Approx(SymbolLayout{}.bars_bottom).epsilon(0.01));
+}
+
+TEST_CASE("a layout has its quiet zone in modules and its bars in shares of the frame's height") {
+  // A module is 0.4 / (95 + 2 * 14) m wide; 20 of them of 0.22 m are left above and below the bars.
+  const double margin = 20 * (0.4 / 123) / 0.22;
+  const SymbolLayout layout = layout_of(wide_margins());
+  CHECK(layout.quiet_zone_modules == 14);
+  CHECK(layout.bars_top == doctest::Approx(margin));
+  CHECK(layout.bars_bottom == doctest::Approx(1 - margin));
+  CHECK(!(layout == SymbolLayout{}));
 }
 
 TEST_CASE("a plate with wider margins is read by its own layout, and by no other") {

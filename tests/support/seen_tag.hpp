@@ -105,7 +105,8 @@ struct SeenTag {
     const double px_x = view.px_per_x(at), px_y = view.px_per_y(at);
     const double sigma = std::sqrt(2 * (blur_px * blur_px + 1.0 / 12));
     const auto from = [&](double place, double edge, double px) {
-      return 0.5 * (1 + std::erf((place - edge) * px / sigma));
+      const double t = (place - edge) * px / sigma;
+      return t > 6 ? 1.0 : t < -6 ? 0.0 : 0.5 * (1 + std::erf(t));
     };
     const auto between = [&](double place, double low, double high, double px) {
       return from(place, low, px) - from(place, high, px);

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of each kind of proposal, with pictures worked out for it.
+#include "decoder/reader/detector.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+#include "decoder/reader/frame_corners.hpp"
+#include "decoder/reader/proposal.hpp"
+#include "tests/support/seen_tag.hpp"
+
+using namespace tagsmith;
+using tagsmith::test::Cover;
+using tagsmith::test::farthest_apart;
+using tagsmith::test::SeenTag;
+
+namespace {
+
+SeenTag seen_aslant() {
+  SeenTag tag;
+  tag.width = 360;
+  tag.height = 240;
+  tag.view = {{180, 120}, 2.4, 0.15, {0.001, -0.002}};
+  return tag;
+}
+
+// A picture of a tag, and a detector that has seen nothing of it yet.
+struct Looked {
+  explicit Looked(const SeenTag& tag, ReadOptions how = {})
+      : seen(tag),
+        image(tag.image()),
+        options(std::move(how)),
+        picture(image.view()),
+        detector(picture, options) {}
+
+  PyramidLevel level(int scale) {
+    if (scale == 1) return picture.pyramid().levels().back().level;
+    return picture.pyramid().scaled_down(scale).level;
+  }
+
+  // The frame's outline as it may be found in a level.
+  Outline outline(int scale = 1) {
+    return {level(scale), widened(to_level(level(scale), seen.corners()), 1)};
+  }
+
+  SeenTag seen;
+  GrayImage image;
+  ReadOptions options;
+  SearchedImage picture;
+  Detector detector;
+};
+
+// A tag of which the lower half is hidden behind something grey.
+SeenTag half_hidden() {
+  SeenTag tag = seen_aslant();
+  tag.covers = {{-54, -5, 54, 25, 0.3}};
+  return tag;
+}
+
+RejectionReason only_refusal(const ReadResult& result) {
+  CHECK(result.tags.empty());
+  REQUIRE(result.rejected.size() == 1);
+  return result.rejected[0].reason;
+}
+
+}  // namespace
+
+TEST_CASE("a tag is read in its outline, once for all levels that show it") {
+  Looked looked(seen_aslant());
+  CHECK(!looked.detector.has_read_any());
+  for (const int scale : {2, 1, 2}) {
+    looked.detector.consider(looked.outline(scale));
+    const std::vector<Reading> tags = looked.detector.tags();
+    REQUIRE(tags.size() == 1);
+    CHECK(tags[0].digits == looked.seen.digits);
+    CHECK(tags[0].method == ReadingMethod::frame);
+    CHECK(farthest_apart(tags[0].corners, looked.seen.corners()) < 0.05);
+    CHECK(tags[0].module_px == doctest::Approx(2.4).epsilon(0.02));
+    CHECK(tags[0].sum10_holds);
+    CHECK(!tags[0].gs1_holds);
+  }
+  CHECK(looked.detector.result().tags.size() == 1);
+  CHECK(looked.detector.result().rejected.empty());
+}
+
+TEST_CASE("corners run clockwise from P, whichever way the tag is turned or its outline begins") {
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    CAPTURE(quarter);
+    SeenTag tag = seen_aslant();
+    tag.width = tag.height = 360;
+    tag.view.middle = {180, 180};
+    tag.view.turn += quarter * std::numbers::pi / 2;
+    Looked looked(tag);
+    Outline outline = looked.outline();
+    std::ranges::rotate(outline.quad, outline.quad.begin() + (quarter * 3 + 1) % 4);
+    looked.detector.consider(outline);
+    const std::vector<Reading> tags = looked.detector.tags();
+    REQUIRE(tags.size() == 1);
+    const FrameCorners& corners = tags[0].corners;
+    CHECK(farthest_apart(corners, tag.corners()) < 0.05);
+  }
+}
+
+TEST_CASE("what is read is known where it is, in every level, and nowhere else") {
+  Looked looked(seen_aslant());
+  CHECK(looked.detector.known_in(looked.level(2)).empty());
+  looked.detector.consider(looked.outline());
+  const SeenTag& tag = looked.seen;
+  CHECK(looked.detector.has_read_any());
+  CHECK(looked.detector.has_reading_at(tag.view.middle));
+  CHECK(looked.detector.has_reading_at(tag.view.pixel({SeenTag::kLeft + 1, 0})));
+  CHECK(!looked.detector.has_reading_at(tag.view.pixel({SeenTag::kLeft - 1, 0})));
+  ExpectedTag expected{tag.corners(), 2};
+  CHECK(looked.detector.has_read(expected));
+  expected.corners[2].x += 4;
+  CHECK(!looked.detector.has_read(expected));
+  // With the stroke around the frame.
+  const std::vector<Quad> known = looked.detector.known_in(looked.level(2));
+  REQUIRE(known.size() == 1);
+  const Quad inner = to_level(looked.level(2), tag.corners());
+  for (const PixelPoint corner : inner) CHECK(contains(known[0], corner));
+  CHECK(nearly_equal(known[0], widened(inner, 4 * 2.4 / 2), 3));
+}
+
+TEST_CASE("a rough frame is fitted without a look at what is around it") {
+  SeenTag tag = seen_aslant();
+  // A dark wall begins before the frame's stroke ends.
+  tag.covers = {{-90, -60, 90, SeenTag::kTop - 3, 0.05},
+                {-90, tag.bottom() + 3, 90, 60, 0.05},
+                {-90, -60, SeenTag::kLeft - 3, 60, 0.05},
+                {tag.right() + 3, -60, 90, 60, 0.05}};
+  Looked looked(tag);
+  looked.detector.consider(looked.outline());
+  CHECK(looked.detector.tags().empty());
+  RoughFrame rough{looked.level(2), to_level(looked.level(2), tag.corners())};
+  for (PixelPoint& corner : rough.quad) corner = corner + PixelPoint{1, -0.8};
+  looked.detector.consider(rough);
+  REQUIRE(looked.detector.tags().size() == 1);
+  CHECK(farthest_apart(looked.detector.tags()[0].corners, tag.corners()) < 0.05);
+}
+
+TEST_CASE("what is no frame is told where that is wanted, with its fault") {
+  for (const bool tell : {false, true}) {
+    CAPTURE(tell);
+    ReadOptions options;
+    options.tell_passed_over = tell;
+    SeenTag tag = seen_aslant();
+    tag.covers = {{-54, -26, 54, 26, tag.white}};  // a frame without bars
+    Looked looked(tag, options);
+    looked.detector.consider(looked.outline());
+    const Quad on_white{{{160, 100}, {200, 100}, {200, 130}, {160, 130}}};
+    looked.detector.consider(Outline{looked.level(1), on_white});
+    looked.detector.consider(RoughFrame{looked.level(1), on_white});
+    const ReadResult result = looked.detector.result();
+    CHECK(result.tags.empty());
+    CHECK(result.rejected.empty());
+    REQUIRE(result.passed_over.size() == (tell ? 3 : 0));
+    if (!tell) continue;
+    CHECK(result.passed_over[0].reason == RejectionReason::no_guards);
+    CHECK(farthest_apart(result.passed_over[0].corners, tag.corners()) < 0.1);
+    CHECK(result.passed_over[1].fault == FrameFault::not_framed);
+    CHECK(result.passed_over[2].fault == FrameFault::no_edge);
+    CHECK(nearly_equal(result.passed_over[2].corners, on_white, 1e-9));
+  }
+}
+
+TEST_CASE("a refused frame that may be covered is read by a careful look") {
+  Looked looked(half_hidden());
+  looked.detector.consider(looked.outline());
+  only_refusal(looked.detector.result());
+  REQUIRE(looked.detector.covered_frames().size() == 1);
+  CHECK(looked.detector.has_met_covers());
+  looked.detector.consider(RefusedFrame{looked.detector.covered_frames()[0]});
+  const ReadResult result = looked.detector.result();
+  CHECK(result.rejected.empty());
+  REQUIRE(result.tags.size() == 1);
+  CHECK(result.tags[0].digits == looked.seen.digits);
+  CHECK(result.tags[0].method == ReadingMethod::partly_covered);
+  CHECK(farthest_apart(result.tags[0].corners, looked.seen.corners()) < 0.1);
+}
+
+TEST_CASE("bars whose frame is half hidden complete it") {
+  SeenTag tag = seen_aslant();
+  tag.covers = {{-80, -50, -52, 50, 0.4}};
+  Looked looked(tag);
+  looked.detector.consider(tag.region());
+  const std::vector<Reading> tags = looked.detector.tags();
+  REQUIRE(tags.size() == 1);
+  CHECK(tags[0].digits == tag.digits);
+  CHECK(tags[0].method == ReadingMethod::partly_covered);
+  CHECK(farthest_apart(tags[0].corners, tag.corners()) < 0.5);
+  CHECK(looked.detector.has_met_covers());
+  looked.detector.consider(tag.region());
+  looked.detector.consider(looked.outline());
+  CHECK(looked.detector.tags().size() == 1);
+}
+
+TEST_CASE("bars in a frame of which one side is something else's are looked at once more") {
+  SeenTag tag = seen_aslant();
+  tag.bars_top += 5;
+  tag.bars_bottom += 5;
+  Looked looked(tag);
+  looked.detector.consider(looked.outline());
+  CHECK(only_refusal(looked.detector.result()) == RejectionReason::side_hidden);
+  const std::vector<BarRegion> odd = looked.detector.odd_bars();
+  REQUIRE(odd.size() == 1);
+  CHECK(distance(odd[0].centre, tag.view.middle) < 8);
+  CHECK(odd[0].length == doctest::Approx(tag.region().length).epsilon(0.03));
+  CHECK(looked.detector.was_looked_at(odd[0]));
+  BarRegion beside = odd[0];
+  beside.centre.y += 0.3 * beside.length;
+  CHECK(!looked.detector.was_looked_at(beside));
+}
+
+TEST_CASE("a symbol that is too blurred for any code is read again as a likely one") {
+  SeenTag tag = seen_aslant();
+  tag.view.module_px = 0.6;
+  tag.blur_px = 1.4;
+  Looked as_any(tag);
+  as_any.detector.consider(as_any.outline());
+  only_refusal(as_any.detector.result());
+  for (const bool is_likely : {true, false}) {
+    CAPTURE(is_likely);
+    ReadOptions options;
+    options.likely_codes = {*parse_digits("019000900403")};
+    if (is_likely) options.likely_codes.push_back(tag.digits);
+    Looked looked(tag, options);
+    looked.detector.consider(looked.outline());
+    CHECK(looked.detector.tags().empty());
+    looked.detector.try_likely_codes();
+    REQUIRE(looked.detector.tags().size() == (is_likely ? 1 : 0));
+    if (!is_likely) continue;
+    CHECK(looked.detector.tags()[0].digits == tag.digits);
+    CHECK(looked.detector.result().rejected.empty());
+  }
+}
