@@ -151,8 +151,8 @@ TEST_CASE("A picture is made smaller by whole squares of pixels") {
 TEST_CASE("A header that asks for a huge picture is refused before memory is taken") {
   const long before = peak_megabytes();
   const std::string huge = error_of("P5 40000 40000 255\nabc");
-  CHECK(huge.find("says it has 40000 x 40000 pixels, expected at most 200 million") !=
-        std::string::npos);
+  CHECK(huge.find(" 40000 x 40000 ") != std::string::npos);
+  CHECK(huge.find(" 200 million") != std::string::npos);
   auto png = *encode_gray_image("a.png", ramp(8, 8).view());
   png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
   CHECK(error_of(png).find("65535 x 65535") != std::string::npos);
@@ -168,7 +168,9 @@ TEST_CASE("Saving needs a format and a place") {
   const GrayImage image = ramp(5, 5);
   const auto unknown = save_gray_image("image.xyz", image.view());
   REQUIRE_FALSE(unknown);
-  CHECK(unknown.error().message.find("expected .png or .jpg") != std::string::npos);
+  CHECK(unknown.error().message.starts_with("image.xyz"));
+  CHECK(unknown.error().message.find(" .png ") < unknown.error().message.find(" .jpg"));
+  CHECK(unknown.error().message.find(" .jpg") != std::string::npos);
   CHECK_FALSE(save_gray_image("image", image.view()));
   CHECK_FALSE(save_gray_image("/proc/no/such/image.png", image.view()));
   CHECK_FALSE(save_gray_image("empty.png", GrayView{}));
@@ -200,7 +202,7 @@ TEST_CASE("a damaged JPEG is decoded as far as it goes, with a warning in words"
   unknown[unknown.find("\xFF\xC0") + 1] = '\xC3';  // lossless, which libjpeg does not know
   const auto refused = decode_image("a.jpg", unknown);
   REQUIRE(!refused);
-  CHECK(refused.error().message.find("a.jpg: cannot be decoded") == 0);
+  CHECK(refused.error().message.starts_with("a.jpg: "));
   CHECK(refused.error().message.find("Unsupported JPEG process") != std::string::npos);
 }
 

