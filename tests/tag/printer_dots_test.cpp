@@ -84,7 +84,7 @@ TEST_CASE("a module that is nearly whole becomes whole without a word in the tem
   tag.frame_inner_length = 113 * 36.02 * kMetresPerInch / 300;
   const TagTemplate drawn = drawn_on_dots(tag, 300);
   CHECK(module_width(drawn) == Approx(36 * kMetresPerInch / 300));
-  CHECK(describe_rounding(tag, drawn, 300).find("printed as 36 dots") != std::string::npos);
+  CHECK(describe_rounding(tag, drawn, 300).find(" 36 dots") != std::string::npos);
   CHECK(describe_rounding(drawn, drawn_on_dots(drawn, 600), 600).empty());
 }
 
