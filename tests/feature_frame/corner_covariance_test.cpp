@@ -6,7 +6,7 @@
 
 #include "decoder/feature_frame/refine.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

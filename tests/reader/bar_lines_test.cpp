@@ -9,9 +9,9 @@
 
 #include "tests/support/seen_tag.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::Cover;
-using tagsmith::test::SeenTag;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::Cover;
+using tagsmith::detail::test::SeenTag;
 
 namespace {
 

@@ -9,11 +9,11 @@
 #include "decoder/image/half_size.hpp"
 #include "tests/support/seen_tag.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::Cover;
-using tagsmith::test::farthest_apart;
-using tagsmith::test::PlaneView;
-using tagsmith::test::SeenTag;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::Cover;
+using tagsmith::detail::test::farthest_apart;
+using tagsmith::detail::test::PlaneView;
+using tagsmith::detail::test::SeenTag;
 
 namespace {
 

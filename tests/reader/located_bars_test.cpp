@@ -8,8 +8,8 @@
 
 #include "tests/support/seen_tag.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::SeenTag;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::SeenTag;
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include "decoder/feature_frame/tile_threshold.hpp"
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 namespace {
 

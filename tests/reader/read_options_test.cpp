@@ -7,9 +7,9 @@
 #include "decoder/reader/detector.hpp"
 #include "tests/support/seen_tag.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::farthest_apart;
-using tagsmith::test::SeenTag;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::farthest_apart;
+using tagsmith::detail::test::SeenTag;
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include <doctest/doctest.h>
 
-using namespace tagsmith;
+using namespace tagsmith::detail;
 
 TEST_CASE("each reason for a refusal has words of its own") {
   std::set<std::string> told;

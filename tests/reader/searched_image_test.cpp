@@ -9,8 +9,8 @@
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "tests/support/seen_tag.hpp"
 
-using namespace tagsmith;
-using tagsmith::test::SeenTag;
+using namespace tagsmith::detail;
+using tagsmith::detail::test::SeenTag;
 
 namespace {
 

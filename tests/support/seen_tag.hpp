@@ -15,7 +15,7 @@
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
-namespace tagsmith::test {
+namespace tagsmith::detail::test {
 
 // How a camera sees the plane of the tag. A point of the plane is given in modules from the
 // symbol's middle, x along the symbol and y downwards.
@@ -162,4 +162,4 @@ inline double farthest_apart(const Quad& a, const Quad& b) {
   return most;
 }
 
-}  // namespace tagsmith::test
+}  // namespace tagsmith::detail::test

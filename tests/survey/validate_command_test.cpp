@@ -10,7 +10,7 @@
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
-using namespace tagsmith::test;
+using namespace tagsmith::detail::test;
 using nlohmann::json;
 
 namespace {
