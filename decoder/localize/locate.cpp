@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <deque>
 #include <utility>
 
 #include <Eigen/Core>
 
-#include "decoder/image/load.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
 #include "decoder/reader/reader.hpp"
@@ -148,6 +146,8 @@ bool look_closer(std::vector<Look>& looks, const Fix& fix, bool settled,
   return any;
 }
 
+}  // namespace
+
 Fix locate(Observation observation, std::span<const CameraImage> images,
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior) {
@@ -159,28 +159,10 @@ Fix locate(Observation observation, std::span<const CameraImage> images,
   return fix;
 }
 
-}  // namespace
-
 Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior) {
   return locate(Observation{{}, {}, ranges, {}}, images, surveys, rig, prior);
-}
-
-Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior) {
-  Observation observation{measurement.id, {}, measurement.ranges, {}};
-  std::deque<GrayImage> loaded;
-  std::vector<CameraImage> images;
-  for (const RigCamera& camera : rig.cameras) {
-    const auto seen = measurement.cameras.find(camera.name);
-    if (seen == measurement.cameras.end() || seen->second.image.empty()) continue;
-    std::optional<GrayImage> image = load_observed(seen->second.image, observation);
-    if (!image) continue;
-    loaded.push_back(std::move(*image));
-    images.push_back({&camera, loaded.back().view(), seen->second.image.string()});
-  }
-  return locate(std::move(observation), images, surveys, rig, prior);
 }
 
 }  // namespace tagsmith::detail

@@ -11,6 +11,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/live_track.hpp"
+#include "decoder/localize/observation.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -32,6 +33,11 @@ struct CameraImage {
 // but for such tags, which go unmentioned. With a prior the tags are looked for where they should
 // be first, as observe() does.
 Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
+           const std::vector<Survey>& surveys, const Rig& rig,
+           const std::optional<PosePrior>& prior = std::nullopt);
+
+// The same with what is known already: tags seen otherwise, and faults.
+Fix locate(Observation observation, std::span<const CameraImage> images,
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior = std::nullopt);
 

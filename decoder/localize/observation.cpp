@@ -7,19 +7,16 @@
 
 #include <fmt/core.h>
 
-#include "decoder/image/load.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-// The tag, and the index of its survey, that `matches`; all of them.
-std::vector<std::pair<std::size_t, const PlacedTag*>> find_tags(const std::vector<Survey>& surveys,
-                                                                const auto& key) {
-  std::vector<std::pair<std::size_t, const PlacedTag*>> found;
+std::vector<SurveyedTag> find_by(const std::vector<Survey>& surveys, const auto& key) {
+  std::vector<SurveyedTag> found;
   for (std::size_t i = 0; i < surveys.size(); ++i) {
-    if (const PlacedTag* tag = find_tag(surveys[i], key)) found.emplace_back(i, tag);
+    if (const PlacedTag* tag = find_tag(surveys[i], key)) found.push_back({i, tag});
   }
   return found;
 }
@@ -66,24 +63,15 @@ void add_unsurveyed(Observation& observation, const RigCamera& camera, const Sur
       {camera.name, 0, *tag, corners_in(reading, reader), std::nullopt, true});
 }
 
-void add_distance(Observation& observation, const RigCamera& camera, const CameraMeasurement& seen,
-                  const std::vector<Survey>& surveys) {
-  const std::string& name = seen.tag.value();
-  const std::optional<Digits> digits = parse_digits(name);
-  auto found = find_tags(surveys, std::string_view(name));
-  if (found.empty() && digits) found = find_tags(surveys, *digits);
-  if (found.size() != 1) {
-    observation.faults.push_back(fmt::format("{}_tag is {}, {}", camera.name, name,
-                                             found.empty()
-                                                 ? "expected a tag of the survey"
-                                                 : "which several surveys have: give digits"));
-    return;
-  }
-  const auto& [survey, tag] = found.front();
-  observation.tags.push_back({camera.name, survey, *tag, std::nullopt, seen.distance});
+}  // namespace
+
+std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, const Digits& digits) {
+  return find_by(surveys, digits);
 }
 
-}  // namespace
+std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, std::string_view name) {
+  return find_by(surveys, name);
+}
 
 SeenCorners seen_corners(const FrameCorners& corners, const CornerCovariance& covariance,
                          double sigma_px) {
@@ -159,40 +147,6 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
   }
   if (reader.unsurveyed) options->code_book.clear();
   add_result(observation, reader.read(image, *options), name, camera, surveys, reader);
-}
-
-std::optional<GrayImage> load_observed(const std::filesystem::path& file,
-                                       Observation& observation) {
-  Result<DecodedImage> loaded = load_image(file);
-  if (!loaded) {
-    observation.faults.push_back(loaded.error().message);
-    return std::nullopt;
-  }
-  if (!loaded->warning.empty()) {
-    observation.faults.push_back(file.string() + ": " + damaged_in_words(loaded->warning));
-  }
-  return std::move(loaded->image);
-}
-
-Observation observe(const Measurement& measurement, const std::vector<Survey>& surveys,
-                    const Rig& rig, const ReaderChoice& reader,
-                    const std::optional<PosePrior>& prior) {
-  Observation observation{measurement.id, {}, measurement.ranges, {}};
-  for (const RigCamera& camera : rig.cameras) {
-    const auto seen = measurement.cameras.find(camera.name);
-    if (seen == measurement.cameras.end()) continue;
-    const std::filesystem::path& file = seen->second.image;
-    if (!file.empty()) {
-      const std::optional<GrayImage> image = load_observed(file, observation);
-      if (image) {
-        observe_image(observation, camera, image->view(), file.string(), surveys, reader, prior);
-      }
-    }
-    if (seen->second.tag && seen->second.distance) {
-      add_distance(observation, camera, seen->second, surveys);
-    }
-  }
-  return observation;
 }
 
 }  // namespace tagsmith::detail

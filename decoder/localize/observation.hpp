@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "decoder/image/gray.hpp"
@@ -58,6 +59,16 @@ struct ReaderChoice {
 // a border that the opening moves.
 inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
+
+// A tag and the index of the survey that has it.
+struct SurveyedTag {
+  std::size_t survey = 0;
+  const PlacedTag* tag = nullptr;
+};
+
+// The tags with these digits, or of this name, in all surveys.
+std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, const Digits& digits);
+std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, std::string_view name);
 
 // A reading's corners; by a reader that knew the camera, where its lens bends straight lines.
 // `covariance` zero = not estimated: `sigma_px` is taken instead.
