@@ -1,29 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// The libraries behind the commands: which tags of a survey does a photo show?
+// The library in one program: which tags of a survey does a photo show?
 //   read_tag surveys/corridor/survey.yaml surveys/corridor/photos/corridor_01_left.jpg
 #include <iostream>
 
-#include "decoder/image/load.hpp"
-#include "decoder/reader/reader.hpp"
-#include "tagsmith/survey/read_survey.hpp"
+#include <tagsmith/files.hpp>
 
-int stop(const std::string& message) {
-  std::cerr << message << "\n";
-  return 2;
-}
+int main(int argc, char** argv) try {
+  if (argc != 3) {
+    std::cerr << "usage: read_tag SURVEY IMAGE\n";
+    return 2;
+  }
+  const tagsmith::Survey survey = tagsmith::load_survey(argv[1]);
+  const tagsmith::Image image = tagsmith::load_image(argv[2]);
 
-int main(int argc, char** argv) {
-  if (argc != 3) return stop("usage: read_tag SURVEY IMAGE");
-  const auto survey = tagsmith::detail::load_survey(argv[1]);
-  if (!survey) return stop(survey.error().message);
-  const auto image = tagsmith::detail::load_gray_image(argv[2]);
-  if (!image) return stop(image.error().message);
-
-  for (const tagsmith::detail::Reading& reading : tagsmith::detail::read_tags(image->view()).tags) {
-    const tagsmith::detail::PlacedTag* tag = tagsmith::detail::find_tag(*survey, reading.digits);
-    std::cout << tagsmith::detail::to_string(reading.digits) << " is "
-              << (tag ? tag->name : "not in the survey");
-    if (tag) std::cout << ", corner P at " << tag->p_in_grid.transpose() << " m";
+  for (const tagsmith::Tag& tag : tagsmith::read(image.view()).tags) {
+    const auto known = survey.find(tag.digits);
+    std::cout << tag.digits << " is " << (known ? known->name : "not in the survey");
+    if (known) {
+      const auto& [x, y, z] = known->corner_p;
+      std::cout << ", corner P at " << x << " " << y << " " << z << " m";
+    }
     std::cout << "\n";
   }
+} catch (const tagsmith::Error& error) {
+  std::cerr << error.what() << "\n";
+  return 2;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <dlfcn.h>
+#include <link.h>
 #include <system_error>
 #include <utility>
 
@@ -249,6 +251,20 @@ bool holds_data(const fs::path& folder) {
          fs::is_directory(folder / "surveys", ignored);
 }
 
+// The program, or the shared library, that this code is part of.
+fs::path own_file() {
+  Dl_info info{};
+  void* found = nullptr;
+  const void* here = reinterpret_cast<const void*>(&holds_data);
+  std::error_code error;
+  if (dladdr1(here, &info, &found, RTLD_DL_LINKMAP) != 0 && found != nullptr) {
+    // The program itself has no name there.
+    const fs::path library = static_cast<const link_map*>(found)->l_name;
+    if (!library.empty()) return fs::canonical(library, error);
+  }
+  return fs::read_symlink("/proc/self/exe", error);
+}
+
 std::optional<fs::path> file_if_there(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored) && !fs::is_directory(path, ignored)) return path;
@@ -297,9 +313,7 @@ fs::path data_directory() {
   if (const char* named = std::getenv("TAGSMITH_DATA"); named != nullptr && *named != '\0') {
     return named;
   }
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  for (fs::path folder = program.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+  for (fs::path folder = own_file().parent_path(); !folder.empty(); folder = folder.parent_path()) {
     for (const fs::path& candidate : {folder, folder / "share/tagsmith"}) {
       if (holds_data(candidate)) return candidate;
     }

@@ -31,8 +31,8 @@ std::optional<std::filesystem::path> find_template(const std::string& name,
 std::string own_templates();
 
 // The folder that holds the tool's own `templates` and `surveys`: the environment variable
-// TAGSMITH_DATA, else the nearest folder above the executable (or its share/tagsmith) that has
-// them, else the source tree it was built from.
+// TAGSMITH_DATA, else the nearest folder above the executable, or above the shared library that
+// this is part of (or its share/tagsmith), that has them, else the source tree it was built from.
 std::filesystem::path data_directory();
 
 }  // namespace tagsmith::detail

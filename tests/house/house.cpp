@@ -12,12 +12,13 @@
 namespace tagsmith::detail::house {
 namespace {
 
-constexpr std::array<std::string_view, 20> kLayers{
+constexpr std::array<std::string_view, 22> kLayers{
     "tagsmith/base",   "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
     "tagsmith/survey", "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
     "tagsmith/cli",    "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
     "decoder/scan",    "decoder/reader",     "decoder/paper",       "decoder/localize",
-    "decoder/grade",   "decoder/verify",     "decoder/cli",         "main.cpp",
+    "decoder/grade",   "decoder/verify",     "decoder/api",         "decoder/python",
+    "decoder/cli",     "main.cpp",
 };
 
 constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",
@@ -31,7 +32,7 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 16> kThirdParty{{
+constexpr std::array<ThirdParty, 18> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
@@ -50,13 +51,22 @@ constexpr std::array<ThirdParty, 16> kThirdParty{{
      "(tagsmith|decoder)/cli|tagsmith/(placement|render)|decoder/verify", true},
     {"tl::expected", "tl/expected.hpp", ".*", false},
     {"fmt", "fmt/.*", "(tagsmith|decoder)/(?!symbology|scan).*|main.cpp", true},
-    {"Eigen", "Eigen/.*", "tagsmith/(geometry|survey|placement|render|cli)|decoder/.*", false},
+    {"the public interface", "tagsmith/[a-z]+\\.hpp", "decoder/(api|python)", false},
+    {"pybind11", "pybind11/.*", "decoder/python", true},
+    {"Eigen", "Eigen/.*", "tagsmith/(geometry|survey|placement|render|cli)|decoder/(?!python).*",
+     false},
 }};
 
 // Folders that run programs or touch files below the C++ library may use the system's headers.
 constexpr std::string_view kSystemHeaders = "(sys/)?[a-z0-9_]+\\.h";
 constexpr std::string_view kSystemFolders =
     "tagsmith/(base|survey|cli)|decoder/(image|verify|cli)|main.cpp";
+
+// The headers that are installed: others include them without this project's tree.
+constexpr std::string_view kPublicHeaders = "decoder/api/include/";
+
+// The module that is the public interface in another language, and uses nothing below it.
+constexpr std::string_view kOverPublic = "decoder/python";
 
 // The one way to the terminal. A header of templates that take fmt's format strings.
 constexpr std::string_view kConsole = "tagsmith/cli/console.hpp";
@@ -84,10 +94,18 @@ std::string allowed_up_to(std::size_t rank) {
   return text;
 }
 
+// Written by the build, for the one file that tells the version.
+constexpr std::string_view kGenerated = "tagsmith_commit.hpp";
+
 // What is wrong with `#include "header"`; empty when nothing is.
 std::string check_own_include(std::string_view file, std::string_view header) {
   const std::optional<std::size_t> rank = rank_of(file);
   const std::optional<std::size_t> included = rank_of(header);
+  if (file == "main.cpp" && header == kGenerated) return {};
+  if (is_public(file)) return "a public header includes <tagsmith/...> and the standard library";
+  if (layer_of(file) == kOverPublic && layer_of(header) != kOverPublic) {
+    return "decoder/python includes the public interface alone, <tagsmith/...>";
+  }
   if (!rank) {
     if (included || header.starts_with("tests/")) return {};
     return "include paths start at the project's root";
@@ -95,6 +113,12 @@ std::string check_own_include(std::string_view file, std::string_view header) {
   if (!included) return "not a folder of the house; allowed: " + allowed_up_to(*rank);
   if (*included <= *rank) return {};
   return std::string(kLayers[*included]) + " stands below; allowed: " + allowed_up_to(*rank);
+}
+
+// The same of `#include <header>` in a public header.
+std::string check_public_include(std::string_view header) {
+  if (matches(header, "[a-z0-9_]+|tagsmith/[a-z]+\\.hpp")) return {};
+  return "a public header includes <tagsmith/...> and the standard library";
 }
 
 // What is wrong with `#include <header>` in a file of the layer; empty when nothing is.
@@ -156,8 +180,9 @@ std::string check_include_or_line(std::string_view file, std::string_view line) 
   if (!std::regex_match(line.begin(), line.end(), match, include)) return check_line(file, line);
   const std::string header = match[2].str();
   const bool own = match[1].str() == "\"";
-  const std::string problem =
-      own ? check_own_include(file, header) : check_third_party(file, header);
+  const std::string problem = own               ? check_own_include(file, header)
+                              : is_public(file) ? check_public_include(header)
+                                                : check_third_party(file, header);
   return problem.empty() ? problem : "includes " + header + ": " + problem;
 }
 
@@ -180,6 +205,8 @@ std::string layer_of(std::string_view file) {
   const std::optional<std::size_t> rank = rank_of(file);
   return rank ? std::string(kLayers[*rank]) : std::string();
 }
+
+bool is_public(std::string_view file) { return file.starts_with(kPublicHeaders); }
 
 std::vector<std::string> check_source(std::string_view file, std::string_view text) {
   std::vector<std::string> violations;
@@ -238,7 +265,8 @@ std::vector<std::string> include_rings(const std::map<std::string, std::string>&
 }
 
 std::vector<std::string> types_defined(std::string_view header) {
-  static const std::regex definition("(?:struct|class|enum class) (\\w+)[^;]*\\{.*");
+  static const std::regex definition(
+      "(?:struct|class|enum class) (?:TAGSMITH_\\w+ )?([\\w:]+)[^;]*\\{.*");
   std::vector<std::string> names;
   for (const std::string_view line : lines_of(header)) {
     std::match_results<std::string_view::const_iterator> match;

@@ -20,6 +20,9 @@ std::span<const std::string_view> top_folders();
 // "decoder/scan", "main.cpp" -> "main.cpp"), empty for files outside the layers (tests, docs).
 std::string layer_of(std::string_view file);
 
+// True for a header that is installed for others.
+bool is_public(std::string_view file);
+
 // The violations of one source file, `file:line: what was found; what is allowed`. `file` is
 // relative to the project's root. Empty = the walls stand.
 std::vector<std::string> check_source(std::string_view file, std::string_view text);

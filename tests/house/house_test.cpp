@@ -136,7 +136,8 @@ TEST_CASE("no two headers define a type of one name") {
   std::map<std::string, std::string> defined_in;
   for (const std::string& file : project_sources()) {
     if (layer_of(file).empty() || !file.ends_with(".hpp")) continue;
-    for (const std::string& type : types_defined(contents(file))) {
+    for (std::string type : types_defined(contents(file))) {
+      if (is_public(file)) type = "tagsmith::" + type;  // all others are in tagsmith::detail
       const auto entry = defined_in.emplace(type, file);
       const std::string& first = entry.first->second;
       CHECK_MESSAGE(entry.second, type << " is defined in " << first << " and " << file);
@@ -258,6 +259,22 @@ TEST_CASE("a third-party header outside its folder is found") {
       {"system calls in the scan", "decoder/scan/a.cpp", "#include <unistd.h>\n",
        "system headers are allowed only"},
       {"the standard library", "decoder/scan/a.cpp", "#include <vector>\n", ""},
+      {"the public interface in its module", "decoder/api/a.cpp", "#include <tagsmith/read.hpp>\n",
+       ""},
+      {"the public interface below it", "decoder/reader/a.cpp", "#include <tagsmith/read.hpp>\n",
+       "the public interface is allowed only in decoder/(api|python)"},
+      {"a public header over another", "decoder/api/include/tagsmith/a.hpp",
+       "#pragma once\n#include <tagsmith/read.hpp>\n#include <vector>\n", ""},
+      {"a public header over a module", "decoder/api/include/tagsmith/a.hpp",
+       "#pragma once\n#include \"tagsmith/base/text.hpp\"\n",
+       "a public header includes <tagsmith/...> and the standard library"},
+      {"Eigen in a public header", "decoder/api/include/tagsmith/a.hpp",
+       "#pragma once\n#include <Eigen/Core>\n",
+       "a public header includes <tagsmith/...> and the standard library"},
+      {"Python over the public interface", "decoder/python/a.cpp",
+       "#include <tagsmith/read.hpp>\n#include <pybind11/pybind11.h>\n", ""},
+      {"Python over a module", "decoder/python/a.cpp", "#include \"decoder/reader/reader.hpp\"\n",
+       "the public interface alone"},
       {"an include with blanks", "tagsmith/tag/a.cpp", "  #  include  <CLI/CLI.hpp>\n",
        "CLI11 is allowed"},
   });
@@ -293,8 +310,9 @@ TEST_CASE("the decision records that a text cites are found") {
 
 TEST_CASE("the types of a header are found") {
   const char* const header =
-      "struct A {\nenum class B { x, y };\nclass C final : public D {\nstruct E;\n  struct F {\n";
-  CHECK(types_defined(header) == std::vector<std::string>{"A", "B", "C"});
+      "struct A {\nenum class B { x, y };\nclass C final : public D {\nstruct E;\n  struct F {\n"
+      "class TAGSMITH_EXPORT G {\n";
+  CHECK(types_defined(header) == std::vector<std::string>{"A", "B", "C", "G"});
 }
 
 TEST_CASE("a missing SPDX line is found") {

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// What public values hold, and how they become the modules' own. Internal to decoder/api.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <tagsmith/error.hpp>
+#include <tagsmith/geometry.hpp>
+#include <tagsmith/image.hpp>
+#include <tagsmith/localize.hpp>
+#include <tagsmith/rig.hpp>
+#include <tagsmith/survey.hpp>
+
+#include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/frame_corners.hpp"
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+#include "tagsmith/symbology/digits.hpp"
+#include "tagsmith/tag/template.hpp"
+
+namespace tagsmith {
+
+// Each of the two libraries has its own copy of what makes these; nothing of them is exported.
+#define TAGSMITH_HIDDEN __attribute__((visibility("hidden")))
+
+// The survey as the modules know it, and what of it callers see.
+struct TAGSMITH_HIDDEN Survey::Data {
+  explicit Data(detail::Survey survey);
+
+  detail::Survey survey;
+  PlateTemplate plate;
+  std::vector<SurveyTag> tags;
+};
+
+struct TAGSMITH_HIDDEN Rig::Data {
+  explicit Data(detail::Rig rig);
+
+  detail::Rig rig;
+  RigDescription description;
+};
+
+}  // namespace tagsmith
+
+namespace tagsmith::detail {
+
+[[noreturn]] void throw_invalid(const std::string& message);
+
+// The view with its stride filled in. Throws on views of nothing, or of more than 200 million
+// pixels.
+GrayView checked(const ImageView& image);
+
+// Throws on other text than twelve digits; `what` begins the message.
+Digits checked_digits(std::string_view digits, const std::string& what);
+
+// Throws when a number is not finite or not within the limits.
+void check_number(const std::string& name, double value, double least, double greatest);
+
+TagTemplate template_from(const PlateTemplate& plate);
+Camera camera_from(const CameraModel& model);
+
+std::vector<Survey> surveys_from(const std::vector<tagsmith::Survey>& surveys);
+
+Corners corners_from(const FrameCorners& corners);
+FrameCorners frame_corners_from(const Corners& corners);
+
+Vector3 vector_from(const Eigen::Vector3d& vector);
+Eigen::Vector3d eigen_from(const Vector3& vector);
+
+template <std::size_t N>
+tagsmith::Matrix<N> matrix_from(
+    const Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)>& matrix) {
+  tagsmith::Matrix<N> rows{};
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t j = 0; j < N; ++j) {
+      rows[i][j] = matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
+  }
+  return rows;
+}
+
+template <std::size_t N>
+Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)> eigen_from(
+    const tagsmith::Matrix<N>& rows) {
+  Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)> matrix;
+  for (std::size_t i = 0; i < N; ++i) {
+    for (std::size_t j = 0; j < N; ++j) {
+      matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j];
+    }
+  }
+  return matrix;
+}
+
+}  // namespace tagsmith::detail
