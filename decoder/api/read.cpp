@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <utility>
+
 #include <tagsmith/read.hpp>
 
 #include "decoder/api/data.hpp"
@@ -121,8 +124,27 @@ detail::Frameless frameless_from(Frameless frameless) {
   return detail::Frameless::never;
 }
 
+// How to read the tags of these surveys, of which each may have many: none is copied.
+detail::ReadOptions options_for(const std::vector<Survey>& surveys) {
+  detail::ReadOptions all;
+  for (std::size_t i = 0; i < surveys.size(); ++i) {
+    detail::ReadOptions one = detail::read_options_for({&surveys[i].data().survey, 1});
+    if (i == 0) {
+      all = std::move(one);
+      continue;
+    }
+    all.code_book.insert(all.code_book.end(), one.code_book.begin(), one.code_book.end());
+    if (all.check != one.check) all.check.reset();
+    for (const detail::SymbolLayout& layout : one.layouts) {
+      const bool known = std::ranges::find(all.layouts, layout) != all.layouts.end();
+      if (!known) all.layouts.push_back(layout);
+    }
+  }
+  return all;
+}
+
 detail::ReadOptions options_from(const ReadOptions& options, const detail::GrayView& image) {
-  detail::ReadOptions read = read_options_for(detail::surveys_from(options.surveys));
+  detail::ReadOptions read = options_for(options.surveys);
   if (!options.surveys.empty() && read.code_book.empty()) {
     throw_invalid("the surveys have no tags, expected at least one");
   }
