@@ -183,7 +183,7 @@ Fix Localizer::track(const Measurement& measurement) {
   const auto prior = measurement.time && motion
                          ? prior_at(*motion, *measurement.time, surveys, detail::MotionModel{})
                          : std::nullopt;
-  detail::Fix fix = detail::locate(std::move(observation), images, surveys, rig, prior);
+  detail::Fix fix = detail::locate_with(std::move(observation), images, surveys, rig, prior);
   if (measurement.time) fix = follow_track(motion, std::move(fix), *measurement.time, surveys);
   return state_->answer(std::move(fix));
 }

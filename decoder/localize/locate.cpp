@@ -148,13 +148,13 @@ bool look_closer(std::vector<Look>& looks, const Fix& fix, bool settled,
 
 }  // namespace
 
-Fix locate(Observation observation, std::span<const CameraImage> images,
-           const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior) {
-  std::vector<Look> looks = begin_looks(images, surveys, prior, observation);
-  Fix fix = fix_by(observation, looks, surveys, rig);
-  while (look_closer(looks, fix, is_settled(fix, looks, observation.ranges, rig), surveys)) {
-    fix = fix_by(observation, looks, surveys, rig);
+Fix locate_with(Observation known, std::span<const CameraImage> images,
+                const std::vector<Survey>& surveys, const Rig& rig,
+                const std::optional<PosePrior>& prior) {
+  std::vector<Look> looks = begin_looks(images, surveys, prior, known);
+  Fix fix = fix_by(known, looks, surveys, rig);
+  while (look_closer(looks, fix, is_settled(fix, looks, known.ranges, rig), surveys)) {
+    fix = fix_by(known, looks, surveys, rig);
   }
   return fix;
 }
@@ -162,7 +162,7 @@ Fix locate(Observation observation, std::span<const CameraImage> images,
 Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraImage> images,
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior) {
-  return locate(Observation{{}, {}, ranges, {}}, images, surveys, rig, prior);
+  return locate_with(Observation{{}, {}, ranges, {}}, images, surveys, rig, prior);
 }
 
 }  // namespace tagsmith::detail

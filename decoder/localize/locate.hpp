@@ -36,10 +36,10 @@ Fix locate(const std::map<std::string, double>& ranges, std::span<const CameraIm
            const std::vector<Survey>& surveys, const Rig& rig,
            const std::optional<PosePrior>& prior = std::nullopt);
 
-// The same with what is known already: tags seen otherwise, and faults.
-Fix locate(Observation observation, std::span<const CameraImage> images,
-           const std::vector<Survey>& surveys, const Rig& rig,
-           const std::optional<PosePrior>& prior = std::nullopt);
+// The same beside what is known already: tags seen otherwise, ranges, faults.
+Fix locate_with(Observation known, std::span<const CameraImage> images,
+                const std::vector<Survey>& surveys, const Rig& rig,
+                const std::optional<PosePrior>& prior = std::nullopt);
 
 // The same for a measurement, whose images are loaded first.
 Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, const Rig& rig,

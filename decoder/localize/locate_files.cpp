@@ -20,7 +20,7 @@ Fix locate(const Measurement& measurement, const std::vector<Survey>& surveys, c
     loaded.push_back(std::move(*image));
     images.push_back({&camera, loaded.back().view(), seen->second.image.string()});
   }
-  return locate(std::move(observation), images, surveys, rig, prior);
+  return locate_with(std::move(observation), images, surveys, rig, prior);
 }
 
 }  // namespace tagsmith::detail
