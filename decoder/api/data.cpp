@@ -71,6 +71,16 @@ TagTemplate template_from(const PlateTemplate& plate) {
   check_number("the quiet zone", tag.quiet_zone_modules, 0, 1000);
   check_number("the margin", tag.margin_modules, 0, 1000);
   if (bar_height(tag) <= 0) throw_invalid("the plate's margins leave no room for the bars");
+  const double length =
+      tag.frame_inner_length + 2 * tag.frame_stroke + 2 * std::abs(tag.frame_offset_right);
+  const double height =
+      tag.frame_inner_height + 2 * tag.frame_stroke + 2 * std::abs(tag.frame_offset_up);
+  constexpr double kRounding = 1e-9;
+  if (length > tag.plate_length + kRounding || height > tag.plate_height + kRounding) {
+    throw_invalid("the feature frame needs a plate of " + format_number(length) + " x " +
+                  format_number(height) + " m, the plate is " + format_number(tag.plate_length) +
+                  " x " + format_number(tag.plate_height) + " m");
+  }
   return tag;
 }
 

@@ -103,7 +103,7 @@ void bind_results(py::module_& module) {
 }
 
 void bind_grade(py::module_& module) {
-  py::class_<GradeParameter>(module, "GradeParameter")
+  py::class_<GradeParameter>(module, "GradeParameter", "What was graded, 4 (best) to 0.")
       .def_readonly("name", &GradeParameter::name)
       .def_readonly("grade", &GradeParameter::grade)
       .def_readonly("value", &GradeParameter::value)

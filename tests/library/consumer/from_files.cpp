@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // from_files CORRIDOR OUT.pdf: reads, verifies and locates what is shipped in the folder CORRIDOR,
-// and prints a tag. One line for each; ends with 2 on an error of the library.
+// and prints a tag, as OUT.png too. One line for each; ends with 2 on an error of the library.
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -34,6 +34,14 @@ void show_fix(const tagsmith::Survey& survey, const tagsmith::Rig& rig, const fs
   std::cout << ' ' << fix.reason << '\n';
 }
 
+// A PNG needs the module of codecs, which the library finds beside itself.
+void show_printed(const tagsmith::Survey& survey, const fs::path& png) {
+  tagsmith::print_tag(survey, "000L", png);
+  for (const tagsmith::Tag& tag : tagsmith::read(tagsmith::load_image(png).view()).tags) {
+    std::cout << "printed " << tag.digits << '\n';
+  }
+}
+
 void show_errors(const fs::path& corridor) {
   for (const fs::path& path : {corridor / "none.yaml", corridor / "rig.yaml"}) {
     try {
@@ -60,6 +68,7 @@ int main(int argc, char** argv) try {
     for (const tagsmith::VerifiedTag& tag : file.tags) std::cout << ' ' << tag.tag;
     std::cout << '\n';
   }
+  show_printed(survey, fs::path(argv[2]).replace_extension(".png"));
   show_errors(corridor);
 } catch (const tagsmith::Error& error) {
   std::cerr << error.what() << '\n';

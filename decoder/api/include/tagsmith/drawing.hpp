@@ -43,8 +43,8 @@ struct TagDrawing {
   double module = 0;            // width of the narrowest bar
 };
 
-// Fails with ErrorCode::invalid_argument when `digits` are not twelve, or the plate's dimensions
-// leave no room for the bars.
+// Fails with ErrorCode::invalid_argument when `digits` are not twelve, and when the plate's
+// dimensions leave no room for the bars or for the frame.
 TAGSMITH_EXPORT TagDrawing draw_tag(const PlateTemplate& plate, std::string_view digits);
 
 }  // namespace tagsmith
