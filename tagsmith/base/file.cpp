@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/base/file.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <system_error>
 #include <unistd.h>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "tagsmith/base/stream.hpp"
+#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -20,13 +25,54 @@ Result<void> write_stream(const fs::path& path, std::string_view bytes) {
   return {};
 }
 
+// The entries of a folder by name; at most so many are looked at.
+std::vector<std::string> names_in(const fs::path& folder) {
+  constexpr std::size_t kMost = 10'000;
+  std::error_code error;
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+    if (names.size() == kMost) break;
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+// The missing file's likely other name.
+std::string likely_name(const fs::path& missing) {
+  const fs::path folder = missing.parent_path();
+  std::error_code error;
+  if (!folder.empty() && !fs::exists(folder, error)) {
+    return ", nor a folder " + folder.string() + likely_name(folder);
+  }
+  const auto near =
+      nearest_word(missing.filename().string(), names_in(folder.empty() ? "." : folder));
+  return near ? ", did you mean " + (folder / *near).string() + "?" : "";
+}
+
+// The files of the kind that is mostly asked for by name.
+std::string yaml_files_in(const fs::path& folder) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> found;
+  for (const std::string& name : names_in(folder)) {
+    if (name.ends_with(".yaml") || name.ends_with(".yml"))
+      found.push_back((folder / name).string());
+  }
+  if (found.empty()) return "";
+  const std::string more = found.size() > kMost ? ", ..." : "";
+  found.resize(std::min(found.size(), kMost));
+  return fmt::format("; in it there is {}{}", fmt::join(found, ", "), more);
+}
+
 }  // namespace
 
 Result<std::string> read_file(const fs::path& path, std::uintmax_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) return fail(path.string() + ": no such file");
-  if (fs::is_directory(status)) return fail(path.string() + ": is a directory, expected a file");
+  if (!fs::exists(status)) return fail(path.string() + ": no such file" + likely_name(path));
+  if (fs::is_directory(status)) {
+    return fail(path.string() + ": is a directory, expected a file" + yaml_files_in(path));
+  }
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return fail(path.string() + ": cannot be opened for reading");
   std::string bytes;

@@ -102,7 +102,8 @@ TEST_CASE("What is no image says so") {
   CHECK(error_of(std::string(1000, '\0')).find("is no image") != std::string::npos);
   const auto missing = load_gray_image("no/such/image.png");
   REQUIRE_FALSE(missing);
-  CHECK(missing.error().message == "no/such/image.png: no such file");
+  CHECK(missing.error().message ==
+        "no/such/image.png: no such file, nor a folder no/such, nor a folder no");
   CHECK_FALSE(load_gray_image("tests"));
 }
 
