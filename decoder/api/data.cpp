@@ -109,6 +109,7 @@ Camera camera_from(const CameraModel& model) {
 
 std::vector<Survey> surveys_from(const std::vector<tagsmith::Survey>& surveys) {
   std::vector<Survey> all;
+  all.reserve(surveys.size());
   for (const tagsmith::Survey& survey : surveys) all.push_back(survey.data().survey);
   return all;
 }

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <tagsmith/localize.hpp>
 
 #include "decoder/api/data.hpp"
@@ -52,13 +53,13 @@ void check_ranges(const std::map<std::string, double>& ranges, const detail::Rig
 // Refuses what is no covariance: other matrices would make a position of nothing.
 detail::CornerCovariance covariance_from(const SeenTag& tag) {
   if (!tag.covariance) return detail::CornerCovariance::Zero();
-  const detail::CornerCovariance covariance = detail::eigen_from<8>(*tag.covariance);
+  detail::CornerCovariance covariance = detail::eigen_from<8>(*tag.covariance);
   const bool symmetric = (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <=
                          1e-9 * covariance.cwiseAbs().maxCoeff();
-  const bool positive = (covariance.diagonal().array() > 0).all();
+  const bool positive = covariance.llt().info() == Eigen::Success;
   if (!covariance.allFinite() || !symmetric || !positive) {
     throw_invalid("the covariance of tag " + tag.digits +
-                  " is none: expected a symmetric matrix with a diagonal above zero");
+                  " is none: expected a symmetric matrix that is positive definite");
   }
   return covariance;
 }
@@ -102,12 +103,14 @@ std::vector<detail::CameraImage> images_from(const Measurement& measurement,
 
 std::vector<Dropped> dropped_from(const std::vector<detail::Dropped>& dropped) {
   std::vector<Dropped> all;
+  all.reserve(dropped.size());
   for (const detail::Dropped& one : dropped) all.push_back({one.name, one.camera, one.reason});
   return all;
 }
 
 std::vector<Unchecked> unchecked_from(const std::vector<detail::Unchecked>& unchecked) {
   std::vector<Unchecked> all;
+  all.reserve(unchecked.size());
   for (const detail::Unchecked& one : unchecked) {
     all.push_back({detail::to_string(one.kind), one.name, one.metres});
   }
@@ -153,7 +156,7 @@ struct Localizer::State {
   }
 };
 
-Localizer::Localizer(std::vector<Survey> surveys, Rig rig, const LocalizerOptions& options)
+Localizer::Localizer(const std::vector<Survey>& surveys, Rig rig, const LocalizerOptions& options)
     : state_(new State{detail::surveys_from(surveys), std::move(rig), options}) {
   check_together(state_->surveys);
 }

@@ -28,8 +28,8 @@ bool is_rotation(const Eigen::Matrix3d& matrix) {
 }
 
 detail::Pose pose_from(const Mounting& mounting, const std::string& camera) {
-  const detail::Pose pose{detail::eigen_from<3>(mounting.rotation),
-                          detail::eigen_from(mounting.translation)};
+  detail::Pose pose{detail::eigen_from<3>(mounting.rotation),
+                    detail::eigen_from(mounting.translation)};
   if (!is_rotation(pose.rotation)) {
     throw_invalid("the mounting of camera " + camera + " is no rotation");
   }

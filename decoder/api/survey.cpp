@@ -90,6 +90,7 @@ void check_tags(const detail::Survey& survey, const std::vector<detail::SourcedT
 std::vector<detail::SourcedTag> place_all(const detail::Survey& survey,
                                           const std::vector<TagPlace>& places) {
   std::vector<detail::SourcedTag> tags;
+  tags.reserve(places.size());
   for (const TagPlace& one : places) tags.push_back(place(survey, one));
   std::ranges::sort(tags, {}, [](const detail::SourcedTag& one) {
     return std::pair(one.tag.pair, one.tag.side);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The module tagsmith._tagsmith; package/__init__.py shows its names as tagsmith.NAME.
 #include <exception>
+#include <utility>
 
 #include <pybind11/pybind11.h>
 #include <tagsmith/error.hpp>
@@ -20,7 +21,7 @@ void bind_error(py::module_& module) {
       "invalid_argument, file_missing, unreadable_file, invalid_file, unwritable_file or failed.";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      std::rethrow_exception(thrown);
+      std::rethrow_exception(std::move(thrown));
     } catch (const tagsmith::Error& failure) {
       const py::object& type = error;
       const py::object value = type(failure.what());

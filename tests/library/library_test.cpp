@@ -207,6 +207,12 @@ TEST_CASE("the installed program works from any folder") {
   CHECK(fs::exists(prefix() / "work/why/corridor_01_left.explained.png"));
 }
 
+TEST_CASE("the installed demo runs from any folder") {
+  const ProgramOutput demo = run_installed("$P/bin/tagsmith demo -o $P/demo");
+  CHECK_MESSAGE(demo.exit_code == 0, text_of(demo));
+  CHECK(fs::exists(prefix() / "demo/print/000L.pdf"));
+}
+
 TEST_CASE("man pages and completions are installed") {
   for (const char* file :
        {"share/man/man1/tagsmith.1", "share/man/man1/tagsmith-read.1",

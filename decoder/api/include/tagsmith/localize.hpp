@@ -25,10 +25,11 @@ struct CameraView {
 // A tag that was read before, by read() with the rig's camera (ReadOptions::camera) or by another
 // reader.
 struct SeenTag {
-  std::string camera;                            // of the rig
-  std::string digits;                            // twelve
-  Corners corners{};                             // in the image as taken, distortion included
-  std::optional<CornerCovariance> covariance{};  // absent = 0.3 pixels a coordinate
+  std::string camera;  // of the rig
+  std::string digits;  // twelve
+  Corners corners{};   // in the image as taken, distortion included
+  std::optional<CornerCovariance>
+      covariance{};  // positive definite; absent = 0.3 pixels a coordinate
 };
 
 // What the vehicle saw at one moment.
@@ -93,7 +94,7 @@ class TAGSMITH_EXPORT Localizer {
  public:
   // Fails with ErrorCode::invalid_argument without a survey, and on surveys that share a name or a
   // code.
-  Localizer(std::vector<Survey> surveys, Rig rig, const LocalizerOptions& options = {});
+  Localizer(const std::vector<Survey>& surveys, Rig rig, const LocalizerOptions& options = {});
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
   ~Localizer();
