@@ -11,13 +11,10 @@
 #include <utility>
 
 #include "decoder/feature_frame/bar_direction.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
-
-// Chosen by `./dev bench frameless` and `bench photos` on the dark and dirty photos. With strengths
-// of 50 to 90, shares of 0.2 to 0.3 and cosines of 0.7 to 0.9 those read differ by a photo or two.
-constexpr BarRegionTuning kTuning;
 
 // The gradients of a tile and of those around it.
 struct TileGradient {
@@ -34,14 +31,14 @@ TileGradient operator+(const TileGradient& a, const TileGradient& b) {
 
 bool same_direction(const TileGradient& a, const TileGradient& b) {
   const float product = a.cos2 * b.cos2 + a.sin2 * b.sin2;
-  return product > 0 && product * product > kTuning.least_cosine * kTuning.least_cosine *
+  return product > 0 && product * product > kBarRegion.least_cosine * kBarRegion.least_cosine *
                                                 a.squared_length() * b.squared_length();
 }
 
 bool is_barred(const TileGradient& gradient) {
   constexpr float kTiles = 9;
-  const float directed = kTuning.least_share * gradient.strength;
-  return gradient.strength > kTiles * kTuning.least_strength &&
+  const float directed = kBarRegion.least_share * gradient.strength;
+  return gradient.strength > kTiles * kBarRegion.least_strength &&
          gradient.squared_length() > directed * directed;
 }
 
@@ -159,16 +156,17 @@ std::optional<BarRegion> region_of(const Cluster& cluster) {
   region.length = right - left + kTile;
   region.height = bottom - top + kTile;
   const double tiles = region.length * region.height / (kTile * kTile);
-  const bool is_likely = region.length >= kTuning.least_length &&
-                         region.length > kTuning.least_proportion * region.height &&
-                         static_cast<double>(cluster.centres.size()) > kTuning.least_filled * tiles;
+  const bool is_likely =
+      region.length >= kBarRegion.least_length &&
+      region.length > kBarRegion.least_proportion * region.height &&
+      static_cast<double>(cluster.centres.size()) > kBarRegion.least_filled * tiles;
   return is_likely ? std::optional(region) : std::nullopt;
 }
 
 // Two clusters as one when together they still fill a rectangle.
 std::optional<BarRegion> region_of(const Cluster& a, const Cluster& b) {
   if (dot(a.direction, b.direction) <
-      kTuning.least_pair_cosine * length(a.direction) * length(b.direction)) {
+      kBarRegion.least_pair_cosine * length(a.direction) * length(b.direction)) {
     return std::nullopt;
   }
   Cluster both = a;
@@ -186,9 +184,9 @@ BarRegion scaled(const BarRegion& region, double scale) {
 }
 
 bool runs_off(const GrayView& image, const BarRegion& region) {
-  constexpr double kNear = 0.08;        // of the length
   constexpr double kShort = kTile + 2;  // pixels by which a region may be too short
-  const PixelPoint reach = ((0.5 + kNear) * region.length + kShort) * region.across;
+  const PixelPoint reach =
+      ((0.5 + kBarRegion.near_border) * region.length + kShort) * region.across;
   const auto outside = [&](PixelPoint at) {
     return at.x < 0 || at.y < 0 || at.x > image.width - 1 || at.y > image.height - 1;
   };
@@ -196,15 +194,12 @@ bool runs_off(const GrayView& image, const BarRegion& region) {
 }
 
 bool is_symbol_like(const GrayView& image, const BarRegion& region) {
-  constexpr double kMiddle = 0.6;   // of the region: bars, not the frame's sides
-  constexpr double kLeastStep = 2;  // grey levels
-  constexpr double kLeastRatio = 2;
-  const PixelPoint right = kMiddle / 2 * region.length * region.across;
-  const PixelPoint down = kMiddle / 2 * region.height * region.along();
+  const PixelPoint right = kBarRegion.middle / 2 * region.length * region.across;
+  const PixelPoint down = kBarRegion.middle / 2 * region.height * region.along();
   const PixelPoint& c = region.centre;
   const BarSteps steps =
       bar_steps(image, {c - right - down, c + right - down, c + right + down, c - right + down});
-  return steps.along > kLeastStep && steps.along > kLeastRatio * steps.across;
+  return steps.along > kBarRegion.least_step && steps.along > kBarRegion.least_ratio * steps.across;
 }
 
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<const Quad> known) {
@@ -213,14 +208,14 @@ std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<co
   for (std::size_t i = 0; i < tiles.open.size(); ++i) {
     if (tiles.open[i] == 0) continue;
     Cluster cluster = grow(tiles, i);
-    if (cluster.centres.size() >= kTuning.least_tiles) clusters.push_back(std::move(cluster));
+    if (cluster.centres.size() >= kBarRegion.least_tiles) clusters.push_back(std::move(cluster));
   }
   std::ranges::stable_sort(clusters, std::ranges::greater{},
                            [](const Cluster& cluster) { return cluster.centres.size(); });
   std::vector<BarRegion> regions;
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     if (const auto region = region_of(clusters[i])) regions.push_back(*region);
-    for (std::size_t j = i + 1; j < std::min(clusters.size(), kTuning.most_joined); ++j) {
+    for (std::size_t j = i + 1; j < std::min(clusters.size(), kBarRegion.most_joined); ++j) {
       if (const auto region = region_of(clusters[i], clusters[j])) regions.push_back(*region);
     }
   }

@@ -34,19 +34,6 @@ bool runs_off(const GrayView& image, const BarRegion& region);
 // region: what a wall's texture, pipes and edges of plates fail.
 bool is_symbol_like(const GrayView& image, const BarRegion& region);
 
-// How tiles are taken for bars.
-struct BarRegionTuning {
-  float least_strength = 70;        // of a tile: 2 grey levels from pixel to pixel
-  float least_share = 0.2F;         // of the gradients' strength that is of one direction
-  float least_cosine = 0.82F;       // of twice the angle between neighbours: 17 degrees
-  double least_pair_cosine = 0.94;  // of twice the angle between two joined regions: 10 degrees
-  std::size_t most_joined = 12;     // of the largest regions, in pairs
-  double least_length = 40;         // pixels: 95 modules of half a pixel, less what is left out
-  double least_proportion = 0.5;    // length by height
-  double least_filled = 0.35;       // share of the rectangle's tiles that show bars
-  std::size_t least_tiles = 2;
-};
-
 // The regions of an image outside the parts that are `known`: connected tiles whose gradients,
 // taken together with those of the tiles around, agree on one direction, and pairs of such regions
 // that something in front keeps apart. Tiles at the edge of a region are left out, so that regions

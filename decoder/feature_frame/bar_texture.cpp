@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "decoder/feature_frame/tile_threshold.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith::detail {
@@ -94,8 +95,7 @@ using Direction = std::uint8_t;
 // at a time.
 TAGSMITH_WIDE
 void find_directions(const Texture* __restrict tiles, int count, Direction* __restrict directions) {
-  constexpr int kLeastStrength = 200;  // 6 grey levels from pixel to pixel
-  constexpr int kSteep = 618;          // 256 tan(67.5 degrees)
+  constexpr int kSteep = 618;  // 256 tan(67.5 degrees)
   for (int i = 0; i < count; ++i) {
     const Gradient gradient = gradient_of(tiles[i]);
     const int x = gradient.cos2, y = gradient.sin2;
@@ -104,7 +104,7 @@ void find_directions(const Texture* __restrict tiles, int count, Direction* __re
     const int diagonal = right != 0 ? 8 - 6 * below : 6 - 2 * below;
     const int flat = 256 * across > kSteep * down ? 5 - 4 * right : diagonal;
     const int octant = 256 * down > kSteep * across ? 7 - 4 * below : flat;
-    const int directed = is_directed(gradient, kLeastStrength) ? octant : 0;
+    const int directed = is_directed(gradient, kBarRegion.least_tile) ? octant : 0;
     directions[i] = static_cast<Direction>(directed);
   }
 }
@@ -153,7 +153,6 @@ class DirectionGrid {
   // that direction too. The least readable symbols are four tiles long, joints of brickwork two
   // tiles wide.
   bool is_in_field(const Direction* tile) const {
-    constexpr unsigned kLeast = 4;
     // A bit for each octant that is the direction's or next to it.
     constexpr std::array<std::uint8_t, kDirections + 1> kAlike{0,          0b10000011, 0b00000111,
                                                                0b00001110, 0b00011100, 0b00111000,
@@ -163,7 +162,7 @@ class DirectionGrid {
     for (const std::ptrdiff_t step : steps_[octant]) {
       count += (kAlike[tile[step]] >> octant & 1U) + (kAlike[tile[-step]] >> octant & 1U);
     }
-    return count >= kLeast;
+    return count >= kBarRegion.least_row;
   }
 
   std::size_t index(int column, int row) const {
@@ -253,14 +252,13 @@ TextureGrid texture_of(const GrayView& image) {
 }
 
 TileMask tiles_near_bars(const TextureGrid& texture, std::span<const Quad> known) {
-  constexpr std::size_t kAround = 5;  // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
   TileMask mask{texture.columns, texture.rows, std::vector<std::uint8_t>(texture.tiles.size())};
   const DirectionGrid directions(texture, known);
   for (int row = 0; row < mask.rows; ++row) {
     directions.mark_fields(row,
                            mask.tiles.data() + static_cast<std::ptrdiff_t>(row) * mask.columns);
   }
-  widen(mask, kAround);
+  widen(mask, kBarRegion.around);
   return mask;
 }
 

@@ -4,30 +4,31 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "decoder/feature_frame/regions.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-// The inner edge of a frame whose outer edge this is: strokes are about 4 of 113 modules.
-Quad inner_of_outer(const Quad& outer) {
-  constexpr double kStroke = 3.95;
-  constexpr double kLength = 113 + 2 * kStroke;
-  constexpr double kHeight = 55.3 + 2 * kStroke;
+// The inner edge of a frame whose outer edge this is.
+Quad inner_of_outer(const Quad& outer, const FrameShape& shape) {
+  const double length = shape.length + 2 * shape.stroke;
+  const double height = shape.height + 2 * shape.stroke;
   const Homography map = homography_to(outer);
-  const bool upright = distance(outer[0], outer[1]) > distance(outer[1], outer[2]);
-  const double u = kStroke / (upright ? kLength : kHeight);
-  const double v = kStroke / (upright ? kHeight : kLength);
+  const bool is_wide = distance(outer[0], outer[1]) > distance(outer[1], outer[2]);
+  const bool upright = is_wide == (length > height);
+  const double u = shape.stroke / (upright ? length : height);
+  const double v = shape.stroke / (upright ? height : length);
   return {map(u, v), map(1 - u, v), map(1 - u, 1 - v), map(u, 1 - v)};
 }
 
 // Whether four of the hull's points span most of it: those of a large triangle, and the one that
 // adds most to it. A quick test that the outlines of walls and lamps fail.
 bool is_four_cornered(const std::vector<PixelPoint>& hull, double area) {
-  constexpr double kLeastSpanned = 0.75;
   const auto farthest_from = [&](PixelPoint from) {
     return *std::ranges::max_element(
         hull, {}, [&](PixelPoint point) { return dot(point - from, point - from); });
@@ -43,17 +44,17 @@ bool is_four_cornered(const std::vector<PixelPoint>& hull, double area) {
     added = std::max({added, turn * cross(point - a, b - a), turn * cross(point - b, c - b),
                       turn * cross(point - c, a - c)});
   }
-  return (std::abs(triangle) + added) / 2 >= kLeastSpanned * area;
+  return (std::abs(triangle) + added) / 2 >= kCandidate.least_spanned * area;
 }
 
 // The quadrilateral around a hull that fills most of it.
 std::optional<Quad> quad_filled_by(const std::vector<PixelPoint>& hull) {
-  constexpr double kLeastFill = 0.85;
   if (hull.size() < 4) return std::nullopt;
   const double area = area_of(hull);
   if (!is_four_cornered(hull, area)) return std::nullopt;
   const std::optional<Quad> quad = enclosing_quad(hull);
-  if (!quad || !is_convex(*quad) || area < kLeastFill * area_of(*quad)) return std::nullopt;
+  if (!quad || !is_convex(*quad) || area < kCandidate.least_filled * area_of(*quad))
+    return std::nullopt;
   return quad;
 }
 
@@ -76,11 +77,9 @@ double least_area_around(const Piece& a, const Piece& b) {
 }
 
 // Quadrilaterals around two pieces of one colour: a cable in front of a frame cuts it in two.
-std::vector<Quad> joined_candidates(std::vector<Piece> pieces) {
-  constexpr std::size_t kMaxPieces = 32;
-  constexpr double kMostEmpty = 1.3;  // area around both, by that of either
+std::vector<Quad> joined_candidates(std::vector<Piece> pieces, const FrameShape& shape) {
   std::ranges::sort(pieces, [](const Piece& a, const Piece& b) { return a.area > b.area; });
-  pieces.resize(std::min(pieces.size(), kMaxPieces));
+  pieces.resize(std::min(pieces.size(), kCandidate.most_pieces));
   std::vector<Quad> candidates;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     for (std::size_t j = i + 1; j < pieces.size(); ++j) {
@@ -88,14 +87,15 @@ std::vector<Quad> joined_candidates(std::vector<Piece> pieces) {
       const double sum = pieces[i].area + pieces[j].area;
       // Most are too far apart, which a look at four points tells as surely as the hull does.
       constexpr double kRounding = 1 + 1e-9;
-      if (least_area_around(pieces[i], pieces[j]) > kMostEmpty * sum * kRounding) continue;
+      if (least_area_around(pieces[i], pieces[j]) > kCandidate.most_empty * sum * kRounding)
+        continue;
       std::vector<PixelPoint> points = pieces[i].hull;
       points.insert(points.end(), pieces[j].hull.begin(), pieces[j].hull.end());
       const std::vector<PixelPoint> hull = convex_hull(std::move(points));
       const double area = area_of(hull);
-      if (area > kMostEmpty * sum || area < 1.05 * pieces[i].area) continue;
+      if (area > kCandidate.most_empty * sum || area < 1.05 * pieces[i].area) continue;
       const std::optional<Quad> quad = quad_filled_by(hull);
-      if (quad) candidates.push_back(pieces[i].white ? *quad : inner_of_outer(*quad));
+      if (quad) candidates.push_back(pieces[i].white ? *quad : inner_of_outer(*quad, shape));
     }
   }
   return candidates;
@@ -132,14 +132,15 @@ std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOpti
   std::vector<Piece> pieces;
   for (Region& region : find_regions(level.image, region_options)) {
     if (const auto quad = quad_filled_by(region.hull)) {
-      candidates.push_back(region.white ? *quad : inner_of_outer(*quad));
+      candidates.push_back(region.white ? *quad : inner_of_outer(*quad, options.shape));
     }
     if (!options.join_pieces) continue;
     const double area = area_of(region.hull);
     const PixelPoint middle{(region.left + region.right) / 2.0, (region.top + region.bottom) / 2.0};
     pieces.push_back({region.white, std::move(region.hull), area, middle});
   }
-  for (const Quad& quad : joined_candidates(std::move(pieces))) candidates.push_back(quad);
+  std::ranges::move(joined_candidates(std::move(pieces), options.shape),
+                    std::back_inserter(candidates));
   return candidates;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/gray.hpp"
@@ -37,6 +38,8 @@ struct CandidateOptions {
   std::vector<Quad> known;
   // Whether pairs of regions are tried as well: something in front has cut a frame apart.
   bool join_pieces = false;
+  // Of the frames that are searched for.
+  FrameShape shape;
 };
 
 // Quadrilaterals, in pixels of the level, that may be the inner edge of a feature frame: white

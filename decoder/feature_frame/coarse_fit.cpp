@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/bilinear.hpp"
 
 namespace tagsmith::detail {
@@ -141,35 +142,29 @@ BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
 
 // The line, or the bowed side where only that is what the points agree on.
 BowedFit fit_side(const std::vector<EdgePoint>& points, double side_length, bool may_bow) {
-  constexpr double kTolerance = 0.6;   // pixels
-  constexpr double kAgreed = 0.85;     // of the points: as good as all
-  constexpr double kMuchBetter = 0.2;  // of the points
-  constexpr double kMostBow = 0.06;    // of the side's length
-  const LineFit line = fit_line(points, kTolerance);
-  if (!may_bow || line.inliers > kAgreed) return {line, 0};
-  const BowedFit bowed = fit_bowed(points, kTolerance);
-  const bool better = bowed.line.inliers > line.inliers + kMuchBetter &&
-                      std::abs(bowed.bow) < kMostBow * side_length;
+  const LineFit line = fit_line(points, kSide.tolerance);
+  if (!may_bow || line.inliers > kSide.agreed) return {line, 0};
+  const BowedFit bowed = fit_bowed(points, kSide.tolerance);
+  const bool better = bowed.line.inliers > line.inliers + kSide.much_better &&
+                      std::abs(bowed.bow) < kSide.most_bow * side_length;
   return better ? bowed : BowedFit{line, 0};
 }
 
 // The side moved onto the edge that most of its profiles show; nothing when fewer than half do.
 std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side, double reach,
                                     bool may_bow) {
-  constexpr double kMinFall = 6;        // grey levels a pixel
-  constexpr double kEnds = 0.92;        // leave the corners out
-  constexpr double kLeastShown = 0.45;  // of the profiles must agree on one edge
   const double side_length = distance(side.begin, side.end);
   const int count = std::clamp(static_cast<int>(side_length / 2), 10, 24);
   std::vector<EdgePoint> points;
   for (int k = 0; k < count; ++k) {
-    const double along = kEnds * (2.0 * k / (count - 1) - 1.0);
-    const auto across = steepest_fall(image, side, point_on(side, along), reach, kMinFall);
+    const double along = kSide.scanned * (2.0 * k / (count - 1) - 1.0);
+    const auto across = steepest_fall(image, side, point_on(side, along), reach, kSide.least_fall);
     if (across) points.push_back({along, *across});
   }
-  if (static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
+  if (static_cast<double>(points.size()) < kSide.least_shown * count) return std::nullopt;
   const auto [fit, bow] = fit_side(points, side_length, may_bow);
-  if (fit.inliers * static_cast<double>(points.size()) < kLeastShown * count) return std::nullopt;
+  if (fit.inliers * static_cast<double>(points.size()) < kSide.least_shown * count)
+    return std::nullopt;
   SideLine settled = moved(side, fit.intercept - fit.slope, fit.intercept + fit.slope);
   settled.bow.c[0] += bow;
   return settled;
@@ -178,8 +173,6 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
 // Whether it is white, dark and white again from the inside of the side to its outside. The stroke
 // may be half or twice as thick as guessed, because foreshortening hides which way the symbol runs.
 bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) {
-  constexpr double kLeastFall = 6;  // grey levels
-  constexpr double kLeastRise = 4;  // of those, for the plate's margin, which may be narrow
   constexpr int kSteps = 12;
   const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
   const double step = (2.5 * side.stroke + 1) / kSteps;
@@ -189,21 +182,21 @@ bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) 
   for (int k = 0; k <= kSteps; ++k) {
     const double value = in_image ? interpolate(image, place(k)) : sample_bilinear(image, place(k));
     darkest = std::min(darkest, value);
-    if (inside - darkest > kLeastFall && value - darkest > kLeastRise) return true;
+    if (inside - darkest > kSide.least_fall && value - darkest > kSide.least_rise) return true;
   }
   return false;
 }
 
 }  // namespace
 
-bool looks_framed(const GrayView& image, const Quad& rough) {
+bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape) {
   constexpr int kPlaces = 8;
   constexpr int kLeastAlike = 4;
   for (std::size_t i = 0; i < 4; ++i) {
-    const SideLine side = side_of(rough, i);
+    const SideLine side = side_of(rough, i, shape);
     int alike = 0;
     for (int k = 0; k < kPlaces && alike < kLeastAlike; ++k) {
-      const PixelPoint at = point_on(side, 0.92 * (2.0 * k / (kPlaces - 1) - 1));
+      const PixelPoint at = point_on(side, kSide.scanned * (2.0 * k / (kPlaces - 1) - 1));
       alike += crosses_stroke(image, side, at) ? 1 : 0;
     }
     if (alike < kLeastAlike) return false;
@@ -212,12 +205,12 @@ bool looks_framed(const GrayView& image, const Quad& rough) {
 }
 
 FrameResult<CoarseFrame> fit_frame_coarsely(const GrayView& image, const Quad& rough,
-                                            const SideSagittas& bows) {
+                                            const SideSagittas& bows, const FrameShape& shape) {
   CoarseFrame frame{rough, bows};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
-      SideLine side = side_of(frame.corners, i);
+      SideLine side = side_of(frame.corners, i, shape);
       side.bow = frame.bows[i];
       const double reach = pass == 0 ? side.reach + 1 : std::min(side.reach, 3.0);
       const auto settled = settle_side(image, side, reach, true);
@@ -233,12 +226,12 @@ FrameResult<CoarseFrame> fit_frame_coarsely(const GrayView& image, const Quad& r
 }
 
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
-                                             const SideSagittas& bows) {
+                                             const SideSagittas& bows, const FrameShape& shape) {
   ShownSides result{rough, {}};
   for (int pass = 0; pass < 2; ++pass) {
     std::array<SideLine, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) {
-      sides[i] = side_of(result.quad, i);
+      sides[i] = side_of(result.quad, i, shape);
       sides[i].bow = bows[i];
       const double reach = pass == 0 ? sides[i].reach + 1 : std::min(sides[i].reach, 3.0);
       const auto settled = settle_side(image, sides[i], reach, false);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "decoder/feature_frame/frame_fault.hpp"
+#include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/gray.hpp"
@@ -14,7 +15,7 @@ namespace tagsmith::detail {
 
 // A quick look: whether at half the places or more of every side it is white inside, dark on the
 // stroke and white again beyond.
-bool looks_framed(const GrayView& image, const Quad& rough);
+bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape = {});
 
 struct CoarseFrame {
   Quad corners{};
@@ -26,7 +27,8 @@ struct CoarseFrame {
 // known, pixels of this image; where the falls do not agree with that, a side may bow more or less.
 // Fails when a side shows no such edge.
 FrameResult<CoarseFrame> fit_frame_coarsely(const GrayView& image, const Quad& rough,
-                                            const SideSagittas& bows = {});
+                                            const SideSagittas& bows = {},
+                                            const FrameShape& shape = {});
 
 // A quadrilateral of which not every side may show.
 struct ShownSides {
@@ -37,6 +39,7 @@ struct ShownSides {
 // As fit_frame_coarsely, but sides that show no edge stay where they are, and none bows other than
 // `bows` say. Nothing when the sides do not close.
 std::optional<ShownSides> settle_shown_sides(const GrayView& image, const Quad& rough,
-                                             const SideSagittas& bows = {});
+                                             const SideSagittas& bows = {},
+                                             const FrameShape& shape = {});
 
 }  // namespace tagsmith::detail

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "decoder/feature_frame/tuning.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -15,17 +17,19 @@ namespace {
 class EdgeBins {
  public:
   EdgeBins(float inward, float outward) : inward_(inward), outward_(outward) {
-    const float span = std::max(0.0F, inward - kFine) + std::max(0.0F, outward - kFine);
+    const float span =
+        std::max(0.0F, inward - kEdgeFit.fine) + std::max(0.0F, outward - kEdgeFit.fine);
     per_coarse_ = 1 / std::max(0.5F, span / 8);
-    fine_begin_ = std::ceil(std::max(0.0F, inward_ - kFine) * per_coarse_);
+    fine_begin_ = std::ceil(std::max(0.0F, inward_ - kEdgeFit.fine) * per_coarse_);
     rows_ = index_of(outward) + 1;
-    bins_.resize(kZones * rows_);
+    bins_.resize(kEdgeFit.zones * rows_);
   }
 
   bool holds(float across) const { return across >= -inward_ && across <= outward_; }
 
   void add(float along, float across, float value) {
-    const int zone = std::clamp(static_cast<int>((along + 1) * (0.5F * kZones)), 0, kZones - 1);
+    const int zone =
+        std::clamp(static_cast<int>((along + 1) * (0.5F * kEdgeFit.zones)), 0, kEdgeFit.zones - 1);
     EdgeSample& bin = bins_[static_cast<std::size_t>(zone) * rows_ + index_of(across)];
     bin.along += along;
     bin.across += across;
@@ -45,18 +49,15 @@ class EdgeBins {
   }
 
  private:
-  static constexpr int kZones = 4;
-  static constexpr float kFine = 1.6F;     // pixels on both sides of the edge
-  static constexpr float kPerStep = 4.0F;  // bins a pixel
-
   std::size_t index_of(float across) const {
     float position = 0;
-    if (across < -kFine) {
+    if (across < -kEdgeFit.fine) {
       position = (across + inward_) * per_coarse_;
-    } else if (across <= kFine) {
-      position = fine_begin_ + (across + kFine) * kPerStep;
+    } else if (across <= kEdgeFit.fine) {
+      position = fine_begin_ + (across + kEdgeFit.fine) * kEdgeFit.per_pixel;
     } else {
-      position = fine_begin_ + 2 * kFine * kPerStep + 1 + (across - kFine) * per_coarse_;
+      position = fine_begin_ + 2 * kEdgeFit.fine * kEdgeFit.per_pixel + 1 +
+                 (across - kEdgeFit.fine) * per_coarse_;
     }
     return static_cast<std::size_t>(static_cast<int>(std::max(0.0F, position)));
   }
@@ -72,7 +73,6 @@ class EdgeBins {
 // The pixels near the side, `margin` pixels at its ends left out.
 std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
                                      double outward, double margin) {
-  constexpr double kMaxCount = 1000;  // pixels; more add nothing that the model could use
   EdgeBins bins(static_cast<float>(inward), static_cast<float>(outward));
   const PixelPoint d = side.end - side.begin;
   const bool steep = std::abs(d.y) > std::abs(d.x);
@@ -86,7 +86,8 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
   const int last =
       std::min((steep ? image.height : image.width) - 1, static_cast<int>(std::floor(high - cut)));
   const double band = std::max(inward, outward) * stretch;
-  const int stride = std::max(1, static_cast<int>((last - first) * (2 * band) / kMaxCount));
+  const int stride =
+      std::max(1, static_cast<int>((last - first) * (2 * band) / kEdgeFit.most_pixels));
   const int limit = (steep ? image.width : image.height) - 1;
   const std::ptrdiff_t step = steep ? 1 : image.stride;
   // What one pixel along the minor axis changes.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/line_levels.hpp"
 
@@ -19,8 +20,6 @@ struct Fall {
   double at = 0;   // along the side looked for
   double out = 0;  // outwards
 };
-
-constexpr int kScanLines = 28;
 
 // How many steps from `start` stay inside the image and clear of its last row and column, at most
 // `count`.
@@ -42,8 +41,6 @@ int steps_inside(const GrayView& image, PixelPoint start, PixelPoint step, int c
 template <class ToFall>
 void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int count,
                const ToFall& to_fall, std::vector<float>& levels, std::vector<Fall>& falls) {
-  constexpr float kLeastFall = 6;       // grey levels over two pixels
-  constexpr float kLeastShare = 0.35F;  // of the strongest
   const int inside = steps_inside(image, start, step, count - 1);
   if (inside < 3) return;
   levels.resize(static_cast<std::size_t>(inside) + 1);
@@ -51,7 +48,8 @@ void add_falls(const GrayView& image, PixelPoint start, PixelPoint step, int cou
   const auto drop_at = [&](std::size_t i) { return levels[i - 1] - levels[i + 1]; };
   float strongest = 0;
   for (std::size_t i = 1; i + 1 < levels.size(); ++i) strongest = std::max(strongest, drop_at(i));
-  const float least = std::max(kLeastFall, kLeastShare * strongest);
+  const float least =
+      std::max(static_cast<float>(kSide.least_fall), kFrameAround.least_share * strongest);
   for (std::size_t i = 1; i + 2 < levels.size(); ++i) {
     const float drop = drop_at(i);
     if (drop < least || (i > 1 && drop_at(i - 1) > drop) || drop_at(i + 1) >= drop) continue;
@@ -100,15 +98,14 @@ struct Line {
 // the line that shows best, nearest first (Hough transform over slope and distance).
 std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double least_shown,
                            double of_best, std::size_t most) {
-  constexpr std::size_t kSlopes = 24;  // to both sides
-  constexpr double kMaxSlope = 0.8;    // of a plate seen and turned obliquely
-  constexpr std::size_t kApart = 4;    // pixels between two lines
   const auto bins = static_cast<std::size_t>(reach + 3);
   const auto slope_of = [](std::size_t k) {
-    return kMaxSlope * (static_cast<double>(k) - static_cast<double>(kSlopes)) / kSlopes;
+    return kFrameAround.most_slope *
+           (static_cast<double>(k) - static_cast<double>(kFrameAround.slopes)) /
+           static_cast<double>(kFrameAround.slopes);
   };
-  if (static_cast<double>(falls.size()) < least_shown * kScanLines) return {};
-  constexpr std::size_t kAllSlopes = 2 * kSlopes + 1;
+  if (static_cast<double>(falls.size()) < least_shown * kFrameAround.scan_lines) return {};
+  constexpr std::size_t kAllSlopes = 2 * kFrameAround.slopes + 1;
   LineVotes votes(kAllSlopes, bins);
   for (std::size_t k = 0; k < kAllSlopes; ++k) {
     int* bin = votes.of_slope(k);
@@ -119,7 +116,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double 
     }
   }
   votes.join_neighbours();
-  const double least = std::max(least_shown * kScanLines, of_best * votes.most());
+  const double least = std::max(least_shown * kFrameAround.scan_lines, of_best * votes.most());
   std::vector<Line> lines;
   for (std::size_t i = 0; i + 1 < bins && lines.size() < most; ++i) {
     if (votes.most_at(i) < least) continue;
@@ -127,7 +124,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double 
     Line line;
     int votes_of_line = 0;
     std::size_t at = i;
-    for (std::size_t near = i; near < std::min(i + kApart, bins - 1); ++near) {
+    for (std::size_t near = i; near < std::min(i + kFrameAround.apart, bins - 1); ++near) {
       for (std::size_t k = 0; k < kAllSlopes; ++k) {
         if (votes.at(k, near) <= votes_of_line) continue;
         votes_of_line = votes.at(k, near);
@@ -136,19 +133,18 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double 
       }
     }
     lines.push_back(line);
-    i = at + kApart;
+    i = at + kFrameAround.apart;
   }
   return lines;
 }
 
 std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
-  constexpr double kLeastShown = 0.5;  // of the scan lines
-  constexpr double kOfBest = 0.75;     // of those of the line that shows best
-  const std::vector<Line> lines = lines_of(falls, reach, kLeastShown, kOfBest, 1);
+  const std::vector<Line> lines =
+      lines_of(falls, reach, kFrameAround.least_shown, kFrameAround.of_best, 1);
   return lines.empty() ? std::nullopt : std::optional(lines.front());
 }
 
-double reach_at_ends(const BarRegion& block) { return 1.8 * block.height; }
+double reach_at_ends(const BarRegion& block) { return kFrameAround.beyond_ends * block.height; }
 
 // The frame's side beyond the ends of the bars, upwards (-1) or downwards (1): along the bars there
 // is no other edge on the way.
@@ -157,8 +153,8 @@ std::vector<Fall> falls_at_ends(const GrayView& image, const BarRegion& block, d
   const PixelPoint step = direction * block.along();
   std::vector<Fall> falls;
   std::vector<float> levels;
-  for (int k = 0; k < kScanLines; ++k) {
-    const double at = 0.35 * block.length * (2.0 * k / (kScanLines - 1) - 1);
+  for (int k = 0; k < kFrameAround.scan_lines; ++k) {
+    const double at = 0.35 * block.length * (2.0 * k / (kFrameAround.scan_lines - 1) - 1);
     const PixelPoint start = block.centre + at * block.across;
     const auto to_fall = [&](PixelPoint point) {
       return Fall{at, dot(point - block.centre, step)};
@@ -176,12 +172,12 @@ std::optional<Line> side_at_ends(const GrayView& image, const BarRegion& block, 
 // and the frame's upper and lower sides.
 std::optional<Line> side_beside(const GrayView& image, const BarRegion& block, const Line& upper,
                                 const Line& lower, double direction) {
-  const double reach = 1.3 * block.length;
+  const double reach = kFrameAround.beside * block.length;
   const PixelPoint outward = direction * block.across;
   std::vector<Fall> falls;
   std::vector<float> levels;
-  for (int k = 0; k < kScanLines; ++k) {
-    const double share = 0.03 + 0.1 * (k / 2) / (kScanLines / 2 - 1);
+  for (int k = 0; k < kFrameAround.scan_lines; ++k) {
+    const double share = 0.03 + 0.1 * (k / 2) / (kFrameAround.scan_lines / 2 - 1);
     const double v = k % 2 == 0 ? share : 1 - share;
     // Between the lines -upper.out + -upper.slope * at and lower.out + lower.slope * at.
     const double middle = (1 - v) * -upper.out + v * lower.out;
@@ -235,12 +231,10 @@ double shown_between(const GrayView& image, const Quad& quad) {
 
 std::optional<Quad> frame_between(const GrayView& image, const BarRegion& block,
                                   const SideLine& left, const SideLine& right) {
-  constexpr double kLeastShown = 0.4;
-  constexpr double kOfBest = 0.5;
-  constexpr std::size_t kMost = 4;
   const double reach = reach_at_ends(block);
   const auto lines = [&](double direction) {
-    return lines_of(falls_at_ends(image, block, direction), reach, kLeastShown, kOfBest, kMost);
+    return lines_of(falls_at_ends(image, block, direction), reach, kFrameAround.least_shown_between,
+                    kFrameAround.of_best_between, kFrameAround.most_lines);
   };
   const double width = block.length / 2;
   const std::vector<Line> lowers = lines(1);

@@ -8,6 +8,8 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
+#include "decoder/feature_frame/tuning.hpp"
+
 namespace tagsmith::detail {
 
 LensDistortion::LensDistortion(const Camera& camera) {
@@ -130,8 +132,6 @@ SideSagittas sagittas_of(const LensDistortion& lens, const Quad& corners) {
 // Why: docs/decisions/0006-lens-and-tone.md.
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda) {
-  constexpr double kClear = 4;  // standard deviations: straight lenses are left alone
-  constexpr double kMostBarrel = 0.8, kMostCushion = 0.5;  // of 1, at the farthest corner
   const std::array<double, 4> by_lambda = bows_by_lambda(corners, centre, lambda);
   const std::optional<RadialLens> likeliest = likeliest_lens(by_lambda, seen, lambda);
   if (!likeliest) return std::nullopt;
@@ -143,23 +143,22 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
     unexplained += std::pow(seen[i].beyond - change * by_lambda[i], 2) / seen[i].variance;
   }
   const double explained = std::pow(lens.lambda / lens.sigma, 2);
-  if (!(explained > std::max(kClear * kClear, unexplained))) return std::nullopt;
+  if (!(explained > std::max(kLens.clear * kLens.clear, unexplained))) return std::nullopt;
   for (const PixelPoint& corner : corners) {
     const PixelPoint off = corner - centre;
     const double there = lens.lambda * dot(off, off);
-    if (there < -kMostBarrel || there > kMostCushion) return std::nullopt;
+    if (there < -kLens.most_barrel || there > kLens.most_cushion) return std::nullopt;
   }
   return lens;
 }
 
 std::array<double, 4> unseen_sagittas(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                       PixelPoint centre) {
-  constexpr double kStrongest = 0.4;  // of 1, in the image's corners
   std::array<double, 4> bows = bows_by_lambda(corners, centre, 0);
   const std::optional<RadialLens> lens = likeliest_lens(bows, seen, 0);
   if (!lens) return {};
   const double lambda =
-      std::min(std::hypot(lens->lambda, lens->sigma), kStrongest / dot(centre, centre));
+      std::min(std::hypot(lens->lambda, lens->sigma), kLens.most_unseen / dot(centre, centre));
   for (double& bow : bows) bow *= lambda;
   return bows;
 }

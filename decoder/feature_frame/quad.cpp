@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "decoder/feature_frame/tuning.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -53,11 +55,10 @@ double area_of(const Quad& quad) {
 }
 
 bool is_convex(const Quad& quad) {
-  constexpr double kLeastSine = 0.1;  // corners between 6 and 174 degrees
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint in = quad[(i + 1) % 4] - quad[i];
     const PixelPoint out = quad[(i + 2) % 4] - quad[(i + 1) % 4];
-    if (!(cross(in, out) > kLeastSine * length(in) * length(out))) return false;
+    if (!(cross(in, out) > kCandidate.least_sine * length(in) * length(out))) return false;
   }
   return true;
 }

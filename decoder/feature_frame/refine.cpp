@@ -13,6 +13,7 @@
 
 #include "decoder/feature_frame/edge_samples.hpp"
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/base/quantile.hpp"
@@ -176,8 +177,7 @@ NormalEquations accumulate(const Parameters& p, const SideSamples& samples, cons
   normal.weight = static_cast<double>(total.sum());
   // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
   // is.
-  constexpr double kStrokeSigma = 0.6;  // of the logarithm
-  const double stroke_weight = scale * scale / (kStrokeSigma * kStrokeSigma);
+  const double stroke_weight = scale * scale / (kEdgeFit.stroke_sigma * kEdgeFit.stroke_sigma);
   const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
   normal.matrix(kLogStroke, kLogStroke) += stroke_weight;
   normal.right[kLogStroke] += stroke_weight * stroke_residual;
@@ -219,7 +219,6 @@ void constrain(Parameters& p, double stroke) {
 
 // Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
 double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side) {
-  constexpr double kLeast = 3;  // grey levels
   const StepModel model(p, side);
   std::vector<float> residuals;
   for (const FourSamples& four : samples.fours) {
@@ -227,7 +226,8 @@ double noise_scale(const SideSamples& samples, const Parameters& p, const SideLi
     residuals.insert(residuals.end(), off.begin(), off.end());
   }
   residuals.resize(samples.samples.size());
-  return std::max(kLeast, 2 * static_cast<double>(quantile(residuals, 0.5)) / 0.6745);
+  return std::max(kEdgeFit.least_residual,
+                  2 * static_cast<double>(quantile(residuals, 0.5)) / 0.6745);
 }
 
 struct Solution {
@@ -239,7 +239,6 @@ struct Solution {
 // Levenberg-Marquardt with the weights' scale held; at most `max_steps` steps.
 Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p, double scale,
                   int max_steps) {
-  constexpr double kSettled = 3e-5;  // of the cost: the corners move by less than their noise
   double damping = 1e-3;
   NormalEquations normal = accumulate(p, samples, side, scale);
   for (int step = 0; step < max_steps && damping < 1e3; ++step) {
@@ -252,7 +251,7 @@ Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p
       damping *= 10;
       continue;
     }
-    const bool settled = normal.cost - tried.cost < kSettled * tried.cost;
+    const bool settled = normal.cost - tried.cost < kEdgeFit.settled * tried.cost;
     p = next;
     normal = tried;
     damping = std::max(1e-6, damping * 0.2);
@@ -286,11 +285,6 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
 // How far the samples of a fitted side say that its middle is off the bow that it was fitted with:
 // one more parameter, eliminated from the others (a Schur complement).
 SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Solution& solution) {
-  constexpr double kAlike = 1.8;  // compression makes neighbouring pixels' noise alike
-  // What a pixel's response and a blurred stroke leave of a straight side's bow, as in
-  // corner_covariance.
-  constexpr double kUnexplained = 0.012;
-  constexpr double kBlurred = 0.3;
   const NormalEquations& normal = solution.normal;
   const StepModel model(solution.parameters, side);
   const auto count = static_cast<Eigen::Index>(4 * samples.fours.size());
@@ -314,9 +308,10 @@ SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Sol
   const double noise = std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
   const double blur = std::exp(solution.parameters[kLogBlur]);
   const double stroke = std::exp(solution.parameters[kLogStroke]);
-  const double unexplained = std::hypot(kUnexplained, kBlurred * std::pow(blur / stroke, 2));
+  const double unexplained =
+      std::hypot(kCorner.bow, kCorner.bow_blurred * std::pow(blur / stroke, 2));
   return {(products[kParameters] - eliminated.dot(right)) / information,
-          kAlike * noise / information + unexplained * unexplained};
+          kCorner.alike * noise / information + unexplained * unexplained};
 }
 
 struct SideFit {
@@ -345,8 +340,6 @@ bool stays_near(const Solution& solution, const SideLine& side) {
 
 // A side along the pixel grid shows every pixel at the same fraction, and its blur may be mistaken
 // for its place: where a side's blur differs from its neighbours', theirs is tried as the start.
-constexpr double kStartBlur = 0.6;  // pixels
-
 SideFit fit_again(const SideSamples& samples, const SideLine& side, double start_blur,
                   const Solution& first) {
   const Solution second = solve_side(samples, side, start_blur);
@@ -360,6 +353,12 @@ SideFit fit_again(const SideSamples& samples, const SideLine& side, double start
 
 namespace {
 
+// Where frames are fitted, and of which proportions.
+struct Sight {
+  const GrayView& image;
+  const FrameShape& shape;
+};
+
 // The frame fitted through one lens, and what its sides say of another.
 struct FrameFit {
   RefinedFrame frame;
@@ -367,8 +366,8 @@ struct FrameFit {
 };
 
 // `beyond`: by how much the sides' middles bow beyond what the lens gives.
-FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled,
-                                const LensDistortion& lens, const std::array<double, 4>& beyond) {
+FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const LensDistortion& lens,
+                                const std::array<double, 4>& beyond) {
   std::array<SideLine, 4> lines{};
   std::vector<SideSamples> samples;
   samples.reserve(4);
@@ -376,13 +375,13 @@ FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled,
   std::array<double, 4> blurs{};
   const SideSagittas bows = sagittas_of(lens, settled);
   for (std::size_t i = 0; i < 4; ++i) {
-    lines[i] = side_of(settled, i);
+    lines[i] = side_of(settled, i, sight.shape);
     lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
-    samples.emplace_back(edge_samples(image, lines[i]));
+    samples.emplace_back(edge_samples(sight.image, lines[i]));
     if (samples[i].samples.size() < 2 * kParameters) return fail(FrameFault::side_too_short);
-    solutions[i] = solve_side(samples[i], lines[i], kStartBlur);
+    solutions[i] = solve_side(samples[i], lines[i], kEdgeFit.start_blur);
     if (!stays_near(solutions[i], lines[i])) {
       return fail(FrameFault::no_fit);
     }
@@ -393,7 +392,8 @@ FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled,
   FrameFit result;
   for (std::size_t i = 0; i < 4; ++i) {
     result.bows[i] = seen_bow(samples[i], lines[i], solutions[i]);
-    const bool alike = std::abs(solutions[i].parameters[kLogBlur] - common_blur) < 0.25;
+    const bool alike =
+        std::abs(solutions[i].parameters[kLogBlur] - common_blur) < kEdgeFit.different_blur;
     const SideFit fit = alike
                             ? describe(solutions[i], lines[i])
                             : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
@@ -409,20 +409,18 @@ FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled,
 
 // Fits the frame through a known lens, anew while the corners from which its bows were reckoned
 // move: a side's bow grows with its distance from the lens's centre.
-FrameResult<RefinedFrame> fit_with_known_lens(const GrayView& image, const Quad& settled,
+FrameResult<RefinedFrame> fit_with_known_lens(const Sight& sight, const Quad& settled,
                                               const LensDistortion& lens) {
-  constexpr int kMostRounds = 4;
-  constexpr double kAtRest = 0.02;  // pixels
-  FrameResult<FrameFit> fit = fit_frame(image, settled, lens, {});
+  FrameResult<FrameFit> fit = fit_frame(sight, settled, lens, {});
   if (!fit) return tl::unexpected(fit.error());
   Quad from = settled;
-  for (int round = 1; round < kMostRounds && lens.bends(); ++round) {
+  for (int round = 1; round < kEdgeFit.rounds && lens.bends(); ++round) {
     const Quad& corners = fit->frame.corners;
     double moved = 0;
     for (std::size_t i = 0; i < 4; ++i) moved = std::max(moved, distance(corners[i], from[i]));
-    if (moved < kAtRest) break;
+    if (moved < kEdgeFit.at_rest) break;
     from = corners;
-    FrameResult<FrameFit> again = fit_frame(image, from, lens, {});
+    FrameResult<FrameFit> again = fit_frame(sight, from, lens, {});
     if (!again) break;
     fit = std::move(again);
   }
@@ -436,18 +434,17 @@ struct ToldLens {
   std::array<double, 4> beyond{};
 };
 
-FrameResult<FrameFit> fit_frame(const GrayView& image, const Quad& settled, PixelPoint centre,
+FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, PixelPoint centre,
                                 const ToldLens& told) {
   const LensDistortion lens = LensDistortion::radial(centre, told.radial.lambda);
-  return fit_frame(image, settled, lens, told.beyond);
+  return fit_frame(sight, settled, lens, told.beyond);
 }
 
 // What a side that bows more than its lens says may be off by: the square of two thirds of that,
 // where it is no noise.
 double bow_doubt(const SeenSagitta& seen) {
-  constexpr double kClear = 3;  // standard deviations
   const double square = seen.beyond * seen.beyond;
-  return square > kClear * kClear * seen.variance ? 4.0 / 9 * square : 0;
+  return square > kLens.clear_bow * kLens.clear_bow * seen.variance ? 4.0 / 9 * square : 0;
 }
 
 // What a lens that does not show adds to the covariances of sides that were fitted straight.
@@ -462,35 +459,32 @@ void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
 // What an unknown lens adds to the sides' covariances: a line fitted to a bow stands off its ends
 // by two thirds of it, and real lenses bow sides in ways that are not quite those of the model.
 void add_lens_doubt(FrameFit& fit) {
-  constexpr double kShape = 0.04;  // of the bow, at either end
   const SideSagittas bows = sagittas_of(fit.frame.lens, fit.frame.corners);
   for (std::size_t i = 0; i < 4; ++i) {
-    const double shape = kShape * bows[i].middle();
+    const double shape = kLens.shape * bows[i].middle();
     fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(4.0 / 9 * fit.bows[i].variance) +
                                      Eigen::Matrix2d::Identity() * shape * shape;
   }
 }
 
 // Fits the frame and what its sides tell of the lens in turn, until neither changes.
-FrameResult<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settled,
-                                        PixelPoint centre, double lambda) {
-  constexpr int kMostRounds = 4;
-  constexpr int kBeyondRounds = 2;
+FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled, PixelPoint centre,
+                                        double lambda) {
   ToldLens told{{lambda, 0}, {}};
-  FrameResult<FrameFit> fit = fit_frame(image, settled, centre, told);
+  FrameResult<FrameFit> fit = fit_frame(sight, settled, centre, told);
   if (!fit && lambda != 0) {
     told = {};
-    fit = fit_frame(image, settled, centre, told);
+    fit = fit_frame(sight, settled, centre, told);
   }
   if (!fit) return tl::unexpected(fit.error());
   const auto fit_again = [&](const ToldLens& next) {
-    FrameResult<FrameFit> again = fit_frame(image, fit->frame.corners, centre, next);
+    FrameResult<FrameFit> again = fit_frame(sight, fit->frame.corners, centre, next);
     if (!again) return false;
     fit = std::move(again);
     told = next;
     return true;
   };
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kEdgeFit.rounds; ++round) {
     const double now = told.radial.lambda;
     const auto radial = lens_of_sides(fit->frame.corners, fit->bows, centre, now);
     if (!radial) {
@@ -501,7 +495,7 @@ FrameResult<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settl
     if (std::abs(radial->lambda - now) < radial->sigma) break;
     if (!fit_again({*radial, {}})) break;
   }
-  for (int round = 0; round < kBeyondRounds; ++round) {
+  for (int round = 0; round < kEdgeFit.shape_rounds; ++round) {
     ToldLens next = told;
     for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit->bows[i].beyond;
     if (!fit_again(next)) break;
@@ -513,10 +507,10 @@ FrameResult<RefinedFrame> fit_with_lens(const GrayView& image, const Quad& settl
 }  // namespace
 
 FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
-                                       const LensGuess& lens) {
-  if (lens.known) return fit_with_known_lens(image, settled, *lens.known);
+                                       const LensGuess& lens, const FrameShape& shape) {
+  if (lens.known) return fit_with_known_lens({image, shape}, settled, *lens.known);
   const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
-  return fit_with_lens(image, settled, centre, lens.lambda);
+  return fit_with_lens({image, shape}, settled, centre, lens.lambda);
 }
 
 namespace {
@@ -548,7 +542,7 @@ FrameSide hidden_side(const RefinedFrame& frame, double sigma) {
 
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
-                                             const LensDistortion& lens) {
+                                             const LensDistortion& lens, const FrameShape& shape) {
   constexpr std::ptrdiff_t kLeastShown = 2;
   std::array<SideLine, 4> lines{};
   RefinedFrame frame;
@@ -556,14 +550,14 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
   const SideSagittas bows = sagittas_of(lens, settled);
   double most_doubt = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    lines[i] = side_of(settled, i);
+    lines[i] = side_of(settled, i, shape);
     lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
     const SideSamples samples(edge_samples(image, lines[i]));
     if (samples.samples.size() < 2 * kParameters) continue;
-    const Solution solution = solve_side(samples, lines[i], kStartBlur);
+    const Solution solution = solve_side(samples, lines[i], kEdgeFit.start_blur);
     if (!stays_near(solution, lines[i])) continue;
     const double doubt = bow_doubt(seen_bow(samples, lines[i], solution));
     const SideFit fit = describe(solution, lines[i]);

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/frame_fault.hpp"
+#include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
@@ -40,7 +41,7 @@ struct RefinedFrame {
 // as a radial lens about the image's centre makes them, if they do so clearly, and each by what is
 // left.
 FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
-                                       const LensGuess& lens = {});
+                                       const LensGuess& lens = {}, const FrameShape& shape = {});
 
 // The same where something hides sides: those not `shown`, and those that cannot be fitted near
 // where they are, stay there with `hidden_sigma` pixels of uncertainty at their ends. Fails when
@@ -48,6 +49,7 @@ FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settle
 // nothing; by how much sides then bow adds to what all may be off by.
 FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& settled,
                                              const std::array<bool, 4>& shown, double hidden_sigma,
-                                             const LensDistortion& lens = {});
+                                             const LensDistortion& lens = {},
+                                             const FrameShape& shape = {});
 
 }  // namespace tagsmith::detail

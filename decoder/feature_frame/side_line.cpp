@@ -4,31 +4,42 @@
 #include <algorithm>
 #include <cmath>
 
+#include "decoder/feature_frame/tuning.hpp"
+
 namespace tagsmith::detail {
 
+namespace {
+
+// The frame's extent, modules, across a side that is so many times as long as the frame is deep
+// there. Whether that is the height or the length shows in the proportion, unless foreshortening
+// has made the frame nearly square: then the guess lies between the two.
+double likely_depth(double proportion, const FrameShape& shape) {
+  const double elongation = std::log(shape.length / shape.height);
+  const double middle = std::sqrt(shape.length * shape.height);
+  if (std::abs(elongation) < 1e-6) return middle;
+  const double seen = std::log(proportion) / elongation;
+  if (seen > kSide.clear_elongation) return shape.height;
+  if (seen < -kSide.clear_elongation) return shape.length;
+  return middle;
+}
+
+}  // namespace
+
 // Corners are clockwise in the image, so the outside is to the left of the direction of travel.
-SideLine side_of(const Quad& quad, std::size_t i) {
+SideLine side_of(const Quad& quad, std::size_t i, const FrameShape& shape) {
   SideLine side;
   side.begin = quad[i];
   side.end = quad[(i + 1) % 4];
-  side.along = 1.0 / std::max(distance(side.begin, side.end), 1e-9) * (side.end - side.begin);
+  const double side_length = std::max(distance(side.begin, side.end), 1e-9);
+  side.along = 1.0 / side_length * (side.end - side.begin);
   side.outward = {side.along.y, -side.along.x};
   const PixelPoint middle = 0.5 * (side.begin + side.end);
   const PixelPoint opposite = 0.5 * (quad[(i + 2) % 4] + quad[(i + 3) % 4]);
-  const double depth = std::abs(dot(middle - opposite, side.outward));
-  // A stroke is 4 of 113 modules across the frame's length and of 55 across its height: the reach
-  // stays within stroke and quiet zone either way.
-  side.reach = std::clamp(0.035 * depth, 1.5, 8.0);
-  // Which way the symbol runs shows in the frame's proportions, unless foreshortening has made it
-  // nearly square: then the guess lies between the two.
-  constexpr double kAcross = 3.95 / 113;
-  constexpr double kAlong = 3.95 / 55.3;
-  constexpr double kUnclear = 1.35;
-  const double proportion = distance(side.begin, side.end) / std::max(depth, 1e-9);
-  double share = std::sqrt(kAcross * kAlong);
-  if (proportion > kUnclear) share = kAlong;
-  if (proportion < 1 / kUnclear) share = kAcross;
-  side.stroke = std::max(1.0, share * depth);
+  const double depth = std::max(std::abs(dot(middle - opposite, side.outward)), 1e-9);
+  // The reach stays within stroke and quiet zone whichever way the symbol runs.
+  side.reach = std::clamp(shape.stroke / std::max(shape.length, shape.height) * depth,
+                          kSide.least_reach, kSide.most_reach);
+  side.stroke = std::max(1.0, shape.stroke / likely_depth(side_length / depth, shape) * depth);
   return side;
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/pixel.hpp"
 
@@ -42,8 +43,9 @@ struct SideLine {
   SideSagitta bow;
 };
 
-// Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight.
-SideLine side_of(const Quad& quad, std::size_t i);
+// Side i of a quadrilateral (clockwise in the image), from corner i to corner i + 1; straight. How
+// far to look and how thick the stroke is likely to be go by the frame's shape.
+SideLine side_of(const Quad& quad, std::size_t i, const FrameShape& shape = {});
 
 // The taper of a side's stroke when the quadrilateral is a rectangle seen in perspective.
 double taper_of(const Quad& quad, const SideLine& side, std::size_t i);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/base/quantile.hpp"
 
 namespace tagsmith::detail {
@@ -67,9 +68,9 @@ struct Consensus {
 
 // The median of what rows show of a bin; where all are alike, their mean, which is quicker.
 double middle_of(std::vector<float>& seen) {
-  constexpr float kAlike = 0.1F;  // of the contrast
   const auto [least, most] = std::ranges::minmax(seen);
-  if (most - least > kAlike) return static_cast<double>(quantile(seen, 0.5));
+  if (most - least > static_cast<float>(kProfile.shading))
+    return static_cast<double>(quantile(seen, 0.5));
   return static_cast<double>(std::accumulate(seen.begin(), seen.end(), 0.0F)) /
          static_cast<double>(seen.size());
 }
@@ -111,7 +112,6 @@ double distance_from(const Consensus& consensus, const RowCell& cell) {
 
 // Variance of one pixel's darkness: from the median of what cells are off.
 double pixel_variance(const DarkRows& rows, const std::vector<Consensus>& consensus) {
-  constexpr double kLeast = 1e-4;        // 1 % of the contrast: quantisation alone
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
   constexpr std::size_t kEvery = 4;      // bins: some 2,000 cells tell it to 3 %
   std::vector<float> squares;
@@ -124,18 +124,17 @@ double pixel_variance(const DarkRows& rows, const std::vector<Consensus>& consen
       squares.push_back(static_cast<float>(off * off * static_cast<double>(cell.count)));
     }
   }
-  if (squares.empty()) return kLeast;
-  return std::max(kLeast, static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
+  if (squares.empty()) return kProfile.least_variance;
+  return std::max(kProfile.least_variance,
+                  static_cast<double>(quantile(squares, 0.5)) / kMedianChi2);
 }
 
 // Whether a cell is as near what the rows agree on as noise and shading allow.
 bool agrees(const Consensus& with, const RowCell& cell, double variance) {
-  constexpr double kShading = 0.1;   // of the contrast: differences along a clean bar
-  constexpr double kSlanted = 0.35;  // of the steepest change: what a slope does not tell of a bend
-  constexpr double kSigmas = 4;
-  const double beyond = distance_from(with, cell) - kShading - kSlanted * with.steepest;
-  return beyond <= 0 ||
-         beyond * beyond <= kSigmas * kSigmas * variance / static_cast<double>(cell.count);
+  const double beyond =
+      distance_from(with, cell) - kProfile.shading - kProfile.slanted * with.steepest;
+  return beyond <= 0 || beyond * beyond <= kProfile.sigmas * kProfile.sigmas * variance /
+                                               static_cast<double>(cell.count);
 }
 
 // Which cells to leave out, row by row.
@@ -171,16 +170,15 @@ class CellStates {
   // row is what lies between odd cells that stand close.
   void mark_covers(std::size_t row, const std::vector<std::size_t>& odd,
                    const std::vector<Consensus>& consensus, int per_module) {
-    constexpr double kBridge = 4.5;     // modules: more than the widest element
-    constexpr double kLeastRun = 2;     // modules
-    constexpr double kLeastOdd = 0.12;  // of a stretch's cells
     const auto bin = [&](std::size_t k) { return consensus[odd[k]].bin; };
     for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
-      if (k < odd.size() && static_cast<double>(bin(k) - bin(k - 1)) <= kBridge * per_module) {
+      if (k < odd.size() &&
+          static_cast<double>(bin(k) - bin(k - 1)) <= kProfile.bridge * per_module) {
         continue;
       }
       const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));
-      if (run >= kLeastRun * per_module && static_cast<double>(k - begin) >= kLeastOdd * run) {
+      if (run >= kProfile.least_run * per_module &&
+          static_cast<double>(k - begin) >= kProfile.least_odd * run) {
         // A pixel's width of the occluder's outline belongs to it too.
         const std::size_t first = odd[begin] - (odd[begin] > 0 ? 1 : 0);
         const std::size_t last = std::min(odd[k - 1] + 1, size_ - 1);
@@ -257,9 +255,7 @@ class Modulation {
 // clear ones show bars, for no seven modules are without both bars and spaces. Where it is the
 // other way round, the clear cells are the occluder.
 std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_module) {
-  constexpr std::size_t kWindow = 4;  // modules to either side
-  constexpr double kPlainer = 0.4;    // variance of covered cells against that of clear ones
-  const std::size_t reach = kWindow * static_cast<std::size_t>(per_module);
+  const std::size_t reach = kProfile.window * static_cast<std::size_t>(per_module);
   std::vector<bool> certain(sums.size());
   Modulation clear, covered;
   const auto count = [&](const BinSums& bin, double sign) {
@@ -270,25 +266,24 @@ std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_modul
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (i + reach < sums.size()) count(sums[i + reach], 1);
     if (i > reach) count(sums[i - reach - 1], -1);
-    certain[i] = covered.variance() < kPlainer * clear.variance();
+    certain[i] = covered.variance() < kProfile.plainer * clear.variance();
   }
   return certain;
 }
 
 ScanBin bin_of(const SymbolRows& symbol, const Consensus& at, const BinSums& sums, bool certain,
                double variance) {
-  constexpr double kModelError = 0.02;  // of the contrast: what averaging cannot take away
-  constexpr double kLeastUsed = 0.2;    // of the bars' height
+  constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
   const PixelSums& used = certain ? sums.clear : sums.even;
   const double odd = certain ? sums.odd_outside : sums.odd;
   const double seen = sums.even.count + sums.odd;
-  if (used.count < kLeastUsed * seen)
+  if (used.count < kProfile.least_used * seen)
     return {symbol.module_of(at.place), at.median, kHiddenVariance, 0};
   // Where the height disagrees with itself the median may have taken the wrong side: the doubt
   // grows from nothing at full agreement to the whole contrast where half disagrees.
   const double doubt = std::min(1.0, 2 * odd / (odd + used.count));
   return {symbol.module_of(used.place / used.count), used.darkness / used.count,
-          variance / used.count + kModelError * kModelError + doubt * doubt * doubt * doubt,
+          variance / used.count + kModelVariance + doubt * doubt * doubt * doubt,
           used.count / seen};
 }
 

@@ -9,6 +9,7 @@
 
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -123,24 +124,17 @@ float level_of(const Pattern& pattern, const Row& row) {
 }
 
 bool has_contrast(const Pattern& pattern) {
-  constexpr float kLeastContrast = 0.05F;  // of the white
-  return pattern.white - pattern.black > kLeastContrast * pattern.white;
+  return pattern.white - pattern.black > kBarEnds.least_contrast * pattern.white;
 }
 
 // Where a window's bars end between two heights; nothing where that does not show.
 std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, double from,
                                     double to) {
-  constexpr double kStepPx = 0.5;
-  constexpr std::size_t kRows = 9;
-  constexpr double kBeyondPx = 3;  // of white that must follow
-  constexpr float kHardlyAny = 0.3F;
-  constexpr float kClearly = 0.65F;
-  constexpr float kWhite = 0.6F, kDark = 0.15F;
-  const Pattern pattern = symbol.pattern(window, kRows);
+  const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
   if (!has_contrast(pattern)) return std::nullopt;
   const double u = symbol.middle_of(window);
   const double pixels = std::abs(to - from) * symbol.pixels_per_v(u, (from + to) / 2);
-  const int steps = std::clamp(static_cast<int>(pixels / kStepPx), 4, 400);
+  const int steps = std::clamp(static_cast<int>(pixels / kBarEnds.step_px), 4, 400);
   const double step = (to - from) / steps;
   const double step_px = pixels / steps;
   std::optional<double> end;
@@ -151,7 +145,7 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
     const double v = from + k * step;
     const Row row = symbol.row(window, v);
     const auto share = static_cast<double>(share_of(pattern, row));
-    clear = clear || share > static_cast<double>(kClearly);
+    clear = clear || share > static_cast<double>(kBarEnds.clearly);
     if (share >= kHalfShown) {
       end.reset();
       white_px = 0;
@@ -160,10 +154,10 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
     }
     const float level = level_of(pattern, row);
     // Something dark in front cuts the bars off before they end.
-    if (end && level < kDark) return std::nullopt;
-    if (end && share < static_cast<double>(kHardlyAny) && level > kWhite) {
+    if (end && level < kBarEnds.dark) return std::nullopt;
+    if (end && share < static_cast<double>(kBarEnds.hardly_any) && level > kBarEnds.white) {
       white_px += step_px;
-      if (white_px >= kBeyondPx) return end;
+      if (white_px >= kBarEnds.beyond_px) return end;
     }
     before = share;
   }
@@ -178,9 +172,7 @@ struct WindowEnd {
 // The line that most of the ends are near, fitted to these.
 // Why: docs/decisions/0005-hidden-frame-sides.md.
 std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double pixels_per_v) {
-  constexpr double kTolerancePx = 0.8;
   constexpr std::size_t kLeast = kWindows / 2;
-  constexpr double kLeastApart = 0.4;  // of the frame's width
   std::vector<WindowEnd> best;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     for (std::size_t j = i + 1; j < ends.size(); ++j) {
@@ -188,12 +180,13 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
       std::vector<WindowEnd> near;
       for (const WindowEnd& end : ends) {
         const double off = end.v - ends[i].v - slope * (end.u - ends[i].u);
-        if (std::abs(off) * pixels_per_v < kTolerancePx) near.push_back(end);
+        if (std::abs(off) * pixels_per_v < kBarEnds.line_px) near.push_back(end);
       }
       if (near.size() > best.size()) best = std::move(near);
     }
   }
-  if (best.size() < kLeast || best.back().u - best.front().u < kLeastApart) return std::nullopt;
+  if (best.size() < kLeast || best.back().u - best.front().u < kBarEnds.least_apart)
+    return std::nullopt;
   const auto count = static_cast<double>(best.size());
   double u = 0, v = 0, uu = 0, uv = 0;
   for (const WindowEnd& end : best) {
@@ -208,12 +201,11 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
   double squares = 0;
   for (const WindowEnd& end : best) squares += std::pow(end.v - v - slope * (end.u - u), 2);
   // What neighbouring windows are off by together, beside what they differ by.
-  constexpr double kSystematicPx = 0.15;
   const double variance = squares / std::max(1.0, count - 2);
   const double reach = std::max(u, 1 - u);
   const double at_ends = variance * (1 / count + reach * reach / uu) * pixels_per_v * pixels_per_v;
   return BarEnds{v - slope * u, v + slope * (1 - u),
-                 std::sqrt(at_ends + kSystematicPx * kSystematicPx)};
+                 std::sqrt(at_ends + kBarEnds.systematic_px * kBarEnds.systematic_px)};
 }
 
 double height_px(const Quad& corners) {
@@ -222,7 +214,7 @@ double height_px(const Quad& corners) {
 
 // How far the bars' ends may be from where the layout has them, shares of the frame's height:
 // templates round their margins, lenses bend, ends are blurred.
-double tolerance_of(double height) { return 1.2 / height + 0.006; }
+double tolerance_of(double height) { return kBarEnds.tolerance_px / height + kBarEnds.tolerance; }
 
 }  // namespace
 
@@ -245,14 +237,12 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
 
 bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
                    const LensDistortion& lens) {
-  constexpr std::size_t kRows = 3;
-  constexpr std::size_t kLeastRight = 5;  // windows
   const Symbol symbol(image, bar_field(corners, layout, lens));
   const double height = height_px(corners);
   const double near = std::max(1.5 / height, tolerance_of(height));
   std::size_t above = 0, below = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
-    const Pattern pattern = symbol.pattern(window, kRows);
+    const Pattern pattern = symbol.pattern(window, kBarEnds.quick_rows);
     if (!has_contrast(pattern)) continue;
     const auto shown = [&](double v) {
       return static_cast<double>(share_of(pattern, symbol.row(window, v))) > kHalfShown;
@@ -260,7 +250,7 @@ bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayou
     above += shown(layout.bars_top + near) && !shown(layout.bars_top - near) ? 1U : 0U;
     below += shown(layout.bars_bottom - near) && !shown(layout.bars_bottom + near) ? 1U : 0U;
   }
-  return above >= kLeastRight && below >= kLeastRight;
+  return above >= kBarEnds.least_right && below >= kBarEnds.least_right;
 }
 
 namespace {
@@ -303,12 +293,11 @@ double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, do
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
                               const SymbolLayout& layout, const LensDistortion& lens) {
   if (bars_end_near(image, corners, layout, lens)) return {EndsVerdict::suited, corners, 0, 0};
-  constexpr double kInside = 0.2, kOutside = 0.3;  // of the frame's height
   const BarField field = bar_field(corners, layout, lens);
-  const auto upper =
-      find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
-  const auto lower =
-      find_bar_ends(image, field, layout.bars_bottom - kInside, layout.bars_bottom + kOutside);
+  const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
+                                   layout.bars_top - kBarEnds.outside);
+  const auto lower = find_bar_ends(image, field, layout.bars_bottom - kBarEnds.inside,
+                                   layout.bars_bottom + kBarEnds.outside);
   const double tolerance = tolerance_of(height_px(corners)) * height_px(corners);
   const auto off = [&](const std::optional<BarEnds>& ends, double v) {
     return ends && missed_px(corners, *ends, corners, v, lens) > tolerance + 3 * ends->sigma_px;
@@ -331,9 +320,8 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
     if (miss > tolerance + 3 * other.sigma_px) continue;
     // Where both may be, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};
-    constexpr double kLayout = 0.003;  // of the height
     const double sigma =
-        std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kLayout * height_px(completed));
+        std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kBarEnds.layout * height_px(completed));
     found = {EndsVerdict::hidden, completed, side, sigma};
   }
   if (found) return *found;

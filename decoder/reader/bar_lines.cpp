@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "decoder/reader/tuning.hpp"
 #include "decoder/scan/running.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -93,8 +94,7 @@ void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanL
 
 // The thin lines that a thick one is the mean of: how many, and where one of them runs.
 int rows_of(double thickness) {
-  constexpr int kMostRows = 24;
-  return std::clamp(static_cast<int>(std::lround(thickness)), 1, kMostRows);
+  return std::clamp(static_cast<int>(std::lround(thickness)), 1, kBarLines.most_rows);
 }
 
 double row_offset(int row, int rows, double thickness) {
@@ -142,10 +142,9 @@ namespace {
 // How far the bars lean from the frame's own `along`, radians: so that a thick line is sharpest.
 // Its rows are taken once and moved against each other by whole samples.
 double lean_of(SampledLight& light, const LineFrame& frame, double thickness) {
-  constexpr int kMostLean = 8;  // degrees
   constexpr double kDegree = std::numbers::pi / 180;
   const int rows = rows_of(thickness);
-  const double farthest = thickness / 2 * std::sin(kMostLean * kDegree);
+  const double farthest = thickness / 2 * std::sin(kBarLines.most_lean * kDegree);
   const auto extra = static_cast<std::size_t>(farthest / frame.step) + 1;
   LineFrame longer = frame;
   longer.begin -= static_cast<double>(extra) * frame.step;
@@ -156,7 +155,7 @@ double lean_of(SampledLight& light, const LineFrame& frame, double thickness) {
     add_light(light, longer, row_offset(row, rows, thickness), lines.back());
   }
   double best = -1, lean = 0;
-  for (int degrees = -kMostLean; degrees <= kMostLean; ++degrees) {
+  for (int degrees = -kBarLines.most_lean; degrees <= kBarLines.most_lean; ++degrees) {
     ScanLine sum(frame.count, 0.0F);
     for (int row = 0; row < rows; ++row) {
       const double across = row_offset(row, rows, thickness) * std::sin(degrees * kDegree);
@@ -176,16 +175,14 @@ double lean_of(SampledLight& light, const LineFrame& frame, double thickness) {
 }  // namespace
 
 LineFrame line_frame_for(SampledLight& light, const BarRegion& region) {
-  constexpr double kBeyond = 0.5;  // of the length, on both sides
   constexpr double kStepsPerModule = 5;
-  constexpr double kThickness = 0.6;  // of the height
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / 95 / kStepsPerModule, 0.2, 2.0);
   const auto [low, high] =
-      inside(light.image(), region.centre, region.across, region.length * (0.5 + kBeyond));
+      inside(light.image(), region.centre, region.across, region.length * (0.5 + kBarLines.beyond));
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
-  frame.along = turned(frame.along, lean_of(light, frame, kThickness * region.height));
+  frame.along = turned(frame.along, lean_of(light, frame, kBarLines.thickness * region.height));
   return frame;
 }
 
@@ -203,12 +200,11 @@ namespace {
 
 // How often a line turns dark.
 int count_of_bars(const std::vector<float>& darkness) {
-  constexpr float kDark = 0.6F, kBright = 0.4F;
   int bars = 0;
   bool dark = false;
   for (const float at : darkness) {
-    if (!dark && at > kDark) ++bars;
-    if (at > kDark || at < kBright) dark = at > kDark;
+    if (!dark && at > kBarLines.dark) ++bars;
+    if (at > kBarLines.dark || at < kBarLines.bright) dark = at > kBarLines.dark;
   }
   return bars;
 }
@@ -239,12 +235,7 @@ float likeness(const std::vector<float>& a, const std::vector<float>& b, int mos
 }  // namespace
 
 bool has_bars(SampledLight& light, const BarRegion& region) {
-  constexpr int kLeast = 12;  // of a symbol's 30 bars
-  constexpr int kMost = 34;
   constexpr double kStepsPerModule = 3;
-  constexpr double kApart = 0.2;  // of the height: two lines that should be alike
-  constexpr double kMostLean = 0.25;
-  constexpr float kAlike = 0.6F;
   LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
   frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
   const auto [low, high] = inside(light.image(), region.centre, region.across, 0.5 * region.length);
@@ -257,9 +248,10 @@ bool has_bars(SampledLight& light, const BarRegion& region) {
         light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
     std::vector<float> darkness = local_darkness(line, line.size() / 10);
     const int bars = count_of_bars(darkness);
-    const int most = static_cast<int>(kMostLean * kApart * region.height / frame.step) + 1;
-    if (!before.empty() && bars >= kLeast && bars <= kMost &&
-        likeness(before, darkness, most) > kAlike) {
+    const int most =
+        static_cast<int>(kBarLines.apart_lean * kBarLines.apart * region.height / frame.step) + 1;
+    if (!before.empty() && bars >= kBarLines.least_bars && bars <= kBarLines.most_bars &&
+        likeness(before, darkness, most) > kBarLines.alike) {
       return true;
     }
     before = std::move(darkness);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "decoder/reader/tuning.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/quantile.hpp"
 
 namespace tagsmith::detail {
@@ -32,8 +34,6 @@ struct RunningSums {
 
 std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b,
                                       AddedLight added) {
-  constexpr double kLeastModulation = 0.03;  // variance of the common darkness
-  constexpr double kMuchLess = 0.5;          // of what is left without a gradient
   const double w = b.w - a.w;
   const int cells = b.cells - a.cells;
   if (cells < 8 || w <= 0) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b
   const double dd = (b.dd - a.dd) / w - d * d;
   const double ll = (b.ll - a.ll) / w - l * l;
   const double dl = (b.dl - a.dl) / w - d * l;
-  if (dd < kLeastModulation) return std::nullopt;
+  if (dd < kProfile.least_modulation) return std::nullopt;
   const auto stretch = [&](double contrast, double gradient, double left) {
     return RowStretch{static_cast<float>(l + contrast * d), static_cast<float>(gradient),
                       static_cast<float>(x), static_cast<float>(contrast),
@@ -59,9 +59,9 @@ std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b
   const double lx = (b.lx - a.lx) / w - l * x;
   const double dd_left = dd - dx * dx / xx;
   const double dl_left = dl - dx * lx / xx;
-  if (dd_left < kLeastModulation) return evenly;
+  if (dd_left < kProfile.least_modulation) return evenly;
   const double slanted = ll - lx * lx / xx - dl_left * dl_left / dd_left;
-  if (slanted > kMuchLess * even) return evenly;
+  if (slanted > kProfile.much_less * even) return evenly;
   const double slope = dl_left / dd_left;
   return stretch(-slope, (lx - slope * dx) / xx, slanted * w / (cells - 3));
 }
@@ -82,9 +82,8 @@ void find_slopes(const SymbolRows& rows, CommonDarkness& common) {
 }
 
 RowStretches::RowStretches(const SymbolRows& rows, const CommonDarkness& common, AddedLight added) {
-  constexpr std::size_t kHalf = 5;  // modules
   stride_ = static_cast<std::size_t>(rows.bins_per_module);
-  reach_ = kHalf * stride_;
+  reach_ = kProfile.stretch * stride_;
   per_row_ = (rows.bins + stride_ - 1) / stride_;
   for (std::size_t row = 0; row < rows.rows; ++row) fit_row(rows, common, added, row);
   std::vector<float> contrasts, variances;
@@ -121,12 +120,9 @@ void RowStretches::fit_row(const SymbolRows& rows, const CommonDarkness& common,
 
 // Whether a stretch shows the common darkness.
 bool RowStretches::follows(const RowStretch& stretch) const {
-  constexpr float kLeastContrast = 0.2F;  // of the usual one
-  constexpr float kMostVariance = 3;      // times the usual one
-  constexpr float kModel = 0.006F;        // of the contrast squared: 8 % off anywhere
-  return stretch.contrast > kLeastContrast * contrast_ &&
-         stretch.variance <
-             kMostVariance * variance_ + kModel * stretch.contrast * stretch.contrast;
+  return stretch.contrast > kPlace.least_contrast * contrast_ &&
+         stretch.variance < kProfile.most_variance * variance_ +
+                                kProfile.model_variance * stretch.contrast * stretch.contrast;
 }
 
 // For each stretch of a row the one around its middle that follows best, if any does.
@@ -175,14 +171,13 @@ float weighted_median(std::vector<Vote>& votes) {
 }
 
 Agreed agree(std::vector<Vote>& votes, std::size_t rows) {
-  constexpr float kTolerance = 0.2F;  // of the contrast
   Agreed agreed;
   if (votes.empty()) return agreed;
   const float middle = weighted_median(votes);
   float sum = 0, odd = 0;
   std::size_t used = 0;
   for (const Vote& vote : votes) {
-    if (std::abs(vote.darkness - middle) > kTolerance + 3 / std::sqrt(vote.weight)) {
+    if (std::abs(vote.darkness - middle) > kProfile.odd + 3 / std::sqrt(vote.weight)) {
       odd += vote.weight;
       continue;
     }
@@ -227,7 +222,6 @@ struct Levels {
 // module; noise and single outliers left out.
 std::vector<Levels> levels_near(const Values& values, std::size_t reach_modules,
                                 std::size_t per_module) {
-  constexpr double kLeftOut = 0.1;
   const std::size_t size = values.value.size(), reach = reach_modules * per_module;
   // Of one length everywhere: a quiet zone and a guard alone show little black.
   const std::size_t length = std::min(size, 2 * reach + 1);
@@ -242,8 +236,8 @@ std::vector<Levels> levels_near(const Values& values, std::size_t reach_modules,
       if (values.known[i]) near.push_back(values.value[i]);
     }
     if (near.empty()) continue;
-    const float low = quantile(near, kLeftOut);
-    const float high = quantile(near, 1 - kLeftOut);
+    const float low = quantile(near, kProfile.left_out);
+    const float high = quantile(near, 1 - kProfile.left_out);
     for (std::size_t i = begin; i < end; ++i) levels[i] = {low, high};
   }
   return levels;
@@ -280,12 +274,10 @@ struct LocalDarkness {
 };
 
 LocalDarkness local_darkness_of(const Band& band, std::size_t per_module) {
-  constexpr std::size_t kLevelsReach = 7;    // modules: two digits, which hold wide elements
-  constexpr std::size_t kContrastReach = 4;  // modules
   const std::size_t bins = band.count.size();
   LocalDarkness local{std::vector<Vote>(bins), std::vector<float>(bins)};
-  const auto levels = levels_near(band.light, kLevelsReach, per_module);
-  const auto close = levels_near(band.light, kContrastReach, per_module);
+  const auto levels = levels_near(band.light, kProfile.levels, per_module);
+  const auto close = levels_near(band.light, kProfile.contrast, per_module);
   for (std::size_t bin = 0; bin < bins; ++bin) {
     if (!band.light.known[bin]) continue;
     const float contrast = close[bin].high - close[bin].low;
@@ -299,17 +291,15 @@ LocalDarkness local_darkness_of(const Band& band, std::size_t per_module) {
 
 // The median of what a few rows at a time show, those with clear bars before others.
 CommonDarkness first_guess(const SymbolRows& rows) {
-  constexpr std::size_t kBands = 14;
-  constexpr float kLeastContrast = 0.2F;  // of the usual one
   std::vector<LocalDarkness> seen;
   std::vector<float> contrasts;
-  const std::size_t step = std::max<std::size_t>(2, rows.rows / kBands);
+  const std::size_t step = std::max<std::size_t>(2, rows.rows / kProfile.bands);
   for (std::size_t row = 0; row + step <= rows.rows; row += step) {
     seen.push_back(local_darkness_of(band_of(rows, row, row + step),
                                      static_cast<std::size_t>(rows.bins_per_module)));
     contrasts.insert(contrasts.end(), seen.back().contrast.begin(), seen.back().contrast.end());
   }
-  const float least = kLeastContrast * quantile(contrasts, 0.6);
+  const float least = kPlace.least_contrast * quantile(contrasts, 0.6);
   CommonDarkness common{std::vector<float>(rows.bins), std::vector<bool>(rows.bins), {}};
   std::vector<Vote> votes;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
@@ -329,13 +319,12 @@ CommonDarkness first_guess(const SymbolRows& rows) {
 // Rows are fitted to what they have in common and that is made of them again, which leaves its
 // level and contrast adrift: they are set anew from the elements near by.
 void anchor(std::vector<Agreed>& agreed, std::size_t per_module) {
-  constexpr std::size_t kReach = 10;  // modules: the drift is slow, many elements tell the levels
   Values values;
   for (const Agreed& at : agreed) {
     values.value.push_back(at.darkness);
     values.known.push_back(at.weight > 0);
   }
-  const auto levels = levels_near(values, kReach, per_module);
+  const auto levels = levels_near(values, kProfile.anchor, per_module);
   for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
     if (agreed[bin].weight == 0) continue;
     const float contrast = std::max(levels[bin].high - levels[bin].low, 0.1F);
@@ -355,9 +344,8 @@ void take_over(const SymbolRows& rows, const std::vector<Agreed>& agreed, Common
 }  // namespace
 
 SettledRows settle(const SymbolRows& rows, AddedLight added) {
-  constexpr int kRounds = 4;
   SettledRows settled{{}, first_guess(rows)};
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kProfile.rounds; ++round) {
     const RowStretches stretches(rows, settled.common, added);
     settled.agreed = agree_on_all(rows, stretches, settled.common);
     anchor(settled.agreed, static_cast<std::size_t>(rows.bins_per_module));

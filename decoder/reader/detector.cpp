@@ -8,6 +8,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -84,7 +85,10 @@ bool Detector::any_reading(const Condition& condition) const {
 }
 
 Detector::Detector(SearchedImage& picture, const ReadOptions& options)
-    : image_(picture.image()), picture_(picture), options_(options) {
+    : image_(picture.image()),
+      picture_(picture),
+      options_(options),
+      shape_(frame_shape_of(options.layouts)) {
   if (options.camera) lens_ = LensDistortion(*options.camera);
 }
 
@@ -95,7 +99,7 @@ void Detector::consider(const Proposal& proposal) {
 void Detector::look_at(const Outline& outline) {
   const auto& [level, quad] = outline;
   if (is_read(to_full(level, quad))) return;
-  if (!looks_framed(level.image, quad)) {
+  if (!looks_framed(level.image, quad, shape_)) {
     return pass_over(to_full(level, quad), FrameFault::not_framed);
   }
   look_at(RoughFrame{level, quad});
@@ -104,13 +108,15 @@ void Detector::look_at(const Outline& outline) {
 void Detector::look_at(const RoughFrame& proposed) {
   const auto& [level, rough] = proposed;
   FrameResult<CoarseFrame> settled =
-      fit_frame_coarsely(level.image, rough, known_sagittas(level, rough));
+      fit_frame_coarsely(level.image, rough, known_sagittas(level, rough), shape_);
   // The corners of an outline's hull are too far out where its sides bow.
-  if (!settled && lens_ && lens_->bends()) settled = fit_frame_coarsely(level.image, rough);
+  if (!settled && lens_ && lens_->bends())
+    settled = fit_frame_coarsely(level.image, rough, {}, shape_);
   if (!settled) return pass_over(to_full(level, rough), settled.error());
   const Quad quad = to_full(level, settled->corners);
   if (is_read(quad) || was_proposed(hypotheses_, Source::outline, quad, 0.4)) return;
-  const FrameResult<RefinedFrame> frame = refine_frame(image_, quad, lens_for(level, *settled));
+  const FrameResult<RefinedFrame> frame =
+      refine_frame(image_, quad, lens_for(level, *settled), shape_);
   const bool is_new = frame && !was_fitted(hypotheses_, *frame);
   TagHypothesis hypothesis;
   if (is_new) {
@@ -122,6 +128,21 @@ void Detector::look_at(const RoughFrame& proposed) {
   hypotheses_.push_back(std::move(hypothesis));
 }
 
+std::optional<Reading> Detector::read_in_another_layout(const RefinedFrame& frame,
+                                                        const SymbolLayout& tried) const {
+  for (const SymbolLayout& layout : options_.layouts) {
+    if (layout == tried) continue;
+    ReadOptions alone = options_;
+    alone.layouts = {layout};
+    const auto symbol = quick_hypothesis(image_, frame, alone);
+    if (!symbol || objection_to_quick(image_, *symbol, alone)) continue;
+    if (auto reading = reading_where_bars_end(image_, *symbol, alone, ReadingMethod::frame)) {
+      return reading;
+    }
+  }
+  return std::nullopt;
+}
+
 TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& frame) const {
   TagHypothesis hypothesis;
   hypothesis.rough = rough;
@@ -130,6 +151,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
   const auto objection = symbol ? objection_to_quick(image_, *symbol, options_) : std::nullopt;
   if (symbol && !objection) {
     auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::frame);
+    if (!reading) reading = read_in_another_layout(frame, symbol->layout);
     if (reading) {
       hypothesis.outcome = *std::move(reading);
     } else {
@@ -155,11 +177,8 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
 }
 
 void Detector::look_at(const BarRegion& region) {
-  constexpr double kSymbolLike = 0.7;      // explained
-  constexpr double kSameCompleted = 1.5;   // pixels
-  constexpr std::size_t kMostLocated = 6;  // in one picture: bounds its time
   const std::vector<LocatedBars> located = located_bars();
-  if (located.size() == kMostLocated) return;
+  if (located.size() == kSearch.most_located) return;
   const auto bars = locate_bars(picture_.light, region, located);
   if (!bars) return;
   TagHypothesis followed{.source = Source::bars};
@@ -170,10 +189,11 @@ void Detector::look_at(const BarRegion& region) {
     const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
     if (!rough) continue;
     if (is_read(rough->corners)) return;
-    if (was_proposed(hypotheses_, Source::completed, rough->corners, kSameCompleted)) continue;
+    if (was_proposed(hypotheses_, Source::completed, rough->corners, kSearch.same_completed))
+      continue;
     hypotheses_.push_back({.source = Source::completed, .rough = rough->corners});
     const auto symbol = better_hypothesis(image_, *rough, options_);
-    if (!symbol || symbol->decoding.fit.explained < kSymbolLike) continue;
+    if (!symbol || symbol->decoding.fit.explained < kJudge.worth_light) continue;
     const auto frame = frame_by_symbol(image_, half, expected_corners(*symbol), layout,
                                        symbol->profile.module_px, {lens_});
     // Of either pair of sides one must show where the bars put it: else it may be another layout.
@@ -247,12 +267,12 @@ void Detector::try_likely_codes() {
 }
 
 std::vector<Quad> Detector::known_in(const PyramidLevel& level) const {
-  constexpr double kStroke = 0.04;  // of the frame's length: the frame and a little more
   std::vector<Quad> known;
   for (const TagHypothesis& hypothesis : hypotheses_) {
     const Reading* tag = hypothesis.reading();
     if (tag == nullptr) continue;
-    const double stroke = kStroke * distance(tag->corners[0], tag->corners[1]);
+    const double module = distance(tag->corners[0], tag->corners[1]) / shape_.length;
+    const double stroke = (shape_.stroke + 0.5) * module;
     known.push_back(to_level(level, widened(tag->corners, stroke)));
   }
   return known;
@@ -358,12 +378,11 @@ SideSagittas Detector::known_sagittas(const PyramidLevel& level, const Quad& qua
 }
 
 LensGuess Detector::lens_for(const PyramidLevel& level, const CoarseFrame& settled) const {
-  constexpr double kSettledSigma = 0.25;  // of a bow, pixels of the level
   if (lens_) return {lens_};
   const PixelPoint centre{(image_.width - 1) / 2.0, (image_.height - 1) / 2.0};
   return {std::nullopt,
           lambda_of_coarse(to_full(level, settled.corners), scaled(settled.bows, level.scale),
-                           kSettledSigma * level.scale, centre)};
+                           kSearch.sagitta_sigma * level.scale, centre)};
 }
 
 void Detector::pass_over(const Quad& quad, FrameFault fault) {
@@ -374,12 +393,11 @@ void Detector::pass_over(const Quad& quad, FrameFault fault) {
 }
 
 bool Detector::is_worth_care(double module_px) const {
-  constexpr std::ptrdiff_t kMostTries = 4;  // in one picture
-  constexpr double kLeastModule = 1.2;      // pixels
   const auto is_cared_for = [](const TagHypothesis& hypothesis) {
     return hypothesis.may_be_covered || hypothesis.odd_bars.has_value();
   };
-  return module_px >= kLeastModule && std::ranges::count_if(hypotheses_, is_cared_for) < kMostTries;
+  return module_px >= kSearch.least_module &&
+         std::ranges::count_if(hypotheses_, is_cared_for) < kSearch.most_tries;
 }
 
 FrameCorners Detector::expected_corners(const SymbolHypothesis& symbol) const {

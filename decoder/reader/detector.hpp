@@ -12,6 +12,7 @@
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/frame_fault.hpp"
+#include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
@@ -125,6 +126,11 @@ class Detector {
   // Tells, where that is wanted, of an outline that is no feature frame.
   void pass_over(const Quad& quad, FrameFault fault);
 
+  // The reading of a clear symbol whose bars end where another layout has them: layouts with the
+  // same quiet zone explain the bars alike.
+  std::optional<Reading> read_in_another_layout(const RefinedFrame& frame,
+                                                const SymbolLayout& tried) const;
+
   // What the quick profile shows inside a frame.
   TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
 
@@ -150,6 +156,7 @@ class Detector {
   GrayView image_;
   SearchedImage& picture_;
   const ReadOptions& options_;
+  FrameShape shape_;                    // of the frames that are searched for
   std::optional<LensDistortion> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;
 };

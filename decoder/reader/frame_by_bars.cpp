@@ -15,21 +15,22 @@
 #include "decoder/feature_frame/frame_around.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_ends.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 // Why: docs/decisions/0005-hidden-frame-sides.md.
-constexpr double kHiddenSigma = 0.2;  // modules, of a side known by the bars beside it
 
 // A field of bars and the lines where the frame's inner edges should be, in pixels of a level; the
 // upper and lower ones where the bars show where they end.
 struct FramedBars {
-  BarRegion block;
-  std::array<std::optional<SideLine>, 4> sides;  // from the upper one on, clockwise
-  std::array<double, 4> sigma_px{};              // of each
+  BarRegion block{};
+  std::array<std::optional<SideLine>, 4> sides{};  // from the upper one on, clockwise
+  std::array<double, 4> sigma_px{};                // of each
   double module_px = 0;
+  FrameShape shape;
 };
 
 SideLine line_through(PixelPoint begin, PixelPoint end) {
@@ -49,7 +50,7 @@ PixelPoint crossing(const LocatedBars& bars, const BarRegion& block, double modu
 }
 
 std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayout& layout) {
-  FramedBars framed;
+  FramedBars framed{.shape = layout.frame};
   const PixelPoint normal = bars.normal_at(bars.a);
   const double steepness = length(normal);
   if (!(steepness > 1e-6) || !(bars.height > 4)) return std::nullopt;
@@ -67,7 +68,7 @@ std::optional<FramedBars> framed_bars(const LocatedBars& bars, const SymbolLayou
       line_through(crossing(bars, block, -quiet, half), crossing(bars, block, -quiet, -half));
   framed.sides[1] = line_through(crossing(bars, block, kModuleCount + quiet, -half),
                                  crossing(bars, block, kModuleCount + quiet, half));
-  framed.sigma_px[1] = framed.sigma_px[3] = kHiddenSigma * framed.module_px;
+  framed.sigma_px[1] = framed.sigma_px[3] = kBarEnds.hidden_sigma * framed.module_px;
   return framed;
 }
 
@@ -93,14 +94,15 @@ void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnd
 // all of their height.
 void look_for_ends(const GrayView& image, const LocatedBars& bars, const SymbolLayout& layout,
                    FramedBars& framed) {
-  constexpr double kInside = 0.35, kOutside = 0.8;  // of the height that was followed
   const double half = framed.block.height / 2;
   const BarField field{
       {crossing(bars, framed.block, 0, -half), crossing(bars, framed.block, kModuleCount, -half),
        crossing(bars, framed.block, kModuleCount, half), crossing(bars, framed.block, 0, half)}};
-  const auto upper = find_bar_ends(image, field, kInside, -kOutside);
+  const auto upper =
+      find_bar_ends(image, field, kBarEnds.followed_inside, -kBarEnds.followed_outside);
   if (!upper) return;
-  const auto lower = find_bar_ends(image, field, 1 - kInside, 1 + kOutside);
+  const auto lower =
+      find_bar_ends(image, field, 1 - kBarEnds.followed_inside, 1 + kBarEnds.followed_outside);
   if (lower) add_sides_by_ends(field, *upper, *lower, layout, framed);
 }
 
@@ -125,7 +127,8 @@ std::optional<Quad> with_expected_sides(const Quad& quad, const FramedBars& expe
                                         const std::array<bool, 4>& shown) {
   std::array<SideLine, 4> sides{};
   for (std::size_t i = 0; i < 4; ++i) {
-    sides[i] = shown[i] || !expected.sides[i] ? side_of(quad, i) : *expected.sides[i];
+    sides[i] =
+        shown[i] || !expected.sides[i] ? side_of(quad, i, expected.shape) : *expected.sides[i];
   }
   return corners_of(sides);
 }
@@ -150,13 +153,12 @@ void doubt_strangers(const Quad& quad, const FramedBars& expected, const Toleran
 // The frame as one that is not covered is fitted, where all of its sides show: through an unknown
 // lens its sides bow.
 RefinedFrame fitted_as_whole(const GrayView& image, const RefinedFrame& frame,
-                             const LensGuess& lens) {
-  constexpr double kMostMoved = 2;  // pixels
+                             const LensGuess& lens, const FrameShape& shape) {
   if (!std::ranges::all_of(frame.shown, std::identity{})) return frame;
-  auto whole = refine_frame(image, frame.corners, lens);
+  auto whole = refine_frame(image, frame.corners, lens, shape);
   if (!whole) return frame;
   for (std::size_t i = 0; i < 4; ++i) {
-    if (distance(whole->corners[i], frame.corners[i]) > kMostMoved) return frame;
+    if (distance(whole->corners[i], frame.corners[i]) > kBarEnds.most_moved_px) return frame;
   }
   return *std::move(whole);
 }
@@ -167,7 +169,7 @@ std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel&
                                       const Tolerances& tolerances, const LensGuess& lens) {
   const LensDistortion known = lens.known.value_or(LensDistortion{});
   const SideSagittas bows = scaled(sagittas_of(known, to_full(level, rough)), 1 / level.scale);
-  auto settled = settle_shown_sides(level.image, rough, bows);
+  auto settled = settle_shown_sides(level.image, rough, bows, in_full.shape);
   if (!settled) return std::nullopt;
   const Quad in_image = to_full(level, settled->quad);
   const double coarse = 0.5 * level.scale;
@@ -176,7 +178,7 @@ std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel&
   auto quad = with_expected_sides(in_image, in_full, settled->shown);
   if (!quad) return std::nullopt;
   const auto fit = [&](const std::array<bool, 4>& shown) {
-    auto frame = refine_shown_sides(image, *quad, shown, 0, known);
+    auto frame = refine_shown_sides(image, *quad, shown, 0, known, in_full.shape);
     for (std::size_t i = 0; frame && i < 4; ++i) {
       if (frame->shown[i]) continue;
       frame->sides[i].covariance +=
@@ -188,61 +190,59 @@ std::optional<RefinedFrame> fit_frame(const GrayView& image, const PyramidLevel&
   if (!frame) return std::nullopt;
   std::array<bool, 4> shown = frame->shown;
   doubt_strangers(frame->corners, in_full, tolerances, shown);
-  if (shown == frame->shown) return fitted_as_whole(image, *frame, lens);
+  if (shown == frame->shown) return fitted_as_whole(image, *frame, lens, in_full.shape);
   quad = with_expected_sides(*quad, in_full, shown);
   if (!quad) return std::nullopt;
   frame = fit(shown);
-  return frame ? std::optional(fitted_as_whole(image, *frame, lens)) : std::nullopt;
+  return frame ? std::optional(fitted_as_whole(image, *frame, lens, in_full.shape)) : std::nullopt;
 }
-
-constexpr double kReducedFrom = 1.8;  // pixels a module: noise halves, bars stay apart
 
 }  // namespace
 
 std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView& half,
                                           const LocatedBars& bars, const SymbolLayout& layout,
                                           const LensGuess& lens) {
-  constexpr double kTolerance = 1.2;  // modules
   auto in_full = framed_bars(bars, layout);
   if (!in_full) return std::nullopt;
   look_for_ends(image, bars, layout, *in_full);
-  const bool reduce = in_full->module_px >= kReducedFrom;
+  const bool reduce = in_full->module_px >= kBarEnds.reduced_from;
   const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
   const FramedBars in_level = reduce ? halved(*in_full) : *in_full;
   const auto& sides = in_level.sides;
   const auto rough = sides[0] ? corners_of({*sides[0], *sides[1], *sides[2], *sides[3]})
                               : frame_between(level.image, in_level.block, *sides[3], *sides[1]);
   if (!rough) return std::nullopt;
-  const double tolerance = kTolerance * in_full->module_px;
+  const double tolerance = kBarEnds.side * in_full->module_px;
   return fit_frame(image, level, *rough, *in_full, {tolerance, 1 + tolerance}, lens);
 }
 
 std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayView& half,
                                             const Quad& expected, const SymbolLayout& layout,
                                             double module_px, const LensGuess& lens) {
-  constexpr double kInside = 0.2, kOutside = 0.25;  // of the frame's height
-  FramedBars in_full;
+  FramedBars in_full{.shape = layout.frame};
   in_full.sides[3] = line_through(expected[3], expected[0]);
   in_full.sides[1] = line_through(expected[1], expected[2]);
-  in_full.sigma_px[1] = in_full.sigma_px[3] = kHiddenSigma * module_px;
+  in_full.sigma_px[1] = in_full.sigma_px[3] = kBarEnds.hidden_sigma * module_px;
   in_full.module_px = module_px;
   const BarField field = bar_field(expected, layout, lens.known.value_or(LensDistortion{}));
-  const auto upper =
-      find_bar_ends(image, field, layout.bars_top + kInside, layout.bars_top - kOutside);
-  const auto lower =
-      find_bar_ends(image, field, layout.bars_bottom - kInside, layout.bars_bottom + kOutside);
+  const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
+                                   layout.bars_top - kBarEnds.outside_symbol);
+  const auto lower = find_bar_ends(image, field, layout.bars_bottom - kBarEnds.inside,
+                                   layout.bars_bottom + kBarEnds.outside_symbol);
   Quad rough = expected;
   if (upper && lower) {
     add_sides_by_ends(field, *upper, *lower, layout, in_full);
     const auto& sides = in_full.sides;
     rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
   }
-  const bool reduce = module_px >= kReducedFrom;
+  const bool reduce = module_px >= kBarEnds.reduced_from;
   const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
   const double height =
       (distance(expected[0], expected[3]) + distance(expected[1], expected[2])) / 2;
-  return fit_frame(image, level, to_level(level, rough), in_full,
-                   {std::max(0.35, 0.12 * module_px), 1.2 + 0.006 * height}, lens);
+  return fit_frame(
+      image, level, to_level(level, rough), in_full,
+      {std::max(0.35, 0.12 * module_px), kBarEnds.tolerance_px + kBarEnds.tolerance * height},
+      lens);
 }
 
 }  // namespace tagsmith::detail

@@ -12,6 +12,7 @@
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/region_scan.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 #include "decoder/scan/running.hpp"
@@ -20,9 +21,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kMostRegions = 10;
 constexpr std::size_t kBinsPerModule = 4;
-constexpr double kBeyond = 4;  // modules of quiet zone in a straightened profile
 
 // Module coordinate of a place of the line, by the line's own distortion; linear beyond the ends.
 double module_at(const ElasticAlignment& alignment, double place) {
@@ -40,7 +39,7 @@ double module_at(const ElasticAlignment& alignment, double place) {
 }
 
 constexpr std::size_t kBins =
-    static_cast<std::size_t>((kModuleCount + 2 * kBeyond) * kBinsPerModule);
+    static_cast<std::size_t>((kModuleCount + 2 * kProfile.beyond) * kBinsPerModule);
 
 // A line's darkness by module, straightened; not a number where the line does not reach.
 std::array<float, kBins> straightened(const ReadLine& line) {
@@ -52,7 +51,8 @@ std::array<float, kBins> straightened(const ReadLine& line) {
   constexpr int kFiner = 4;
   for (std::size_t i = 0; i < darkness.size() * kFiner; ++i) {
     const double place = (static_cast<double>(i) + 0.5) / kFiner;
-    const double bin = (module_at(line.reading.alignment, place) + kBeyond) * kBinsPerModule;
+    const double bin =
+        (module_at(line.reading.alignment, place) + kProfile.beyond) * kBinsPerModule;
     if (!(bin >= 0 && bin < static_cast<double>(kBins))) continue;
     sums[static_cast<std::size_t>(bin)] += darkness[i / kFiner];
     ++counts[static_cast<std::size_t>(bin)];
@@ -67,9 +67,6 @@ std::array<float, kBins> straightened(const ReadLine& line) {
 
 // The lines' darkness together: at each place the mean of those that agree with their median.
 ScanProfile merged_profile(const std::vector<ReadLine>& lines) {
-  constexpr float kAgreeing = 0.2F;       // of the contrast
-  constexpr double kLineVariance = 0.01;  // of one line: noise, and places off by a tenth module
-  constexpr double kModelError = 0.03;
   std::vector<std::array<float, kBins>> rows;
   rows.reserve(lines.size());
   for (const ReadLine& line : lines) rows.push_back(straightened(line));
@@ -86,15 +83,16 @@ ScanProfile merged_profile(const std::vector<ReadLine>& lines) {
     double sum = 0;
     double count = 0;
     for (const float value : values) {
-      if (std::abs(value - median) > kAgreeing) continue;
+      if (std::abs(value - median) > kFrameless.odd) continue;
       sum += value;
       ++count;
     }
     const double agreement = count / static_cast<double>(values.size());
     const double doubt = std::min(1.0, 2 * (1 - agreement));
     profile.push_back(
-        {(static_cast<double>(b) + 0.5) / kBinsPerModule - kBeyond, sum / count,
-         kLineVariance / count + kModelError * kModelError + doubt * doubt * doubt * doubt,
+        {(static_cast<double>(b) + 0.5) / kBinsPerModule - kProfile.beyond, sum / count,
+         kFrameless.line_variance / count + kFrameless.model_error * kFrameless.model_error +
+             doubt * doubt * doubt * doubt,
          agreement});
   }
   return profile;
@@ -107,21 +105,22 @@ struct Evidence {
 };
 
 Evidence evidence_of(const std::vector<ReadLine>& lines) {
-  constexpr double kMostOfALine = 30;  // what one line can say against a digit: it may be dirty
   // Lines share blur, print and dirt: together they count as a few independent ones.
-  constexpr double kIndependent = 3;
-  const double share = std::min(1.0, kIndependent / static_cast<double>(lines.size())) / 2;
+  const double share =
+      std::min(1.0, kFrameless.independent / static_cast<double>(lines.size())) / 2;
   Evidence evidence;
   for (const ReadLine& line : lines) {
     const double weight = share / std::max(1.0, line.reading.alignment.cost_per_module);
     for (std::size_t i = 0; i < kDigitCount; ++i) {
       for (std::size_t d = 0; d < 10; ++d) {
-        evidence.cost[i][d] += weight * std::min(kMostOfALine, line.reading.extra_cost[i][d]);
+        evidence.cost[i][d] +=
+            weight * std::min(kFrameless.most_of_a_line, line.reading.extra_cost[i][d]);
       }
     }
     for (std::size_t i = 0; i < 6; ++i) {
       evidence.even_parity[i] +=
-          weight * std::clamp(line.reading.even_parity_cost[i], -kMostOfALine, kMostOfALine);
+          weight * std::clamp(line.reading.even_parity_cost[i], -kFrameless.most_of_a_line,
+                              kFrameless.most_of_a_line);
     }
   }
   return evidence;
@@ -191,7 +190,6 @@ double mass_of_all_codes(const Evidence& evidence) {
 // As for framed symbols (decoder/scan/decode.cpp, posterior): against the other codes that may
 // exist and, with a small prior, all 10^12.
 Consensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
-  constexpr double kPriorOfInvalid = 0.01;
   constexpr double kAllSymbols = 1e12;
   double code_count = 1e11;
   ValidCodes codes;
@@ -209,7 +207,7 @@ Consensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
     }
   }
   const double own = std::exp(-codes.cost);
-  const double rivals = (codes.mass - own) / own + kPriorOfInvalid * code_count / kAllSymbols *
+  const double rivals = (codes.mass - own) / own + kFrameless.invalid * code_count / kAllSymbols *
                                                        (mass_of_all_codes(evidence) - own) / own;
   return {codes.best, 1 / (1 + std::max(0.0, rivals))};
 }
@@ -217,28 +215,23 @@ Consensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
 // True when three digits of the left half suit even parity: EAN-13 with a leading digit other
 // than 0 (GS1 General Specifications 5.2.1.2.1) has that in just three.
 bool may_be_ean13(const Evidence& evidence) {
-  constexpr double kCertain = 6;
   std::array<double, 6> costs = evidence.even_parity;
   std::ranges::sort(costs);
-  return costs[0] + costs[1] + costs[2] < kCertain;
+  return costs[0] + costs[1] + costs[2] < kFrameless.even_parity;
 }
 
 std::optional<RejectionReason> objection_to(const FramelessReading& symbol,
                                             const Evidence& evidence, const ReadOptions& options) {
-  constexpr double kLeastExplained = 0.85;
-  constexpr double kLeastDigit = 0.6;
-  constexpr double kLeastGuards = 0.7;
-  constexpr double kLeastTogether = 0.9;
   const Decoding& decoding = symbol.decoding;
   using enum RejectionReason;
-  if (decoding.guards < kLeastGuards) return guard_pattern;
-  if (decoding.fit.explained < kLeastExplained || decoding.worst_digit < kLeastDigit) {
+  if (decoding.guards < kFrameless.guards) return guard_pattern;
+  if (decoding.fit.explained < kFrameless.explained || decoding.worst_digit < kFrameless.digit) {
     return element_widths;
   }
-  if (std::abs(decoding.fit.image.growth) > kMostGrowth) return growth;
+  if (std::abs(decoding.fit.image.growth) > kJudge.most_growth) return growth;
   if (decoding.digits != symbol.digits) return lines_disagree;
   if (symbol.confidence < options.min_confidence.value_or(kSureWithoutFrame) ||
-      decoding.confidence < kLeastTogether) {
+      decoding.confidence < kFrameless.together) {
     return doubtful;
   }
   if (may_be_ean13(evidence)) return ean13;
@@ -296,14 +289,11 @@ struct ReadRegion {
 std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& region,
                                       const ReadOptions& options) {
   // Beyond these a refusal is not worth telling: any texture is explained by enough blur.
-  constexpr double kSymbolLike = 0.85;
-  constexpr double kMostBlur = 1.5;  // modules
   const LineFrame frame = line_frame_for(image, region);
-  constexpr int kLines = 12;
   auto first = first_line(image, frame, region, Wanted::digits);
   if (!first) return std::nullopt;
-  const RegionScan scan =
-      scan_region(image, frame, region, *std::move(first), kLines, Wanted::digits);
+  const RegionScan scan = scan_region(image, frame, region, *std::move(first),
+                                      kBarLines.frameless_lines, Wanted::digits);
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
   const Evidence evidence = evidence_of(scan.lines);
@@ -314,7 +304,8 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   ImagingModel start;
   start.blur = scan.look->bars.blur;
   const auto decoding = decode_profile(symbol.profile, start, decode_options);
-  if (!decoding || decoding->fit.explained < kSymbolLike || decoding->fit.image.blur > kMostBlur) {
+  if (!decoding || decoding->fit.explained < kFrameless.explained ||
+      decoding->fit.image.blur > kFrameless.most_blur) {
     return std::nullopt;
   }
   symbol.decoding = *decoding;
@@ -344,7 +335,7 @@ FramelessResult read_frameless(SearchedImage& picture, const ReadOptions& option
         result.read, [&](const FramelessReading& other) { return contains(other.bars, centre); });
   };
   const std::vector<BarRegion>& regions = picture.bars();
-  for (std::size_t i = 0; i < std::min(regions.size(), kMostRegions); ++i) {
+  for (std::size_t i = 0; i < std::min(regions.size(), kSearch.most_frameless); ++i) {
     const BarRegion& region = regions[i];
     if (is_read(region.centre)) continue;
     auto read = read_region(picture.light, region, options);

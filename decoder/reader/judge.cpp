@@ -11,40 +11,33 @@
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
+#include "decoder/reader/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 // What speaks against believing the symbol by itself, or nothing.
 std::optional<Objection> objection(const SymbolHypothesis& symbol, const ReadOptions& options) {
-  // A symbol of ours explains 95 % and more of its profile when it can be read at all; the product
-  // codes and random stripes of the test pictures reach 88 %.
-  constexpr double kLeastExplained = 0.9;
-  // Right digits on the ray-traced photos: 0.82 and more; digits with an edge a module off: 0.5.
-  constexpr double kLeastDigit = 0.75;
-  constexpr double kLeastGuards = 0.8;
-  // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
-  // nothing is known.
-  constexpr double kMostBlur = 2.2;
   const Decoding& decoding = symbol.decoding;
   const SymbolFit& fit = decoding.fit;
   const bool with_book = !options.code_book.empty();
   const double sure = options.min_confidence.value_or(with_book ? kSureWithBook : kSureInFrame);
   using enum RejectionReason;
-  if (decoding.guards < kLeastGuards) {
-    return Objection{guard_pattern, decoding.guards, kLeastGuards};
+  if (decoding.guards < kJudge.guards) {
+    return Objection{guard_pattern, decoding.guards, kJudge.guards};
   }
-  if (fit.explained < kLeastExplained) {
-    return Objection{element_widths, fit.explained, kLeastExplained};
+  if (fit.explained < kJudge.explained) {
+    return Objection{element_widths, fit.explained, kJudge.explained};
   }
-  if (decoding.worst_digit < kLeastDigit) {
-    return Objection{element_widths, decoding.worst_digit, kLeastDigit};
+  if (decoding.worst_digit < kJudge.digit) {
+    return Objection{element_widths, decoding.worst_digit, kJudge.digit};
   }
-  if (fit.kept < kLeastKept) return Objection{covered, fit.kept, kLeastKept};
-  if (std::abs(fit.image.growth) > kMostGrowth) {
-    return Objection{growth, std::abs(fit.image.growth), kMostGrowth};
+  if (fit.kept < kJudge.least_kept) return Objection{covered, fit.kept, kJudge.least_kept};
+  if (std::abs(fit.image.growth) > kJudge.most_growth) {
+    return Objection{growth, std::abs(fit.image.growth), kJudge.most_growth};
   }
-  if (!with_book && fit.image.blur > kMostBlur) return Objection{blur, fit.image.blur, kMostBlur};
+  if (!with_book && fit.image.blur > kJudge.most_blur)
+    return Objection{blur, fit.image.blur, kJudge.most_blur};
   if (decoding.confidence < sure) return Objection{doubtful, decoding.confidence, sure};
   return std::nullopt;
 }
@@ -54,25 +47,23 @@ std::optional<Objection> objection(const SymbolHypothesis& symbol, const ReadOpt
 // doubt by their whole height are not asked.
 // Why: docs/decisions/0004-occlusion.md.
 bool halves_contradict(const GrayView& image, const SymbolHypothesis& symbol) {
-  constexpr double kBeyondDoubt = 1e-8;
-  constexpr double kClearly = 10;  // logarithm of the likelihood ratio
   const Decoding& decoding = symbol.decoding;
-  if (1 - decoding.confidence < kBeyondDoubt) return false;
+  if (1 - decoding.confidence < kJudge.beyond_doubt) return false;
   const std::size_t first = (symbol.first_corner + (decoding.upside_down ? 2 : 0)) % 4;
   const RobustProfile profile(image, symbol.frame, first, symbol.layout);
   const auto contradicts = [&](const HeightShare& half) {
-    return log_odds_of_another(profile.of_agreeing_rows(half).bins, decoding) > kClearly;
+    return log_odds_of_another(profile.of_agreeing_rows(half).bins, decoding) > kJudge.clearly;
   };
   return contradicts({0, 0.5}) || contradicts({0.5, 1});
 }
 
 // Whether a symbol shows too little for its covered digits to be more than guesses.
 bool too_little_shown(const SymbolProfile& profile) {
-  constexpr double kMostHidden = 0.25;  // of the places
-  constexpr double kSaysNothing = 1;    // variance
+  constexpr double kSaysNothing = 1;  // variance
   const auto hidden = std::ranges::count_if(
       profile.bins, [](const ScanBin& bin) { return bin.variance > kSaysNothing; });
-  return static_cast<double>(hidden) > kMostHidden * static_cast<double>(profile.bins.size());
+  return static_cast<double>(hidden) >
+         kJudge.most_hidden * static_cast<double>(profile.bins.size());
 }
 
 // What is told of a symbol that is believed.
@@ -111,23 +102,17 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
     auto quick = look.by_agreeing_rows(options);
     if (quick && !objection_to_quick(image, *quick, options)) return quick;
   }
-  // Symbols that were read with slanted light alone had 0.83 explained with even light
-  // (`./dev bench troubled`).
-  constexpr double kSymbolLike = 0.7;
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto careful = look.by_all_rows(options, added);
-    if (!careful || careful->decoding.fit.explained < kSymbolLike) return std::nullopt;
+    if (!careful || careful->decoding.fit.explained < kJudge.worth_light) return std::nullopt;
     if (!objection(*careful, options) && !too_little_shown(careful->profile)) return careful;
   }
   return std::nullopt;
 }
 
-// Covered tags that were read carefully showed more: 0.8 and 0.7 (`./dev bench troubled`); other
-// plates less, or no guard patterns at all.
 bool is_symbol_like(const SymbolHypothesis& symbol) {
-  constexpr double kLeastExplained = 0.6;
-  constexpr double kLeastGuards = 0.5;
-  return symbol.decoding.fit.explained > kLeastExplained && symbol.decoding.guards > kLeastGuards;
+  return symbol.decoding.fit.explained > kJudge.like_explained &&
+         symbol.decoding.guards > kJudge.like_guards;
 }
 
 std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const RefinedFrame& frame,
@@ -155,8 +140,8 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   for (std::size_t i = 0; i < 4; ++i) {
     shown[i] = frame.shown[(symbol.first_corner + i) % 4] && i != verdict.side;
   }
-  const auto completed =
-      refine_shown_sides(image, verdict.corners, shown, verdict.sigma_px, frame.lens);
+  const auto completed = refine_shown_sides(image, verdict.corners, shown, verdict.sigma_px,
+                                            frame.lens, symbol.layout.frame);
   if (!completed) return std::nullopt;
   const auto again = believed_hypothesis(image, *completed, options, true);
   if (!again || again->decoding.digits != symbol.decoding.digits) return std::nullopt;

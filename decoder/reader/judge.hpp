@@ -10,13 +10,9 @@
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
+#include "decoder/reader/tuning.hpp"
 
 namespace tagsmith::detail {
-
-// Bars that grew or shrank by more are refused, modules: beyond, narrow elements vanish.
-inline constexpr double kMostGrowth = 0.7;
-// Symbols of which a smaller share is in sight are refused.
-inline constexpr double kLeastKept = 0.7;
 
 // What speaks against believing a symbol: the first test that failed, and by how much.
 struct Objection {

@@ -10,6 +10,7 @@
 
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/region_scan.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -17,12 +18,10 @@ namespace {
 
 // Fits the modules of the lines' boundaries; those that most others contradict count little.
 LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
-  constexpr double kTolerance = 0.5;  // modules
-  constexpr int kRounds = 6;
   constexpr double kUnit = 100;  // pixels: conditions the equations
   LocatedBars bars;
   bars.centre = centre;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kBarLines.rounds; ++round) {
     Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
     Eigen::Matrix<double, 5, 1> right = Eigen::Matrix<double, 5, 1>::Zero();
     for (const ReadLine& line : scan.lines) {
@@ -33,7 +32,7 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
         const double module = kBoundaryModules[i];
         const double below = 1 + kUnit * dot(bars.c, p);
         const double off = (bars.a + kUnit * dot(bars.b, p)) / below - module;
-        const double ratio = round == 0 ? 0 : off / kTolerance;
+        const double ratio = round == 0 ? 0 : off / kBarLines.off;
         const double weight = 1 / (below * below * (1 + ratio * ratio));
         Eigen::Matrix<double, 5, 1> row;
         row << 1, p.x, p.y, -module * p.x, -module * p.y;
@@ -51,13 +50,12 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
 
 // Whether a line begins and ends with the bars, and crosses them where they were followed.
 bool is_line_of(const LocatedBars& bars, PixelPoint begin, PixelPoint end) {
-  constexpr double kTolerance = 1;  // modules
   double first = bars.module_of(begin), last = bars.module_of(end);
   if (first > last) std::swap(first, last);
   const double middle = kModuleCount / 2.0;
   const PixelPoint across = bars.normal_at(middle);
   const PixelPoint along = 1 / length(across) * PixelPoint{-across.y, across.x};
-  return std::abs(first) < kTolerance && std::abs(last - kModuleCount) < kTolerance &&
+  return std::abs(first) < kBarLines.same && std::abs(last - kModuleCount) < kBarLines.same &&
          std::abs(dot(0.5 * (begin + end) - bars.centre, along)) < bars.height / 2;
 }
 
@@ -65,27 +63,24 @@ bool is_line_of(const LocatedBars& bars, PixelPoint begin, PixelPoint end) {
 
 std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region,
                                        std::span<const LocatedBars> located) {
-  constexpr std::size_t kLeastLines = 3;
-  constexpr double kAsHigh = 0.8;  // more of the bars would not be followed
   const LineFrame frame = line_frame_for(image, region);
-  constexpr int kLines = 10;
-  // Bars of covered tags that were read: modules of 0.67 to 1.05 of what their length says, costs
-  // of 0.7 and 1.9 at most (`./dev bench troubled`).
-  constexpr FirstLineLimits kLimits{
-      .least_module = 0.5, .greatest_module = 1.3, .worst_place = 0.9, .worst_cost = 2.5};
+  constexpr FirstLineLimits kLimits{.least_module = kBarLines.least_module,
+                                    .greatest_module = kBarLines.greatest_module,
+                                    .worst_place = kBarLines.worst_place,
+                                    .worst_cost = kBarLines.worst_cost};
   auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;
   const PixelPoint begin = frame.pixel(boundaries.front(), first->offset);
   const PixelPoint end = frame.pixel(boundaries.back(), first->offset);
   const auto same = [&](const LocatedBars& bars) {
-    return bars.height > kAsHigh * region.height && is_line_of(bars, begin, end);
+    return bars.height > kBarLines.as_high * region.height && is_line_of(bars, begin, end);
   };
   if (std::ranges::any_of(located, same)) return std::nullopt;
   const double middle = (boundaries.front() + boundaries.back()) / 2;
   const RegionScan scan =
-      scan_region(image, frame, region, *std::move(first), kLines, Wanted::alignment);
-  if (scan.lines.size() < kLeastLines) return std::nullopt;
+      scan_region(image, frame, region, *std::move(first), kBarLines.lines, Wanted::alignment);
+  if (scan.lines.size() < kBarLines.least_lines) return std::nullopt;
   const double offset = (scan.lines.front().offset + scan.lines.back().offset) / 2;
   LocatedBars bars = fit_bars(scan, scan.frame.pixel(middle, offset));
   bars.height = scan.lines.back().offset - scan.lines.front().offset + scan.spacing;

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "decoder/image/bilinear.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/base/quantile.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -74,7 +75,6 @@ struct Crossing {
 };
 
 std::vector<Crossing> crossings_of(const Loop& loop, double tolerance) {
-  constexpr int kBridge = 3;
   constexpr int kMost = 2 * kPerSide;
   const int size = static_cast<int>(loop.level.size());
   const auto is_odd = [&](int i) {
@@ -87,7 +87,7 @@ std::vector<Crossing> crossings_of(const Loop& loop, double tolerance) {
   for (int i = start; i < start + size; ++i) {
     if (!is_odd(i)) continue;
     int last = i;
-    for (int k = i + 1; k <= last + kBridge && k < start + size; ++k) {
+    for (int k = i + 1; k <= last + kOccluder.bridge && k < start + size; ++k) {
       if (is_odd(k)) last = k;
     }
     if (last + 1 - i <= kMost) crossings.push_back({i, last + 1 - i});
@@ -124,7 +124,6 @@ bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
               const Crossing& a, const Crossing& b, double tolerance) {
   constexpr int kPlaces = 64;
-  constexpr double kLeastEven = 0.85;
   const auto place = [](const Crossing& crossing, double share) {
     return crossing.begin + static_cast<int>(std::lround(share * (crossing.count - 1)));
   };
@@ -140,17 +139,14 @@ bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, co
       const double level = sample_bilinear(image, image_from_frame(at.x, at.y));
       even += std::abs(level - ((1 - t) * from + t * to)) < tolerance ? 1 : 0;
     }
-    if (even < kLeastEven * kPlaces) return false;
+    if (even < kOccluder.least_even * kPlaces) return false;
   }
   return true;
 }
 
 void add_strips(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
                 double contrast, std::vector<Occluder>& strips) {
-  constexpr double kOdd = 0.3;      // of the contrast
-  constexpr double kEven = 0.3;     // of the contrast
-  constexpr double kMostWidth = 3;  // of two crossings of one strip, against each other
-  const std::vector<Crossing> crossings = crossings_of(loop, kOdd * contrast);
+  const std::vector<Crossing> crossings = crossings_of(loop, kOccluder.odd * contrast);
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const Crossing& a = crossings[i];
     if (a.count >= kPerSide / 6) {
@@ -163,8 +159,8 @@ void add_strips(const GrayView& image, const FrameHomography& image_from_frame, 
       const Crossing& b = crossings[j];
       if (same_side(loop, a, b)) continue;
       const auto [thin, thick] = std::minmax(a.count, b.count);
-      if (thick > kMostWidth * thin + 2) continue;
-      if (!is_plain(image, image_from_frame, loop, a, b, kEven * contrast)) continue;
+      if (thick > kOccluder.most_width * thin + 2) continue;
+      if (!is_plain(image, image_from_frame, loop, a, b, kOccluder.odd * contrast)) continue;
       strips.push_back(strip_between(loop, a, b));
     }
   }
@@ -219,7 +215,9 @@ double oddness(const Row& row, double level, double expected) {
 
 // From which oddness on a place counts, as a share of the contrast. In ink less would be noise; two
 // modules of white show more, as long as bars of one module can be told.
-double odd_from(const Row& row) { return row.beside == Beside::stroke ? 0.45 : 0.3; }
+double odd_from(const Row& row) {
+  return row.beside == Beside::stroke ? kOccluder.odd_in_ink : kOccluder.odd;
+}
 
 bool is_clear(const Row& row) {
   const double usual = quantile_of(row.level, 0.5);
@@ -230,7 +228,7 @@ bool is_clear(const Row& row) {
 
 // Where the row is not what it is around.
 std::vector<Crossing> crossings_of(const Row& row) {
-  constexpr int kAround = 20 * kPlacesPerModule;
+  constexpr int kAround = kOccluder.around * kPlacesPerModule;
   const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
   const int size = static_cast<int>(row.level.size());
   const auto level = [&](int i) { return row.level[static_cast<std::size_t>(i)]; };
@@ -267,12 +265,11 @@ Crossing part_in_line(const Crossing& broad, const Crossing& narrow) {
 // left. `bars_share` is the bars' height over the rows' distance.
 // Why: docs/decisions/0004-occlusion.md.
 bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
-  constexpr int kBroadest = 10 * kPlacesPerModule;
-  constexpr double kMostWay = 1.2;  // over the bars' height, of its width
+  constexpr int kBroadest = kOccluder.broadest * kPlacesPerModule;
   const auto [broad, broader] = std::minmax(above.count, below.count);
   if (broader > kBroadest || is_much_broader(broader, broad)) return false;
   const int way = std::abs(2 * above.begin + above.count - 2 * below.begin - below.count);
-  return bars_share * way / 2 <= kMostWay * (broad + kPlacesPerModule);
+  return bars_share * way / 2 <= kOccluder.most_way * (broad + kPlacesPerModule);
 }
 
 // Whether the light from the middle of one crossing to that of the other changes evenly; over ink,
@@ -280,8 +277,8 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
   constexpr int kPlaces = 64;
-  constexpr double kLeastEven = 0.85;
-  const double tolerance = (above.beside == Beside::stroke ? 0.15 : 0.3) * above.contrast;
+  const double tolerance =
+      (above.beside == Beside::stroke ? kOccluder.odd / 2 : kOccluder.odd) * above.contrast;
   const auto middle = [](const Crossing& crossing) {
     return static_cast<std::size_t>(crossing.begin + crossing.count / 2);
   };
@@ -297,7 +294,7 @@ bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, co
                                                       : std::abs((1 - t) * from + t * to - level);
     even += off < tolerance ? 1 : 0;
   }
-  return even >= kLeastEven * kPlaces;
+  return even >= kOccluder.least_even * kPlaces;
 }
 
 // Where to ask for strips along the bars: two rows, from above which to below which they lead.

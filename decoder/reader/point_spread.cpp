@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "decoder/image/pixel.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -59,7 +60,6 @@ class Interpolation {
 void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& layout,
                  ScanProfile& profile) {
   if (profile.empty()) return;
-  constexpr double kMost = 4;  // a frame that is hardly one must not spread without bound
   const double quiet = layout.quiet_zone_modules;
   const double middle = width_across(image_from_frame, 0.5);
   const auto u_of = [&](const ScanBin& bin) {
@@ -68,7 +68,8 @@ void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& la
   const Interpolation spread(u_of(profile.front()), u_of(profile.back()), [&](double u) {
     return middle / std::max(width_across(image_from_frame, u), 1e-12);
   });
-  for (ScanBin& bin : profile) bin.spread = std::clamp(spread(u_of(bin)), 1 / kMost, kMost);
+  for (ScanBin& bin : profile)
+    bin.spread = std::clamp(spread(u_of(bin)), 1 / kProfile.most_spread, kProfile.most_spread);
 }
 
 }  // namespace tagsmith::detail

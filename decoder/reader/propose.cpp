@@ -15,22 +15,19 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/image/half_size.hpp"
 #include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
-
-// Frames larger than this are seen in the image at half its size, pixels.
-constexpr int kMaxFinestSize = 240;
 
 // Changes of colour that are followed in a level: so many that a tag's own are not missed in a
 // small picture, and one for so many of its pixels in a large one. Coarse levels are searched
 // whole; what they show is left out of the finer ones.
 std::size_t max_changes(const PyramidLevel& level) {
-  constexpr std::size_t kLeast = 20'000;
   const std::size_t per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
   const auto pixels =
       static_cast<std::size_t>(level.image.width) * static_cast<std::size_t>(level.image.height);
-  return std::max(kLeast, pixels / per_change);
+  return std::max(kSearch.least_changes, pixels / per_change);
 }
 
 // The part of the image around an expected tag.
@@ -52,12 +49,12 @@ PyramidLevel surroundings(const GrayView& image, const ExpectedTag& expected) {
 }
 
 // How far off a side of the frame may be for it to be settled in a level, pixels of the full image.
-double settling_reach(const Quad& quad, double scale) {
+double settling_reach(const Quad& quad, double scale, const FrameShape& shape) {
   double reach = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < 4; ++i) {
     Quad reduced = quad;
     for (PixelPoint& corner : reduced) corner = 1 / scale * corner;
-    reach = std::min(reach, scale * (side_of(reduced, i).reach + 1));
+    reach = std::min(reach, scale * (side_of(reduced, i, shape).reach + 1));
   }
   return reach;
 }
@@ -66,17 +63,17 @@ double settling_reach(const Quad& quad, double scale) {
 // which its frame can be settled from as far off as it may be. Empty where it is out of the image.
 class ExpectedSurroundings {
  public:
-  ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected) {
-    constexpr int kLeastSize = 16;
+  ExpectedSurroundings(const GrayView& image, const ExpectedTag& expected,
+                       const FrameShape& shape) {
     PyramidLevel level = surroundings(image, expected);
-    if (level.image.width < kLeastSize || level.image.height < kLeastSize ||
+    if (level.image.width < kSearch.least_part || level.image.height < kSearch.least_part ||
         !is_convex(expected.corners)) {
       return;
     }
     levels_.push_back(level);
     while (levels_.size() < 3 &&
-           expected.uncertainty_px > settling_reach(expected.corners, level.scale) &&
-           std::min(level.image.width, level.image.height) >= 4 * kLeastSize) {
+           expected.uncertainty_px > settling_reach(expected.corners, level.scale, shape) &&
+           std::min(level.image.width, level.image.height) >= 4 * kSearch.least_part) {
       reduced_.push_back(half_size(level.image));
       level.image = reduced_.back().view();
       level.scale *= 2;
@@ -99,24 +96,24 @@ void propose_outlines(const SearchContext& search, const PyramidLevel& level,
   CandidateOptions options;
   options.searched = searched;
   options.known = search.found.known_in(level);
-  if (level.scale == 1 && !join_pieces) options.max_size = kMaxFinestSize;
+  if (level.scale == 1 && !join_pieces) options.max_size = kSearch.largest_frame;
   options.max_changes = max_changes(level);
   options.join_pieces = join_pieces;
+  options.shape = frame_shape_of(search.options.layouts);
   for (const Quad& quad : find_candidates(level, options)) search.propose(Outline{level, quad});
 }
 
 // The tiles of a level around these regions of bars, in pixels of the full image, as far as a frame
 // reaches. Regions as long as those that the next coarser level shows well are left to it.
 TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& at) {
-  constexpr double kWider = 1.4, kHigher = 2;
-  constexpr double kLongest = 1.5 * kMaxFinestSize;
+  constexpr double kLongest = kSearch.longest * kSearch.largest_frame;
   TileMask mask{at.texture.columns, at.texture.rows,
                 std::vector<std::uint8_t>(at.texture.tiles.size())};
   for (const BarRegion& in_full : regions) {
     const BarRegion region = scaled(in_full, 1 / at.level.scale);
     if (at.level.scale == 1 && region.length > kLongest) continue;
-    const PixelPoint right = (kWider * region.length / 2 + 2 * kTile) * region.across;
-    const PixelPoint down = (kHigher * region.height / 2 + 2 * kTile) * region.along();
+    const PixelPoint right = (kSearch.wider * region.length / 2 + 2 * kTile) * region.across;
+    const PixelPoint down = (kSearch.higher * region.height / 2 + 2 * kTile) * region.along();
     const PixelPoint& c = region.centre;
     const Quad around{c - right - down, c + right - down, c + right + down, c - right + down};
     for (int row = 0; row < mask.rows; ++row) {
@@ -145,8 +142,7 @@ void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
 // Whether the bars of a region can be followed: they are wholly in the image, of about a pixel a
 // module or more, and change as often as a symbol's.
 bool may_be_followed(SearchedImage& picture, const BarRegion& region) {
-  constexpr double kLeastLength = 90;  // pixels
-  return region.length >= kLeastLength && !runs_off(picture.image(), region) &&
+  return region.length >= kSearch.least_length && !runs_off(picture.image(), region) &&
          has_bars(picture.light, region);
 }
 
@@ -171,7 +167,8 @@ bool overlap(const BarRegion& a, const BarRegion& b) {
 // searches the surroundings when that fails.
 void propose_expected(SearchContext& search) {
   for (const ExpectedTag& expected : search.options.expected) {
-    const ExpectedSurroundings around(search.picture.image(), expected);
+    const ExpectedSurroundings around(search.picture.image(), expected,
+                                      frame_shape_of(search.options.layouts));
     if (around.levels().empty()) continue;
     const PyramidLevel& coarsest = around.levels().back();
     search.propose(RoughFrame{coarsest, to_level(coarsest, expected.corners)});
@@ -226,8 +223,6 @@ void propose_refused(SearchContext& search) {
 // found to be much like a symbol.
 // Why: docs/decisions/0008-search-and-its-cost.md.
 void propose_bars(SearchContext& search) {
-  constexpr std::size_t kMost = 3;
-  constexpr double kMostProportion = 6;
   SearchedImage& picture = search.picture;
   const bool everywhere = !search.found.has_read_any() || search.found.has_met_covers();
   const PyramidLevel& half = picture.pyramid().scaled_down(2).level;
@@ -235,7 +230,7 @@ void propose_bars(SearchContext& search) {
   std::vector<BarRegion> proposed;
   for (const BarRegion& region : everywhere ? picture.bars() : search.symbols) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
-    if (region.length > kMostProportion * region.height ||
+    if (region.length > kSearch.most_proportion * region.height ||
         search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
         (!everywhere && search.found.was_looked_at(region)) ||
         !is_symbol_like(half.image, scaled(region, 1 / half.scale)) ||
@@ -244,7 +239,7 @@ void propose_bars(SearchContext& search) {
     }
     search.propose(region);
     proposed.push_back(region);
-    if (proposed.size() == (everywhere ? kMost : 1)) break;
+    if (proposed.size() == (everywhere ? kSearch.most_bars : 1)) break;
   }
 }
 

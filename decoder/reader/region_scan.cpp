@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -66,13 +67,11 @@ const BarLook& best_look(ReadLine& line, Wanted wanted) {
 
 // Leaves out the lines that read much worse than most: they lie beyond the bars or in dirt.
 void drop_strays(std::vector<ReadLine>& lines) {
-  constexpr double kTimesMedian = 2.5;
-  constexpr double kGood = 1.5;  // cost per module
   std::vector<double> costs;
   for (const ReadLine& line : lines) costs.push_back(line.reading.alignment.cost_per_module);
   const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
   std::ranges::nth_element(costs, middle);
-  const double most = std::max(kGood, kTimesMedian * *middle);
+  const double most = std::max(kBarLines.usual, kBarLines.stray * *middle);
   std::erase_if(
       lines, [&](const ReadLine& line) { return line.reading.alignment.cost_per_module > most; });
 }
@@ -86,8 +85,6 @@ bool is_inside(const SampledLight& image, PixelPoint at) {
 std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
                                    const BarRegion& region, Wanted wanted,
                                    const FirstLineLimits& limits) {
-  constexpr std::size_t kMostPlaces = 10;
-  constexpr double kGood = 1;  // no need to look further
   const double nominal_module = region.length / kModuleCount / frame.step;
   std::vector<ReadLine> lines;
   std::vector<FirstPlace> places;
@@ -96,12 +93,12 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
     lines.push_back({offset, light_along(image, frame, offset, region.height / 8), {}});
     for (const SymbolPlace& place : find_symbol_places(
              lines.back().light, limits.least_module * nominal_module,
-             limits.greatest_module * nominal_module, kMostPlaces, limits.worst_place)) {
+             limits.greatest_module * nominal_module, kBarLines.most_places, limits.worst_place)) {
       places.push_back({lines.size() - 1, place});
     }
   }
   std::ranges::stable_sort(places, {}, [](const FirstPlace& p) { return p.place.cost; });
-  if (places.size() > kMostPlaces) places.resize(kMostPlaces);
+  if (places.size() > kBarLines.most_places) places.resize(kBarLines.most_places);
   double best = limits.worst_cost;
   std::optional<FirstPlace> found;
   for (const auto& [line, place] : places) {
@@ -114,7 +111,7 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
       best = cost;
       found = FirstPlace{line, way};
     }
-    if (best < kGood) break;
+    if (best < kBarLines.good) break;
   }
   if (!found) return std::nullopt;
   ReadLine first = std::move(lines[found->line]);
@@ -128,15 +125,13 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
 
 RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
                        ReadLine first, int lines, Wanted wanted) {
-  constexpr double kWorst = 4;  // a line worse than this is dirt or lies beyond the bars
-  constexpr int kMostMisses = 3;
   const BarLook& look = best_look(first, wanted);
   RegionScan scan{frame, std::max(1.0, region.height / lines), &look, {}};
   for (const double direction : {-1.0, 1.0}) {
     SymbolPlace place = place_of(first.reading.alignment);
     int misses = 0;
     for (double offset = first.offset + direction * scan.spacing;
-         std::abs(offset) < 0.6 * region.height && misses < kMostMisses;
+         std::abs(offset) < 0.6 * region.height && misses < kBarLines.most_misses;
          offset += direction * scan.spacing) {
       if (!is_inside(image, frame.pixel(place.begin + kModuleCount / 2.0 * place.module, offset))) {
         break;
@@ -144,8 +139,8 @@ RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarReg
       ScanLine light = light_along(image, frame, offset, scan.spacing);
       const auto placed = placed_line(light, place);
       const auto reading =
-          placed ? read_line(*placed, look.templates, wanted, kWorst) : std::nullopt;
-      if (!reading || reading->alignment.cost_per_module > kWorst) {
+          placed ? read_line(*placed, look.templates, wanted, kBarLines.worst) : std::nullopt;
+      if (!reading || reading->alignment.cost_per_module > kBarLines.worst) {
         ++misses;
         continue;
       }

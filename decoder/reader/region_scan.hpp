@@ -11,6 +11,7 @@
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/sampled_light.hpp"
 #include "decoder/scan/elastic_scan.hpp"
+#include "decoder/scan/tuning.hpp"
 
 namespace tagsmith::detail {
 
@@ -40,7 +41,7 @@ struct RegionScan {
 struct FirstLineLimits {
   double least_module = 0.5;  // of what the region's length says
   double greatest_module = 1.8;
-  double worst_place = kWorstPlace;
+  double worst_place = kPlace.worst;
   double worst_cost = 4;  // per module; a blurred symbol's
 };
 

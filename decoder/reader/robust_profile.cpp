@@ -13,6 +13,7 @@
 #include "decoder/reader/agreeing_rows.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/point_spread.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -53,22 +54,19 @@ SymbolRows rows_in_sight(const GrayView& image, const Quad& corners, const LensD
 }
 
 ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed) {
-  constexpr float kModelError = 0.02F;  // of the contrast
-  constexpr float kFewRows = 0.1F;      // of the contrast where hardly a row shows
-  constexpr float kLeastShown = 0.05F;
   ScanProfile profile;
   for (std::size_t bin = 0; bin < agreed.size(); ++bin) {
     const Agreed& at = agreed[bin];
     if (rows.middles[bin] < 0) continue;
     const double place = rows.module_of(static_cast<double>(rows.middles[bin]));
-    if (at.weight == 0 || at.shown < kLeastShown) {
+    if (at.weight == 0 || at.shown < kProfile.least_shown) {
       profile.push_back({place, 0.5, kHiddenVariance, 1});
       continue;
     }
-    const float few = kFewRows * (1 - at.shown) * (1 - at.shown);
+    const float few = kProfile.few_rows * (1 - at.shown) * (1 - at.shown);
     const float doubt = std::min(1.0F, 2 * at.doubt);
-    const float variance =
-        1 / at.weight + kModelError * kModelError + few * few + doubt * doubt * doubt * doubt;
+    const float variance = 1 / at.weight + kProfile.model_error * kProfile.model_error + few * few +
+                           doubt * doubt * doubt * doubt;
     profile.push_back({place, static_cast<double>(at.darkness), static_cast<double>(variance), 1});
   }
   return profile;
@@ -84,7 +82,6 @@ struct Lean {
 // A row that is moved by m modules against the others differs from them by m times their slope:
 // least squares over all cells of stretches that follow, each bin's rows against their own mean.
 std::optional<Lean> lean_of(const SymbolRows& rows) {
-  constexpr float kMostOff = 0.35F;  // of the contrast: what is more is something else
   constexpr double kLeastInformation = 1e-6;
   const CommonDarkness common = settle(rows, AddedLight::even).common;
   const RowStretches stretches(rows, common, AddedLight::even);
@@ -96,7 +93,7 @@ std::optional<Lean> lean_of(const SymbolRows& rows) {
     for (std::size_t row = 0; row < rows.rows; ++row) {
       const Vote vote = stretches.vote(rows, common, row, bin);
       const float off = vote.darkness - common.darkness[bin];
-      if (vote.weight == 0 || std::abs(off) > kMostOff) continue;
+      if (vote.weight == 0 || std::abs(off) > kProfile.most_off) continue;
       const double weight = static_cast<double>(vote.weight), height = rows.height_of(row);
       w += weight;
       v += weight * height;
@@ -137,11 +134,10 @@ RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
   // Where the frame's blur or its corners' error may reach, the bars' ends are not used.
-  constexpr double kClear = 0.07;  // of the bars' height at each end
   const SymbolLayout& layout = rows_.layout;
   const double bars = layout.bars_bottom - layout.bars_top;
-  const double top = layout.bars_top + std::max(part.begin, kClear) * bars;
-  const double bottom = layout.bars_top + std::min(part.end, 1 - kClear) * bars;
+  const double top = layout.bars_top + std::max(part.begin, kProfile.safe_ends) * bars;
+  const double bottom = layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars;
   const auto& sides = frame_.sides;
   const PlateLevels levels{
       {sides[0].white_begin, sides[0].white_end, sides[2].white_begin, sides[2].white_end},
@@ -159,12 +155,9 @@ SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
 
 Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
                      const SymbolLayout& layout, const LensDistortion& lens) {
-  constexpr int kRounds = 4;
-  constexpr double kStill = 0.02;  // modules
-  constexpr double kMostLean = 2;  // modules: the outer rows are then two thirds of one off
   const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   Quad aligned = corners;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kProfile.rounds; ++round) {
     SymbolRows rows = rows_in_sight(image, aligned, lens, layout, stroke_px);
     leave_out_plain(rows);
     const auto lean = lean_of(rows);
@@ -173,11 +166,11 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
     const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
     const double left = lean->at_begin - growth * layout.quiet_zone_modules;
     const double right = lean->at_end + growth * layout.quiet_zone_modules;
-    if (std::max(std::abs(left), std::abs(right)) > kMostLean) return corners;
+    if (std::max(std::abs(left), std::abs(right)) > kProfile.most_lean) return corners;
     const FrameHomography& map = rows.image_from_frame;
     aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
                map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
-    if (std::max(std::abs(left), std::abs(right)) < kStill) break;
+    if (std::max(std::abs(left), std::abs(right)) < kProfile.at_rest) break;
   }
   return aligned;
 }

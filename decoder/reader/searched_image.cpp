@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <functional>
 
+#include "decoder/reader/tuning.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -24,12 +26,11 @@ const Pyramid& SearchedImage::pyramid() {
 }
 
 const std::vector<BarRegion>& SearchedImage::bars() {
-  constexpr double kMostPixels = 2e6;
-  constexpr std::size_t kMost = 24;
   if (bars_) return *bars_;
   std::vector<BarRegion> all;
   for (const SearchLevel& at : pyramid().levels()) {
-    if (static_cast<double>(at.level.image.width) * at.level.image.height > kMostPixels) continue;
+    if (static_cast<double>(at.level.image.width) * at.level.image.height > kSearch.most_pixels)
+      continue;
     for (const BarRegion& region : find_bar_regions(at.texture)) {
       all.push_back(scaled(region, at.level.scale));
     }
@@ -38,7 +39,7 @@ const std::vector<BarRegion>& SearchedImage::bars() {
                            [](const BarRegion& region) { return region.length * region.height; });
   bars_.emplace();
   for (const BarRegion& region : all) {
-    if (bars_->size() == kMost) break;
+    if (bars_->size() == kSearch.most_regions) break;
     const auto same = [&](const BarRegion& other) { return same_bars(region, other); };
     if (std::ranges::none_of(*bars_, same)) bars_->push_back(region);
   }

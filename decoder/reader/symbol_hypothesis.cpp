@@ -6,6 +6,7 @@
 
 #include "decoder/feature_frame/bar_direction.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -38,10 +39,9 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
 }  // namespace
 
 std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad) {
-  constexpr double kClear = 1.5;
   const BarSteps steps = bar_steps(image, quad);
-  if (steps.along > kClear * steps.across) return {0};
-  if (steps.across > kClear * steps.along) return {1};
+  if (steps.along > kSearch.clear_direction * steps.across) return {0};
+  if (steps.across > kSearch.clear_direction * steps.along) return {1};
   return {0, 1};
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+
+#include "decoder/feature_frame/frame_shape.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith::detail {
@@ -11,10 +14,14 @@ struct SymbolLayout {
   double quiet_zone_modules = 9;  // between the frame's inner edge and the first and last bar
   double bars_top = 0.163;        // ends of the bars as shares of the frame's inner height
   double bars_bottom = 0.837;
+  FrameShape frame;  // around it
 
   bool operator==(const SymbolLayout&) const = default;
 };
 
 SymbolLayout layout_of(const TagTemplate& tag);
+
+// The shape of frames to search for where any of these layouts may be: their mean.
+FrameShape frame_shape_of(std::span<const SymbolLayout> layouts);
 
 }  // namespace tagsmith::detail

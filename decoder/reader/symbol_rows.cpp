@@ -7,6 +7,7 @@
 #include <span>
 
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "tagsmith/base/quantile.hpp"
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -26,18 +27,16 @@ struct PixelSteps {
 };
 
 PixelSteps pixel_steps(const SymbolRows& rows, const Quad& corners) {
-  constexpr double kMostPixels = 2.5;  // along a bar, of a row
   const double along_bar = rows.height_px * (rows.bottom - rows.top);
   const int skip =
-      std::max(1, static_cast<int>(along_bar / (kMostPixels * static_cast<double>(rows.rows))));
+      std::max(1, static_cast<int>(along_bar / (kProfile.row_px * static_cast<double>(rows.rows))));
   const PixelPoint along = corners[1] - corners[0];
   return std::abs(along.x) < std::abs(along.y) ? PixelSteps{skip, 1} : PixelSteps{1, skip};
 }
 
 std::size_t row_count(double height_px, RowHeight row_height) {
-  constexpr double kFine = 2.5;  // pixels: enough for most bins to hold one
   if (row_height == RowHeight::coarse) return height_px < 40 ? 8 : 16;
-  return static_cast<std::size_t>(std::clamp(std::lround(height_px / kFine), 16L, 64L));
+  return static_cast<std::size_t>(std::clamp(std::lround(height_px / kProfile.row_px), 16L, 64L));
 }
 
 // The pixels that the rows may touch, bowed sides included.
@@ -140,21 +139,18 @@ float middle_of(const SymbolRows& rows, std::size_t bin) {
 SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensDistortion& lens,
                        const SymbolLayout& of, RowHeight row_height)
     : layout(of), image_from_frame(corners, lens) {
-  constexpr double kMostBefore = 4;  // modules
-  constexpr double kClear = 0.06;    // of the bars' height at each end, at most
-  constexpr double kClearPx = 2;     // pixels: the blur of the bars' ends
   const double half = 0.5 / modules_inside(layout);
   module_px = distance(image_from_frame(0.5 - half, 0.5), image_from_frame(0.5 + half, 0.5));
   height_px = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
   // Often only the bars' ends show what an occluder hides.
   const double bars = layout.bars_bottom - layout.bars_top;
-  const double clear = std::min(kClear * bars, kClearPx / height_px);
+  const double clear = std::min(kProfile.ends * bars, kProfile.ends_px / height_px);
   top = layout.bars_top + clear;
   bottom = layout.bars_bottom - clear;
   rows = row_count(height_px * (bottom - top), row_height);
   // Two bins a pixel and six a module lose nothing.
   bins_per_module = std::clamp(static_cast<int>(std::lround(2.5 * module_px)), 3, 6);
-  modules_before = std::min(kMostBefore, layout.quiet_zone_modules);
+  modules_before = std::min(kProfile.beyond, layout.quiet_zone_modules);
   bins = static_cast<std::size_t>((kModuleCount + 2 * modules_before) * bins_per_module);
   cells.resize(rows * bins);
   add_pixels(image, corners, *this);
@@ -209,14 +205,8 @@ std::vector<float> unevenness_of(const SymbolRows& rows, std::size_t row, std::s
 }  // namespace
 
 void leave_out_plain(SymbolRows& rows) {
-  constexpr double kWindow = 5.5;    // modules
-  constexpr double kOutline = 0.25;  // modules to both sides: an occluder's blurred edge
-  constexpr double kShowing = 0.93;  // of the rows at a place, the one taken to show bars
-  constexpr double kPlain = 0.08;    // of its variance
-  // Of the usual variance where bars show: less is a margin, more the outline of a highlight.
-  constexpr double kLeastBars = 0.3, kMostBars = 1.5;
-  const auto window = static_cast<std::size_t>(kWindow * rows.bins_per_module);
-  const auto outline = static_cast<std::size_t>(kOutline * rows.bins_per_module);
+  const auto window = static_cast<std::size_t>(kProfile.plain_window * rows.bins_per_module);
+  const auto outline = static_cast<std::size_t>(kProfile.outline * rows.bins_per_module);
   std::vector<std::vector<float>> uneven;
   for (std::size_t row = 0; row < rows.rows; ++row) {
     uneven.push_back(unevenness_of(rows, row, window));
@@ -228,16 +218,16 @@ void leave_out_plain(SymbolRows& rows) {
       if (row[begin] >= 0) here.push_back(static_cast<double>(row[begin]));
     }
     if (here.empty()) continue;
-    showing[begin] = quantile(here, kShowing);
+    showing[begin] = quantile(here, kProfile.showing);
     known.push_back(showing[begin]);
   }
   if (known.empty()) return;
   const double usual = quantile(known, 0.5);
   for (std::size_t row = 0; row < rows.rows; ++row) {
     for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
-      if (uneven[row][begin] < 0 || showing[begin] < kLeastBars * usual) continue;
-      const double bars = std::min(showing[begin], kMostBars * usual);
-      if (static_cast<double>(uneven[row][begin]) > kPlain * bars) continue;
+      if (uneven[row][begin] < 0 || showing[begin] < kProfile.least_bars * usual) continue;
+      const double bars = std::min(showing[begin], kProfile.most_bars * usual);
+      if (static_cast<double>(uneven[row][begin]) > kProfile.plain * bars) continue;
       const std::size_t end = std::min(rows.bins, begin + window + outline);
       for (std::size_t bin = begin > outline ? begin - outline : 0; bin < end; ++bin) {
         rows.cell(row, bin).count = 0;

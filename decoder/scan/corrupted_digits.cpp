@@ -6,13 +6,10 @@
 
 #include <Eigen/Core>
 
+#include "decoder/scan/tuning.hpp"
+
 namespace tagsmith::detail {
 namespace {
-
-// Shares beforehand and standard deviations of the modules, in contrasts: print and light are never
-// quite even; some digits have a reflection or a smear; few are covered.
-constexpr double kUneven = 0.05, kCorrupted = 0.001;
-constexpr double kEvenSigma = 0.06, kUnevenSigma = 0.15, kCorruptedSigma = 0.5;
 
 constexpr std::size_t kModules = DigitModules::kModules;
 constexpr std::size_t kDigits = 10;
@@ -103,9 +100,9 @@ struct LogLikelihoods {
 
 LogLikelihoods log_likelihoods(const SideBySide& digits) {
   LogLikelihoods logs;
-  logs.even = log_freed(free_modules(digits.products, kEvenSigma), digits.residuals);
-  logs.uneven = log_freed(free_modules(digits.products, kUnevenSigma), digits.residuals);
-  const Freed corrupted = free_modules(digits.products, kCorruptedSigma);
+  logs.even = log_freed(free_modules(digits.products, kOdds.even_sigma), digits.residuals);
+  logs.uneven = log_freed(free_modules(digits.products, kOdds.uneven_sigma), digits.residuals);
+  const Freed corrupted = free_modules(digits.products, kOdds.corrupted_sigma);
   logs.corrupted = log_freed(corrupted, digits.residuals);
   for (std::size_t other = 0; other < kDigits; ++other) {
     const Modules& change = digits.changes[other];
@@ -124,14 +121,14 @@ LogLikelihoods log_likelihoods(const SideBySide& digits) {
 
 double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t digit) {
   const double log_even = logs.even[lane];
-  const double log_uneven = std::log(kUneven) + logs.uneven[lane];
-  const double log_spoilt = std::log(kCorrupted) + logs.corrupted[lane];
+  const double log_uneven = std::log(kOdds.uneven) + logs.uneven[lane];
+  const double log_spoilt = std::log(kOdds.corrupted) + logs.corrupted[lane];
   const double greatest = std::max({log_even, log_uneven, log_spoilt});
   const double right = std::exp(log_even - greatest) + std::exp(log_uneven - greatest) +
                        std::exp(log_spoilt - greatest);
   double wrong = 0;
   for (std::size_t other = 0; other < kDigits; ++other) {
-    if (other != digit) wrong += kCorrupted * std::exp(logs.changed[other][lane] - greatest);
+    if (other != digit) wrong += kOdds.corrupted * std::exp(logs.changed[other][lane] - greatest);
   }
   return wrong / right;
 }

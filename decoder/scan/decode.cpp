@@ -14,6 +14,7 @@
 #include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/module_light.hpp"
 #include "decoder/scan/symbol_search.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -61,19 +62,6 @@ BestSymbol best_of(const CharacterCosts& costs, const DecodeOptions& options) {
   return best;
 }
 
-// What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
-// ("Reliability"). A tunnel holds less.
-constexpr double kWrongCheck = 0.02;     // a symbol whose check digit fails
-constexpr double kForeign = 0.1;         // a character that is no digit
-constexpr double kCorruptedToOther = 1;  // a corrupted digit with which the other scheme may hold
-constexpr double kNearStranger = 5e-3;   // a symbol that differs from the book's in one character
-constexpr double kCorruptedStranger = 2e-3;  // a corrupted digit that makes it look like the book's
-constexpr double kStrangers = 0.5;           // all strangers to the book together
-// Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
-// the sums say. With a book they are right, and for corrupted digits too much.
-// Why: docs/decisions/0003-confidence-and-its-border.md.
-constexpr double kUnderstated = 3;
-
 // Other codes, and what is no code at all.
 PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& options,
                           const BestSymbol& best) {
@@ -83,18 +71,19 @@ PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& opti
   if (!options.code_book.empty()) {
     const auto codes = static_cast<double>(options.code_book.size());
     doubt.other_codes = besides(sum_of_codes(costs, best, options.code_book));
-    const double near = besides(sum_of_symbols(costs, best, {kNearStranger, kNearStranger}));
-    const double any = kStrangers * codes / kSymbols * sum_of_symbols(costs, best, {1, 0});
+    const double near =
+        besides(sum_of_symbols(costs, best, {kOdds.near_stranger, kOdds.near_stranger}));
+    const double any = kOdds.strangers * codes / kSymbols * sum_of_symbols(costs, best, {1, 0});
     doubt.misprints = near + any;
     return doubt;
   }
   for (const CheckDigit scheme : schemes_of(options)) {
     const bool holds = has_check_digit(scheme, digits_of(best.characters));
     const double sum = sum_of_codes(costs, best, scheme);
-    doubt.other_codes += kUnderstated * (holds ? besides(sum) : sum);
+    doubt.other_codes += kOdds.understated * (holds ? besides(sum) : sum);
   }
-  doubt.misprints =
-      kUnderstated * kWrongCheck * besides(sum_of_symbols(costs, best, {1, kForeign}));
+  doubt.misprints = kOdds.understated * kOdds.wrong_check *
+                    besides(sum_of_symbols(costs, best, {1, kOdds.foreign}));
   return doubt;
 }
 
@@ -108,22 +97,19 @@ struct VarianceFactors {
 
 // From the misfits of the profile to the symbol.
 VarianceFactors variance_factors_of(const std::array<float, kModuleCount>& misfits) {
-  constexpr double kLeast = 0.15;
   constexpr std::size_t kClear = kModuleCount * 8 / 10;  // of the modules, those that fit best
   constexpr double kClearMean = 0.44;  // of a chi-square variable of one degree below its 80 %
-  constexpr int kReach = 4;            // modules to either side
-  constexpr double kPrior = 5;         // modules' worth of the common value
   std::array<float, kModuleCount> sorted = misfits;
   std::ranges::sort(sorted);
   double sum = 0;
   for (std::size_t k = 0; k < kClear; ++k) sum += static_cast<double>(sorted[k]);
   VarianceFactors factors;
-  factors.common = std::max(kLeast, sum / static_cast<double>(kClear) / kClearMean);
+  factors.common = std::max(kDecode.least_noise, sum / static_cast<double>(kClear) / kClearMean);
   for (int k = 0; k < kModuleCount; ++k) {
-    double weight = kPrior;
-    double total = kPrior * factors.common;
-    for (int near = std::max(0, k - kReach); near <= std::min(kModuleCount - 1, k + kReach);
-         ++near) {
+    double weight = kDecode.noise_prior;
+    double total = kDecode.noise_prior * factors.common;
+    for (int near = std::max(0, k - kDecode.noise_reach);
+         near <= std::min(kModuleCount - 1, k + kDecode.noise_reach); ++near) {
       total += static_cast<double>(misfits[static_cast<std::size_t>(near)]);
       weight += 1;
     }
@@ -149,10 +135,10 @@ ScanProfile with_common_noise(ScanProfile profile, const VarianceFactors& factor
 // another scheme's, a misprint or a stranger. Where both schemes hold, neither does with any single
 // other digit: both weigh each place by what has an inverse modulo 10.
 double share_of_corrupted(const DecodeOptions& options, const Digits& digits) {
-  if (!options.code_book.empty()) return kCorruptedStranger;
+  if (!options.code_book.empty()) return kOdds.corrupted_stranger;
   const bool may_be_others = !options.check && !(has_check_digit(CheckDigit::sum10, digits) &&
                                                  has_check_digit(CheckDigit::gs1, digits));
-  return kWrongCheck + (may_be_others ? kCorruptedToOther : 0);
+  return kOdds.wrong_check + (may_be_others ? 1 : 0);
 }
 
 // How a profile is read at first: by the picture of the symbol that it starts from.
@@ -178,7 +164,6 @@ struct Settled {
 // those of the profile by the start's picture.
 std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& start,
                               const CharacterCosts& costs, const DecodeOptions& options) {
-  constexpr int kMaxRounds = 4;
   Decoding decoding;
   decoding.digits = digits_of(best_of(costs, options).characters);
   double blur = start.blur;
@@ -187,7 +172,7 @@ std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& st
     from.blur = blur;
     decoding.fit = fit_symbol(profile, decoding.digits, from);
     const ImagingModel& image = decoding.fit.image;
-    if (!(image.black - image.white > 0.05)) return std::nullopt;
+    if (!(image.black - image.white > kSymbolFit.least_contrast)) return std::nullopt;
     blur = image.blur;
     ModuleLight light(profile, image);
     ModuleNormalEquations system(profile, light);
@@ -197,7 +182,7 @@ std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& st
           digits_of(best_of(system.character_costs(&reference), options).characters);
       return std::exchange(decoding.digits, digits) == digits;
     };
-    if (round == kMaxRounds || is_settled()) {
+    if (round == kDecode.rounds || is_settled()) {
       return Settled{std::move(decoding), std::move(light), std::move(system)};
     }
   }
@@ -214,17 +199,16 @@ struct Cleaned {
 
 // Why: docs/decisions/0004-occlusion.md.
 Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding) {
-  constexpr double kTolerance = 0.12;  // of the contrast, beside the noise
-  constexpr double kAgreement = 0.85;
   Cleaned cleaned{profile, 1};
   std::size_t covered = 0;
   const ImagingModel& image = decoding.fit.image;
   const std::vector<double> expected = expected_darkness(image, decoding.digits, profile);
   for (std::size_t i = 0; i < profile.size(); ++i) {
-    if (profile[i].agreement > kAgreement) continue;
+    if (profile[i].agreement > kDecode.agreement) continue;
     const double residual = std::abs(profile[i].darkness - expected[i]);
     const double contrast = image.black - image.white;
-    if (residual < kTolerance * contrast + 3.5 * std::sqrt(profile[i].variance)) continue;
+    if (residual < kDecode.odd * contrast + kDecode.odd_sigmas * std::sqrt(profile[i].variance))
+      continue;
     cleaned.profile[i].variance = kHiddenVariance;
     ++covered;
   }
@@ -239,12 +223,9 @@ constexpr PosteriorOdds kRefuted{std::numeric_limits<double>::infinity(), 0, 0};
 // left of it.
 PosteriorOdds doubt_by(const ModuleNormalEquations& system, const DecodeOptions& options,
                        const Digits& digits) {
-  // Twenty characters at twelve places are exp(36) symbols. When each costs so much more, all of
-  // them together are less likely than exp(-44).
-  constexpr double kBeyondDoubt = 160;
   const Characters characters = characters_of(digits);
   const CharacterCosts costs = system.character_costs(&characters);
-  if (least_other_cost(costs, characters) > costs.of(characters) + kBeyondDoubt) return {};
+  if (least_other_cost(costs, characters) > costs.of(characters) + kOdds.decided) return {};
   const BestSymbol best = best_of(costs, options);
   if (best.characters == characters) return doubt_about(costs, options, best);
   return kRefuted;
@@ -284,13 +265,10 @@ void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeO
 // Decodes a profile seen the right way round.
 std::optional<Decoding> decode_upright(const ScanProfile& profile, const Start& start,
                                        const DecodeOptions& options) {
-  constexpr double kNearlyAll = 0.985;  // explained: nothing to set aside
-  constexpr int kMaxCleanings = 3;
-  constexpr double kHopeless = 0.75;  // explained: so little of it that nothing would be believed
   std::optional<Settled> settled = settle(profile, start.image, start.costs, options);
   Cleaned cleaned{profile, 1};
-  for (int i = 0; settled && i < kMaxCleanings && settled->decoding.fit.explained < kNearlyAll;
-       ++i) {
+  for (int i = 0;
+       settled && i < kDecode.cleanings && settled->decoding.fit.explained < kDecode.clean; ++i) {
     Cleaned next = set_aside_outliers(profile, settled->decoding);
     if (next.kept == cleaned.kept) break;
     cleaned = std::move(next);
@@ -305,7 +283,7 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Start& 
       expected_darkness(decoding.fit.image, decoding.digits, profile);
   decoding.guards = explained_by_guards(cleaned.profile, decoding.fit.image, expected);
   decoding.worst_digit = least_explained_digit(cleaned.profile, decoding.fit.image, expected);
-  if (decoding.fit.explained < kHopeless) {
+  if (decoding.fit.explained < kDecode.hopeless) {
     decoding.doubt = kRefuted;
     return decoding;
   }
@@ -317,18 +295,14 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Start& 
 
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options) {
-  constexpr std::size_t kLeastPlaces = 40;
-  constexpr double kLeastGuards = 0.35;  // before any adjustment
-  constexpr double kDecided = 20;        // logarithm of the likelihood ratio of the two ways up
-  constexpr double kFlattening = 4;      // of likelihoods before the noise is known
-  if (profile.size() < kLeastPlaces) return std::nullopt;
+  if (profile.size() < kDecode.least_places) return std::nullopt;
   const std::vector<double> expected = expected_darkness(start, {}, profile);
-  if (explained_by_guards(profile, start, expected) < kLeastGuards) return std::nullopt;
+  if (explained_by_guards(profile, start, expected) < kDecode.least_guards) return std::nullopt;
   const Start from(profile, start);
   const double up = best_symbol(from.costs, SymbolClass::upright).cost;
   const double down = best_symbol(from.costs, SymbolClass::upside_down).cost;
   const double per_place = std::min(up, down) / static_cast<double>(profile.size());
-  const double decided = 2 * kDecided * kFlattening * std::max(1.0, per_place);
+  const double decided = kOdds.decided * std::max(1.0, per_place);
   std::optional<Decoding> best;
   if (up < down + decided) best = decode_upright(profile, from, options);
   if (down < up + decided) {

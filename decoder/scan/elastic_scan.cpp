@@ -7,6 +7,7 @@
 
 #include "decoder/scan/place_rows.hpp"
 #include "decoder/scan/running.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -17,7 +18,6 @@ constexpr int kPerModule = kPlacedPerModule;
 constexpr int kSegments = 15;  // start guard, 6 digits, centre guard, 6 digits, end guard
 constexpr int kMargin = kPlacedMargin;
 constexpr int kSlack = kPlacedSlack;  // modules that a boundary may be off
-constexpr int kQuiet = 5;             // modules of quiet zone that are looked at
 constexpr int kRatios = 9;            // local module widths: 31 to 39 samples for seven modules
 constexpr int kNominalRatio = 4;
 constexpr int kSamplesPerDigit = kModulesPerDigit * kPerModule;
@@ -25,9 +25,7 @@ constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
 constexpr int kLineSamples = (kModuleCount + 2 * kMargin) * kPerModule;
 constexpr int kTemplates = 20;  // ten digits; for the left half ten more of even parity
 static_assert(kPlaces == kPlaceCount && kRatios == kWidthCount);
-// Squared residual per sample of a good line: 0.14 of the contrast, much of it shared by a module's
-// samples. Tuned, with the penalties below, on rendered symbols (tests/reader/frameless_test.cpp).
-constexpr float kSampleWeight = 1.0F / (0.02F * kPerModule);
+constexpr float kSampleWeight = 1.0F / (kElastic.variance * kPerModule);
 
 int modules_of_segment(int segment) {
   if (segment == 0 || segment == 14) return 3;
@@ -223,12 +221,12 @@ class SegmentCosts {
 };
 
 WidthPenalties penalties_for(double sigma) {
-  constexpr double kLevelSigma = 0.15;
   WidthPenalties table{};
   for (int from = 0; from < kRatios; ++from) {
     for (int to = 0; to < kRatios; ++to) {
       const double change = static_cast<double>(to - from) / kSamplesPerDigit / sigma;
-      const double level = static_cast<double>(to - kNominalRatio) / kSamplesPerDigit / kLevelSigma;
+      const double level =
+          static_cast<double>(to - kNominalRatio) / kSamplesPerDigit / kElastic.level_sigma;
       table[static_cast<std::size_t>(from)][static_cast<std::size_t>(to)] =
           static_cast<float>(change * change + level * level);
     }
@@ -238,8 +236,8 @@ WidthPenalties penalties_for(double sigma) {
 
 // Local widths change slowly; guard patterns are too short to tell theirs closely.
 const WidthPenalties& change_penalties(int segment) {
-  static const WidthPenalties digits = penalties_for(0.04);
-  static const WidthPenalties guards = penalties_for(0.08);
+  static const WidthPenalties digits = penalties_for(kElastic.digit_sigma);
+  static const WidthPenalties guards = penalties_for(kElastic.guard_sigma);
   return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
 }
 
@@ -253,8 +251,8 @@ WidthPenalties transposed(const WidthPenalties& table) {
 
 // The same by the width after, then the one before.
 const WidthPenalties& penalties_backwards(int segment) {
-  static const WidthPenalties digits = transposed(penalties_for(0.04));
-  static const WidthPenalties guards = transposed(penalties_for(0.08));
+  static const WidthPenalties digits = transposed(penalties_for(kElastic.digit_sigma));
+  static const WidthPenalties guards = transposed(penalties_for(kElastic.guard_sigma));
   return is_digit(segment) && is_digit(segment - 1) ? digits : guards;
 }
 
@@ -323,7 +321,7 @@ class Chain {
   }
 
  private:
-  static constexpr int kWeighedModules = kModuleCount + 2 * kQuiet;
+  static constexpr int kWeighedModules = kModuleCount + 2 * kElastic.quiet;
 
   // The segments' costs are made from the last one on.
   const SegmentCosts& costs_of(int s) const {
@@ -335,10 +333,10 @@ class Chain {
   PlaceRows quiet_costs(int module) const {
     PlaceRow row;
     row.fill(kFarCost);
-    const int first = (kMargin + module - kSlack - (module == 0 ? kQuiet : 0)) * kPerModule;
+    const int first = (kMargin + module - kSlack - (module == 0 ? kElastic.quiet : 0)) * kPerModule;
     for (int place = 0; place < kPlaces; ++place) {
       float sum = 0;
-      for (int i = first + place; i < first + place + kQuiet * kPerModule; ++i) {
+      for (int i = first + place; i < first + place + kElastic.quiet * kPerModule; ++i) {
         const float dark = std::clamp(line_.samples()[static_cast<std::size_t>(i)], 0.0F, 1.0F);
         sum += dark * dark;
       }

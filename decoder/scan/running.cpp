@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith::detail {
@@ -105,12 +106,11 @@ std::vector<float> running_mean(const std::vector<float>& samples, std::size_t w
 }
 
 std::vector<float> local_darkness(const std::vector<float>& line, std::size_t window) {
-  constexpr float kLeastShare = 0.2F;  // of the line's whole contrast: less is no bars
   if (line.empty()) return {};
   const std::vector<float> white = running_mean(running_maximum(line, window), window / 2);
   const std::vector<float> black = running_mean(running_minimum(line, window), window / 2);
   const auto [low, high] = std::ranges::minmax_element(line);
-  const float least = std::max(kLeastShare * (*high - *low), 1e-6F);
+  const float least = std::max(kPlace.least_contrast * (*high - *low), 1e-6F);
   std::vector<float> darkness(line);
   darkness_between(white.data(), black.data(), least, darkness);
   return darkness;

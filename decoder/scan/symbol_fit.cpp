@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "decoder/scan/symbol_edges.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/wide.hpp"
 
 namespace tagsmith::detail {
@@ -18,10 +19,6 @@ constexpr int kParameters = 8;
 enum : int { kLogBlur, kShift, kStretch, kBend, kGrowth, kWhite, kBlack, kShading };
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
-
-// Weak priors: standard deviations of the parameters about their nominal values. They hold what a
-// short or empty profile leaves open, and forbid what would turn one digit into another.
-constexpr std::array<double, kParameters> kPriorSigma{0.7, 0.5, 0.006, 0.3, 0.35, 0.3, 0.3, 0.2};
 
 Parameters pack(const ImagingModel& image) {
   Parameters p;
@@ -93,7 +90,7 @@ struct NormalEquations {
 
 void add_priors(ParameterMatrix& matrix) {
   for (int i = 0; i < kParameters; ++i) {
-    const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+    const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
     matrix(i, i) += 1 / (sigma * sigma);
   }
 }
@@ -164,7 +161,7 @@ class FitProblem {
   NormalEquations equations_at(const Parameters& p, const std::vector<WeighedPlace>& places) const {
     NormalEquations normal = normal_equations(places);
     for (int i = 0; i < kParameters; ++i) {
-      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+      const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
       normal.right[i] += (nominal_[i] - p[i]) / (sigma * sigma);
     }
     return normal;
@@ -174,7 +171,7 @@ class FitProblem {
   double prior_cost(const Parameters& p) const {
     double cost = 0;
     for (int i = 0; i < kParameters; ++i) {
-      const double sigma = kPriorSigma[static_cast<std::size_t>(i)];
+      const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
       const double off = nominal_[i] - p[i];
       cost += off * off / (sigma * sigma);
     }
@@ -205,7 +202,6 @@ double total_variation(const ScanProfile& profile) {
 }  // namespace
 
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
-  constexpr int kMaxSteps = 12;
   ImagingModel nominal_image;
   nominal_image.blur = start.blur;
   const FitProblem problem(profile, digits, pack(nominal_image));
@@ -215,7 +211,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
   NormalEquations normal = problem.equations_at(p, places);
   double damping = 1e-4;
   bool is_promising = true;  // after a step that was not taken, the next may not be either
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kSymbolFit.most_steps; ++step) {
     ParameterMatrix matrix = normal.matrix;
     matrix.diagonal() *= 1 + damping;
     Parameters next = p + matrix.ldlt().solve(normal.right);
@@ -233,7 +229,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
     p = next;
     cost = tried;
     damping = std::max(1e-6, damping * 0.1);
-    if (gain < 1e-3 * tried.all()) break;
+    if (gain < kSymbolFit.settled * tried.all()) break;
     if (!is_promising) places = problem.places_at(p);
     normal = problem.equations_at(p, places);
     is_promising = true;

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "decoder/scan/running.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/base/wide.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -95,8 +96,7 @@ constexpr PatternFit kOuterFit{2, kOuter}, kCentreFit{4, kCentre};
 
 // The variances of the darkness within the patterns that begin at each of `count` samples.
 TAGSMITH_WIDE void vary(const float* modules, std::size_t count, float* outer, float* centre) {
-  constexpr float kLeastDeviation = 0.15F;
-  constexpr float kLeast = kLeastDeviation * kLeastDeviation;
+  constexpr float kLeast = kPlace.least_deviation * kPlace.least_deviation;
   for (std::size_t i = 0; i < count; ++i) {
     float sum = 0, squares = 0;
     for (std::size_t k = 0; k < kCentre; ++k) {
@@ -158,15 +158,14 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
   const std::vector<float> samples = resampled(integral, 0, module, count);
   const std::vector<float> modules = module_darkness(local_darkness(samples, kDarknessReach));
   const GuardCosts guards = guard_costs(modules);
-  // The costs of the best places within kSlackModules.
-  constexpr int kSlackModules = 3;
-  constexpr std::size_t kSlackSamples = kSlackModules * kPerModule;
+  // The costs of the best places within kPlace.slack.
+  constexpr std::size_t kSlackSamples = kPlace.slack * kPerModule;
   const std::vector<float> centres = running_minimum(guards.centre, kSlackSamples);
   const std::vector<float> ends = running_minimum(guards.end, kSlackSamples);
   std::vector<SymbolPlace> places;
-  for (int i = 0; i < count - (kModuleCount - kSlackModules) * kPerModule; ++i) {
+  for (int i = 0; i < count - (kModuleCount - kPlace.slack) * kPerModule; ++i) {
     const float at_start = guards.start[static_cast<std::size_t>(i)];
-    if (at_start > kWorstPlace / 2) continue;
+    if (at_start > kPlace.worst / 2) continue;
     const int first_bar = i + 4 * kPerModule;
     const auto last_guard =
         static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPerModule));
@@ -188,11 +187,10 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
 
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
                                             std::size_t most, double worst) {
-  constexpr double kStep = 1.045;
   std::vector<SymbolPlace> all;
   if (line.size() < 40) return all;
   const LineIntegral integral(line);
-  for (double module = least; module <= greatest; module *= kStep) {
+  for (double module = least; module <= greatest; module *= kPlace.step) {
     std::ranges::move(places_at_width(line, integral, module, worst), std::back_inserter(all));
   }
   std::ranges::sort(all, {}, &SymbolPlace::cost);
@@ -201,8 +199,8 @@ std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, 
     const auto same = [&](const SymbolPlace& other) {
       const double end = place.begin + kModuleCount * place.module;
       const double other_end = other.begin + kModuleCount * other.module;
-      return std::abs(place.begin - other.begin) < 1.5 * place.module &&
-             std::abs(end - other_end) < 1.5 * place.module;
+      return std::abs(place.begin - other.begin) < kPlace.same * place.module &&
+             std::abs(end - other_end) < kPlace.same * place.module;
     };
     if (std::ranges::any_of(best, same)) continue;
     best.push_back(place);

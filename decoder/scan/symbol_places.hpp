@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "decoder/scan/tuning.hpp"
+
 namespace tagsmith::detail {
 
 // Light along a line across the bars, evenly spaced; any unit. Lines are handled in their own
@@ -16,18 +18,14 @@ using ScanLine = std::vector<float>;
 struct SymbolPlace {
   double begin = 0;   // of the first bar, samples
   double module = 0;  // width, samples; negative when the symbol runs against the line
-  double cost = 0;    // of its guard patterns, less is better
+  double cost = 0;    // of its three guard patterns, 0 to 6; less is better
 };
-
-// Cost of three guard patterns together, of 0 to 6. Right places of crumpled and glaring products
-// stay below.
-inline constexpr double kWorstPlace = 1.5;
 
 // Places whose quiet zones and three guard patterns suit, best first, at most `most` of them. Both
 // directions fit equally well; the one along the line is returned. `least` and `greatest` bound
 // the module's width in samples, `worst` the places' cost.
 std::vector<SymbolPlace> find_symbol_places(const ScanLine& line, double least, double greatest,
-                                            std::size_t most, double worst = kWorstPlace);
+                                            std::size_t most, double worst = kPlace.worst);
 
 inline constexpr int kPlacedPerModule = 5;  // samples of a placed line
 inline constexpr int kPlacedMargin = 14;    // modules of a placed line on both sides of the symbol

@@ -310,12 +310,12 @@ std::optional<Diagnosis> judge_growth(const PlateLook& look) {
   constexpr double kLeastKeptGrown = 0.95;
   const SymbolFit* fit = look.fit;
   if (fit == nullptr || fit->explained < kLeastExplained || fit->kept < kLeastKeptGrown ||
-      std::abs(fit->image.growth) <= kMostGrowth) {
+      std::abs(fit->image.growth) <= kJudge.most_growth) {
     return std::nullopt;
   }
   return Diagnosis{"bars-grown", fmt::format("bars {} by {:.2f} modules, limit {:.1f}",
                                              fit->image.growth > 0 ? "wider" : "narrower",
-                                             std::abs(fit->image.growth), kMostGrowth)};
+                                             std::abs(fit->image.growth), kJudge.most_growth)};
 }
 
 std::optional<Diagnosis> judge_frame_blur(const PlateLook& look) {
@@ -325,9 +325,9 @@ std::optional<Diagnosis> judge_frame_blur(const PlateLook& look) {
 
 std::optional<Diagnosis> judge_bars(const PlateLook& look) {
   if (look.fit == nullptr) return std::nullopt;
-  if (look.fit->kept < kLeastKept) {
+  if (look.fit->kept < kJudge.least_kept) {
     return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
-                                            100 * look.fit->kept, 100 * kLeastKept)};
+                                            100 * look.fit->kept, 100 * kJudge.least_kept)};
   }
   return judge_blur(look.fit->image.blur, look.module_px);
 }

@@ -92,7 +92,7 @@ std::vector<TagEvidence> read_with_other_ink(const PictureReading& read,
                                              const PictureEvidence& evidence) {
   const double module = module_width(evidence.survey.tag_template);
   const auto pixels =
-      static_cast<int>(std::lround(kMostGrowth * module / evidence.metres_per_pixel));
+      static_cast<int>(std::lround(kJudge.most_growth * module / evidence.metres_per_pixel));
   for (const Sight sight : {Sight::thinned, Sight::thickened}) {
     if (pixels < 1) break;
     const GrayImage changed = grow_ink(evidence.image, sight == Sight::thinned ? -pixels : pixels);

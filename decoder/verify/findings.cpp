@@ -128,8 +128,9 @@ Finding grown(const PictureEvidence& evidence, const TagEvidence& seen) {
   return {TagStatus::unreadable, "bars-grown",
           fmt::format("{}bars {} than drawn by more than {:.1f} modules ({:.1f} mm): made so much "
                       "{}, it is {}",
-                      kUnread, thinned ? "wider" : "narrower", kMostGrowth, kMostGrowth * module_mm,
-                      thinned ? "narrower" : "wider", name_of(evidence.survey, *seen.tag.digits))};
+                      kUnread, thinned ? "wider" : "narrower", kJudge.most_growth,
+                      kJudge.most_growth * module_mm, thinned ? "narrower" : "wider",
+                      name_of(evidence.survey, *seen.tag.digits))};
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ std::string check_line(std::string_view file, std::string_view line) {
     return "show text by tagsmith/cli/console.hpp, which makes it harmless";
   }
   static const std::regex parser("\\bCLI::");
-  if (file != kParser && std::regex_search(code.begin(), code.end(), parser)) {
+  if (!layer.empty() && file != kParser && std::regex_search(code.begin(), code.end(), parser)) {
     return "options are data (tagsmith/cli/command.hpp); CLI11 is for parse_command.cpp";
   }
   return {};
@@ -271,6 +271,36 @@ std::vector<std::string> types_defined(std::string_view header) {
     if (std::regex_match(line.begin(), line.end(), match, definition)) names.push_back(match[1]);
   }
   return names;
+}
+
+namespace {
+
+std::size_t count_matches(std::string_view text, const std::regex& pattern) {
+  using Matches = std::regex_iterator<std::string_view::const_iterator>;
+  return static_cast<std::size_t>(
+      std::distance(Matches(text.begin(), text.end(), pattern), Matches()));
+}
+
+}  // namespace
+
+std::size_t count_tuned_values(std::string_view source) {
+  static const std::regex value("\\w( = |\\{)");
+  std::size_t count = 0;
+  bool inside = false;
+  for (std::string_view line : lines_of(source)) {
+    line = line.substr(0, line.find("//"));
+    if (line.starts_with("}")) inside = false;
+    if (inside) count += count_matches(line, value);
+    if (line.starts_with("struct ") && line.ends_with("Tuning {")) inside = true;
+  }
+  return count;
+}
+
+std::size_t count_named_constants(std::string_view source) {
+  static const std::regex constant("constexpr [^;=]*\\bk[A-Z]\\w*( =|\\{|\\[)");
+  std::size_t count = 0;
+  for (const std::string_view line : lines_of(source)) count += count_matches(line, constant);
+  return count;
 }
 
 std::vector<std::string> cited_decisions(std::string_view text) {

@@ -2,6 +2,7 @@
 // The walls of the house: which folder may include what, and what every source file must have.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <span>
 #include <string>
@@ -33,6 +34,12 @@ std::vector<std::string> include_rings(const std::map<std::string, std::string>&
 
 // The names of the types that a header defines at its outermost level.
 std::vector<std::string> types_defined(std::string_view header);
+
+// The number of values that the structs of tuning (`struct FitTuning {`) of a source hold.
+std::size_t count_tuned_values(std::string_view source);
+
+// The number of constants that a source names (`constexpr double kLeast = 2`).
+std::size_t count_named_constants(std::string_view source);
 
 // The decision records that a text cites: "0004-occlusion.md" for `decisions/0004-occlusion.md`. A
 // record that is cited by its number alone ("decision 4") is given as it stands there.

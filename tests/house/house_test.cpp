@@ -121,7 +121,8 @@ TEST_CASE("every header of the reader's stages is included by a test of these") 
   std::size_t headers = 0;
   for (const std::string& stage : stages) {
     for (const fs::directory_entry& entry : fs::directory_iterator("decoder/" + stage)) {
-      if (entry.path().extension() != ".hpp") continue;
+      const bool is_data = entry.path().filename() == "tuning.hpp";  // counted below
+      if (entry.path().extension() != ".hpp" || is_data) continue;
       ++headers;
       const std::string header = entry.path().string();
       CHECK_MESSAGE(tests.find("#include \"" + header + "\"") != std::string::npos,
@@ -144,6 +145,41 @@ TEST_CASE("no two headers define a type of one name") {
     }
   }
   CHECK(defined_in.size() > 30);
+}
+
+TEST_CASE("values of tuning and named constants are counted") {
+  CHECK(count_tuned_values("struct FitTuning {\n"
+                           "  double least = 2;  // of a = b\n"
+                           "  float dark = 0.6F, bright = 0.4F;\n"
+                           "  std::array<double, 2> sigmas{1, 2};\n"
+                           "};\n"
+                           "struct Fit {\n"
+                           "  double cost = 0;\n"
+                           "};\n") == 4);
+  CHECK(count_named_constants("constexpr double kLeast = 2;\n"
+                              "  static constexpr std::array<int, 2> kSides{1, 2};\n"
+                              "const double least = kLeast;\n"
+                              "inline constexpr FitTuning kFit;\n") == 2);
+}
+
+// A new threshold takes the place of an old one, or is worth raising these.
+TEST_CASE("the reader has no more thresholds than it needs, all of them in structs of tuning") {
+  constexpr std::size_t kMostTuned = 252;
+  constexpr std::size_t kMostNamed = 157;  // sizes of formats and arrays, bounds of arithmetic
+  std::size_t tuned = 0, named = 0;
+  for (const std::string& file : project_sources()) {
+    const std::string layer = layer_of(file);
+    if (layer != "decoder/feature_frame" && layer != "decoder/scan" && layer != "decoder/reader") {
+      continue;
+    }
+    const std::string text = contents(file);
+    tuned += count_tuned_values(text);
+    named += count_named_constants(text);
+  }
+  MESSAGE(tuned << " values of tuning, " << named << " other constants");
+  CHECK(tuned > 0);
+  CHECK(tuned <= kMostTuned);
+  CHECK(named <= kMostNamed);
 }
 
 TEST_CASE("the top of the project holds exactly the folders of the house") {

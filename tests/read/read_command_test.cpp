@@ -214,7 +214,7 @@ TEST_CASE("a mistyped command is named, with the likely one") {
 TEST_CASE("the program says its version") {
   const ProgramOutput output = run_tagsmith("--version");
   CHECK(output.exit_code == 0);
-  CHECK_MESSAGE(output.out.find("tagsmith 0.") == 0, output.out);
+  CHECK_MESSAGE(output.out.find("tagsmith 1.") == 0, output.out);
 }
 
 TEST_CASE("the program starts without OpenCV's codecs and what they draw in") {

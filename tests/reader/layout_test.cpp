@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plates of other proportions than the paper's, on simulated pictures.
+#include <algorithm>
+#include <cmath>
 #include <span>
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/reader/symbol_layout.hpp"
@@ -25,6 +30,17 @@ TagTemplate wide_margins() {
   tag.frame_stroke = 0.014;
   tag.quiet_zone_modules = 14;
   tag.margin_modules = 20;
+  return tag;
+}
+
+// A square frame of a stroke three times as thick as the paper's.
+TagTemplate square_frame() {
+  TagTemplate tag;
+  tag.plate_length = 0.46;
+  tag.plate_height = 0.46;
+  tag.frame_inner_length = 0.3;
+  tag.frame_inner_height = 0.3;
+  tag.frame_stroke = 0.032;
   return tag;
 }
 
@@ -70,6 +86,70 @@ TEST_CASE("a plate with wider margins is read by its own layout, and by no other
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector2d truth = picture.plates[0].corners[i].value();
     CHECK(distance(result.tags[0].corners[i], {truth.x(), truth.y()}) < 0.05);
+  }
+}
+
+TEST_CASE(
+    "tags of several templates are read, also where these differ only in where the bars end") {
+  const TagTemplate paper = load_survey("surveys/corridor/survey.yaml")->tag_template;
+  TagTemplate low = paper;  // lower bars
+  low.margin_modules += 6;
+  REQUIRE(layout_of(low).quiet_zone_modules == layout_of(paper).quiet_zone_modules);
+  const Digits digits = *parse_digits("019000800402");
+  for (const TagTemplate& drawn : {low, paper, square_frame()}) {
+    const View view = picture_of(drawn, digits);
+    for (const auto& layouts :
+         {std::vector{layout_of(paper), layout_of(low), layout_of(square_frame())},
+          std::vector{layout_of(low), layout_of(square_frame()), layout_of(paper)}}) {
+      ReadOptions options;
+      options.layouts = layouts;
+      const ReadResult result = read_tags(view.image.view(), options);
+      CAPTURE(drawn.frame_inner_height);
+      CAPTURE(drawn.margin_modules);
+      CAPTURE(result.rejected.size());
+      REQUIRE(result.tags.size() == 1);
+      CHECK(result.tags.front().digits == digits);
+    }
+  }
+}
+
+TEST_CASE("the search takes the frame's proportions from the template") {
+  const FrameShape shape = layout_of(square_frame()).frame;
+  CHECK(shape.length == doctest::Approx(113));
+  CHECK(shape.height == doctest::Approx(113));
+  CHECK(shape.stroke == doctest::Approx(12.05).epsilon(0.001));
+  const Quad quad{{{0, 0}, {226, 0}, {226, 226}, {0, 226}}};
+  CHECK(side_of(quad, 0, shape).stroke == doctest::Approx(24.1).epsilon(0.001));
+  // Of the paper's frame a square does not show which way its symbol runs.
+  CHECK(side_of(quad, 0).stroke == doctest::Approx(226 * 3.95 / std::sqrt(113 * 55.3)));
+  const Quad wide{{{0, 0}, {226, 0}, {226, 110.6}, {0, 110.6}}};
+  CHECK(side_of(wide, 0).stroke == doctest::Approx(7.9));
+  CHECK(side_of(wide, 1).stroke == doctest::Approx(7.9));
+}
+
+TEST_CASE("an outline around a thick stroke leads to the frame's inner edge") {
+  const Digits digits = *parse_digits("019000000404");
+  const View picture = picture_of(square_frame(), digits);
+  Quad inner{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d corner = picture.plates[0].corners[i].value();
+    inner[i] = {corner.x(), corner.y()};
+  }
+  const auto found = [&](const CandidateOptions& options) {
+    return std::ranges::count_if(find_candidates({picture.image.view()}, options),
+                                 [&](const Quad& quad) { return nearly_equal(quad, inner, 3); });
+  };
+  CandidateOptions options;
+  CHECK(found(options) == 1);  // the white inside
+  options.shape = layout_of(square_frame()).frame;
+  CHECK(found(options) == 2);  // the stroke's outer edge too
+  ReadOptions read;
+  read.layouts = {layout_of(square_frame())};
+  const ReadResult result = read_tags(picture.image.view(), read);
+  REQUIRE(result.tags.size() == 1);
+  CHECK(to_string(result.tags[0].digits) == to_string(digits));
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(distance(result.tags[0].corners[i], inner[i]) < 0.05);
   }
 }
 

@@ -83,12 +83,14 @@ TEST_CASE("the layouts say where symbols may stand in their frames") {
   tag.bars_top += 5;
   tag.bars_bottom += 5;
   const double lower = 5 / (-2 * SeenTag::kTop);
-  const SymbolLayout own{9, 0.163 + lower, 0.837 + lower};
+  const SymbolLayout own{9, 0.163 + lower, 0.837 + lower, {}};
   ReadOptions options;
   CHECK(refused(tag, options) == RejectionReason::side_hidden);
   options.layouts = {own};
   check_read(tag, options);
-  options.layouts = {SymbolLayout{20, 0.163, 0.837}, own};
+  options.layouts = {SymbolLayout{20, 0.163, 0.837, {}}, own};
+  check_read(tag, options);
+  options.layouts = {SymbolLayout{}, own};  // differs only in where the bars end
   check_read(tag, options);
 }
 

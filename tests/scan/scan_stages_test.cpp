@@ -298,7 +298,7 @@ TEST_CASE("a symbol's place on a line is where its first bar begins") {
     REQUIRE(!places.empty());
     CHECK(places[0].begin == doctest::Approx(40 * module).epsilon(0.01));
     CHECK(std::abs(places[0].module) == doctest::Approx(module).epsilon(0.01));
-    CHECK(places[0].cost < 0.5 * kWorstPlace);
+    CHECK(places[0].cost < 0.5 * kPlace.worst);
   }
   ScanLine empty(400, 0.5F);
   CHECK(find_symbol_places(empty, 1, 4, 3).empty());

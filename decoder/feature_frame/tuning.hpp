@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The thresholds of the search for feature frames, one struct for each stage. Where no command is
+// named, `./dev bench photos` and `./dev bench ladder` show what a change does.
+#pragma once
+
+#include <cstddef>
+
+namespace tagsmith::detail {
+
+// Quadrilaterals that may be frames.
+struct CandidateTuning {
+  double least_spanned = 0.75;   // of an outline's area, by four of its points
+  double least_filled = 0.85;    // of the enclosing quadrilateral, by the outline
+  std::size_t most_pieces = 32;  // of a level, of which pairs are tried
+  double most_empty = 1.3;       // area around a pair of pieces, by that of both
+  double least_sine = 0.1;       // of a corner: between 6 and 174 degrees
+};
+inline constexpr CandidateTuning kCandidate;
+
+// The fall from white inside a frame to its dark stroke, and the coarse fit of a side to it.
+struct SideTuning {
+  double least_fall = 6;  // grey levels from white to dark, over one pixel or two
+  double least_rise = 4;  // grey levels from the stroke to the plate's margin, which may be narrow
+  double scanned = 0.92;  // of a side's length: leaves the corners out
+  double least_shown = 0.45;  // of the profiles across a side that must agree on one edge
+  double tolerance = 0.6;     // pixels off the side of a profile that agrees
+  double agreed = 0.85;       // of the profiles: as good as all
+  double much_better = 0.2;   // of the profiles: what must agree more with a bowed side
+  double most_bow = 0.06;     // of the side's length
+  // Of the logarithm of the frame's proportions: what a side must show of them to tell which of
+  // the two it is.
+  double clear_elongation = 0.42;
+  double least_reach = 1.5;  // pixels to either side of the edge that are looked at
+  double most_reach = 8;
+};
+inline constexpr SideTuning kSide;
+
+// The sub-pixel fit of a side.
+struct EdgeFitTuning {
+  float fine = 1.6F;          // pixels to either side of the edge where samples are close together
+  float per_pixel = 4;        // samples there
+  int zones = 4;              // along a side in which samples are averaged
+  double most_pixels = 1000;  // of a side; more add nothing that the model could use
+  double stroke_sigma = 0.6;  // of the logarithm of the stroke's thickness, by the guess
+  double least_residual = 3;  // grey levels of the scale of the Cauchy weights
+  double settled = 3e-5;      // change of the cost: the corners move by less than their noise
+  double start_blur = 0.6;    // pixels
+  double different_blur = 0.25;  // of the logarithm, between a side and the others: fitted again
+  int rounds = 4;                // of fits through a lens that the fit itself changes
+  int shape_rounds = 2;          // the same with what each side bows beyond the lens
+  double at_rest = 0.02;         // pixels that the corners move from round to round
+};
+inline constexpr EdgeFitTuning kEdgeFit;
+
+// What the corners may be off by beyond what noise explains, as seen on the ray-traced photos of
+// docs/accuracy.md. Why: docs/decisions/0007-corner-covariance.md.
+struct CornerTuning {
+  double alike = 1.8;    // factor of variances: compression makes neighbouring pixels' noise alike
+  double end = 0.005;    // pixels, either end of a side by itself
+  double whole = 0.006;  // pixels, the side as a whole
+  // A pixel's response is no Gaussian, so an edge is found a little off, depending on where in the
+  // pixel it lies. A side that crosses pixels averages that; one along the pixel grid does not.
+  double along_grid = 0.015;  // pixels
+  // Where the blur reaches from one edge of the stroke to the other, the model's errors do too.
+  double blurred = 0.5;      // pixels, times (blur / stroke)^2
+  double bow = 0.012;        // pixels, of a straight side's middle against its ends
+  double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
+};
+inline constexpr CornerTuning kCorner;
+
+// What the sides tell of an unknown lens; chosen by `./dev bench lens`.
+// Why: docs/decisions/0006-lens-and-tone.md.
+struct LensTuning {
+  double clear = 4;          // standard deviations of a lens: straight ones are left alone
+  double clear_bow = 3;      // standard deviations of what one side bows beyond its lens
+  double most_barrel = 0.8;  // of 1, at the farthest corner
+  double most_cushion = 0.5;
+  double most_unseen = 0.4;  // of 1, in the image's corners
+  double shape = 0.04;       // of a bow, at either end: lenses are not quite of the model
+};
+inline constexpr LensTuning kLens;
+
+// How tiles and regions of them are taken for bars. Chosen by `./dev bench frameless` and `bench
+// photos` on the dark and dirty photos. With strengths of 50 to 90, shares of 0.2 to 0.3 and
+// cosines of 0.7 to 0.9 those read differ by a photo or two.
+struct BarRegionTuning {
+  int least_tile = 200;             // strength of one tile: 6 grey levels from pixel to pixel
+  float least_strength = 70;        // of a tile among its neighbours: 2 grey levels
+  float least_share = 0.2F;         // of the gradients' strength that is of one direction
+  unsigned least_row = 4;           // tiles of seven in the gradients' direction that share it
+  std::size_t around = 5;           // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
+  float least_cosine = 0.82F;       // of twice the angle between neighbours: 17 degrees
+  double least_pair_cosine = 0.94;  // of twice the angle between two joined regions: 10 degrees
+  std::size_t most_joined = 12;     // of the largest regions, in pairs
+  double least_length = 40;         // pixels: 95 modules of half a pixel, less what is left out
+  double least_proportion = 0.5;    // length by height
+  double least_filled = 0.35;       // share of the rectangle's tiles that show bars
+  std::size_t least_tiles = 2;
+  double near_border = 0.08;  // of the length: the symbol may go on beyond the image
+  double middle = 0.6;        // of the region: bars, not the frame's sides
+  double least_step = 2;      // grey levels from place to place along the symbol
+  double least_ratio = 2;     // of that to the same along the bars
+};
+inline constexpr BarRegionTuning kBarRegion;
+
+// A frame whose sides do not show as a whole, found around bars by scan lines outwards from them.
+struct FrameAroundTuning {
+  int scan_lines = 28;               // for each side
+  float least_share = 0.35F;         // of a scan line's steepest fall
+  double least_shown = 0.5;          // of the scan lines that must fall on a side
+  double of_best = 0.75;             // of those that fall on the line which shows best
+  double least_shown_between = 0.4;  // the same two where the sides beside the bars are known
+  double of_best_between = 0.5;
+  std::size_t most_lines = 4;  // above and below the bars, tried in pairs
+  std::size_t slopes = 24;     // to both sides
+  double most_slope = 0.8;     // of a plate seen and turned obliquely
+  std::size_t apart = 4;       // pixels between two lines
+  double beyond_ends = 1.8;    // of the bars' height, from their middle
+  double beside = 1.3;         // of the bars' length, from their middle
+};
+inline constexpr FrameAroundTuning kFrameAround;
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// The thresholds of the reader, one struct for each stage. Where no command is named, `./dev bench
+// photos` shows what a change does: the dark and dirty photos most of all.
+#pragma once
+
+#include <cstddef>
+
+namespace tagsmith::detail {
+
+// A symbol's profile from the rows of its bars. Shares of the contrast unless another unit is
+// named. Why: docs/decisions/0004-occlusion.md.
+struct ProfileTuning {
+  // Rows.
+  double row_px = 2.5;      // height of a row, at least: most bins then hold a pixel
+  double ends = 0.06;       // of the bars' height, at each of its ends, not used
+  double ends_px = 2;       // of that, at most: the blur of the bars' ends
+  double safe_ends = 0.07;  // of the bars' height, where the corners' error may reach too
+  double beyond = 4;        // modules of quiet zone, at most, on both sides of the bars
+  double most_spread = 4;   // of a place's point spread over that in the middle
+  // What rows agree on.
+  float model_error = 0.02F;     // what averaging cannot take away
+  float few_rows = 0.1F;         // error where hardly a row shows
+  float least_shown = 0.05F;     // of the rows
+  double least_used = 0.2;       // of a bin's pixels that agree
+  double shading = 0.1;          // differences along a clean bar
+  double slanted = 0.35;         // of the steepest change: what a slope does not tell of a bend
+  double sigmas = 4;             // of a pixel's noise
+  double least_variance = 1e-4;  // of a pixel: quantisation alone
+  // Stretches of a row that something covers.
+  double bridge = 4.5;      // modules between odd cells: more than the widest element
+  double least_run = 2;     // modules
+  double least_odd = 0.12;  // of a stretch's cells
+  std::size_t window = 4;   // modules to either side in which covered cells are plain
+  double plainer = 0.4;     // variance of covered cells against that of clear ones
+  // Rows of their own light, each stretch fitted to what all have in common.
+  std::size_t stretch = 5;         // modules to either side
+  double least_modulation = 0.03;  // variance of the common darkness
+  double much_less = 0.5;          // of what is left without a gradient
+  float most_variance = 3;         // times the usual one
+  float model_variance = 0.006F;   // of the contrast squared: 8 % off anywhere
+  float odd = 0.2F;                // off the median
+  double left_out = 0.1;           // of the lowest and highest values, in telling levels
+  std::size_t levels = 7;          // modules: two digits, which hold wide elements
+  std::size_t contrast = 4;        // modules in which the contrast is told
+  std::size_t anchor = 10;         // modules: the drift is slow, many elements tell the levels
+  std::size_t bands = 14;          // of rows for a first guess
+  int rounds = 4;
+  // How bars lean against the frame.
+  float most_off = 0.35F;  // of a cell: what is more is something else
+  double at_rest = 0.02;   // modules from round to round
+  double most_lean = 2;    // modules: the outer rows are then two thirds of one off
+  // Plain windows, in which something hides the bars.
+  double plain_window = 5.5;  // modules
+  double outline = 0.25;      // modules to both sides: an occluder's blurred edge
+  double showing = 0.93;      // of the rows at a place, the one taken to show bars
+  double plain = 0.08;        // of its variance
+  // Of the usual variance where bars show: less is a margin, more the outline of a highlight.
+  double least_bars = 0.3, most_bars = 1.5;
+};
+inline constexpr ProfileTuning kProfile;
+
+// Things in front of a plate that cross its white and its black.
+// Why: docs/decisions/0004-occlusion.md.
+struct OccluderTuning {
+  double odd = 0.3;          // of the contrast, in white: more than bars of one module leave of it
+  double odd_in_ink = 0.45;  // the same where only light can be odd; less would be noise
+  double least_even = 0.85;  // of the places along a strip, as even as that
+  int bridge = 3;            // places of a loop that are not odd amid some that are
+  double most_width = 3;     // of two crossings of one strip, against each other
+  int around = 20;           // modules of a row to either side that tell what it should show
+  int broadest = 10;         // modules: of a broader strip no digit would be left
+  double most_way = 1.2;     // over the bars' height, of a strip's width
+};
+inline constexpr OccluderTuning kOccluder;
+
+// Where bars end. Why: docs/decisions/0005-hidden-frame-sides.md.
+struct BarEndsTuning {
+  float least_contrast = 0.05F;  // of the white
+  double step_px = 0.5;
+  std::size_t rows = 9;  // amid the bars, of which each place's middle one counts
+  std::size_t quick_rows = 3;
+  double beyond_px = 3;     // of white that must follow
+  float hardly_any = 0.3F;  // of the bars' contrast
+  float clearly = 0.65F;
+  float white = 0.6F, dark = 0.15F;  // between the bars' black and white
+  double line_px = 0.8;              // pixels off the line through the ends
+  std::size_t least_right = 5;       // windows of eight whose bars end where they should
+  double least_apart = 0.4;          // of the frame's width, between the ends
+  double systematic_px = 0.15;       // what neighbouring windows are off by together
+  double inside = 0.2;               // of the frame's height, from where the bars should end
+  double outside = 0.3;
+  double outside_symbol = 0.25;   // the same where the symbol was read
+  double followed_inside = 0.35;  // of the height that bars were followed
+  double followed_outside = 0.8;
+  double tolerance_px = 1.2;  // of the frame's sides and the bars' ends: blur
+  double tolerance = 0.006;   // of the frame's height: templates round, lenses bend
+  double layout = 0.003;      // of the frame's height, standard deviation
+  double hidden_sigma = 0.2;  // modules, of a side known by the bars beside it
+  double most_moved_px = 2;   // of corners that are fitted as those of a whole frame
+  double reduced_from = 1.8;  // pixels a module: noise halves, bars stay apart
+  double side = 1.2;          // modules that a side may be off bars that were followed
+};
+inline constexpr BarEndsTuning kBarEnds;
+
+// Bars followed line by line, with a frame or without.
+// Why: docs/decisions/0009-symbols-without-a-frame.md.
+struct BarLinesTuning {
+  int most_rows = 24;                // of a thick line
+  int most_lean = 8;                 // degrees
+  double beyond = 0.5;               // of the region's length, on both sides
+  double thickness = 0.6;            // of the region's height
+  float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
+  int least_bars = 12;               // of a symbol's 30
+  int most_bars = 34;
+  double apart = 0.2;            // of the height: two lines that should be alike
+  double apart_lean = 0.25;      // of the lines' distance
+  float alike = 0.6F;            // correlation of the two
+  std::size_t most_places = 10;  // on the first lines
+  double good = 1;               // cost per module: no need to look further
+  double worst = 4;              // cost per module: dirt, or beyond the bars
+  double usual = 1.5;            // cost per module that is no stray's
+  double stray = 2.5;            // times the median cost
+  int most_misses = 3;           // lines that do not read, one after the other
+  int lines = 10;                // of a region
+  int frameless_lines = 12;
+  std::size_t least_lines = 3;
+  double off = 0.5;      // modules: boundaries that are farther off count little
+  double same = 1;       // modules between the ends of bars followed before
+  double as_high = 0.8;  // of a region: more of the bars would not be followed
+  int rounds = 6;        // of fits to the boundaries
+  // Bars of covered tags that were read: modules of 0.67 to 1.05 of what their length says, costs
+  // of 0.7 and 1.9 at most (`./dev bench troubled`).
+  double least_module = 0.5, greatest_module = 1.3, worst_place = 0.9, worst_cost = 2.5;
+};
+inline constexpr BarLinesTuning kBarLines;
+
+// Where tags are looked for, and when no longer.
+// Why: docs/decisions/0008-search-and-its-cost.md.
+struct SearchTuning {
+  int largest_frame = 240;             // pixels; larger ones are seen at half the size
+  std::size_t least_changes = 20'000;  // of colour that are followed in a level
+  int least_part = 16;                 // pixels of the part around an expected tag
+  int least_level = 160;               // pixels of the coarsest level
+  double wider = 1.4, higher = 2;      // than the bars: as far as a frame reaches
+  double longest = 1.5;          // of the largest frame: the bars beyond are left to coarser levels
+  double least_length = 90;      // pixels of bars that can be followed
+  double most_proportion = 6;    // of their length to their height
+  std::size_t most_bars = 3;     // followed where nothing was read
+  std::size_t most_located = 6;  // bars followed in one picture: bounds its time
+  std::ptrdiff_t most_tries = 4;    // careful looks in one picture
+  double least_module = 1.2;        // pixels, for a careful look
+  std::size_t most_regions = 24;    // of bars in a picture
+  std::size_t most_frameless = 10;  // of them, read without a frame
+  double most_pixels = 2e6;         // of a level in which regions are looked for
+  double same_completed = 1.5;      // pixels between two frames completed alike
+  double sagitta_sigma = 0.25;      // pixels, of a coarse fit
+  double clear_direction = 1.5;     // change along the symbol by that across it
+};
+inline constexpr SearchTuning kSearch;
+
+// Whether to believe a symbol. A symbol of ours explains 95 % and more of its profile when it can
+// be read at all; product codes and random stripes reach 88 %. Right digits on the ray-traced
+// photos: 0.82 and more; digits with an edge a module off: 0.5.
+// Why: docs/decisions/0003-confidence-and-its-border.md.
+struct JudgeTuning {
+  double explained = 0.9;  // of the profile
+  double digit = 0.75;     // of the digit of which least is explained
+  double guards = 0.8;     // of the guard patterns
+  // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
+  // nothing is known.
+  double most_blur = 2.2;
+  double most_growth = 0.7;   // modules; beyond, narrow elements vanish
+  double least_kept = 0.7;    // of the places, in sight
+  double most_hidden = 0.25;  // of the places where a covered symbol's digits would be guesses
+  // Covered tags that were read carefully showed 0.8 and 0.7 at first, and 0.83 with even light
+  // where slanted light was needed (`./dev bench troubled`); other plates less, or no guard
+  // patterns.
+  double like_explained = 0.6;
+  double like_guards = 0.5;
+  double worth_light = 0.7;  // explained
+  // Half the bars' height against the whole.
+  double beyond_doubt = 1e-8;  // by its whole height: the halves are not asked
+  double clearly = 10;         // logarithm of the likelihood ratio
+};
+inline constexpr JudgeTuning kJudge;
+
+// The same without a frame (`./dev bench frameless`).
+// Why: docs/decisions/0009-symbols-without-a-frame.md.
+struct FramelessTuning {
+  double explained = 0.85;  // less, or more blur, is not worth telling: blur explains any texture
+  double digit = 0.6;
+  double guards = 0.7;
+  double together = 0.9;        // confidence by the lines' mean
+  double most_blur = 1.5;       // modules
+  float odd = 0.2F;             // of the contrast off the lines' median
+  double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
+  double model_error = 0.03;    // of the contrast
+  double most_of_a_line = 30;   // what one line can say against a digit: it may be dirty
+  double independent = 3;       // lines: they share blur, print and dirt
+  double invalid = 0.01;        // prior of symbols that are no code
+  double even_parity = 6;       // cost below which digits may be those of an EAN-13
+};
+inline constexpr FramelessTuning kFrameless;
+
+}  // namespace tagsmith::detail

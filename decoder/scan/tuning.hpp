@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The thresholds of reading a scan profile, one struct for each stage.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace tagsmith::detail {
+
+// Places of symbols on a line. Tuned on rendered symbols (tests/reader/frameless_test.cpp).
+struct PlaceTuning {
+  float least_contrast = 0.2F;    // of the line's whole contrast: less is no bars
+  float least_deviation = 0.15F;  // of the darkness of a guard pattern's modules
+  // Sum over three guard patterns of 1 less their correlation. Right places of crumpled and glaring
+  // products stay below.
+  double worst = 1.5;
+  int slack = 3;        // modules that centre and end may be off by the begin's module
+  double step = 1.045;  // from one width of a module to the next
+  double same = 1.5;    // modules between ends of one symbol found twice
+};
+inline constexpr PlaceTuning kPlace;
+
+// Symbols on a line whose modules are not quite even. Tuned as those above.
+struct ElasticTuning {
+  // Squared residual of a good line: 0.14 of the contrast, much of it shared by a module's samples.
+  float variance = 0.02F;
+  int quiet = 5;              // modules of quiet zone that are looked at
+  double digit_sigma = 0.04;  // of the width of modules, between neighbouring digits
+  double guard_sigma = 0.08;  // the same beside a guard pattern, which is too short to tell it
+  double level_sigma = 0.15;  // of the width of modules, against the line's own
+};
+inline constexpr ElasticTuning kElastic;
+
+// The fit of the imaging model to a profile.
+struct SymbolFitTuning {
+  // Weak priors: standard deviations of log blur, shift, stretch, bend, growth (modules), white,
+  // black and shading (of the contrast) about their nominal values. They hold what a short or empty
+  // profile leaves open, and forbid what would turn one digit into another.
+  std::array<double, 8> prior_sigma{0.7, 0.5, 0.006, 0.3, 0.35, 0.3, 0.3, 0.2};
+  int most_steps = 12;
+  double settled = 1e-3;  // change of the cost
+  double least_contrast = 0.05;
+};
+inline constexpr SymbolFitTuning kSymbolFit;
+
+// What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
+// ("Reliability"; `./dev bench mass`). A tunnel holds less.
+// Why: docs/decisions/0003-confidence-and-its-border.md.
+struct OddsTuning {
+  double wrong_check = 0.02;         // a symbol whose check digit fails
+  double foreign = 0.1;              // a character that is no digit
+  double near_stranger = 5e-3;       // a symbol that differs from the book's in one character
+  double corrupted_stranger = 2e-3;  // a corrupted digit that makes it look like the book's
+  double strangers = 0.5;            // all strangers to the book together
+  // Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
+  // the sums say. With a book they are right, and for corrupted digits too much.
+  double understated = 3;
+  // Shares of digits with a reflection or a smear, and of covered ones; the others are never quite
+  // even. Standard deviations of their modules, in contrasts.
+  double uneven = 0.05, corrupted = 0.001;
+  double even_sigma = 0.06, uneven_sigma = 0.15, corrupted_sigma = 0.5;
+  // By what symbols cost, twice the logarithm of the likelihood ratio: beyond, nothing else is
+  // possible. Twenty characters at twelve places are exp(36) symbols; when each costs so much more,
+  // all of them together are less likely than exp(-44).
+  double decided = 160;
+};
+inline constexpr OddsTuning kOdds;
+
+// Which digits and which image explain a profile, and how well.
+struct DecodeTuning {
+  std::size_t least_places = 40;
+  double least_guards = 0.35;  // of the guard patterns, explained before any adjustment
+  int rounds = 4;              // of digits and image in turn
+  double clean = 0.985;        // explained: nothing to set aside
+  int cleanings = 3;           // rounds of setting aside what the digits cannot explain
+  double odd = 0.12;           // of the contrast: what is set aside, beside the noise
+  double odd_sigmas = 3.5;
+  double agreement = 0.85;    // of the bars' height: places where more of it agrees are kept
+  double hopeless = 0.75;     // explained: so little of it that nothing would be believed
+  double least_noise = 0.15;  // variance factor
+  int noise_reach = 4;        // modules to either side that tell a module's own noise
+  double noise_prior = 5;     // modules' worth of the common noise
+};
+inline constexpr DecodeTuning kDecode;
+
+}  // namespace tagsmith::detail
