@@ -55,16 +55,24 @@ std::string wrapped_notes(const std::string& notes, std::size_t columns) {
   return result;
 }
 
-struct DefaultText {
-  std::string operator()(const std::string* value) const { return *value; }
-  std::string operator()(const double* value) const { return format_number(*value); }
-  std::string operator()(const int* value) const { return std::to_string(*value); }
-  std::string operator()(const std::uint64_t* value) const { return std::to_string(*value); }
-  template <class Other>
-  std::string operator()(const Other& /*value*/) const {
-    return {};
-  }
-};
+// The value of an option's target as it is before any argument; empty where it has no text.
+std::string value_now(const CommandOption& option) {
+  return std::visit(
+      [](const auto& target) -> std::string {
+        using Target = std::decay_t<decltype(target)>;
+        if constexpr (std::is_same_v<Target, std::string*>) {
+          return *target;
+        } else if constexpr (std::is_same_v<Target, double*>) {
+          return format_number(*target);
+        } else if constexpr (std::is_same_v<Target, int*> ||
+                             std::is_same_v<Target, std::uint64_t*>) {
+          return std::to_string(*target);
+        } else {
+          return {};
+        }
+      },
+      option.target);
+}
 
 // The placeholder of the option's value: FILE, or its choices.
 std::string value_text(const CommandOption& option) {
@@ -84,8 +92,7 @@ std::string names_text(const CommandOption& option) {
 
 std::string explanation(const CommandOption& option) {
   std::vector<std::string> remarks;
-  const std::string usual =
-      option.shows_default ? std::visit(DefaultText{}, option.target) : std::string();
+  const std::string usual = option.shows_default ? value_now(option) : std::string();
   if (!usual.empty()) remarks.push_back("default: " + usual);
   if (option.required && !option.is_positional()) remarks.push_back("required");
   if (option.is_repeatable() && !option.is_positional() && !option.by_commas) {

@@ -319,7 +319,8 @@ fs::path data_directory() {
     }
     if (folder == folder.root_path()) break;
   }
-  return TAGSMITH_SOURCE_FOLDER;
+  // Where the system does not tell the program's file, or the build lies outside the sources.
+  return holds_data(TAGSMITH_INSTALLED_DATA) ? TAGSMITH_INSTALLED_DATA : TAGSMITH_SOURCE_FOLDER;
 }
 
 }  // namespace tagsmith::detail

@@ -141,6 +141,15 @@ TEST_CASE("help is as wide as it is asked to be, and says each option") {
   }
 }
 
+TEST_CASE("help says what an option is when it is not given") {
+  Values values;
+  const std::string help = command_help(made_command(values), 80);
+  CHECK(help.find("(default: 3)") != std::string::npos);
+  CHECK(run_tagsmith("help read").out.find("(default: fallback)") != std::string::npos);
+  CHECK(run_tagsmith("help simulate").out.find("(default: 0.7)") != std::string::npos);
+  CHECK(run_tagsmith("help verify").out.find("(default: 10; with --rig)") != std::string::npos);
+}
+
 TEST_CASE("man pages hold every option, and no line of text is taken for a request") {
   for (const Command& command : all_commands()) {
     const std::string page = command_man_page(command, "1.0");
