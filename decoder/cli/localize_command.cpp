@@ -32,8 +32,8 @@
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -402,17 +402,9 @@ Command localize_command() {
   return {
       .name = kName,
       .summary = "The vehicle's position at each measurement of a run, from what its cameras saw",
-      .options = {{.names = "SURVEY",
-                   .target = &options->surveys,
-                   .help = "Survey files of the tunnel (survey.yaml)",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "--rig",
-                   .target = &options->rig,
-                   .help = "The vehicle's cameras and range sensors (rig.yaml)",
-                   .placeholder = "RIG",
-                   .kind = ValueKind::rig,
-                   .required = true},
+      .options = {survey_argument(&options->surveys, "Survey files of the tunnel (survey.yaml)"),
+                  required(rig_option(&options->rig,
+                                      "The vehicle's cameras and range sensors (rig.yaml)")),
                   {.names = "--run",
                    .target = &options->run,
                    .help = "The measurements: images or distances, and ranges",
@@ -431,17 +423,12 @@ Command localize_command() {
                            "pipeline",
                    .shows_default = true,
                    .choices = {"tagsmith", "paper"}},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object a line, the summary last"},
+                  json_flag(options->json, "One JSON object a line, the summary last"),
                   {.names = "--explain",
                    .target = &options->explain,
                    .help = "What survey, pixels, ranges and calibration contribute to each sigma"},
-                  {.names = "--residuals",
-                   .target = &options->pictures,
-                   .help = "Draw each measurement's residuals: seen against fitted corners",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder},
+                  folder_option("--residuals", &options->pictures,
+                                "Draw each measurement's residuals: seen against fitted corners"),
                   {.names = "--unsurveyed",
                    .target = &options->unsurveyed,
                    .help = "Use tags that are not in the survey too, at their coded positions"},
@@ -462,18 +449,12 @@ Command localize_command() {
                    .target = &options->smooth,
                    .help = "Fit a motion of steady velocity to the run, fill its gaps; needs the "
                            "column time"},
-                  {.names = "--tum",
-                   .target = &options->tum,
-                   .help = "Write the trajectory (TUM format); needs the run's column time",
-                   .placeholder = "FILE",
-                   .kind = ValueKind::file},
-                  {.names = "--drawing",
-                   .target = &options->drawing,
-                   .help =
-                       "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg "
-                       "or .png",
-                   .placeholder = "FILE",
-                   .kind = ValueKind::file},
+                  file_option("--tum", &options->tum,
+                              "Write the trajectory (TUM format); needs the run's column time"),
+                  file_option(
+                      "--drawing", &options->drawing,
+                      "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg "
+                      "or .png"),
                   jobs_option(options->jobs, "Images read at the same time")},
       .notes =
           "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: "

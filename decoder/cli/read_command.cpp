@@ -21,8 +21,8 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
@@ -247,13 +247,11 @@ Command read_command() {
                            "tag with one), always, or never",
                    .shows_default = true,
                    .choices = {"fallback", "always", "never"}},
-                  {.names = "--explain",
-                   .target = &options->explain,
-                   .help = "Folder for a drawing of each picture: frames, corners, scan lines, "
-                           "digits with their margins, what was refused and why",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder},
-                  {.names = "--json", .target = &options->json, .help = "One JSON object an image"},
+                  folder_option(
+                      "--explain", &options->explain,
+                      "Folder for a drawing of each picture: frames, corners, scan lines, "
+                      "digits with their margins, what was refused and why"),
+                  json_flag(options->json, "One JSON object an image"),
                   jobs_option(options->jobs, "Pictures read at once")},
       .notes = kNotes,
       .run = [options] { return run(*options); },

@@ -14,6 +14,7 @@
 #include "decoder/verify/verify_json.hpp"
 #include "decoder/verify/verify_merge.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -125,19 +126,13 @@ Command report_command() {
   Command command{
       .name = "report",
       .summary = "Merge what verify runs found into one report",
-      .options = {{.names = "SURVEY",
-                   .target = &options->survey,
-                   .help = "The survey",
-                   .kind = ValueKind::survey,
-                   .required = true},
+      .options = {survey_argument(&options->survey, "The survey"),
                   {.names = "FILE.jsonl",
                    .target = &options->files,
                    .help = "Output of `verify --json`",
                    .kind = ValueKind::json_lines,
                    .required = true},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "Print the summary as one JSON object"}},
+                  json_flag(options->json, "Print the summary as one JSON object")},
       .notes = kNotes,
       .run =
           [options] {

@@ -16,6 +16,7 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/sheet_files.hpp"
@@ -104,21 +105,10 @@ Result<std::string> picture_of(const FaultRecord& fault, const std::vector<std::
 }  // namespace
 
 std::vector<CommandOption> report_options(ReportFiles& files) {
-  return {{.names = "--html",
-           .target = &files.html,
-           .help = "Write the report as a web page that needs nothing else",
-           .placeholder = "FILE",
-           .kind = ValueKind::file},
-          {.names = "--pdf",
-           .target = &files.pdf,
-           .help = "Write the report as PDF",
-           .placeholder = "FILE",
-           .kind = ValueKind::file},
-          {.names = "--csv",
-           .target = &files.csv,
-           .help = "Write a table of the survey's tags",
-           .placeholder = "FILE",
-           .kind = ValueKind::file}};
+  return {
+      file_option("--html", &files.html, "Write the report as a web page that needs nothing else"),
+      file_option("--pdf", &files.pdf, "Write the report as PDF"),
+      file_option("--csv", &files.csv, "Write a table of the survey's tags")};
 }
 
 void add_report_files(const ReportFiles& report, CommandFiles& files) {

@@ -24,8 +24,8 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -470,35 +470,21 @@ Command simulate_command() {
   Command command{
       .name = kName,
       .summary = "What the cameras would see along a run, for rehearsals",
-      .options = {{.names = "SURVEY",
-                   .target = &options->survey,
-                   .help = "The tunnel and its tags (survey.yaml)",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "--rig",
-                   .target = &options->rig,
-                   .help = "The vehicle's cameras and range sensors (rig.yaml)",
-                   .placeholder = "RIG",
-                   .kind = ValueKind::rig,
-                   .required = true},
+      .options = {survey_argument(&options->survey, "The tunnel and its tags (survey.yaml)"),
+                  required(rig_option(&options->rig,
+                                      "The vehicle's cameras and range sensors (rig.yaml)")),
                   {.names = "--run",
                    .target = &options->run,
                    .help = "True positions: id, truth_x, truth_y, truth_z, ...",
                    .placeholder = "RUN.csv",
                    .kind = ValueKind::table,
                    .required = true},
-                  {.names = "-o,--output",
-                   .target = &options->folder,
-                   .help = "Folder for the images, run.csv and truth.json",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder,
-                   .required = true},
+                  required(folder_option("-o,--output", &options->folder,
+                                         "Folder for the images, run.csv and truth.json")),
                   {.names = "--force",
                    .target = &options->force,
                    .help = "Write into a folder that is not empty"},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object an image, the summary last"},
+                  json_flag(options->json, "One JSON object an image, the summary last"),
                   jobs_option(options->jobs, "Images made at the same time")},
       .notes =
           "For each row and camera DIR/ID_CAMERA.png; DIR/run.csv with the ranges measured and the "

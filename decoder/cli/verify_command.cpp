@@ -31,8 +31,8 @@
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -464,11 +464,7 @@ Command verify_command() {
   Command command{
       .name = "verify",
       .summary = "Check print files and photos against the survey",
-      .options = {{.names = "SURVEY",
-                   .target = &options->survey,
-                   .help = "The survey",
-                   .kind = ValueKind::survey,
-                   .required = true},
+      .options = {survey_argument(&options->survey, "The survey"),
                   {.names = "FILE",
                    .target = &options->files,
                    .help = "Pictures, PDFs, SVGs, folders of them, or - for a list of files on "
@@ -485,22 +481,15 @@ Command verify_command() {
                            "survey",
                    .placeholder = "FILE.jsonl",
                    .kind = ValueKind::json_lines},
-                  {.names = "--crops",
-                   .target = &options->crops,
-                   .help = "Folder for a picture of every faulty tag",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder},
-                  {.names = "--annotate",
-                   .target = &options->annotate,
-                   .help = "Folder for a copy of every photo with its tags outlined and named",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder},
+                  folder_option("--crops", &options->crops,
+                                "Folder for a picture of every faulty tag"),
+                  folder_option(
+                      "--annotate", &options->annotate,
+                      "Folder for a copy of every photo with its tags outlined and named"),
                   {.names = "--complete",
                    .target = &options->complete,
                    .help = "Tags of the survey that no file shows are wrong too"},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object a file, then the summary"},
+                  json_flag(options->json, "One JSON object a file, then the summary"),
                   {.names = "--dpi",
                    .target = &options->scan_dpi,
                    .help = "Pictures are flat scans of prints with so many dots per inch, not "

@@ -8,6 +8,7 @@
 
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/run.hpp"
@@ -48,33 +49,31 @@ void print_in_words(const HungTag& tag) {
 }  // namespace
 
 std::vector<CommandOption> hanging_options(HangingOptions& options) {
-  return {{.names = "--rig",
-           .target = &options.rig,
-           .help = "The cameras that took the photos: tells where tags hang that are seen together",
-           .placeholder = "RIG",
-           .kind = ValueKind::rig},
-          {.names = "--camera",
-           .target = &options.camera,
-           .help = "The rig's camera that took all photos, each by itself (default: the one whose "
-                   "name stands in the file's name)",
-           .placeholder = "NAME",
-           .needs = {"--rig"}},
-          {.names = "--run",
-           .target = &options.run,
-           .help = "Run file that says which camera took which photo, and which were taken "
-                   "together; without FILE its photos are verified",
-           .placeholder = "RUN.csv",
-           .kind = ValueKind::table,
-           .needs = {"--rig"},
-           .excludes = {"--camera"}},
-          {.names = "--tolerance",
-           .target = &options.tolerance_mm,
-           .help = "Farthest that a corner of a tag's frame may be from its place, in mm",
-           .placeholder = "MM",
-           .shows_default = true,
-           .least = 0.1,
-           .greatest = 1000,
-           .needs = {"--rig"}}};
+  return {
+      rig_option(&options.rig,
+                 "The cameras that took the photos: tells where tags hang that are seen together"),
+      {.names = "--camera",
+       .target = &options.camera,
+       .help = "The rig's camera that took all photos, each by itself (default: the one whose "
+               "name stands in the file's name)",
+       .placeholder = "NAME",
+       .needs = {"--rig"}},
+      {.names = "--run",
+       .target = &options.run,
+       .help = "Run file that says which camera took which photo, and which were taken "
+               "together; without FILE its photos are verified",
+       .placeholder = "RUN.csv",
+       .kind = ValueKind::table,
+       .needs = {"--rig"},
+       .excludes = {"--camera"}},
+      {.names = "--tolerance",
+       .target = &options.tolerance_mm,
+       .help = "Farthest that a corner of a tag's frame may be from its place, in mm",
+       .placeholder = "MM",
+       .shows_default = true,
+       .least = 0.1,
+       .greatest = 1000,
+       .needs = {"--rig"}}};
 }
 
 Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/survey/compare.hpp"
 #include "tagsmith/survey/read_survey.hpp"
@@ -92,9 +93,7 @@ Command diff_command() {
                    .help = "The survey as it is now",
                    .kind = ValueKind::survey,
                    .required = true},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object a tag that differs, then the summary"}},
+                  json_flag(options->json, "One JSON object a tag that differs, then the summary")},
       .notes =
           "A line a tag: what to do, its name, why. `tagsmith print NEW --only FILE` prints what "
           "it asks for. Exit: 0 nothing to do, 1 something is, 2 a survey cannot be read.\n\n"

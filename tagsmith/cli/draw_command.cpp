@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/sheet_files.hpp"
@@ -97,23 +98,12 @@ Command draw_command() {
   return {
       .name = "draw",
       .summary = "What a survey means: plan, walls, section, theta, plates, table of tags",
-      .options = {{.names = "SURVEY",
-                   .target = &options->surveys,
-                   .help = "Survey file (YAML); several are drawn in one plan first",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "--rig",
-                   .target = &options->rig,
-                   .help = "Rig file (YAML): draws the vehicle's cameras too",
-                   .placeholder = "RIG",
-                   .kind = ValueKind::rig},
-                  {.names = "-o,--output",
-                   .target = &options->output,
-                   .help =
-                       "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...",
-                   .placeholder = "FILE",
-                   .kind = ValueKind::file,
-                   .required = true},
+      .options = {survey_argument(&options->surveys,
+                                  "Survey file (YAML); several are drawn in one plan first"),
+                  rig_option(&options->rig, "Rig file (YAML): draws the vehicle's cameras too"),
+                  required(file_option(
+                      "-o,--output", &options->output,
+                      "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...")),
                   {.names = "--paper",
                    .target = &options->paper,
                    .help = "Paper, landscape (default: a3)",

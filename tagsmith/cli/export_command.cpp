@@ -9,6 +9,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/render/dxf.hpp"
@@ -67,18 +68,11 @@ Command export_command() {
   return {
       .name = "export",
       .summary = "A survey's tags as CSV, JSON, DXF or WPILib field layout",
-      .options = {{.names = "SURVEY",
-                   .target = &options->survey,
-                   .help = "Survey file (YAML)",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "-o,--output",
-                   .target = &options->output,
-                   .help = "FILE.csv, FILE.json, FILE.wpilib.json or FILE.dxf; - for standard "
-                           "output",
-                   .placeholder = "FILE",
-                   .kind = ValueKind::file,
-                   .required = true},
+      .options = {survey_argument(&options->survey, "Survey file (YAML)"),
+                  required(file_option(
+                      "-o,--output", &options->output,
+                      "FILE.csv, FILE.json, FILE.wpilib.json or FILE.dxf; - for standard "
+                      "output")),
                   {.names = "--format",
                    .target = &options->format,
                    .help = "What is written (default: by the file's name; csv for -)",

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
@@ -283,9 +284,7 @@ std::vector<CommandOption> draft_options(NewOptions& options) {
        .help = "parallel (default): one width for all; measured: walls and roof run through "
                "their points, the center line through CL",
        .choices = {"parallel", "measured"}},
-      {.names = "--json",
-       .target = &options.json,
-       .help = "One JSON object a point, then a summary"}};
+      json_flag(options.json, "One JSON object a point, then a summary")};
   for (CommandOption& option : draft) option.needs = {"--from"};
   return draft;
 }

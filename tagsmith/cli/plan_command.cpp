@@ -15,8 +15,8 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/plan_optimise.hpp"
 #include "tagsmith/cli/plan_page.hpp"
 #include "tagsmith/cli/plan_report.hpp"
@@ -252,26 +252,13 @@ Command plan_command() {
       .summary =
           "What the cameras will see along the drive, and how well the vehicle will know "
           "its place",
-      .options = {{.names = "SURVEY",
-                   .target = &options->survey,
-                   .help = "Survey file (YAML)",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "--rig",
-                   .target = &options->rig,
-                   .help = "Rig file (YAML); vehicle.envelope says how far it strays",
-                   .placeholder = "RIG",
-                   .kind = ValueKind::rig,
-                   .required = true},
-                  {.names = "-o,--output",
-                   .target = &options->folder,
-                   .help = "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
-                           "--optimise, the chosen survey; made if missing",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object instead of the report"},
+      .options = {survey_argument(&options->survey, "Survey file (YAML)"),
+                  required(rig_option(&options->rig,
+                                      "Rig file (YAML); vehicle.envelope says how far it strays")),
+                  folder_option("-o,--output", &options->folder,
+                                "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
+                                "--optimise, the chosen survey; made if missing"),
+                  json_flag(options->json, "One JSON object instead of the report"),
                   {.names = "--optimise",
                    .target = &options->optimise,
                    .help = "Look for the cheapest layout that keeps the promise below; -o writes "

@@ -17,8 +17,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
-#include "tagsmith/cli/jobs_option.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/render/text.hpp"
@@ -282,20 +282,11 @@ Command print_command(const ProvePages& prove) {
   Command command{
       .name = "print",
       .summary = "Print-ready PDF, SVG and PNG files of a survey's tags, and the installer's lists",
-      .options = {{.names = "SURVEY",
-                   .target = &options->survey,
-                   .help = "Survey file (YAML)",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "-o,--output",
-                   .target = &options->folder,
-                   .help = "Folder for the files and their manifest; made if missing",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder,
-                   .required = true},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object a printed tag, then a summary"},
+      .options = {survey_argument(&options->survey, "Survey file (YAML)"),
+                  required(
+                      folder_option("-o,--output", &options->folder,
+                                    "Folder for the files and their manifest; made if missing")),
+                  json_flag(options->json, "One JSON object a printed tag, then a summary"),
                   jobs_option(options->style.jobs, "Cores to use at most")},
       .notes =
           "Every page is at true scale, with a 100 mm scale bar in both directions: print at "

@@ -14,6 +14,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/apply_fixes.hpp"
+#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
@@ -257,12 +258,9 @@ Command validate_command() {
                    .target = &options->surveys,
                    .help = "Survey files (YAML); several are checked against each other too",
                    .kind = ValueKind::survey},
-                  {.names = "--rig",
-                   .target = &options->rigs,
-                   .help = "Rig file to check as well, and whether its cameras can see the "
-                           "surveys' tags",
-                   .placeholder = "RIG",
-                   .kind = ValueKind::rig},
+                  rig_option(&options->rigs,
+                             "Rig file to check as well, and whether its cameras can see the "
+                             "surveys' tags"),
                   {.names = "--template",
                    .target = &options->templates,
                    .help = "Template file to check as well",
@@ -279,9 +277,7 @@ Command validate_command() {
                   {.names = "--rules",
                    .target = &options->list_rules,
                    .help = "All rules, as a table"},
-                  {.names = "--json",
-                   .target = &options->json,
-                   .help = "One JSON object a line for each finding"}},
+                  json_flag(options->json, "One JSON object a line for each finding")},
       .notes =
           "A comment `# tagsmith: allow RULE: REASON` on or above a line silences a warning. "
           "Exit code: 0 no errors, 1 errors found, 2 a file cannot be read.\n\n"
