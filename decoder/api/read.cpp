@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include <tagsmith/read.hpp>
 
@@ -124,23 +124,11 @@ detail::Frameless frameless_from(Frameless frameless) {
   return detail::Frameless::never;
 }
 
-// How to read the tags of these surveys, of which each may have many: none is copied.
 detail::ReadOptions options_for(const std::vector<Survey>& surveys) {
-  detail::ReadOptions all;
-  for (std::size_t i = 0; i < surveys.size(); ++i) {
-    detail::ReadOptions one = detail::read_options_for({&surveys[i].data().survey, 1});
-    if (i == 0) {
-      all = std::move(one);
-      continue;
-    }
-    all.code_book.insert(all.code_book.end(), one.code_book.begin(), one.code_book.end());
-    if (all.check != one.check) all.check.reset();
-    for (const detail::SymbolLayout& layout : one.layouts) {
-      const bool known = std::ranges::find(all.layouts, layout) != all.layouts.end();
-      if (!known) all.layouts.push_back(layout);
-    }
-  }
-  return all;
+  std::vector<const detail::Survey*> each;
+  each.reserve(surveys.size());
+  for (const Survey& survey : surveys) each.push_back(&survey.data().survey);
+  return detail::read_options_of(each);
 }
 
 detail::ReadOptions options_from(const ReadOptions& options, const detail::GrayView& image) {

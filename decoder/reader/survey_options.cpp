@@ -2,24 +2,32 @@
 #include "decoder/reader/survey_options.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace tagsmith::detail {
 
-ReadOptions read_options_for(std::span<const Survey> surveys) {
+ReadOptions read_options_of(std::span<const Survey* const> surveys) {
   ReadOptions options;
   if (surveys.empty()) return options;
   options.layouts.clear();
-  for (const Survey& survey : surveys) {
-    for (const PlacedTag& tag : survey.tags) options.code_book.push_back(tag.digits);
-    const SymbolLayout layout = layout_of(survey.tag_template);
+  for (const Survey* survey : surveys) {
+    for (const PlacedTag& tag : survey->tags) options.code_book.push_back(tag.digits);
+    const SymbolLayout layout = layout_of(survey->tag_template);
     if (std::ranges::find(options.layouts, layout) == options.layouts.end()) {
       options.layouts.push_back(layout);
     }
   }
-  const CheckDigit check = surveys.front().code.check;
-  const auto agrees = [&](const Survey& survey) { return survey.code.check == check; };
+  const CheckDigit check = surveys.front()->code.check;
+  const auto agrees = [&](const Survey* survey) { return survey->code.check == check; };
   if (std::ranges::all_of(surveys, agrees)) options.check = check;
   return options;
+}
+
+ReadOptions read_options_for(std::span<const Survey> surveys) {
+  std::vector<const Survey*> each;
+  each.reserve(surveys.size());
+  for (const Survey& survey : surveys) each.push_back(&survey);
+  return read_options_of(each);
 }
 
 }  // namespace tagsmith::detail

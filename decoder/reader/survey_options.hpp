@@ -12,4 +12,7 @@ namespace tagsmith::detail {
 // and their check digit where they agree on one.
 ReadOptions read_options_for(std::span<const Survey> surveys);
 
+// The same of surveys that lie apart; none is copied.
+ReadOptions read_options_of(std::span<const Survey* const> surveys);
+
 }  // namespace tagsmith::detail
