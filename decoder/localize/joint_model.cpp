@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 #include <ceres/tiny_solver.h>
 
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 
 namespace tagsmith::detail {
@@ -299,10 +300,10 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
   const Eigen::Matrix3d of_shift = information.inverse();
   result.shift = -of_shift * by_shift.transpose() * solver.solve(residual);
   const Eigen::Matrix3d expected = of_shift + Eigen::Matrix3d(variance.head<3>().asDiagonal());
-  result.shift_chi_square = result.shift.dot(expected.ldlt().solve(result.shift));
+  result.shift_chi_square = squared_mahalanobis(result.shift, expected);
   const CornerCovariance all =
       spread + by_shift * variance.head<3>().asDiagonal() * by_shift.transpose();
-  result.chi_square = residual.dot(all.ldlt().solve(residual));
+  result.chi_square = squared_mahalanobis(residual, all);
   result.degrees_of_freedom = kSightingRows;
   return result;
 }
@@ -333,7 +334,7 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
   Disagreement result;
   result.shift = -information.ldlt().solve(score);
   result.shift_chi_square = -score.dot(result.shift);
-  result.chi_square = residual.dot(left.ldlt().solve(residual));
+  result.chi_square = squared_mahalanobis(residual, left);
   result.degrees_of_freedom = static_cast<int>(size);
   return result;
 }

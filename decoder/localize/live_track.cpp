@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include "decoder/reader/expected_tags.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -94,9 +94,7 @@ std::optional<PosePrior> prior_at(const LiveTrack& track, double time,
   prior.vehicle.heading = world_heading_from_grid(grid, now.mean[3]);
   prior.vehicle.pitch = track.pitch;
   prior.vehicle.roll = track.roll;
-  const Eigen::Matrix3d spread = now.covariance.topLeftCorner<3, 3>();
-  prior.position_sigma =
-      std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues().maxCoeff());
+  prior.position_sigma = worst_sigma(now.covariance.topLeftCorner<3, 3>());
   prior.angle_sigma = std::hypot(std::sqrt(now.covariance(3, 3)), kLean);
   return prior;
 }

@@ -6,7 +6,8 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -83,8 +84,7 @@ bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdat
   constexpr double kLargestSigma = 0.025;  // metres, worst direction
   constexpr double kSure = 13.28;          // chi-square of four that one in 100 exceeds
   const Eigen::Matrix3d spread = predicted.covariance.topLeftCorner<3, 3>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
-  const bool sharp = axes.eigenvalues().maxCoeff() <= kLargestSigma * kLargestSigma;
+  const bool sharp = worst_sigma(spread) <= kLargestSigma;
   const bool handed_over = std::ranges::any_of(tags.latest, [&](const std::string& tag) {
     return std::ranges::find(fix.tags, tag) == fix.tags.end();
   });
@@ -107,7 +107,7 @@ MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measu
   missing[3] = wrapped_angle(missing[3]);
   const PlaceCovariance own = (1 - measured.shared) * measured.covariance;
   const PlaceCovariance spread = predicted.covariance.topLeftCorner<4, 4>();
-  update.distance2 = missing.dot((spread + measured.covariance).ldlt().solve(missing));
+  update.distance2 = squared_mahalanobis(missing, spread + measured.covariance);
   update.agrees = update.distance2 <= kGate;
   const PlaceCovariance innovation = spread + own;
   const Eigen::Matrix<double, 8, 4> gain =

@@ -12,6 +12,8 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "tagsmith/geometry/covariance.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -477,11 +479,9 @@ PlateOffset offset_of(const Vector6& moved, const Matrix6& posterior, const Vect
   offset.covariance = back * variance.asDiagonal() * back.transpose();
   Matrix6 expected = offset.covariance;
   expected.diagonal() += surveyed;
-  offset.chi_square = mean.dot(expected.ldlt().solve(mean));
-  const Eigen::Matrix3d of_shift = expected.topLeftCorner<3, 3>();
-  offset.shift_chi_square = offset.shift.dot(of_shift.ldlt().solve(offset.shift));
-  const Eigen::Matrix3d of_turn = expected.bottomRightCorner<3, 3>();
-  offset.turn_chi_square = offset.turn.dot(of_turn.ldlt().solve(offset.turn));
+  offset.chi_square = squared_mahalanobis(mean, expected);
+  offset.shift_chi_square = squared_mahalanobis(offset.shift, expected.topLeftCorner<3, 3>());
+  offset.turn_chi_square = squared_mahalanobis(offset.turn, expected.bottomRightCorner<3, 3>());
   return offset;
 }
 

@@ -5,8 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 
 namespace tagsmith::detail {
 namespace {
@@ -46,19 +44,28 @@ std::optional<Matrix3d> homography(const std::array<Vector3d, 4>& corners,
   return result;
 }
 
+// The greatest singular value: singular values multiply to the determinant, their squares add up to
+// the sum of all elements' squares.
+double spectral_norm(const Matrix2d& a) {
+  const double squares = a.squaredNorm();
+  const double product = 2 * a.determinant();
+  return std::sqrt((squares + std::sqrt(std::max(0.0, squares * squares - product * product))) / 2);
+}
+
 // The rotations whose picture of the plane about its middle has the homography's first derivatives
 // there: Collins and Bartoli, Appendix A.
 std::optional<std::array<Matrix3d, 2>> rotations(const Matrix3d& h) {
   const Vector2d middle = h.block<2, 1>(0, 2);
   const Matrix2d slope = h.topLeftCorner<2, 2>() - middle * h.block<1, 2>(2, 0);
-  const Vector3d sight(middle.x(), middle.y(), 1);
+  // The least turn of the axis (0, 0, 1) to the line of sight to the middle.
+  const Vector3d sight = Vector3d(middle.x(), middle.y(), 1).normalized();
   const Matrix3d towards =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), sight).toRotationMatrix();
+      Eigen::Quaterniond(1 + sight.z(), -sight.y(), sight.x(), 0).normalized().toRotationMatrix();
   Eigen::Matrix<double, 2, 3> projection;
   projection << Matrix2d::Identity(), -middle;
   const Matrix2d across = projection * towards.leftCols<2>();
   const Matrix2d a = across.inverse() * slope;
-  const double scale = Eigen::JacobiSVD<Matrix2d>(a).singularValues()[0];
+  const double scale = spectral_norm(a);
   if (!(scale > 0) || !(a.determinant() > 0)) return std::nullopt;
   const Matrix2d upper = a / scale;
   const Matrix2d rest = Matrix2d::Identity() - upper.transpose() * upper;

@@ -9,11 +9,11 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 
@@ -62,14 +62,14 @@ struct SingleFits {
 };
 
 double squared_distance(const JointFit& a, const JointFit& b) {
-  VehicleCovariance spread = a.vehicle_covariance() + b.vehicle_covariance();
+  const VehicleCovariance spread = a.vehicle_covariance() + b.vehicle_covariance();
   Eigen::Matrix<double, 6, 1> difference;
   const VehiclePose& from = a.state.vehicle;
   const VehiclePose& to = b.state.vehicle;
   difference << to.position - from.position,
       std::remainder(to.heading - from.heading, 2 * std::numbers::pi), to.pitch - from.pitch,
       to.roll - from.roll;
-  return difference.dot(spread.ldlt().solve(difference)) / 2;
+  return squared_mahalanobis(difference, spread) / 2;
 }
 
 bool is_same(const JointFit& a, const JointFit& b) {

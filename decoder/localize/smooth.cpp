@@ -10,10 +10,10 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -158,11 +158,6 @@ Fix without_position(Fix fix, std::string reason) {
   fix.predicted = false;
   fix.reason = std::move(reason);
   return fix;
-}
-
-double worst_sigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
 }
 
 // The fix with the place that the whole track gives it.

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/geometry/covariance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace tagsmith::detail {
+
+double squared_mahalanobis(const Eigen::Ref<const Eigen::VectorXd>& residual,
+                           const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  const Eigen::VectorXd weighed = Eigen::LDLT<Eigen::MatrixXd>(covariance).solve(residual);
+  return residual.dot(weighed);
+}
+
+double worst_sigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));
+}
+
+}  // namespace tagsmith::detail
