@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
@@ -85,9 +86,7 @@ Json residuals_json(const Fix& fix) {
 }
 
 // Ids and file names come from files and may not be UTF-8.
-std::string text_of(const Json& line) {
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string text_of(const Json& line) { return json_text(line); }
 
 Json summary_values(const FixSummary& summary) {
   Json values{

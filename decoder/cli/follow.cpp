@@ -18,6 +18,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith::detail {
@@ -27,7 +28,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestLine = 1 << 20;
 
-std::string id_text(const Json& id) { return id.is_string() ? id.get<std::string>() : id.dump(); }
+std::string id_text(const Json& id) {
+  return id.is_string() ? id.get<std::string>() : json_text(id);
+}
 
 Result<void> take(Measurement& measurement, const Rig& rig, const std::string& key,
                   const Json& value) {
@@ -83,7 +86,7 @@ std::string error_line(const Json& object, int number, const std::string& messag
       {"id", object.is_object() && object.contains("id") ? Json(id_text(object["id"])) : Json()},
       {"status", "error"},
       {"reason", fmt::format("line {}: {}", number, message)}};
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(line);
 }
 
 }  // namespace

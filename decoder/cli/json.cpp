@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/json_text.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -51,10 +53,6 @@ Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys
           {"method", "frameless"}};
 }
 
-std::string line_of(const Json& object) {
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 }  // namespace
 
 GridPoint coded_position(const Digits& digits, const std::vector<Survey>& surveys) {
@@ -90,12 +88,12 @@ std::string to_json_line(const ImageReadings& readings, const std::vector<Survey
                         {"corners", nullptr},
                         {"bars", to_json(rejection.symbol.bars)}});
   }
-  return line_of({{"image", readings.image.string()},
-                  {"width", readings.width},
-                  {"height", readings.height},
-                  {"tags", tags},
-                  {"rejected", rejected},
-                  {"time_ms", with_decimals(readings.time_ms, 3)}});
+  return json_text({{"image", readings.image.string()},
+                    {"width", readings.width},
+                    {"height", readings.height},
+                    {"tags", tags},
+                    {"rejected", rejected},
+                    {"time_ms", with_decimals(readings.time_ms, 3)}});
 }
 
 }  // namespace tagsmith::detail

@@ -26,6 +26,7 @@
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -278,7 +279,7 @@ std::string truth_text(const Survey& survey, Json images) {
       {"grid_x_axis", survey.grid.x_axis_left ? "left" : "right"},
       {"images", std::move(images)}};
   // Names come from files and may not be UTF-8.
-  return truth.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(truth, 1) + "\n";
 }
 
 // --- run.csv ---
@@ -334,9 +335,7 @@ ViewOptions view_options(const SimulateOptions& options, std::uint64_t shot) {
   return view;
 }
 
-void print_line(const Json& line) {
-  to_stdout("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
+void print_line(const Json& line) { to_stdout("{}\n", json_text(line)); }
 
 void print_json(const Json& truths, const fs::path& folder) {
   for (const Json& shot : truths) {

@@ -10,6 +10,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/survey/compare.hpp"
 
 namespace tagsmith::detail {
@@ -167,7 +168,7 @@ Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
   if (!fs::is_regular_file(path, ignored)) return std::nullopt;
   const Result<std::string> bytes = read_file(path, kMaxManifestBytes);
   if (!bytes) return fail(bytes.error().message);
-  const json root = json::parse(*bytes, nullptr, false);
+  const json root = parse_json(*bytes);
   if (root.is_discarded()) return fail(path.string() + ": is no JSON");
   if (!root.is_object() || !root.contains("survey") || !root.contains("tags")) return std::nullopt;
   const auto survey = get<std::string>(root, "survey");

@@ -16,6 +16,7 @@
 
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/read_line.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
@@ -224,10 +225,6 @@ Json notes_json(const VerifyMerge& merged) {
   return notes;
 }
 
-std::string line_of(const Json& object) {
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 // --- reading; what is of another type than to_json writes throws ---
 
 // The default where the key is absent or null.
@@ -374,10 +371,10 @@ std::optional<VerifiedFile> from_object(const json& object) {
 
 }  // namespace
 
-std::string to_json_line(const VerifiedFile& file) { return line_of(to_json(file)); }
+std::string to_json_line(const VerifiedFile& file) { return json_text(to_json(file)); }
 
 std::optional<VerifiedFile> verified_file_from(std::string_view line) {
-  return from_object(json::parse(line, nullptr, false));
+  return from_object(parse_json(line));
 }
 
 std::string verify_summary_line(const Survey& survey, const VerifyMerge& merged,
@@ -395,7 +392,7 @@ std::string verify_summary_line(const Survey& survey, const VerifyMerge& merged,
   object["skipped"] = skipped;
   add_completeness(survey, merged, object);
   add_hanging(hung, object);
-  return line_of({{"summary", object}});
+  return json_text({{"summary", object}});
 }
 
 std::string report_summary_line(const Survey& survey, const VerifyMerge& merged,
@@ -407,7 +404,7 @@ std::string report_summary_line(const Survey& survey, const VerifyMerge& merged,
               {"notes", notes_json(merged)}};
   add_completeness(survey, merged, object);
   add_hanging(hung, object);
-  return line_of({{"summary", object}});
+  return json_text({{"summary", object}});
 }
 
 Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
@@ -424,7 +421,7 @@ Result<VerifyLineCounts> read_verify_lines(const std::filesystem::path& path,
                   ": a line of more than 64 MiB, expected the output of `verify --json`");
     }
     if (line->find_first_not_of(" \t\r") == std::string::npos) continue;
-    const json object = json::parse(*line, nullptr, false);
+    const json object = parse_json(*line);
     if (object.is_object() && object.contains("summary")) continue;
     std::optional<VerifiedFile> file = from_object(object);
     ++(file ? counts.files : counts.broken);

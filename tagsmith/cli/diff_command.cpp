@@ -13,6 +13,7 @@
 
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/survey/compare.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -28,26 +29,22 @@ struct DiffOptions {
 
 using Json = nlohmann::ordered_json;
 
-std::string dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
   return std::ranges::count(differences, change, &TagDifference::change);
 }
 
 void print_json(const std::vector<TagDifference>& differences) {
   for (const TagDifference& difference : differences) {
-    to_stdout("{}\n", dump({{"tag", difference.tag},
-                            {"change", to_string(difference.change)},
-                            {"distance", std::round(difference.distance * 1e6) / 1e6},
-                            {"reason", difference.reason}}));
+    to_stdout("{}\n", json_text({{"tag", difference.tag},
+                                 {"change", to_string(difference.change)},
+                                 {"distance", std::round(difference.distance * 1e6) / 1e6},
+                                 {"reason", difference.reason}}));
   }
-  to_stdout("{}\n", dump({{"summary",
-                           {{"print", count_of(differences, TagChange::print)},
-                            {"reprint", count_of(differences, TagChange::reprint)},
-                            {"move", count_of(differences, TagChange::move)},
-                            {"remove", count_of(differences, TagChange::remove)}}}}));
+  to_stdout("{}\n", json_text({{"summary",
+                                {{"print", count_of(differences, TagChange::print)},
+                                 {"reprint", count_of(differences, TagChange::reprint)},
+                                 {"move", count_of(differences, TagChange::move)},
+                                 {"remove", count_of(differences, TagChange::remove)}}}}));
 }
 
 // Standard output is a list that `print --only` takes; the count goes to standard error.

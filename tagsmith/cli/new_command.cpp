@@ -17,6 +17,7 @@
 
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/survey/draft_survey.hpp"
@@ -140,30 +141,27 @@ void print_json(const SurveyDraft& draft) {
   const auto length = [](const std::optional<double>& value) {
     return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);
   };
-  const auto dump = [](const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  };
   for (std::size_t i = 0; i < draft.points.size(); ++i) {
     const PointResidual& residual = draft.fit.residuals[i];
-    to_stdout("{}\n", dump({{"line", draft.points[i].line},
-                            {"point", draft.points[i].name},
-                            {"name", point_name(draft.points[i])},
-                            {"kind", to_string(draft.points[i].kind)},
-                            {"chainage", length(residual.chainage)},
-                            {"across", length(residual.across)},
-                            {"up", length(residual.up)}}));
+    to_stdout("{}\n", json_text({{"line", draft.points[i].line},
+                                 {"point", draft.points[i].name},
+                                 {"name", point_name(draft.points[i])},
+                                 {"kind", to_string(draft.points[i].kind)},
+                                 {"chainage", length(residual.chainage)},
+                                 {"across", length(residual.across)},
+                                 {"up", length(residual.up)}}));
   }
   const Tunnel& tunnel = draft.fit.tunnel;
-  to_stdout("{}\n", dump({{"summary",
-                           {{"points", draft.points.size()},
-                            {"width", length(width_at(tunnel, 0))},
-                            {"least_width", length(least_width(tunnel))},
-                            {"greatest_width", length(greatest_width(tunnel))},
-                            {"height", length(tunnel.height.at(0))},
-                            {"length", length(tunnel.centerline.length())},
-                            {"elements", tunnel.centerline.elements().size()},
-                            {"rms_across", length(draft.fit.rms_across)},
-                            {"rms_up", length(draft.fit.rms_up)}}}}));
+  to_stdout("{}\n", json_text({{"summary",
+                                {{"points", draft.points.size()},
+                                 {"width", length(width_at(tunnel, 0))},
+                                 {"least_width", length(least_width(tunnel))},
+                                 {"greatest_width", length(greatest_width(tunnel))},
+                                 {"height", length(tunnel.height.at(0))},
+                                 {"length", length(tunnel.centerline.length())},
+                                 {"elements", tunnel.centerline.elements().size()},
+                                 {"rms_across", length(draft.fit.rms_across)},
+                                 {"rms_up", length(draft.fit.rms_up)}}}}));
 }
 
 void print_table(const SurveyDraft& draft) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/plan_report.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -151,7 +152,7 @@ std::string plan_json(const PlannedDrive& drive) {
       {"p99", plan.speed > 0 ? number(summary.travel_most / plan.speed) : Json(nullptr)}};
   json["tags"] = tags(drive);
   json["profile"] = profile(plan);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace tagsmith::detail

@@ -13,6 +13,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
@@ -278,7 +279,7 @@ std::string optimisation_json(const Optimisation& optimisation) {
   for (const LayoutReport& report : optimisation.alternatives) {
     json["alternatives"].push_back(json_of(report));
   }
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace tagsmith::detail

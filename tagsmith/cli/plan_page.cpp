@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/printable.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
@@ -319,7 +320,7 @@ std::string key(const std::vector<std::pair<std::string, std::string>>& entries)
 // JSON inside a script element: no `<` may end it.
 std::string embedded(const Json& data) {
   std::string result;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+  for (const char c : json_text(data)) {
     if (c == '<') {
       result += "\\u003c";
     } else {

@@ -19,6 +19,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/render/text.hpp"
@@ -134,8 +135,9 @@ void report(const PrintRecord& record, const PrintOptions& options) {
     for (const std::string& file : others) to_stdout("{}\n", file);
     return;
   }
-  const nlohmann::json summary{{"summary", {{"count", record.tags.size()}, {"files", others}}}};
-  to_stdout("{}\n", summary.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  const nlohmann::ordered_json summary{
+      {"summary", {{"count", record.tags.size()}, {"files", others}}}};
+  to_stdout("{}\n", json_text(summary));
 }
 
 void report_problems(const PrintRecord& record) {

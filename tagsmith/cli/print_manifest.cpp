@@ -9,6 +9,7 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/render/text.hpp"
 
 namespace tagsmith::detail {
@@ -36,10 +37,6 @@ Json tag_json(const PrintedTag& printed, const std::string& folder) {
           {"rounding", point_json(tag.coded_in_grid - tag.p_in_grid)},
           {"chainage", micrometre(tag.chainage)},
           {"files", files}};
-}
-
-std::string dump(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 void append_point(std::vector<std::string>& fields, const Eigen::Vector3d& point) {
@@ -79,7 +76,7 @@ std::string mm_text(double metres) { return format_number(metres * 1000, 6); }
 }  // namespace
 
 std::string printed_tag_json(const PrintedTag& printed, const std::string& folder) {
-  return dump(tag_json(printed, folder), -1);
+  return json_text(tag_json(printed, folder), -1);
 }
 
 std::vector<PrintedTag> printed_tags(const PrintJob& job) {
@@ -122,7 +119,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
       {"sha256", record.sha256}};
   if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
   if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
-  return dump(manifest, 2) + "\n";
+  return json_text(manifest, 2) + "\n";
 }
 
 std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {

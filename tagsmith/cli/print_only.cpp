@@ -11,6 +11,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/json_text.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -24,7 +25,7 @@ struct Wanted {
 bool asks_for_print(std::string_view change) { return change == "print" || change == "reprint"; }
 
 Wanted from_json(const std::string& line) {
-  const nlohmann::json object = nlohmann::json::parse(line, nullptr, false);
+  const nlohmann::json object = parse_json(line);
   if (!object.is_object()) return {};
   if (object.contains("summary")) return {"summary", false};
   const auto tag = object.find("tag");

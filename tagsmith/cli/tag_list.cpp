@@ -8,6 +8,7 @@
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/point_list.hpp"
@@ -117,9 +118,7 @@ Json assumed_json(const Survey& survey) {
   return assumed ? Json{*assumed} : Json::array();
 }
 
-std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string dump(const Json& json) { return json_text(json, 2) + "\n"; }
 
 std::string x_axis(const Survey& survey) { return survey.grid.x_axis_left ? "left" : "right"; }
 

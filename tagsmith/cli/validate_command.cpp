@@ -16,6 +16,7 @@
 #include "tagsmith/cli/apply_fixes.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/placement/unseen_tags.hpp"
 #include "tagsmith/survey/allowances.hpp"
@@ -131,10 +132,6 @@ Findings validate(const ValidateOptions& options) {
   return findings;
 }
 
-std::string dump(const nlohmann::ordered_json& line) {
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 std::string json_line(const Diagnostic& diagnostic) {
   nlohmann::ordered_json line;
   line["file"] = diagnostic.file;
@@ -147,7 +144,7 @@ std::string json_line(const Diagnostic& diagnostic) {
   if (diagnostic.fix) {
     line["fix"] = {{"found", diagnostic.fix->found}, {"replacement", diagnostic.fix->text}};
   }
-  return dump(line);
+  return json_text(line);
 }
 
 std::string counted(std::size_t count, const std::string& noun) {
@@ -177,11 +174,11 @@ int report(const Findings& findings, const ValidateOptions& options) {
 
 void show(const std::string& file, const FixedLine& line, bool json) {
   if (json) {
-    to_stdout("{}\n", dump({{"file", file},
-                            {"line", line.line},
-                            {"fixed", line.codes},
-                            {"before", line.before},
-                            {"after", line.after}}));
+    to_stdout("{}\n", json_text({{"file", file},
+                                 {"line", line.line},
+                                 {"fixed", line.codes},
+                                 {"before", line.before},
+                                 {"after", line.after}}));
   } else {
     to_stdout("{}:{}: mended [{}]\n  - {}\n  + {}\n", file, line.line, fmt::join(line.codes, "] ["),
               trim(line.before), trim(line.after));
