@@ -15,6 +15,7 @@ struct FileKind {
 };
 
 constexpr std::array kFileKinds{
+    FileKind{"board", "a calibration board", "boards belong to photos that calibrate a camera"},
     FileKind{"survey", "a survey", "pass surveys as the argument SURVEY"},
     FileKind{"rig", "a rig", "pass rigs with --rig"},
     FileKind{"tag", "a template",

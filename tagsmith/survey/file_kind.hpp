@@ -9,8 +9,8 @@
 
 namespace tagsmith::detail {
 
-// Whether a file whose first key should be `key` (survey, rig or tag) is one of the other two
-// kinds. Then that is logged, as one error instead of one for each of its keys.
+// Whether a file whose first key should be `key` (survey, rig, tag or board) is of another
+// kind. Then that is logged, as one error instead of one for each of its keys.
 bool is_other_kind(const YamlNode& root, std::string_view key, FindingLog& log);
 
 }  // namespace tagsmith::detail

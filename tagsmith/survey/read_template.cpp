@@ -13,6 +13,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/file_kind.hpp"
+#include "tagsmith/survey/read_tag_geometry.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
@@ -21,50 +22,7 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kLargestPlate = 10.0;  // metres
-constexpr double kMostModules = 1000.0;
 constexpr double kMillimetre = 1e-3;
-constexpr int kLeastDotsPerInch = 50;
-constexpr int kMostDotsPerInch = 10'000;
-
-struct Size {
-  double width = 0;
-  double height = 0;
-};
-
-std::optional<Size> read_size(const YamlNode* node, const std::string& name, FindingLog& log) {
-  const auto values = read_numbers(node, name, 2, above_zero(kLargestPlate, "m"), log);
-  if (!values) return std::nullopt;
-  return Size{(*values)[0], (*values)[1]};
-}
-
-void read_feature_frame(const MapReader& frame, TagTemplate& tag) {
-  FindingLog& log = frame.log();
-  const auto inner = read_size(frame.need("inner", "inner: [length, height] in metres"),
-                               frame.name_of("inner"), log);
-  if (inner) {
-    tag.frame_inner_length = inner->width;
-    tag.frame_inner_height = inner->height;
-  }
-  tag.frame_stroke = frame.number("stroke", above_zero(1, "m")).value_or(0);
-  const auto offset = read_numbers(frame.find("offset"), frame.name_of("offset"), 2,
-                                   between(-kLargestPlate, kLargestPlate, "m"), log);
-  if (offset) {
-    tag.frame_offset_right = (*offset)[0];
-    tag.frame_offset_up = (*offset)[1];
-  }
-}
-
-void read_symbol(const MapReader& symbol, TagTemplate& tag) {
-  tag.quiet_zone_modules =
-      symbol.number("quiet_zone", between(kQuietZoneModules, kMostModules, "modules"))
-          .value_or(tag.quiet_zone_modules);
-  tag.margin_modules =
-      symbol.number("margin", between(0, kMostModules, "modules")).value_or(tag.margin_modules);
-  tag.dots_per_inch = read_integer(symbol.find("dots_per_inch"), symbol.name_of("dots_per_inch"),
-                                   kLeastDotsPerInch, kMostDotsPerInch, symbol.log())
-                          .value_or(0);
-}
 
 void read_label(const MapReader& label, TagTemplate& tag) {
   tag.label.shown =
@@ -196,18 +154,7 @@ void check_dimensions(const TagTemplate& tag, const MapReader& file) {
                          " m",
                      "a larger plate, a smaller inner size or a thinner stroke");
   }
-  if (bar_height(tag) <= 0) {
-    file.log().error(
-        file.find("symbol")->place, "no-bars",
-        "the bars would be " + format_number(bar_height(tag)) + " m high, expected more than 0",
-        "a smaller margin or a higher inner frame");
-  }
-  if (tag.dots_per_inch > 0 && module_width(tag) < kMetresPerInch / tag.dots_per_inch) {
-    file.log().error(file.find("symbol")->place, "no-dots",
-                     "a module is narrower than one dot of " + std::to_string(tag.dots_per_inch) +
-                         " dots per inch",
-                     "a longer inner frame or a finer printer");
-  }
+  check_symbol(tag, file);
 }
 
 TagTemplate read_tag(const YamlNode& root, FindingLog& log) {

@@ -50,6 +50,10 @@ constexpr std::array kRules{
          "Text is one line of at most 200 bytes of UTF-8, without control characters and "
          "without those that turn the direction of writing, which make a name look like "
          "another."},
+    Rule{"board-scale", "a calibration board that was printed too large or too small",
+         "What was measured from cross to cross is more than 2 % off what was drawn, or the two "
+         "directions differ by more than 1 %. Mostly a printer scaled the sheet to the page, or "
+         "one distance was misread."},
     Rule{"calibration-file", "a calibration file that cannot be read",
          "The path is relative to the rig file; the file is at most some megabytes."},
     Rule{"calibration-size", "a calibration of another image size",
@@ -167,6 +171,9 @@ constexpr std::array kRules{
     Rule{"odd-principal-point", "a principal point far from the image's middle",
          "It is usually within a tenth of the image's size. Check cx and cy, and that "
          "they belong to this image size."},
+    Rule{"off-millimetre", "tags of a board that stand on no whole millimetres",
+         "The codes of a calibration board say places in millimetres. Tags that stand elsewhere "
+         "were not drawn by tagsmith board."},
     Rule{"off-wall", "a placed tag off its wall",
          "P is more than 0.1 m behind the wall's plane (an error: in the rock), or in "
          "front of it (a warning: a niche the other way, a pillar). Check p, "
@@ -174,6 +181,9 @@ constexpr std::array kRules{
     Rule{"one-camera", "a name where the file holds one camera",
          "Remove `camera` from the rig's `calibration`."},
     Rule{"out-of-range", "a number outside its range", "The finding says what is expected."},
+    Rule{"outside-sheet", "tags that stick out of their board",
+         "Frames lie on the sheet with their strokes. One of tags.first, tags.step, the counts and "
+         "sheet is mistyped."},
     Rule{"outside-tunnel", "a plate that sticks out of the tunnel",
          "Below the floor, above the roof, before the start or beyond the end of the "
          "center line."},
@@ -203,6 +213,9 @@ constexpr std::array kRules{
     Rule{"syntax", "no valid YAML",
          "Mostly an indentation, a bracket, a quote or a colon on this line or the one "
          "before."},
+    Rule{"tags-overlap", "tags of a board that lie on each other",
+         "From tag to tag it is at least a feature frame with its strokes. One of tags.step and "
+         "feature_frame is mistyped."},
     Rule{"theta", "a pair angle that cannot be meant, or that moves the right plates",
          "Plates that face each other have tan(theta) = L_CI / W_T. Another theta moves "
          "the right plates along the drive, which some designs want and most do not."},
@@ -238,9 +251,9 @@ constexpr std::array kRules{
     Rule{"wrong-check-digit", "a check digit that does not fit",
          "The twelfth digit follows from the other eleven, by code.check_digit. One "
          "digit is mistyped, or the plate follows the other scheme."},
-    Rule{"wrong-kind", "a survey, rig or template in the place of another",
-         "The file's first key says what it is: survey, rig or tag. The finding says where such a "
-         "file belongs."},
+    Rule{"wrong-kind", "a survey, rig, template or board in the place of another",
+         "The file's first key says what it is: survey, rig, tag or board. The finding says where "
+         "such a file belongs."},
     Rule{"wrong-length", "a list or row of another length",
          "The finding says how many items are expected. A decimal comma makes two items "
          "of one."},

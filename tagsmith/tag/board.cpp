@@ -182,6 +182,18 @@ std::array<PlatePoint, 4> corners_of(const Board& board, const BoardTag& tag) {
 
 double board_clearance(const TagTemplate& tag) { return tag.frame_stroke; }
 
+std::array<PlatePoint, 4> board_marks(double width, double height) {
+  constexpr double kInset = 0.008;  // where every printer prints
+  const double right = kInset + whole_down(width - 2 * kInset) * kMillimetre;
+  const double lower = kInset + whole_down(height - 2 * kInset) * kMillimetre;
+  return {{{kInset, kInset}, {right, kInset}, {kInset, lower}, {right, lower}}};
+}
+
+std::array<double, 2> drawn_distances(double width, double height) {
+  const auto marks = board_marks(width, height);
+  return {marks[1].x - marks[0].x, marks[2].y - marks[0].y};
+}
+
 Result<Board> make_board(const BoardRequest& request) {
   if (std::max(request.width, request.height) > kGreatestPlace) {
     return fail("a board of " + size_text(request) +

@@ -66,6 +66,13 @@ std::array<PlatePoint, 4> corners_of(const Board& board, const BoardTag& tag);
 // The white that ink keeps from a board's feature frames, metres: a stroke, as at plates.
 double board_clearance(const TagTemplate& tag);
 
+// What a tape or a caliper is laid to: the crosses A, B, C and D near the sheet's upper left, upper
+// right, lower left and lower right corner; board frame. Their distances are whole millimetres.
+std::array<PlatePoint, 4> board_marks(double width, double height);
+
+// From A to B and from A to C, metres.
+std::array<double, 2> drawn_distances(double width, double height);
+
 // What a board is to be. Lengths in metres.
 struct BoardRequest {
   std::string name;

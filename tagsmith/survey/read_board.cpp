@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/read_board.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/allowances.hpp"
+#include "tagsmith/survey/file_kind.hpp"
+#include "tagsmith/survey/read_tag_geometry.hpp"
+#include "tagsmith/survey/yaml_reader.hpp"
+
+namespace tagsmith::detail {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kLongestSide = 9.999;  // metres: four digits of millimetres
+constexpr int kMostTagsASide = 600;     // modules of 0.264 mm make 550 rows of 9.999 m
+
+// Prints come out to some parts in a thousand; "fit to page" takes away 3 to 6 percent.
+constexpr double kMostOffScale = 0.02;
+
+// Paper is fed and drawn by different parts of a printer, which differ by a few parts in a
+// thousand; a slip of the pen in one of the two distances differs by more.
+constexpr double kMostUnequal = 0.01;
+
+// A pair of lengths of the sheet, metres.
+std::optional<std::vector<double>> read_lengths(const MapReader& map, std::string_view key,
+                                                const std::string& hint) {
+  return read_numbers(map.need(key, hint), map.name_of(key), 2, above_zero(kLongestSide, "m"),
+                      map.log());
+}
+
+// Places that codes can say.
+void check_millimetres(const MapReader& tags, std::string_view key,
+                       const std::vector<double>& lengths) {
+  const auto is_whole = [](double metres) {
+    constexpr double kRounding = 1e-6;  // millimetres
+    const double millimetres = metres / kMillimetre;
+    return std::abs(millimetres - std::round(millimetres)) < kRounding;
+  };
+  if (std::ranges::all_of(lengths, is_whole)) return;
+  tags.log().error(tags.find(key)->place, "off-millimetre",
+                   tags.name_of(key) + " is [" + format_number(lengths[0], 9) + ", " +
+                       format_number(lengths[1], 9) + "] m, expected whole millimetres",
+                   "the codes say places in millimetres: take the numbers that `tagsmith board` "
+                   "wrote");
+}
+
+// Whole millimetres, which decimals of metres miss by a rounding of doubles.
+double whole_millimetres(double metres) { return std::round(metres / kMillimetre) * kMillimetre; }
+
+void read_grid(const MapReader& tags, BoardGrid& grid) {
+  FindingLog& log = tags.log();
+  grid.columns = read_integer(tags.need("columns", "columns: 4"), tags.name_of("columns"), 1,
+                              kMostTagsASide, log)
+                     .value_or(0);
+  grid.rows =
+      read_integer(tags.need("rows", "rows: 5"), tags.name_of("rows"), 1, kMostTagsASide, log)
+          .value_or(0);
+  const auto first = read_lengths(tags, "first", "first: [x, y] of the first tag's P in metres");
+  const auto step = read_lengths(tags, "step", "step: [right, down] from tag to tag in metres");
+  if (!first || !step) return;
+  check_millimetres(tags, "first", *first);
+  check_millimetres(tags, "step", *step);
+  grid.first = {whole_millimetres((*first)[0]), whole_millimetres((*first)[1])};
+  grid.step_right = whole_millimetres((*step)[0]);
+  grid.step_down = whole_millimetres((*step)[1]);
+}
+
+// The frames keep apart from each other and on the sheet.
+void check_places(const Board& board, const MapReader& file) {
+  constexpr double kRounding = 1e-9;
+  const TagTemplate& tag = board.tag;
+  const BoardGrid& grid = board.grid;
+  const Place place = file.find("tags")->place;
+  const double length = tag.frame_inner_length + 2 * tag.frame_stroke;
+  const double height = tag.frame_inner_height + 2 * tag.frame_stroke;
+  const bool apart = (grid.columns == 1 || grid.step_right > length - kRounding) &&
+                     (grid.rows == 1 || grid.step_down > height - kRounding);
+  if (!apart) {
+    file.log().error(place, "tags-overlap",
+                     "tags.step is [" + format_number(grid.step_right) + ", " +
+                         format_number(grid.step_down) + "] m, but a feature frame takes " +
+                         format_number(length) + " x " + format_number(height) + " m",
+                     "take the numbers that `tagsmith board` wrote");
+  }
+  const double right = grid.first.x + (grid.columns - 1) * grid.step_right + length;
+  const double lower = grid.first.y + (grid.rows - 1) * grid.step_down + height;
+  const double stroke = tag.frame_stroke;
+  const bool inside = grid.first.x > stroke - kRounding && grid.first.y > stroke - kRounding &&
+                      right - stroke < board.width + kRounding &&
+                      lower - stroke < board.height + kRounding;
+  if (!inside) {
+    file.log().error(place, "outside-sheet",
+                     "the tags reach to " + format_number(right - stroke) + ", " +
+                         format_number(lower - stroke) + " m, the sheet is " +
+                         format_number(board.width) + " x " + format_number(board.height) + " m",
+                     "take the numbers that `tagsmith board` wrote");
+  }
+}
+
+struct Distances {
+  double right = 0;  // A to B, millimetres
+  double down = 0;   // A to C
+};
+
+std::optional<Distances> read_distances(const MapReader& map) {
+  const NumberRange range = above_zero(kLongestSide / kMillimetre, "mm");
+  const auto right = map.number("a_b_mm", range, "a_b_mm: from cross A to cross B");
+  const auto down = map.number("a_c_mm", range, "a_c_mm: from cross A to cross C");
+  if (!right || !down) return std::nullopt;
+  return Distances{*right, *down};
+}
+
+void check_scale(const Board& board, const MapReader& measured) {
+  const auto percent = [](double scale) { return format_number(100 * scale, 2) + " %"; };
+  const auto [right, down] = board.scale;
+  const std::string found = "the print is " + percent(right) +
+                            " of its drawn size to the right and " + percent(down) + " down";
+  if (std::max(std::abs(right - 1), std::abs(down - 1)) > kMostOffScale) {
+    measured.log().error(measured.place(), "board-scale", found + ", expected 98 to 102 %",
+                         "measure from cross to cross, in millimetres; if that is right, print "
+                         "again at 100 %, without \"fit to page\"");
+  } else if (std::abs(right - down) > kMostUnequal) {
+    measured.log().error(measured.place(), "board-scale",
+                         found + ", expected both within 1 % of each other",
+                         "measure both distances again; if they are right, another printer or "
+                         "paper");
+  }
+}
+
+void read_measured(const MapReader& file, Board& board) {
+  FindingLog& log = file.log();
+  const MapReader drawn_map(file.need("drawn", "drawn: { a_b_mm: 281, a_c_mm: 194 }"), "drawn",
+                            {"a_b_mm", "a_c_mm"}, log);
+  const auto drawn = drawn_map.is_map() ? read_distances(drawn_map) : std::nullopt;
+  board.scale_sigma = kUnmeasuredScaleSigma;
+  if (!file.has("measured")) return;
+  const MapReader measured_map(file.find("measured"), "measured", {"a_b_mm", "a_c_mm", "sigma_mm"},
+                               log);
+  const auto measured = read_distances(measured_map);
+  const double sigma =
+      measured_map.number_or("sigma_mm", kUsualMeasuringSigma / kMillimetre, above_zero(10, "mm"));
+  if (!drawn || !measured) return;
+  board.scale = {measured->right / drawn->right, measured->down / drawn->down};
+  board.scale_sigma = sigma / std::min(drawn->right, drawn->down);
+  check_scale(board, measured_map);
+}
+
+TagTemplate read_tag(const MapReader& file) {
+  FindingLog& log = file.log();
+  TagTemplate tag;
+  const MapReader frame(
+      file.need("feature_frame", "feature_frame: { inner: [0.0574, 0.0279], stroke: 0.002 }"),
+      "feature_frame", {"inner", "stroke"}, log);
+  read_feature_frame(frame, tag);
+  const MapReader symbol(file.need("symbol", "symbol: { quiet_zone: 9, margin: 9 }"), "symbol",
+                         {"quiet_zone", "margin", "dots_per_inch"}, log);
+  read_symbol(symbol, tag);
+  tag.label.shown = false;
+  return tag;
+}
+
+Board read_root(const YamlNode& root, FindingLog& log) {
+  const MapReader file(
+      &root, "",
+      {"board", "serial", "sheet", "feature_frame", "symbol", "tags", "drawn", "measured"}, log);
+  Board board;
+  board.name = read_name(file.need("board", "board: NAME"), "board", log).value_or("");
+  board.serial =
+      read_integer(file.need("serial", "serial: 0, to 999"), "serial", 0, kMostBoardSerial, log)
+          .value_or(0);
+  const auto sheet = read_lengths(file, "sheet", "sheet: [width, height] in metres");
+  if (sheet) {
+    board.width = (*sheet)[0];
+    board.height = (*sheet)[1];
+  }
+  board.tag = read_tag(file);
+  board.tag.name = board.name;
+  const MapReader tags(file.need("tags",
+                                 "tags: { columns: 4, rows: 5, first: [0.017, 0.019], "
+                                 "step: [0.071, 0.036] }"),
+                       "tags", {"columns", "rows", "first", "step"}, log);
+  if (tags.is_map()) read_grid(tags, board.grid);
+  read_measured(file, board);
+  if (!log.has_errors()) check_symbol(board.tag, file);
+  if (!log.has_errors()) check_places(board, file);
+  if (log.has_errors()) return board;
+  board.tag.plate_length = board.grid.step_right;
+  board.tag.plate_height = board.grid.step_down;
+  board.tags = tags_on_grid(board.grid, board.serial);
+  return board;
+}
+
+}  // namespace
+
+Result<BoardReading> read_board(const fs::path& path) {
+  const Result<std::string> text = read_file(path);
+  if (!text) return tl::unexpected(text.error());
+  FindingLog log(path.string());
+  BoardReading reading;
+  const std::optional<YamlNode> root = parse_yaml(*text, log);
+  if (root && !is_other_kind(*root, "board", log)) {
+    reading.board = read_root(*root, log);
+    reading.board->file = path;
+  }
+  if (log.has_errors()) reading.board.reset();
+  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
+  return reading;
+}
+
+Result<Board> load_board(const fs::path& path) {
+  Result<BoardReading> reading = read_board(path);
+  if (!reading) return tl::unexpected(reading.error());
+  if (!reading->board) return fail(to_string(reading->diagnostics, true));
+  return std::move(*reading->board);
+}
+
+}  // namespace tagsmith::detail
