@@ -8,6 +8,7 @@
 #include "decoder/cli/simulate_command.hpp"
 #include "decoder/cli/verify_command.hpp"
 #include "decoder/verify/proof.hpp"
+#include "tagsmith/cli/board_command.hpp"
 #include "tagsmith/cli/diff_command.hpp"
 #include "tagsmith/cli/draw_command.hpp"
 #include "tagsmith/cli/export_command.hpp"
@@ -20,10 +21,11 @@ namespace tagsmith::detail {
 
 std::vector<Command> all_commands() {
   return {
-      new_command(),    validate_command(),         draw_command(),     plan_command(),
-      export_command(), print_command(prove_pages), diff_command(),     read_command(),
-      verify_command(), report_command(),           localize_command(), simulate_command(),
-      demo_command(),
+      new_command(),      validate_command(), draw_command(),
+      plan_command(),     export_command(),   print_command(prove_pages),
+      board_command(),    diff_command(),     read_command(),
+      verify_command(),   report_command(),   localize_command(),
+      simulate_command(), demo_command(),
   };
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/base/printable.hpp"
 
+#include <cctype>
+
 #include <fmt/format.h>
 
 namespace tagsmith::detail {
@@ -81,6 +83,13 @@ bool is_plain_text(std::string_view text) {
     if (!c.is_utf8 || is_control(c.code)) return false;
   }
   return true;
+}
+
+bool is_plain_name(std::string_view text) {
+  if (text.empty() || !is_plain_text(text)) return false;
+  const auto first = static_cast<unsigned char>(text.front());
+  const bool begins_well = std::isalnum(first) != 0 || first >= 0x80;
+  return begins_well && text.find_first_of("/\\,:\"") == std::string_view::npos;
 }
 
 std::string terminal_text(std::string_view text) { return spelt_out(text, false); }

@@ -17,6 +17,10 @@ std::size_t utf8_length(std::string_view text);
 // a text look like another.
 bool is_plain_text(std::string_view text);
 
+// True for plain text that may name files and columns of tables too: begins with a letter or digit
+// and has no / \\ , : or ".
+bool is_plain_name(std::string_view text);
+
 // The text on one line, control characters as \xNN up to DEL and as \uNNNN beyond, bytes that are
 // no UTF-8 as \xNN. A JSON text stays valid: it has control characters beyond C0 in strings only.
 std::string terminal_text(std::string_view text);

@@ -31,21 +31,36 @@ std::optional<double> millimetres(std::string_view text) {
   return number ? std::optional(*number / 1000) : std::nullopt;
 }
 
+std::optional<PrintPaper> parse_sides(const std::string& text) {
+  const std::vector<std::string> sides = split(text, 'x');
+  if (sides.size() != 2) return std::nullopt;
+  const std::optional<double> width = millimetres(sides[0]);
+  const std::optional<double> height = millimetres(sides[1]);
+  if (!width || !height) return std::nullopt;
+  return PrintPaper{text, *width, *height};
+}
+
 std::optional<PrintPaper> parse_size(const std::string& text) {
   if (text.starts_with("roll:")) {
     const std::optional<double> width = millimetres(std::string_view(text).substr(5));
     return width ? std::optional(PrintPaper{text, *width, 0}) : std::nullopt;
   }
-  const std::vector<std::string> sides = split(text, 'x');
-  if (sides.size() != 2) return std::nullopt;
-  const std::optional<double> a = millimetres(sides[0]);
-  const std::optional<double> b = millimetres(sides[1]);
-  if (!a || !b) return std::nullopt;
-  return PrintPaper{text, std::min(*a, *b), std::max(*a, *b)};
+  const std::optional<PrintPaper> sides = parse_sides(text);
+  if (!sides) return std::nullopt;
+  return PrintPaper{text, std::min(sides->width, sides->height),
+                    std::max(sides->width, sides->height)};
 }
 
 // The least side of a page that has room for a scale bar between the borders.
 constexpr double kLeastSide = kScaleBarLength + PaperBorder::kTop + PaperBorder::kBottom;
+
+// `option`: how the paper was asked for. A roll has one side.
+Result<PrintPaper> checked(const std::string& option, const PrintPaper& paper) {
+  const double shortest = paper.roll() ? paper.width : std::min(paper.width, paper.height);
+  if (shortest >= kLeastSide && std::max(paper.width, paper.height) <= kLongestPage) return paper;
+  return fail(option + ": expected sides from " + format_number(kLeastSide * 1000) +
+              " mm, which a scale bar needs, to " + format_number(kLongestPage * 1000) + " mm");
+}
 
 }  // namespace
 
@@ -61,12 +76,13 @@ Result<PrintPaper> parse_print_paper(const std::string& text) {
                 ": expected A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in "
                 "millimetres");
   }
-  const double longest = std::max(paper->width, paper->height);
-  if (paper->width < kLeastSide || longest > kLongestPage) {
-    return fail("--paper " + text + ": expected sides from " + format_number(kLeastSide * 1000) +
-                " mm, which a scale bar needs, to " + format_number(kLongestPage * 1000) + " mm");
-  }
-  return *paper;
+  return checked("--paper " + text, *paper);
+}
+
+Result<PrintPaper> parse_print_plate(const std::string& text) {
+  const std::optional<PrintPaper> plate = parse_sides(lower(text));
+  if (!plate) return fail("--plate " + text + ": expected WIDTHxHEIGHT in millimetres");
+  return checked("--plate " + text, *plate);
 }
 
 Rectangle content_area(double page_width, double page_height) {

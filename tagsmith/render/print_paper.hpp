@@ -26,6 +26,10 @@ std::span<const PrintPaper> print_papers();
 // others and on papers that cannot carry a scale bar or that PDF cannot say.
 Result<PrintPaper> parse_print_paper(const std::string& text);
 
+// WIDTHxHEIGHT in millimetres of a plate that is printed on, as it lies: the width may be the
+// longer side. Fails as parse_print_paper does, in the words of --plate.
+Result<PrintPaper> parse_print_plate(const std::string& text);
+
 // What a page keeps around its content, metres: the 5 mm that office printers leave blank, and
 // outside of them notes above, scale bars at the left and below.
 struct PaperBorder {

@@ -212,10 +212,7 @@ std::optional<std::string> read_text(const YamlNode* node, const std::string& na
 std::optional<std::string> read_name(const YamlNode* node, const std::string& name,
                                      FindingLog& log) {
   std::optional<std::string> text = read_text(node, name, log);
-  if (!text) return std::nullopt;
-  const auto first = static_cast<unsigned char>(text->front());
-  const bool begins_well = std::isalnum(first) != 0 || first >= 0x80;
-  if (begins_well && text->find_first_of("/\\,:\"") == std::string::npos) return text;
+  if (!text || is_plain_name(*text)) return text;
   log.error(node->place, "bad-name",
             name + " is " + describe(*node) +
                 ", expected a name that begins with a letter or digit and has no / \\ , : or \"");
