@@ -404,9 +404,4 @@ VehicleCovariance total(const VehicleBudget& budget) {
          budget.calibration + budget.vehicle;
 }
 
-double chi_square_limit(int degrees_of_freedom, double z) {
-  const double n = degrees_of_freedom;
-  return n * std::pow(1 - 2 / (9 * n) + z * std::sqrt(2 / (9 * n)), 3);
-}
-
 }  // namespace tagsmith::detail

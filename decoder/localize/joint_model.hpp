@@ -128,8 +128,4 @@ VehicleCovariance total(const VehicleBudget& budget);
 // Through the gain of the fit's rows, each group of measurements with its own covariance.
 VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit);
 
-// The chi-square value that is exceeded with the probability that a normal value exceeds `z`
-// (Wilson and Hilferty 1931).
-double chi_square_limit(int degrees_of_freedom, double z);
-
 }  // namespace tagsmith::detail

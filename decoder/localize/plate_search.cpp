@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "decoder/localize/joint_model.hpp"
+#include "tagsmith/base/chi_square.hpp"
 
 namespace tagsmith::detail {
 namespace {

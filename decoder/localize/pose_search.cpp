@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
+#include "tagsmith/base/chi_square.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tagsmith/base/chi_square.hpp"
+
 namespace tagsmith::detail {
 namespace {
 

@@ -9,6 +9,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "tagsmith/base/chi_square.hpp"
+
 namespace tagsmith::detail {
 namespace {
 

@@ -12,13 +12,15 @@
 namespace tagsmith::detail::house {
 namespace {
 
-constexpr std::array<std::string_view, 22> kLayers{
-    "tagsmith/base",   "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
-    "tagsmith/survey", "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
-    "tagsmith/cli",    "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
-    "decoder/scan",    "decoder/reader",     "decoder/paper",       "decoder/localize",
-    "decoder/grade",   "decoder/verify",     "decoder/api",         "decoder/python",
-    "decoder/cli",     "main.cpp",
+constexpr std::array<std::string_view, 23> kLayers{
+    "tagsmith/base",       "tagsmith/geometry", "tagsmith/symbology",
+    "tagsmith/tag",        "tagsmith/survey",   "tagsmith/placement",
+    "tagsmith/paper_plan", "tagsmith/render",   "tagsmith/cli",
+    "decoder/image",       "decoder/simulate",  "decoder/feature_frame",
+    "decoder/scan",        "decoder/reader",    "decoder/calibrate",
+    "decoder/paper",       "decoder/localize",  "decoder/grade",
+    "decoder/verify",      "decoder/api",       "decoder/python",
+    "decoder/cli",         "main.cpp",
 };
 
 constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/assess.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/geometry/angle.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// A deviation of so many standard deviations is none of chance, among some hundred tests.
+constexpr double kSure = 4;
+
+// Tilts below this change the picture's perspective so little that focal length and distance are
+// told apart three times worse than at 40 degrees.
+constexpr double kLeastTilt = radians(20);
+
+struct Case {
+  const CameraCalibration& calibration;
+  std::span<const BoardView> views;
+  std::span<const Board> boards;
+  const CalibrationLimits& limits;
+  const RayGrid& grid;
+  double focal_sigma = 0;
+
+  double refused_ray_px() const { return limits.refused_ray * calibration.camera.width; }
+
+  // Whether rays or focal length are worse than they should be, and how bad that is.
+  CalibrationTrust precision() const {
+    const double worst = grid.worst_sigma_px();
+    if (focal_sigma > limits.refused_focal || worst > refused_ray_px()) {
+      return CalibrationTrust::refused;
+    }
+    if (focal_sigma > limits.weak_focal || worst > limits.weak_ray_px) {
+      return CalibrationTrust::weak;
+    }
+    return CalibrationTrust::good;
+  }
+};
+
+using Findings = std::vector<CalibrationFinding>;
+
+CalibrationFinding finding(CalibrationIssue issue, CalibrationTrust trust, double measured,
+                           double limit, std::string message, std::string remedy) {
+  CalibrationFinding one;
+  one.issue = issue;
+  one.trust = trust;
+  one.measured = measured;
+  one.limit = limit;
+  one.message = std::move(message);
+  one.remedy = std::move(remedy);
+  return one;
+}
+
+std::size_t photos_used(const CameraCalibration& calibration) {
+  std::set<std::size_t> views;
+  for (const CalibratedSighting& sighting : calibration.sightings) {
+    if (sighting.used) views.insert(sighting.view);
+  }
+  return views.size();
+}
+
+// --- precision, and what is missing ---
+
+void find_focal(const Case& c, Findings& findings) {
+  if (c.focal_sigma <= c.limits.weak_focal) return;
+  const bool refused = c.focal_sigma > c.limits.refused_focal;
+  const double limit = refused ? c.limits.refused_focal : c.limits.weak_focal;
+  findings.push_back(finding(
+      CalibrationIssue::focal_unknown, refused ? CalibrationTrust::refused : CalibrationTrust::weak,
+      c.focal_sigma, limit,
+      fmt::format("the focal length is known to {:.2g} %, expected {:.2g} % or better",
+                  100 * c.focal_sigma, 100 * limit),
+      "take more photos, with the board tilted by 30 to 45 degrees to each side and both ways"));
+}
+
+void find_rays(const Case& c, Findings& findings) {
+  const double worst = c.grid.worst_sigma_px();
+  if (worst <= c.limits.weak_ray_px) return;
+  const bool refused = worst > c.refused_ray_px();
+  const double limit = refused ? c.refused_ray_px() : c.limits.weak_ray_px;
+  const auto cell = std::ranges::max_element(c.grid.cells, {}, &RayGrid::Cell::worst_sigma_px);
+  const auto place = static_cast<std::size_t>(cell - c.grid.cells.begin());
+  const std::string measured =
+      std::isfinite(worst) ? fmt::format("known to {:.2g} px", worst) : "not known at all";
+  findings.push_back(
+      finding(CalibrationIssue::rays_unknown,
+              refused ? CalibrationTrust::refused : CalibrationTrust::weak, worst, limit,
+              fmt::format("the rays at the {} of the picture are {}, expected {:.2g} "
+                          "px or better",
+                          cell_name(place), measured, limit),
+              "take more photos with the board there"));
+}
+
+// "upper left, left and lower left"
+std::string listed(const std::vector<std::size_t>& cells) {
+  std::string text;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i > 0) text += i + 1 == cells.size() ? " and " : ", ";
+    text += cell_name(cells[i]);
+  }
+  return text;
+}
+
+// Cells without corners whose rays are worse than they should be.
+void find_uncovered(const Case& c, Findings& findings) {
+  std::vector<std::size_t> cells;
+  double worst = 0;
+  for (std::size_t i = 0; i < c.grid.cells.size(); ++i) {
+    const RayGrid::Cell& cell = c.grid.cells[i];
+    if (!cell.has_ray || cell.corners > 0 || cell.worst_sigma_px <= c.limits.weak_ray_px) continue;
+    cells.push_back(i);
+    worst = std::max(worst, cell.worst_sigma_px);
+  }
+  if (cells.empty()) return;
+  const auto trust =
+      worst > c.refused_ray_px() ? CalibrationTrust::refused : CalibrationTrust::weak;
+  findings.push_back(finding(CalibrationIssue::not_covered, trust, worst, c.limits.weak_ray_px,
+                             fmt::format("no tag was seen at the {} of the picture", listed(cells)),
+                             "take three photos with the board there"));
+  findings.back().cells = std::move(cells);
+}
+
+void find_too_few(const Case& c, Findings& findings) {
+  constexpr std::size_t kEnough = 10;
+  const std::size_t used = photos_used(c.calibration);
+  const CalibrationTrust precision = c.precision();
+  if (used >= kEnough || (precision == CalibrationTrust::good && used >= 3)) return;
+  // Two photos leave nothing over by which a bent board or another zoom would show.
+  const auto trust = used < 3 ? CalibrationTrust::refused : CalibrationTrust::good;
+  findings.push_back(finding(CalibrationIssue::too_few_photos, trust, static_cast<double>(used),
+                             kEnough, fmt::format("{} photos were used, expected 10 or more", used),
+                             "take 15 photos: the board near and far, in the middle and at each "
+                             "corner of the picture, tilted to all sides"));
+}
+
+// The tilt that all but two photos stay below.
+double usual_most_tilt(const CameraCalibration& calibration) {
+  std::vector<double> tilts;
+  for (const CalibratedSighting& sighting : calibration.sightings) {
+    if (sighting.used) tilts.push_back(sighting.tilt);
+  }
+  std::ranges::sort(tilts, std::ranges::greater{});
+  return tilts.empty() ? 0 : tilts[std::min<std::size_t>(2, tilts.size() - 1)];
+}
+
+void find_frontal(const Case& c, Findings& findings) {
+  const double tilt = usual_most_tilt(c.calibration);
+  if (c.focal_sigma <= c.limits.weak_focal || tilt >= kLeastTilt) return;
+  findings.push_back(
+      finding(CalibrationIssue::all_frontal, CalibrationTrust::good, tilt, kLeastTilt,
+              fmt::format("the board was tilted by {:.0f} degrees at most: a longer focal length "
+                          "looks like a nearer board",
+                          degrees(tilt)),
+              "tilt the board by 30 to 45 degrees, to each side and both ways"));
+}
+
+// --- contradictions ---
+
+double root_mean_square(const CalibratedSighting& sighting) {
+  const double degrees = 8 * static_cast<double>(sighting.tags_used) - 6;
+  return degrees > 0 ? std::sqrt(sighting.chi_square / degrees) : 0;
+}
+
+double usual_misfit(const CameraCalibration& calibration) {
+  std::vector<double> all;
+  for (const CalibratedSighting& sighting : calibration.sightings) {
+    if (sighting.used) all.push_back(root_mean_square(sighting));
+  }
+  return all.empty() ? 1 : std::max(1.0, quantile(all, 0.5));
+}
+
+bool is_zoomed(const CalibratedSighting& sighting, const CalibrationLimits& limits) {
+  const double change = std::abs(sighting.focal_change);
+  return sighting.focal_sigma > 0 && change > kSure * sighting.focal_sigma &&
+         change > limits.weak_focal;
+}
+
+void find_zoomed(const Case& c, const CalibratedSighting& sighting, Findings& findings) {
+  findings.push_back(finding(
+      CalibrationIssue::photo_zoomed,
+      sighting.used ? CalibrationTrust::weak : CalibrationTrust::good, sighting.focal_change,
+      c.limits.weak_focal,
+      fmt::format("{}: by itself it has a focal length {:+.2f} % off ({:.2f} % standard deviation)",
+                  c.views[sighting.view].file, 100 * sighting.focal_change,
+                  100 * sighting.focal_sigma),
+      "switch autofocus, zoom and image stabilisation off, and take the photos again"));
+  findings.back().view = sighting.view;
+}
+
+// Photos that do not fit, and those that would have another focal length.
+void find_bad_photos(const Case& c, Findings& findings) {
+  constexpr double kWorse = 1.5;  // than the median photo, in standard deviations
+  const double usual = usual_misfit(c.calibration);
+  for (const CalibratedSighting& sighting : c.calibration.sightings) {
+    if (is_zoomed(sighting, c.limits)) {
+      find_zoomed(c, sighting, findings);
+      continue;
+    }
+    const double misfit = root_mean_square(sighting);
+    const int degrees = 8 * static_cast<int>(sighting.tags_used) - 6;
+    const bool by_chance =
+        degrees <= 0 || sighting.chi_square < usual * usual * chi_square_limit(degrees, kSure);
+    if (sighting.used && (by_chance || misfit < kWorse * usual)) continue;
+    findings.push_back(finding(
+        CalibrationIssue::photo_contradicts, CalibrationTrust::good, misfit, kWorse * usual,
+        fmt::format("{}: its corners are {:.1f} times as far off as those of the other photos{}",
+                    c.views[sighting.view].file, misfit / usual,
+                    sighting.used ? "" : "; it was left out"),
+        "take it again, with camera and board at rest and in focus"));
+    findings.back().view = sighting.view;
+  }
+}
+
+// Where many photos are left out, none of them may be the wrong ones.
+void find_left_out(const Case& c, Findings& findings) {
+  constexpr double kMany = 0.05;
+  constexpr double kMost = 1.0 / 3;  // of the tags: more, and the rest is no sound majority
+  const auto& residuals = c.calibration.residuals;
+  const auto out = static_cast<double>(
+      std::ranges::count_if(residuals, [](const TagResidual& tag) { return !tag.used; }));
+  const double share = out / static_cast<double>(residuals.size());
+  if (share <= kMany) return;
+  findings.push_back(finding(
+      CalibrationIssue::tags_left_out,
+      share > kMost ? CalibrationTrust::refused : CalibrationTrust::weak, share, kMany,
+      fmt::format("{:.0f} % of the tags were left out because they contradict the others",
+                  100 * share),
+      "see that the board is flat and rigid, that nothing moves, and that the camera keeps its "
+      "focus"));
+}
+
+void find_large_residuals(const Case& c, Findings& findings) {
+  constexpr double kMuch = 3;
+  const double factor = c.calibration.sigma_factor;
+  if (factor <= kMuch) return;
+  findings.push_back(finding(
+      CalibrationIssue::residuals_larger, CalibrationTrust::weak, factor, kMuch,
+      fmt::format("the corners are {:.1f} times as far off as the pictures explain", factor),
+      "see that the board is flat and rigid and the file is the one it was printed from; a "
+      "lens that no model fits needs more photos"));
+}
+
+// --- boards ---
+
+void find_bow(const Case& c, std::size_t index, Findings& findings) {
+  constexpr double kNoticed = 0.001;  // of the longer side: 0.3 mm of A4
+  constexpr double kMuch = 0.005;     // beyond, a sheet is not bent by a plain curve alone
+  const CalibratedBoard& board = c.calibration.boards[index];
+  Eigen::Index place = 0;
+  const double bow = board.shape.bow.cwiseAbs().maxCoeff(&place);
+  const double side = std::max(c.boards[index].width, c.boards[index].height);
+  if (bow <= kSure * board.sigma.bow[place] || bow <= kNoticed * side) return;
+  findings.push_back(finding(
+      CalibrationIssue::board_bowed,
+      bow > kMuch * side ? CalibrationTrust::weak : CalibrationTrust::good, bow, kNoticed * side,
+      fmt::format("the board {} is bent by {:.1f} mm", c.boards[index].name, 1000 * bow),
+      "glue it on glass or an aluminium composite plate and check it with a straight edge"));
+  findings.back().board = index;
+}
+
+// By what the photos alone say of the stretch: the prior's share is taken out.
+void find_stretch(const Case& c, std::size_t index, Findings& findings) {
+  const CalibratedBoard& board = c.calibration.boards[index];
+  const double prior = std::sqrt(2.0) * c.boards[index].scale_sigma;
+  const double variance = board.sigma.stretch * board.sigma.stretch;
+  const double information = 1 / variance - 1 / (prior * prior);
+  if (!(prior > 0) || !(information > 0)) return;
+  const double seen = board.shape.stretch / variance / information;
+  if (std::abs(seen) <= kSure * std::sqrt(1 / information + prior * prior)) return;
+  findings.push_back(
+      finding(CalibrationIssue::board_stretched, CalibrationTrust::weak, seen, prior,
+              fmt::format("the board {} is {:+.2f} % wider for its height than its file says",
+                          c.boards[index].name, 100 * seen),
+              "measure both check distances again and write them into the board's file"));
+  findings.back().board = index;
+}
+
+}  // namespace
+
+std::string_view to_string(CalibrationIssue issue) {
+  switch (issue) {
+    case CalibrationIssue::focal_unknown:
+      return "focal_unknown";
+    case CalibrationIssue::rays_unknown:
+      return "rays_unknown";
+    case CalibrationIssue::too_few_photos:
+      return "too_few_photos";
+    case CalibrationIssue::not_covered:
+      return "not_covered";
+    case CalibrationIssue::all_frontal:
+      return "all_frontal";
+    case CalibrationIssue::photo_contradicts:
+      return "photo_contradicts";
+    case CalibrationIssue::photo_zoomed:
+      return "photo_zoomed";
+    case CalibrationIssue::tags_left_out:
+      return "tags_left_out";
+    case CalibrationIssue::board_bowed:
+      return "board_bowed";
+    case CalibrationIssue::board_stretched:
+      return "board_stretched";
+    case CalibrationIssue::residuals_larger:
+      return "residuals_larger";
+  }
+  return "";
+}
+
+std::string_view to_string(CalibrationTrust trust) {
+  switch (trust) {
+    case CalibrationTrust::good:
+      return "good";
+    case CalibrationTrust::weak:
+      return "weak";
+    case CalibrationTrust::refused:
+      return "refused";
+  }
+  return "";
+}
+
+std::string_view cell_name(std::size_t cell) {
+  constexpr std::array<std::string_view, RayGrid::kColumns * RayGrid::kRows> kNames{
+      "upper left", "top, left of the middle",    "top, right of the middle",    "upper right",
+      "left edge",  "middle, to the left",        "middle, to the right",        "right edge",
+      "lower left", "bottom, left of the middle", "bottom, right of the middle", "lower right"};
+  return kNames[cell];
+}
+
+CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
+                                         std::span<const BoardView> views,
+                                         std::span<const Board> boards,
+                                         const CalibrationLimits& limits) {
+  CalibrationAssessment result;
+  result.grid = ray_grid(calibration);
+  result.focal_sigma = focal_sigma(calibration);
+  const Case c{calibration, views, boards, limits, result.grid, result.focal_sigma};
+  Findings& findings = result.findings;
+  find_focal(c, findings);
+  find_rays(c, findings);
+  find_uncovered(c, findings);
+  find_too_few(c, findings);
+  find_frontal(c, findings);
+  find_bad_photos(c, findings);
+  find_left_out(c, findings);
+  find_large_residuals(c, findings);
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    find_bow(c, b, findings);
+    find_stretch(c, b, findings);
+  }
+  std::ranges::stable_sort(findings, std::ranges::greater{}, &CalibrationFinding::trust);
+  if (!findings.empty()) result.trust = findings.front().trust;
+  return result;
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether photos suffice for a calibration that one can trust, and what to do where they do not.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "decoder/calibrate/calibrate_camera.hpp"
+#include "decoder/calibrate/ray_sigma.hpp"
+
+namespace tagsmith::detail {
+
+enum class CalibrationIssue {
+  focal_unknown,      // measured: relative sigma of the focal length
+  rays_unknown,       // measured: worst ray sigma, pixels
+  too_few_photos,     // measured: photos used
+  not_covered,        // measured: worst ray sigma where no corner was seen, pixels
+  all_frontal,        // measured: the greatest tilt, radians
+  photo_contradicts,  // measured: its chi-square over its degrees of freedom, rooted
+  photo_zoomed,       // measured: relative change of its focal length
+  tags_left_out,      // measured: their share
+  board_bowed,        // measured: metres out of the plane
+  board_stretched,    // measured: relative
+  residuals_larger,   // measured: the sigma factor
+};
+
+// What an issue makes of the calibration.
+enum class CalibrationTrust {
+  good,     // advice alone
+  weak,     // usable within the covariance stated, and worse than a calibration should be
+  refused,  // not to be used
+};
+
+std::string_view to_string(CalibrationIssue issue);
+std::string_view to_string(CalibrationTrust trust);
+
+struct CalibrationFinding {
+  CalibrationIssue issue = CalibrationIssue::focal_unknown;
+  CalibrationTrust trust = CalibrationTrust::good;
+  double measured = 0;
+  double limit = 0;  // what it should be within
+  std::optional<std::size_t> view{};
+  std::optional<std::size_t> board{};
+  std::vector<std::size_t> cells{};  // of RayGrid, that are not covered
+  std::string message;               // what was found
+  std::string remedy;                // what to do
+};
+
+// Limits, each with its reason.
+struct CalibrationLimits {
+  // A focal length from a data sheet is known to 2 %, a principal point to 1 % of the width
+  // (docs/decisions/0020-unstated-is-not-exact.md): a calibration that does not halve that is none.
+  double refused_focal = 0.01;
+  double refused_ray = 0.005;  // of the picture's width
+  // What localization takes a calibration file for when it states nothing (ibid.).
+  double weak_focal = 0.001;
+  double weak_ray_px = 1;
+};
+
+struct CalibrationAssessment {
+  CalibrationTrust trust = CalibrationTrust::good;  // the worst of all findings
+  std::vector<CalibrationFinding> findings;         // the worst first
+  RayGrid grid;
+  double focal_sigma = 0;  // relative
+};
+
+// The verdict rests on the sigmas of rays and focal length; what is missing (tilt, corners, photos)
+// is named as their remedy. Whatever contradicts is named besides.
+CalibrationAssessment assess_calibration(const CameraCalibration& calibration,
+                                         std::span<const BoardView> views,
+                                         std::span<const Board> boards,
+                                         const CalibrationLimits& limits = {});
+
+// "upper left", of RayGrid's cells.
+std::string_view cell_name(std::size_t cell);
+
+}  // namespace tagsmith::detail

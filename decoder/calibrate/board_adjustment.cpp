@@ -1,0 +1,541 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/board_adjustment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kUnseen = 1e10;                                         // chi-square
+constexpr Index kMostShared = kCameraParameters + kShapeParameters + 1;  // of one sighting's rows
+
+using SharedRows = Eigen::Matrix<double, 8, Eigen::Dynamic, Eigen::ColMajor, 8, kMostShared>;
+using OwnRows = Eigen::Matrix<double, 8, kSightingParameters>;
+using OwnVector = Eigen::Matrix<double, kSightingParameters, 1>;
+using OwnByShared = Eigen::Matrix<double, kSightingParameters, Eigen::Dynamic, Eigen::ColMajor,
+                                  kSightingParameters, kMostShared>;
+
+Matrix3d across(const Vector3d& v) {
+  Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+Matrix3d rotation_of(const Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+// --- one tag ---
+
+// Which way ink grows over the inner corners P, F, lower right, Q.
+Vector2d inward(std::size_t corner) {
+  return {corner == 0 || corner == 3 ? 1.0 : -1.0, corner < 2 ? 1.0 : -1.0};
+}
+
+// A corner on a board of this shape, and how it moves with the shape.
+struct ShapedPoint {
+  Vector3d point;
+  Eigen::Matrix<double, 3, kShapeParameters> by_shape;
+};
+
+ShapedPoint shaped(const BoardPlane& plane, const BoardShape& shape, const Vector2d& drawn,
+                   std::size_t corner) {
+  const Vector2d at = drawn.cwiseQuotient(plane.half_size);
+  const Vector2d grown = inward(corner);
+  ShapedPoint result;
+  result.by_shape << drawn.x() / 2, grown.x(), 0, 0, 0,  //
+      -drawn.y() / 2, grown.y(), 0, 0, 0,                //
+      0, 0, at.x() * at.x(), at.y() * at.y(), at.x() * at.y();
+  Eigen::Matrix<double, kShapeParameters, 1> values;
+  values << shape.stretch, shape.growth, shape.bow;
+  result.point = Vector3d(drawn.x(), drawn.y(), 0) + result.by_shape * values;
+  return result;
+}
+
+// How a corner moves when both sides that meet there move outward by one pixel; `right` and `down`
+// are the images of the board's directions there.
+Vector2d by_edges(const Vector2d& right, const Vector2d& down, std::size_t corner) {
+  const Vector2d out = -inward(corner);
+  Eigen::Matrix2d normals;
+  const double turn = right.x() * down.y() - right.y() * down.x() > 0 ? 1.0 : -1.0;
+  normals.row(0) << turn * down.y() / down.norm(), -turn * down.x() / down.norm();
+  normals.row(1) << -turn * right.y() / right.norm(), turn * right.x() / right.norm();
+  return normals.inverse() * out;
+}
+
+// Predicted less seen, and its derivatives by the sighting's own parameters, the camera's and the
+// shape's; not whitened.
+struct TagRows {
+  CornerPixels residual;
+  OwnRows own;
+  Eigen::Matrix<double, 8, kCameraParameters> by_camera;
+  Eigen::Matrix<double, 8, kShapeParameters> by_shape;
+};
+
+std::optional<TagRows> tag_rows(const Camera& camera, const BoardPlane& plane,
+                                const BoardShape& shape, const SightingState& sighting,
+                                const TagObservation& tag, bool derivatives) {
+  TagRows rows;
+  const Pose& pose = sighting.camera_from_middle;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ShapedPoint corner = shaped(plane, shape, tag.on_board[i], i);
+    const Vector3d turned = pose.rotation * corner.point;
+    const Vector3d point = turned + pose.translation;
+    const auto seen = project_with_derivative(camera, point);
+    if (!seen) return std::nullopt;
+    const auto row = static_cast<Index>(2 * i);
+    const Eigen::Matrix<double, 2, 3> by_board = seen->by_point * pose.rotation;
+    const Vector2d edges = by_edges(by_board.col(0), by_board.col(1), i);
+    rows.residual.segment<2>(row) =
+        seen->pixel + sighting.edge_px * edges - tag.pixels.segment<2>(row);
+    if (!derivatives) continue;
+    rows.own.middleRows<2>(row) << seen->by_point, -seen->by_point * across(turned), edges;
+    rows.by_camera.middleRows<2>(row) = by_parameters(camera, point);
+    rows.by_shape.middleRows<2>(row) = by_board * corner.by_shape;
+  }
+  return rows;
+}
+
+// --- one linearisation ---
+
+// A sighting's normal equations. Columns: its own, and the shared ones that it takes part in.
+struct SightingNormal {
+  SightingMatrix own = SightingMatrix::Zero();
+  OwnByShared cross;
+  MatrixXd shared;
+  OwnVector own_gradient = OwnVector::Zero();
+  VectorXd shared_gradient;
+};
+
+class Adjuster {
+ public:
+  Adjuster(const CalibrationProblem& problem, const AdjustmentOptions& options,
+           const CalibrationState& start)
+      : problem_(problem), options_(options), basis_(free_parameters(options.form)) {
+    if (!options.camera_free) basis_.resize(kCameraParameters, 0);
+    prior_mean_ << start.camera.fx, start.camera.fy, (problem.width - 1) / 2.0,
+        (problem.height - 1) / 2.0, CameraVector::Zero().tail<8>();
+    prior_sigma_ = prior_sigmas(start.camera, outermost(start));
+  }
+
+  Index size() const {
+    return basis_.cols() + (options_.shapes_free
+                                ? kShapeParameters * static_cast<Index>(problem_.planes.size())
+                                : 0);
+  }
+
+  double cost(const CalibrationState& state) const {
+    double sum = prior_cost(state);
+    for (std::size_t i = 0; i < problem_.sightings.size(); ++i) {
+      if (!problem_.sightings[i].used) continue;
+      for (const TagObservation& tag : problem_.sightings[i].tags) {
+        if (tag.used) sum += robust(tag_chi_square(problem_, state, i, tag));
+      }
+    }
+    return sum;
+  }
+
+  void linearise(const CalibrationState& state) {
+    normals_.clear();
+    for (std::size_t i = 0; i < problem_.sightings.size(); ++i) {
+      normals_.push_back(normal_of(state, i));
+    }
+    shared_ = MatrixXd::Zero(size(), size());
+    gradient_ = VectorXd::Zero(size());
+    add_priors(state);
+  }
+
+  // The reduced system of the shared parameters, damped by `damping` of the diagonal.
+  std::pair<MatrixXd, VectorXd> reduced(double damping) {
+    MatrixXd system = shared_;
+    VectorXd right = -gradient_;
+    for (std::size_t i = 0; i < normals_.size(); ++i) {
+      if (!problem_.sightings[i].used) continue;
+      const SightingNormal& normal = normals_[i];
+      const std::vector<Index> columns = columns_of(problem_.sightings[i].board);
+      const Eigen::LDLT<SightingMatrix> solver(damped(normal.own, damping));
+      const MatrixXd solved = solver.solve(normal.cross);
+      const MatrixXd own_part = normal.cross.transpose() * solved;
+      const VectorXd gradient = normal.shared_gradient - solved.transpose() * normal.own_gradient;
+      for (std::size_t r = 0; r < columns.size(); ++r) {
+        const auto row = static_cast<Index>(r);
+        right[columns[r]] -= gradient[row];
+        for (std::size_t c = 0; c < columns.size(); ++c) {
+          const auto column = static_cast<Index>(c);
+          system(columns[r], columns[c]) += normal.shared(row, column) - own_part(row, column);
+          if (r == c) system(columns[r], columns[r]) += damping * normal.shared(row, row);
+        }
+      }
+    }
+    return {system, right};
+  }
+
+  // The state after the step that this damping makes; nothing when the system is singular.
+  std::optional<CalibrationState> stepped(const CalibrationState& state, double damping) {
+    VectorXd step(0);
+    if (size() > 0) {
+      const auto [system, right] = reduced(damping);
+      const VectorXd scale = system.diagonal().cwiseSqrt().cwiseInverse();
+      if (!scale.allFinite()) return std::nullopt;
+      const Eigen::LDLT<MatrixXd> solver(scale.asDiagonal() * system * scale.asDiagonal());
+      step = scale.asDiagonal() * solver.solve(VectorXd(scale.asDiagonal() * right));
+      if (!step.allFinite()) return std::nullopt;
+    }
+    CalibrationState next = state;
+    next.camera = with_parameters(state.camera,
+                                  parameters_of(state.camera) + basis_ * step.head(basis_.cols()));
+    if (!(next.camera.fx > 0) || !(next.camera.fy > 0)) return std::nullopt;
+    step_shapes(next, step);
+    for (std::size_t i = 0; i < normals_.size(); ++i) {
+      if (problem_.sightings[i].used) step_sighting(next.sightings[i], i, step, damping);
+    }
+    return next;
+  }
+
+  const std::vector<SightingNormal>& normals() const { return normals_; }
+
+  // Columns of the shared parameters that sightings of this board take part in.
+  std::vector<Index> columns_of(std::size_t board) const {
+    std::vector<Index> columns;
+    for (Index i = 0; i < basis_.cols(); ++i) columns.push_back(i);
+    if (!options_.shapes_free) return columns;
+    for (Index i = 0; i < kShapeParameters; ++i) {
+      columns.push_back(basis_.cols() + kShapeParameters * static_cast<Index>(board) + i);
+    }
+    return columns;
+  }
+
+  static SightingMatrix damped(SightingMatrix own, double damping) {
+    own.diagonal() *= 1 + damping;
+    return own;
+  }
+
+  // Whitened rows of a tag as weighted by the robust cost; nothing where it cannot be seen.
+  std::optional<TagRows> whitened(const CalibrationState& state, std::size_t index,
+                                  const TagObservation& tag) const {
+    const BoardSighting& sighting = problem_.sightings[index];
+    auto rows = tag_rows(state.camera, problem_.planes[sighting.board],
+                         state.shapes[sighting.board], state.sightings[index], tag, true);
+    if (!rows) return std::nullopt;
+    rows->residual = tag.whitening * rows->residual;
+    const double weight = root_weight(rows->residual.squaredNorm()) / options_.scale;
+    const CornerCovariance whitening = weight * tag.whitening;
+    rows->residual *= weight;
+    rows->own = whitening * rows->own;
+    rows->by_camera = whitening * rows->by_camera;
+    rows->by_shape = whitening * rows->by_shape;
+    return rows;
+  }
+
+ private:
+  // The radius (of a fisheye the angle) of the outermost corner seen, in the plane z = 1 of a
+  // camera without distortion.
+  double outermost(const CalibrationState& start) const {
+    const Vector2d center(start.camera.cx, start.camera.cy);
+    double radius = 0.1;  // so that a coefficient of a long lens stays a number
+    for (const BoardSighting& sighting : problem_.sightings) {
+      for (const TagObservation& tag : sighting.tags) {
+        for (Index i = 0; i < 4; ++i) {
+          const double r = (tag.pixels.segment<2>(2 * i) - center).norm() / start.camera.fx;
+          radius = std::max(radius, r);
+        }
+      }
+    }
+    return radius;
+  }
+
+  double robust(double chi_square) const {
+    const double s = chi_square / (options_.scale * options_.scale);
+    if (options_.huber == 0 || s <= options_.huber * options_.huber) return s;
+    return options_.huber * (2 * std::sqrt(s) - options_.huber);
+  }
+
+  double root_weight(double chi_square) const {
+    const double s = std::sqrt(chi_square) / options_.scale;
+    return options_.huber == 0 || s <= options_.huber ? 1 : std::sqrt(options_.huber / s);
+  }
+
+  CameraVector camera_prior(const CalibrationState& state) const {
+    return (parameters_of(state.camera) - prior_mean_).cwiseQuotient(prior_sigma_);
+  }
+
+  double prior_cost(const CalibrationState& state) const {
+    double sum = camera_prior(state).squaredNorm();
+    for (std::size_t b = 0; b < problem_.planes.size(); ++b) {
+      sum += shape_prior(state, b).squaredNorm();
+    }
+    for (const SightingState& sighting : state.sightings) {
+      sum += std::pow(sighting.edge_px / kEdgeSigma, 2);
+    }
+    return sum;
+  }
+
+  Eigen::Matrix<double, kShapeParameters, 1> shape_prior(const CalibrationState& state,
+                                                         std::size_t board) const {
+    const BoardShape& shape = state.shapes[board];
+    Eigen::Matrix<double, kShapeParameters, 1> values;
+    values << shape.stretch, shape.growth, shape.bow;
+    return values.cwiseQuotient(shape_sigmas(problem_.planes[board]));
+  }
+
+  void add_priors(const CalibrationState& state) {
+    const auto by_prior = prior_sigma_.cwiseInverse().asDiagonal() * basis_;
+    const Index camera = basis_.cols();
+    if (camera > 0) {
+      shared_.topLeftCorner(camera, camera) = by_prior.transpose() * MatrixXd(by_prior);
+      gradient_.head(camera) = by_prior.transpose() * camera_prior(state);
+    }
+    if (!options_.shapes_free) return;
+    for (std::size_t b = 0; b < problem_.planes.size(); ++b) {
+      const auto sigma = shape_sigmas(problem_.planes[b]);
+      const auto value = shape_prior(state, b);
+      for (Index i = 0; i < kShapeParameters; ++i) {
+        const Index column = camera + kShapeParameters * static_cast<Index>(b) + i;
+        shared_(column, column) += 1 / (sigma[i] * sigma[i]);
+        gradient_[column] += value[i] / sigma[i];
+      }
+    }
+  }
+
+  SightingNormal normal_of(const CalibrationState& state, std::size_t index) const {
+    const BoardSighting& sighting = problem_.sightings[index];
+    const Index count = basis_.cols() + (options_.shapes_free ? kShapeParameters : 0);
+    SightingNormal normal;
+    normal.cross = OwnByShared::Zero(kSightingParameters, count);
+    normal.shared = MatrixXd::Zero(count, count);
+    normal.shared_gradient = VectorXd::Zero(count);
+    const double edge = state.sightings[index].edge_px;
+    normal.own(6, 6) = 1 / (kEdgeSigma * kEdgeSigma);
+    normal.own_gradient[6] = edge / (kEdgeSigma * kEdgeSigma);
+    for (const TagObservation& tag : sighting.tags) {
+      if (!tag.used) continue;
+      const auto rows = whitened(state, index, tag);
+      if (!rows) continue;
+      SharedRows shared(8, count);
+      shared.leftCols(basis_.cols()) = rows->by_camera * basis_;
+      if (options_.shapes_free) shared.rightCols<kShapeParameters>() = rows->by_shape;
+      normal.own += rows->own.transpose() * rows->own;
+      normal.cross += rows->own.transpose() * shared;
+      normal.shared += shared.transpose() * shared;
+      normal.own_gradient += rows->own.transpose() * rows->residual;
+      normal.shared_gradient += shared.transpose() * rows->residual;
+    }
+    return normal;
+  }
+
+  void step_shapes(CalibrationState& next, const VectorXd& step) const {
+    if (!options_.shapes_free) return;
+    for (std::size_t b = 0; b < next.shapes.size(); ++b) {
+      const auto own =
+          step.segment<kShapeParameters>(basis_.cols() + kShapeParameters * static_cast<Index>(b));
+      next.shapes[b].stretch += own[0];
+      next.shapes[b].growth += own[1];
+      next.shapes[b].bow += own.tail<3>();
+    }
+  }
+
+  void step_sighting(SightingState& next, std::size_t index, const VectorXd& step,
+                     double damping) const {
+    const SightingNormal& normal = normals_[index];
+    const std::vector<Index> columns = columns_of(problem_.sightings[index].board);
+    VectorXd shared(static_cast<Index>(columns.size()));
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      shared[static_cast<Index>(i)] = step[columns[i]];
+    }
+    const OwnVector own = Eigen::LDLT<SightingMatrix>(damped(normal.own, damping))
+                              .solve(-normal.own_gradient - normal.cross * shared);
+    next.camera_from_middle.translation += own.head<3>();
+    next.camera_from_middle.rotation =
+        rotation_of(own.segment<3>(3)) * next.camera_from_middle.rotation;
+    next.edge_px += own[6];
+  }
+
+  const CalibrationProblem& problem_;
+  AdjustmentOptions options_;
+  Eigen::Matrix<double, kCameraParameters, Eigen::Dynamic> basis_;
+  CameraVector prior_mean_;
+  CameraVector prior_sigma_;
+  std::vector<SightingNormal> normals_;
+  MatrixXd shared_;
+  VectorXd gradient_;
+};
+
+// The inverse of a symmetric matrix whose rows differ widely in size; nothing when it is singular.
+std::optional<MatrixXd> inverse_of(const MatrixXd& matrix) {
+  const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return std::nullopt;
+  const Eigen::LLT<MatrixXd> solver(scale.asDiagonal() * matrix * scale.asDiagonal());
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  const MatrixXd inverse = solver.solve(MatrixXd::Identity(matrix.rows(), matrix.cols()));
+  return MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+}
+
+// The relative change of one sighting's own focal length that fits it best, its pose going along,
+// and the change's standard deviation.
+std::pair<double, double> own_focal(const Adjuster& adjuster, const CalibrationProblem& problem,
+                                    const CalibrationState& state, std::size_t index) {
+  OwnVector cross = OwnVector::Zero();
+  OwnVector own_gradient = OwnVector::Zero();
+  double square = 0;
+  double gradient = 0;
+  for (const TagObservation& tag : problem.sightings[index].tags) {
+    if (!tag.used) continue;
+    const auto rows = adjuster.whitened(state, index, tag);
+    if (!rows) continue;
+    const CornerPixels by_focal =
+        state.camera.fx * rows->by_camera.col(0) + state.camera.fy * rows->by_camera.col(1);
+    cross += rows->own.transpose() * by_focal;
+    own_gradient += rows->own.transpose() * rows->residual;
+    square += by_focal.squaredNorm();
+    gradient += by_focal.dot(rows->residual);
+  }
+  const Eigen::LDLT<SightingMatrix> solver(adjuster.normals()[index].own);
+  const OwnVector solved = solver.solve(cross);
+  const double left = square - cross.dot(solved);
+  if (!(left > 1e-9 * square)) return {0, 0};
+  return {-(gradient - solved.dot(own_gradient)) / left, 1 / std::sqrt(left)};
+}
+
+std::optional<TagObservation> observation_of(const Board& board, const BoardPlane& plane,
+                                             const SeenBoardTag& seen) {
+  const Eigen::LLT<CornerCovariance> root(seen.covariance);
+  if (root.info() != Eigen::Success || !seen.pixels.allFinite()) return std::nullopt;
+  TagObservation tag;
+  tag.tag = seen.tag;
+  const std::array<PlatePoint, 4> corners = corners_of(board, board.tags[seen.tag]);
+  for (std::size_t i = 0; i < 4; ++i) {
+    tag.on_board[i] = Vector2d(corners[i].x, corners[i].y) - plane.middle;
+  }
+  tag.pixels = seen.pixels;
+  tag.whitening = root.matrixL().solve(CornerCovariance::Identity());
+  return tag;
+}
+
+}  // namespace
+
+CalibrationProblem calibration_problem(std::span<const BoardView> views,
+                                       std::span<const Board> boards) {
+  CalibrationProblem problem;
+  for (const Board& board : boards) {
+    const Vector2d half(board.scale[0] * board.width / 2, board.scale[1] * board.height / 2);
+    problem.planes.push_back({half, half, board.scale_sigma});
+  }
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    problem.width = views[v].width;
+    problem.height = views[v].height;
+    std::map<std::size_t, BoardSighting> by_board;
+    for (const SeenBoardTag& seen : views[v].tags) {
+      auto tag = observation_of(boards[seen.board], problem.planes[seen.board], seen);
+      if (!tag) continue;
+      BoardSighting& sighting = by_board[seen.board];
+      sighting.view = v;
+      sighting.board = seen.board;
+      sighting.tags.push_back(std::move(*tag));
+    }
+    for (auto& entry : by_board) problem.sightings.push_back(std::move(entry.second));
+  }
+  return problem;
+}
+
+Eigen::Matrix<double, kShapeParameters, 1> shape_sigmas(const BoardPlane& plane) {
+  constexpr double kGrowth = 1e-4;
+  constexpr double kBow = 0.005;
+  constexpr double kLeastStretch = 1e-6;  // of a board that is exact: small, and can be inverted
+  const double bow = kBow * 2 * plane.half_size.maxCoeff();
+  Eigen::Matrix<double, kShapeParameters, 1> sigmas;
+  sigmas << std::max(std::sqrt(2.0) * plane.scale_sigma, kLeastStretch), kGrowth, bow, bow, bow;
+  return sigmas;
+}
+
+std::optional<CornerPixels> residual_of(const CalibrationProblem& problem,
+                                        const CalibrationState& state, std::size_t sighting,
+                                        const TagObservation& tag) {
+  const std::size_t board = problem.sightings[sighting].board;
+  const auto rows = tag_rows(state.camera, problem.planes[board], state.shapes[board],
+                             state.sightings[sighting], tag, false);
+  if (!rows) return std::nullopt;
+  return CornerPixels(-rows->residual);
+}
+
+double tag_chi_square(const CalibrationProblem& problem, const CalibrationState& state,
+                      std::size_t sighting, const TagObservation& tag) {
+  const auto residual = residual_of(problem, state, sighting, tag);
+  return residual ? std::min((tag.whitening * *residual).squaredNorm(), kUnseen) : kUnseen;
+}
+
+CalibrationFit adjust_calibration(const CalibrationProblem& problem, const CalibrationState& start,
+                                  const AdjustmentOptions& options) {
+  constexpr double kConverged = 1e-9;  // relative to the cost: far below what noise makes of it
+  constexpr double kMostDamping = 1e8;
+  Adjuster adjuster(problem, options, start);
+  CalibrationFit fit{start, adjuster.cost(start)};
+  double damping = 1e-3;
+  for (int iteration = 0; iteration < options.iterations && !fit.converged; ++iteration) {
+    adjuster.linearise(fit.state);
+    for (bool better = false; !better && !fit.converged;) {
+      const auto next = adjuster.stepped(fit.state, damping);
+      const double cost = next ? adjuster.cost(*next) : std::numeric_limits<double>::infinity();
+      better = cost <= fit.cost;
+      if (better) {
+        fit.converged = fit.cost - cost < kConverged * fit.cost + 1e-9;
+        fit.cost = cost;
+        fit.state = *next;
+        damping = std::max(damping / 10, 1e-12);
+      } else {
+        damping *= 10;
+        fit.converged = damping > kMostDamping;  // no step is better: rounding is all that is left
+      }
+    }
+  }
+  return fit;
+}
+
+std::optional<CalibrationPrecision> precision_of(const CalibrationProblem& problem,
+                                                 const CalibrationState& state,
+                                                 const CameraForm& form) {
+  AdjustmentOptions options;
+  options.form = form;
+  Adjuster adjuster(problem, options, state);
+  adjuster.linearise(state);
+  const auto shared = inverse_of(adjuster.reduced(0).first);
+  if (!shared) return std::nullopt;
+  CalibrationPrecision precision{*shared, {}, {}, {}};
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    const std::vector<Index> columns = adjuster.columns_of(problem.sightings[i].board);
+    const SightingNormal& normal = adjuster.normals()[i];
+    const Eigen::LDLT<SightingMatrix> solver(normal.own);
+    const MatrixXd by_shared = solver.solve(normal.cross);
+    SightingMatrix own = solver.solve(SightingMatrix::Identity());
+    own += by_shared * (*shared)(columns, columns) * by_shared.transpose();
+    precision.sightings.push_back(own);
+    const std::pair<double, double> focal = own_focal(adjuster, problem, state, i);
+    precision.focal_change.push_back(focal.first);
+    precision.focal_sigma.push_back(focal.second);
+  }
+  return precision;
+}
+
+Pose camera_from_board(const BoardPlane& plane, const SightingState& state) {
+  const Pose& pose = state.camera_from_middle;
+  const Vector3d middle(plane.middle.x(), plane.middle.y(), 0);
+  return {pose.rotation, pose.translation - pose.rotation * middle};
+}
+
+}  // namespace tagsmith::detail

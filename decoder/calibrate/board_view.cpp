@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/board_view.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "decoder/reader/reader.hpp"
+#include "decoder/reader/symbol_layout.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// Which board's which tag a code is.
+using TagsByCode = std::map<Digits, std::pair<std::size_t, std::size_t>>;
+
+TagsByCode tags_by_code(std::span<const Board> boards) {
+  TagsByCode tags;
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    for (std::size_t t = 0; t < boards[b].tags.size(); ++t) {
+      tags.try_emplace(boards[b].tags[t].digits, b, t);
+    }
+  }
+  return tags;
+}
+
+ReadOptions read_options_of(std::span<const Board> boards) {
+  ReadOptions options;
+  options.check = CheckDigit::gs1;
+  options.layouts.clear();
+  for (const Board& board : boards) {
+    for (const BoardTag& tag : board.tags) options.code_book.push_back(tag.digits);
+    const SymbolLayout layout = layout_of(board.tag);
+    if (std::ranges::find(options.layouts, layout) == options.layouts.end()) {
+      options.layouts.push_back(layout);
+    }
+  }
+  return options;
+}
+
+SeenBoardTag seen_tag(const Reading& reading, std::size_t board, std::size_t tag) {
+  SeenBoardTag seen{board, tag, CornerPixels::Zero(), reading.corner_covariance};
+  for (std::size_t i = 0; i < reading.corners.size(); ++i) {
+    seen.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)) << reading.corners[i].x,
+        reading.corners[i].y;
+  }
+  return seen;
+}
+
+bool is_same_tag(const SeenBoardTag& a, const SeenBoardTag& b) {
+  return a.board == b.board && a.tag == b.tag;
+}
+
+// A code that is read twice is of no board: at least one of the two is a copy or a reflection.
+std::vector<SeenBoardTag> seen_tags(const ReadResult& result, std::span<const Board> boards) {
+  const TagsByCode tags = tags_by_code(boards);
+  std::vector<SeenBoardTag> seen;
+  std::vector<bool> is_twice;
+  for (const Reading& reading : result.tags) {
+    const auto tag = tags.find(reading.digits);
+    if (tag == tags.end() || reading.corner_covariance.isZero(0)) continue;
+    const SeenBoardTag one = seen_tag(reading, tag->second.first, tag->second.second);
+    const auto other =
+        std::ranges::find_if(seen, [&](const SeenBoardTag& o) { return is_same_tag(o, one); });
+    if (other == seen.end()) {
+      seen.push_back(one);
+      is_twice.push_back(false);
+    } else {
+      is_twice[static_cast<std::size_t>(other - seen.begin())] = true;
+    }
+  }
+  std::vector<SeenBoardTag> once;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!is_twice[i]) once.push_back(seen[i]);
+  }
+  return once;
+}
+
+// A tag's inner corners in the photo; nothing where one is out of it, or the tag too small.
+std::optional<FrameCorners> expected_corners(const BoardGuess& guess, const PlacedBoard& placed,
+                                             const Board& board, const BoardTag& tag) {
+  constexpr double kLeastModule = 0.4;  // pixels; below, the reader does not read
+  FrameCorners corners{};
+  const std::array<PlatePoint, 4> on_board = corners_of(board, tag);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector3d point(on_board[i].x, on_board[i].y, 0);
+    const auto pixel = project(guess.camera, placed.camera_from_board * point);
+    if (!pixel || !in_image(guess.camera, *pixel)) return std::nullopt;
+    corners[i] = {pixel->x(), pixel->y()};
+  }
+  const double modules = board.tag.frame_inner_length / module_width(board.tag);
+  if (distance(corners[0], corners[1]) < kLeastModule * modules) return std::nullopt;
+  return corners;
+}
+
+std::vector<ExpectedTag> expected_board_tags(std::span<const Board> boards,
+                                             const BoardGuess& guess) {
+  std::vector<ExpectedTag> expected;
+  for (const PlacedBoard& placed : guess.boards) {
+    const Board& board = boards[placed.board];
+    for (const BoardTag& tag : board.tags) {
+      const auto corners = expected_corners(guess, placed, board, tag);
+      if (corners) expected.push_back({*corners});
+    }
+  }
+  return expected;
+}
+
+}  // namespace
+
+Result<void> check_boards(std::span<const Board> boards) {
+  std::map<Digits, const Board*> owner;
+  for (const Board& board : boards) {
+    for (const BoardTag& tag : board.tags) {
+      const auto [first, is_new] = owner.try_emplace(tag.digits, &board);
+      if (is_new) continue;
+      return fail(fmt::format(
+          "{}: the code {} is on the board {} too, expected every board of a calibration to have "
+          "a serial of its own",
+          board.file.empty() ? board.name : board.file.string(), to_string(tag.digits),
+          first->second->name));
+    }
+  }
+  return {};
+}
+
+BoardView read_board_view(const GrayView& image, std::string file, std::span<const Board> boards) {
+  const ReadResult result = read_tags(image, read_options_of(boards));
+  return {std::move(file), image.width, image.height, seen_tags(result, boards)};
+}
+
+BoardView read_board_view_again(const GrayView& image, const BoardView& first,
+                                std::span<const Board> boards, const BoardGuess& guess) {
+  if (image.width != guess.camera.width || image.height != guess.camera.height) return first;
+  ReadOptions options = read_options_of(boards);
+  options.camera = guess.camera;
+  options.expected = expected_board_tags(boards, guess);
+  options.search = Search::never;
+  BoardView again{first.file, image.width, image.height,
+                  seen_tags(read_tags(image, options), boards)};
+  const std::vector<SeenBoardTag> found = again.tags;
+  for (const SeenBoardTag& tag : first.tags) {
+    const auto is_it = [&](const SeenBoardTag& other) { return is_same_tag(other, tag); };
+    if (std::ranges::none_of(found, is_it)) again.tags.push_back(tag);
+  }
+  return again;
+}
+
+}  // namespace tagsmith::detail

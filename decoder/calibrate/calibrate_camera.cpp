@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/calibrate_camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "decoder/calibrate/start_calibration.hpp"
+#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/quantile.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Index;
+
+constexpr int kResiduals = 8;               // of a tag
+constexpr double kMedianChiSquare = 7.344;  // of eight degrees of freedom
+
+// --- what does not fit ---
+
+// How much larger residuals are than stated, by the median tag; at least 1.
+double robust_factor(const CalibrationProblem& problem, const CalibrationState& state) {
+  std::vector<double> chi_squares;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    if (!problem.sightings[i].used) continue;
+    for (const TagObservation& tag : problem.sightings[i].tags) {
+      chi_squares.push_back(tag_chi_square(problem, state, i, tag));
+    }
+  }
+  if (chi_squares.empty()) return 1;
+  return std::sqrt(std::max(1.0, quantile(chi_squares, 0.5) / kMedianChiSquare));
+}
+
+// Beyond this a tag of so many is worse than one set of photos in a hundred would show by chance:
+// the normal quantile of one in a hundred times their number.
+double outlier_limit(std::size_t tags) {
+  const double p = 0.01 / static_cast<double>(std::max<std::size_t>(tags, 1));
+  // Abramowitz and Stegun 26.2.23, to 4.5e-4.
+  const double t = std::sqrt(-2 * std::log(p));
+  const double z = t - (2.515517 + t * (0.802853 + t * 0.010328)) /
+                           (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+  return chi_square_limit(kResiduals, z);
+}
+
+std::size_t count_tags(const CalibrationProblem& problem) {
+  std::size_t count = 0;
+  for (const BoardSighting& sighting : problem.sightings) count += sighting.tags.size();
+  return count;
+}
+
+std::size_t count_used(const BoardSighting& sighting) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(sighting.tags, [](const TagObservation& tag) { return tag.used; }));
+}
+
+// Marks the tags that do not fit, of photos that do. True when any mark changed.
+bool mark_tags(CalibrationProblem& problem, const CalibrationState& state, double factor) {
+  const double limit = outlier_limit(count_tags(problem)) * factor * factor;
+  bool changed = false;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    for (TagObservation& tag : problem.sightings[i].tags) {
+      const bool fits =
+          !problem.sightings[i].used || tag_chi_square(problem, state, i, tag) <= limit;
+      changed = changed || fits != tag.used;
+      tag.used = fits;
+    }
+  }
+  return changed;
+}
+
+double median_chi_square(const CalibrationProblem& problem, const CalibrationState& state,
+                         std::size_t sighting) {
+  std::vector<double> chi_squares;
+  for (const TagObservation& tag : problem.sightings[sighting].tags) {
+    chi_squares.push_back(tag_chi_square(problem, state, sighting, tag));
+  }
+  return quantile(chi_squares, 0.5);
+}
+
+// Marks the sightings whose median tag is off three times as far as that of the median sighting, in
+// standard deviations: no noise of a photo makes that, a moved board or another focus does.
+bool mark_sightings(CalibrationProblem& problem, const CalibrationState& state) {
+  constexpr double kWorse = 3;
+  std::vector<double> medians;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    medians.push_back(median_chi_square(problem, state, i));
+  }
+  std::vector<double> sorted = medians;
+  const double usual = std::max(quantile(sorted, 0.5), kMedianChiSquare);
+  bool changed = false;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    const bool fits = medians[i] <= kWorse * kWorse * usual;
+    changed = changed || fits != problem.sightings[i].used;
+    problem.sightings[i].used = fits;
+  }
+  return changed;
+}
+
+// --- the fits ---
+
+AdjustmentOptions options_of(const CameraForm& form) {
+  AdjustmentOptions options;
+  options.form = form;
+  return options;
+}
+
+// A rich form fitted robustly from a rough start; its problem has the misfits marked.
+struct RobustFit {
+  CalibrationProblem problem;
+  CalibrationState state;
+  double cost = 0;  // of all tags, misfits included, each by the root of its chi-square
+};
+
+// By tags counted linearly beyond three standard deviations, in steps of what the median tag says
+// that a standard deviation is.
+RobustFit robust_fit(CalibrationProblem problem, LensModel lens) {
+  constexpr double kHuber = 3 * 2.8;  // eight residuals have the length 2.8
+  constexpr int kRounds = 6;
+  RobustFit fit{std::move(problem), {}};
+  fit.state = start_calibration(fit.problem, lens);
+  const auto forms = lens_forms(lens);
+  // The eight-parameter form, which may bend where no corner is, takes no part before misfits are
+  // out.
+  AdjustmentOptions options = options_of({forms[lens == LensModel::fisheye ? 2 : 4], false});
+  options.huber = kHuber;
+  for (int round = 0; round < kRounds; ++round) {
+    options.scale = robust_factor(fit.problem, fit.state);
+    fit.state = adjust_calibration(fit.problem, fit.state, options).state;
+    const double factor = robust_factor(fit.problem, fit.state);
+    const bool sightings = round > 0 && mark_sightings(fit.problem, fit.state);
+    const bool tags = round > 0 && mark_tags(fit.problem, fit.state, factor);
+    if (round > 0 && !sightings && !tags && factor > 0.9 * options.scale) break;
+  }
+  fit.cost = 0;
+  for (std::size_t i = 0; i < fit.problem.sightings.size(); ++i) {
+    for (const TagObservation& tag : fit.problem.sightings[i].tags) {
+      fit.cost += std::sqrt(tag_chi_square(fit.problem, fit.state, i, tag));
+    }
+  }
+  return fit;
+}
+
+struct FormFit {
+  TriedForm tried;
+  CalibrationState state;
+  int degrees_of_freedom = 0;
+};
+
+// Residuals less parameters. What has a prior counts as a residual and as a parameter.
+int degrees_of_freedom(const CalibrationProblem& problem, const CameraForm& form) {
+  constexpr int kPose = 6;
+  int degrees = form.square_pixels ? -1 : -2;
+  for (const BoardSighting& sighting : problem.sightings) {
+    if (!sighting.used) continue;
+    degrees += kResiduals * static_cast<int>(count_used(sighting)) - kPose;
+  }
+  return degrees;
+}
+
+FormFit fit_form(const CalibrationProblem& problem, const CalibrationState& start,
+                 const CameraForm& form) {
+  const CalibrationFit fit = adjust_calibration(problem, start, options_of(form));
+  FormFit result;
+  result.tried.form = form;
+  result.tried.camera = fit.state.camera;
+  result.tried.chi_square = fit.cost;
+  result.state = fit.state;
+  result.degrees_of_freedom = degrees_of_freedom(problem, form);
+  return result;
+}
+
+// A start for a form with square pixels that has more or fewer coefficients: those that it does not
+// have are zero.
+CalibrationState restricted(CalibrationState state, const LensForm& lens) {
+  state.camera.fx = state.camera.fy = (state.camera.fx + state.camera.fy) / 2;
+  for (std::size_t i = 0; i < state.camera.distortion.size(); ++i) {
+    if ((lens.free >> i & 1U) == 0) state.camera.distortion[i] = 0;
+  }
+  return state;
+}
+
+// Every form of the lens, with one focal length and with two. The richest starts from the one
+// before it, the others from the rich fit.
+std::vector<FormFit> fit_forms(const CalibrationProblem& problem, const CalibrationState& rich) {
+  const auto lenses = lens_forms(rich.camera.lens);
+  std::vector<FormFit> fits;
+  for (const LensForm& lens : lenses) {
+    const bool has_all = fits.size() + 2 > lenses.size() && !fits.empty();
+    const CalibrationState start = has_all ? fits.back().state : restricted(rich, lens);
+    fits.push_back(fit_form(problem, start, {lens, true}));
+  }
+  const std::size_t square = fits.size();
+  for (std::size_t i = 0; i < square; ++i) {
+    fits.push_back(fit_form(problem, fits[i].state, {lenses[i], false}));
+  }
+  return fits;
+}
+
+double factor_of(const FormFit& fit) {
+  return std::sqrt(std::max(1.0, fit.tried.chi_square / std::max(fit.degrees_of_freedom, 1)));
+}
+
+// Fills bic and weight; the place of the least.
+std::size_t weigh(std::vector<FormFit>& fits) {
+  double least_factor = std::numeric_limits<double>::infinity();
+  for (const FormFit& fit : fits) least_factor = std::min(least_factor, factor_of(fit));
+  for (FormFit& fit : fits) {
+    const double residuals = fit.degrees_of_freedom + 1.0;
+    fit.tried.bic = fit.tried.chi_square / (least_factor * least_factor) +
+                    static_cast<double>(fit.tried.form.parameters()) * std::log(residuals);
+  }
+  const auto best =
+      std::ranges::min_element(fits, {}, [](const FormFit& fit) { return fit.tried.bic; });
+  double sum = 0;
+  for (FormFit& fit : fits) {
+    fit.tried.weight = std::exp((best->tried.bic - fit.tried.bic) / 2);
+    sum += fit.tried.weight;
+  }
+  for (FormFit& fit : fits) fit.tried.weight /= sum;
+  return static_cast<std::size_t>(best - fits.begin());
+}
+
+// --- the result ---
+
+CameraCovariance covariance_of(const CalibrationPrecision& precision, const CameraForm& form) {
+  const auto basis = free_parameters(form);
+  return basis * precision.shared.topLeftCorner(basis.cols(), basis.cols()) * basis.transpose();
+}
+
+double tilt_of(const Pose& camera_from_middle) {
+  const double cosine =
+      camera_from_middle.rotation.col(2).dot(camera_from_middle.translation.normalized());
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+void add_sightings(CameraCalibration& result, const CalibrationProblem& problem,
+                   const CalibrationState& state, const CalibrationPrecision& precision) {
+  const double raised = result.sigma_factor * result.sigma_factor;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    const BoardSighting& sighting = problem.sightings[i];
+    const SightingState& fitted = state.sightings[i];
+    CalibratedSighting one;
+    one.view = sighting.view;
+    one.board = sighting.board;
+    one.used = sighting.used;
+    one.camera_from_board = camera_from_board(problem.planes[sighting.board], fitted);
+    one.covariance = raised * precision.sightings[i].topLeftCorner<6, 6>();
+    one.edge_px = fitted.edge_px;
+    one.edge_sigma = std::sqrt(raised * precision.sightings[i](6, 6));
+    one.tags_used = count_used(sighting);
+    one.tilt = tilt_of(fitted.camera_from_middle);
+    one.focal_change = precision.focal_change[i];
+    one.focal_sigma = result.sigma_factor * precision.focal_sigma[i];
+    for (const TagObservation& tag : sighting.tags) {
+      TagResidual residual{sighting.view, sighting.board, tag.tag, tag.pixels};
+      residual.residual =
+          residual_of(problem, state, i, tag).value_or(CornerPixels(CornerPixels::Zero()));
+      residual.chi_square = tag_chi_square(problem, state, i, tag);
+      residual.used = tag.used && sighting.used;
+      if (tag.used) one.chi_square += residual.chi_square;
+      result.residuals.push_back(residual);
+    }
+    result.sightings.push_back(one);
+  }
+}
+
+void add_boards(CameraCalibration& result, const CalibrationState& state,
+                const CalibrationPrecision& precision) {
+  const Index first = result.form.parameters();
+  for (std::size_t b = 0; b < state.shapes.size(); ++b) {
+    const Eigen::VectorXd sigma =
+        result.sigma_factor *
+        precision.shared.diagonal()
+            .segment<kShapeParameters>(first + kShapeParameters * static_cast<Index>(b))
+            .cwiseSqrt();
+    result.boards.push_back({state.shapes[b], {sigma[0], sigma[1], sigma.tail<3>()}});
+  }
+}
+
+double mean_edge(const CameraCalibration& calibration) {
+  double sum = 0;
+  double weights = 0;
+  for (const CalibratedSighting& sighting : calibration.sightings) {
+    if (!sighting.used || !(sighting.edge_sigma > 0)) continue;
+    const double weight = 1 / (sighting.edge_sigma * sighting.edge_sigma);
+    sum += weight * sighting.edge_px;
+    weights += weight;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+// Photos that contradict the others are placed by themselves, for what is said of them.
+void place_unused(const CalibrationProblem& problem, CalibrationState& state,
+                  const CameraForm& form) {
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    if (problem.sightings[i].used) continue;
+    CalibrationProblem alone = problem;
+    alone.sightings = {problem.sightings[i]};
+    alone.sightings.front().used = true;
+    CalibrationState one = state;
+    one.sightings = {state.sightings[i]};
+    AdjustmentOptions options = options_of(form);
+    options.camera_free = false;
+    options.shapes_free = false;
+    options.huber = 3 * 2.8;
+    state.sightings[i] = adjust_calibration(alone, one, options).state.sightings.front();
+  }
+}
+
+Result<CameraCalibration> result_of(const CalibrationProblem& problem, std::vector<FormFit> fits) {
+  const std::size_t chosen = weigh(fits);
+  CameraCalibration result;
+  for (FormFit& fit : fits) {
+    const auto precision = precision_of(problem, fit.state, fit.tried.form);
+    const double factor = factor_of(fit);
+    if (!precision) continue;
+    fit.tried.covariance = factor * factor * covariance_of(*precision, fit.tried.form);
+    result.tried.push_back(fit.tried);
+  }
+  FormFit& best = fits[chosen];
+  place_unused(problem, best.state, best.tried.form);
+  const auto precision = precision_of(problem, best.state, best.tried.form);
+  if (!precision) return fail("the photos do not determine any camera: take 15 of them, tilted");
+  result.camera = best.tried.camera;
+  result.form = best.tried.form;
+  result.covariance = best.tried.covariance;
+  result.chi_square = best.tried.chi_square;
+  result.degrees_of_freedom = best.degrees_of_freedom;
+  result.sigma_factor = factor_of(best);
+  add_sightings(result, problem, best.state, *precision);
+  add_boards(result, best.state, *precision);
+  result.edge_px = mean_edge(result);
+  return result;
+}
+
+Result<void> check_views(std::span<const BoardView> views) {
+  constexpr std::size_t kLeastTags = 4;  // 32 numbers: a pose and a camera of one photo
+  std::size_t tags = 0;
+  for (const BoardView& view : views) {
+    if (view.width != views[0].width || view.height != views[0].height) {
+      return fail(fmt::format(
+          "{}: is {} x {} pixels, expected {} x {} as {} is: calibrate each camera by itself, from "
+          "photos that are neither cropped nor turned",
+          view.file, view.width, view.height, views[0].width, views[0].height, views[0].file));
+    }
+    tags += view.tags.size();
+  }
+  if (tags >= kLeastTags) return {};
+  return fail(fmt::format(
+      "{} of the boards' tags read in {} photos, expected {} at least: see that the photos show "
+      "the boards given, sharp and whole",
+      tags, views.size(), kLeastTags));
+}
+
+}  // namespace
+
+Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
+                                           std::span<const Board> boards) {
+  if (auto checked = check_boards(boards); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_views(views); !checked) return tl::unexpected(checked.error());
+  constexpr double kComparable = 1.5;  // of mean residuals: the form that wins is never so far off
+  const CalibrationProblem problem = calibration_problem(views, boards);
+  const RobustFit perspective = robust_fit(problem, LensModel::perspective);
+  const RobustFit fisheye = robust_fit(problem, LensModel::fisheye);
+  const bool is_fisheye = fisheye.cost < perspective.cost;
+  const RobustFit& better = is_fisheye ? fisheye : perspective;
+  const RobustFit& other = is_fisheye ? perspective : fisheye;
+  std::vector<FormFit> fits = fit_forms(better.problem, better.state);
+  // Of a lens that bends little either model is right: both are compared form by form.
+  if (other.cost < kComparable * better.cost) {
+    std::ranges::move(fit_forms(better.problem, other.state), std::back_inserter(fits));
+  }
+  return result_of(better.problem, std::move(fits));
+}
+
+BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view) {
+  BoardGuess guess{calibration.camera, {}};
+  for (const CalibratedSighting& sighting : calibration.sightings) {
+    if (sighting.view == view) {
+      guess.boards.push_back({sighting.board, sighting.camera_from_board});
+    }
+  }
+  return guess;
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera from photos of calibration boards.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/calibrate/board_adjustment.hpp"
+#include "decoder/calibrate/board_view.hpp"
+#include "decoder/calibrate/camera_form.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/geometry/camera.hpp"
+#include "tagsmith/geometry/pose.hpp"
+
+namespace tagsmith::detail {
+
+// One form of camera that was fitted to the corners.
+struct TriedForm {
+  CameraForm form;
+  Camera camera;
+  CameraCovariance covariance = CameraCovariance::Zero();  // raised as CameraCalibration's
+  double chi_square = 0;
+  // Bayesian information criterion (Schwarz 1978): chi-square over the sigma factor's square, plus
+  // ln(residuals) a parameter; the least is chosen.
+  double bic = 0;
+  double weight = 0;  // share of belief: exp(-bic / 2), normalised (Raftery 1995)
+};
+
+// A board in a photo, as fitted.
+struct CalibratedSighting {
+  std::size_t view = 0;
+  std::size_t board = 0;
+  bool used = false;  // else the photo contradicts the others, and what follows is of its own fit
+  Pose camera_from_board;
+  // Of its shift and its turn about the board's middle, both in camera axes. Without the error of
+  // the board's scale, which changes the distances of all sightings of the board in proportion.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  // How far sharpening and the tone curve moved the frames' sides outward, pixels.
+  double edge_px = 0;
+  double edge_sigma = 0;
+  std::size_t tags_used = 0;
+  double chi_square = 0;  // of the tags used, by the covariances that the reader stated
+  double tilt = 0;        // radians between the board's normal and the line of sight to its middle
+  // Relative change of the focal length that fits this sighting best by itself, the camera apart
+  // from that taken as calibrated; sigma 0 = the sighting does not tell.
+  double focal_change = 0;
+  double focal_sigma = 0;
+};
+
+// What is left at one tag.
+struct TagResidual {
+  std::size_t view = 0;
+  std::size_t board = 0;
+  std::size_t tag = 0;                           // in Board::tags
+  CornerPixels seen = CornerPixels::Zero();      // pixels
+  CornerPixels residual = CornerPixels::Zero();  // seen less predicted; zero where not predictable
+  double chi_square = 0;                         // eight residuals, by the reader's covariance
+  bool used = false;                             // else left out: it fits worse than chance allows
+};
+
+// A board as the photos show it, with standard deviations.
+struct CalibratedBoard {
+  BoardShape shape;
+  BoardShape sigma;
+};
+
+struct CameraCalibration {
+  Camera camera;
+  CameraForm form;
+  // Of fx, fy, cx, cy and the eight coefficients; zero in rows of those that are held at zero.
+  CameraCovariance covariance = CameraCovariance::Zero();
+  std::vector<TriedForm> tried;  // with `form` among them
+  std::vector<CalibratedSighting> sightings;
+  std::vector<TagResidual> residuals;
+  std::vector<CalibratedBoard> boards;  // in the order given
+  double edge_px = 0;                   // mean over the sightings
+  double chi_square = 0;                // of all that was used, by the covariances stated
+  int degrees_of_freedom = 0;
+  // Root of chi-square over the degrees of freedom, at least 1. All covariances here are multiplied
+  // by its square: residuals larger than stated raise them, smaller ones lower nothing.
+  double sigma_factor = 1;
+};
+
+// Views of one camera at one focus and zoom. Needs no guess: perspective cameras from telephoto to
+// wide angle and fisheyes up to 180 degrees are tried, and the simplest lens model that explains
+// the corners is chosen (TriedForm::bic).
+//
+// Tags that fit worse than one in a hundred sets of photos would show by chance, and photos three
+// times as bad as the median photo, are left out and stay in the result as not used.
+//
+// Says nothing about whether the photos suffice: assess.hpp does. Fails, naming the file, where
+// views are of different sizes, and where fewer than four tags were seen in all.
+Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
+                                           std::span<const Board> boards);
+
+// The guess with which a photo is read again: the camera, and where it has the photo's boards.
+BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view);
+
+}  // namespace tagsmith::detail

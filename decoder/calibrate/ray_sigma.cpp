@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/ray_sigma.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kBelieved = 1e-3;  // share of belief from which a form must see a ray
+
+RayGrid::Cell& cell_at(RayGrid& grid, const Camera& camera, const Vector2d& pixel) {
+  const auto place = [](double at, int size, int count) {
+    return std::clamp(static_cast<int>((at + 0.5) / size * count), 0, count - 1);
+  };
+  const int column = place(pixel.x(), camera.width, RayGrid::kColumns);
+  const int row = place(pixel.y(), camera.height, RayGrid::kRows);
+  return grid.cells[static_cast<std::size_t>(row * RayGrid::kColumns + column)];
+}
+
+void add_point(RayGrid::Cell& cell, const CameraCalibration& calibration, const Vector2d& pixel) {
+  if (!ray_through(calibration.camera, pixel)) return;
+  cell.has_ray = true;
+  const double sigma =
+      ray_sigma_px(calibration, pixel).value_or(std::numeric_limits<double>::infinity());
+  if (sigma < cell.worst_sigma_px) return;
+  cell.worst_sigma_px = sigma;
+  cell.worst_pixel = pixel;
+}
+
+}  // namespace
+
+std::optional<double> ray_sigma_px(const CameraCalibration& calibration, const Vector2d& pixel) {
+  const std::optional<Vector3d> ray = ray_through(calibration.camera, pixel);
+  if (!ray) return std::nullopt;
+  Matrix2d total = Matrix2d::Zero();
+  for (const TriedForm& form : calibration.tried) {
+    const std::optional<Vector2d> seen = project(form.camera, *ray);
+    if (!seen) {
+      if (form.weight > kBelieved) return std::nullopt;
+      continue;
+    }
+    const auto by = by_parameters(form.camera, *ray);
+    const Vector2d off = *seen - pixel;
+    total += form.weight * (by * form.covariance * by.transpose() + off * off.transpose());
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(total, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
+}
+
+double RayGrid::worst_sigma_px() const {
+  double worst = 0;
+  for (const Cell& cell : cells) worst = std::max(worst, cell.worst_sigma_px);
+  return worst;
+}
+
+RayGrid ray_grid(const CameraCalibration& calibration) {
+  constexpr int kPoints = 3;  // of a cell, in each direction
+  const Camera& camera = calibration.camera;
+  RayGrid grid;
+  for (int y = 0; y < RayGrid::kRows * kPoints; ++y) {
+    for (int x = 0; x < RayGrid::kColumns * kPoints; ++x) {
+      // From border to border.
+      const Vector2d pixel(x * (camera.width - 1.0) / (RayGrid::kColumns * kPoints - 1),
+                           y * (camera.height - 1.0) / (RayGrid::kRows * kPoints - 1));
+      add_point(cell_at(grid, camera, pixel), calibration, pixel);
+    }
+  }
+  for (const TagResidual& tag : calibration.residuals) {
+    if (!tag.used) continue;
+    for (Eigen::Index i = 0; i < 4; ++i) {
+      ++cell_at(grid, camera, tag.seen.segment<2>(2 * i)).corners;
+    }
+  }
+  return grid;
+}
+
+double focal_sigma(const CameraCalibration& calibration) {
+  double variance = 0;
+  for (const TriedForm& form : calibration.tried) {
+    const double off = form.camera.fx - calibration.camera.fx;
+    variance += form.weight * (form.covariance(0, 0) + off * off);
+  }
+  return std::sqrt(variance) / calibration.camera.fx;
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well a calibration knows where its pixels look.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/calibrate/calibrate_camera.hpp"
+
+namespace tagsmith::detail {
+
+// The standard deviation, in the direction in which it is largest, of the pixel at which a fixed
+// ray of the camera frame is seen: how far the ray through `pixel` may be off, in pixels. Poses are
+// marginal.
+//
+// Every form that was tried counts by its share of belief, with its own covariance and with what it
+// says differently (Hoeting et al. 1999, "Bayesian model averaging: a tutorial", (3)): where no
+// corner was seen, the richer forms are uncertain though the chosen one is not. Nothing where the
+// chosen camera has no ray, or a form that is believed in by more than one in a thousand cannot see
+// it.
+std::optional<double> ray_sigma_px(const CameraCalibration& calibration,
+                                   const Eigen::Vector2d& pixel);
+
+// The picture in equal cells.
+struct RayGrid {
+  static constexpr int kColumns = 4;
+  static constexpr int kRows = 3;
+  struct Cell {
+    Eigen::Vector2d worst_pixel = Eigen::Vector2d::Zero();
+    double worst_sigma_px = 0;  // infinite where the chosen camera has a ray and ray_sigma_px none
+    bool has_ray = false;       // else the cell lies outside of a fisheye's circle
+    int corners = 0;            // used ones that were seen there
+  };
+  std::array<Cell, kColumns * kRows> cells{};  // row by row from the upper left
+
+  // The greatest of all cells.
+  double worst_sigma_px() const;
+};
+
+// ray_sigma_px at 9 points of each cell, those on the picture's border included.
+RayGrid ray_grid(const CameraCalibration& calibration);
+
+// Relative standard deviation of the focal length, all forms tried counted as above.
+double focal_sigma(const CameraCalibration& calibration);
+
+}  // namespace tagsmith::detail

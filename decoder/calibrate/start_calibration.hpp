@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A first camera and first poses, without any guess.
+#pragma once
+
+#include <optional>
+
+#include "decoder/calibrate/board_adjustment.hpp"
+
+namespace tagsmith::detail {
+
+// A camera of this lens model with square pixels whose focal length and bend, of a grid of both,
+// explain the sightings best, each sighting's pose fitted by itself. All sightings of the problem
+// get a pose; one that the camera cannot have made stands at the camera's centre, where nothing is
+// seen of it.
+//
+// Trying focal lengths needs no photo to be free of distortion, as the closed form of Zhang (2000,
+// "A flexible new technique for camera calibration") does, and holds for fisheyes alike.
+CalibrationState start_calibration(const CalibrationProblem& problem, LensModel lens);
+
+// The pose of one sighting for a camera that is known: by the homography of its rays, then fitted.
+// Nothing when a corner has no ray or there is no such pose.
+std::optional<SightingState> start_sighting(const CalibrationProblem& problem, const Camera& camera,
+                                            const BoardSighting& sighting);
+
+}  // namespace tagsmith::detail
