@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -41,7 +42,7 @@ bool has_any_size(PlateFreedom freedom) {
 
 // The rig's, and last that of the frames' common size when it is not exact.
 CalibrationLayout layout_of(const AdjustmentProblem& problem) {
-  CalibrationLayout layout = calibration_layout(*problem.rig);
+  CalibrationLayout layout = problem.calibration.value_or(calibration_layout(*problem.rig));
   if (problem.frame_sigma > 0) layout.sigmas.push_back(problem.frame_sigma);
   return layout;
 }
@@ -287,8 +288,29 @@ class Network {
     return solved.middleRows<kPlateCount>(column_of(plate));
   }
 
+  // Of the calibration's errors and of the mean heading, pitch and roll of all vehicles.
+  MatrixXd calibration_covariance() const {
+    const Index uncertain = size() - of_plates();
+    MatrixXd by_rest = MatrixXd::Zero(uncertain + 3, size());
+    by_rest.topRightCorner(uncertain, uncertain).setIdentity();
+    Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
+    const auto placed = static_cast<double>(std::ranges::count(idle_, false));
+    for (const ReducedStation& station : stations_) {
+      const MatrixXd by_columns = station.pose_covariance * station.pose_by_rest / -placed;
+      const std::vector<Index> columns = columns_of(station);
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        by_rest.col(columns[i]).tail<3>() += by_columns.col(static_cast<Index>(i)).tail<3>();
+      }
+      own += station.pose_covariance.bottomRightCorner<3, 3>() / (placed * placed);
+    }
+    MatrixXd covariance = by_rest * solver_.solve(MatrixXd(by_rest.transpose()));
+    covariance.bottomRightCorner<3, 3>() += own;
+    return covariance;
+  }
+
   const PlateVector& variance_of(std::size_t plate) const { return variances_[plate]; }
   const std::vector<ReducedStation>& stations() const { return stations_; }
+  bool is_idle(std::size_t station) const { return idle_[station]; }
 
   // Shift and turn of a plate from its surveyed place, and its size from the template's.
   PlateVector moved_by(const AdjustmentState& state, std::size_t plate) const {
@@ -376,6 +398,15 @@ class Network {
     return sized;
   }
 
+  // How far a vehicle is from what is known of it, in standard deviations.
+  static Vector6 whitened(const VehiclePrior& prior, const VehiclePose& vehicle) {
+    Vector6 off;
+    off << vehicle.position - prior.mean.position,
+        std::remainder(vehicle.heading - prior.mean.heading, 2 * std::numbers::pi),
+        vehicle.pitch - prior.mean.pitch, vehicle.roll - prior.mean.roll;
+    return off.cwiseQuotient(prior.sigma);
+  }
+
   // Without derivatives only chi_square is filled.
   std::optional<ReducedStation> reduced(const AdjustmentState& state, std::size_t index,
                                         bool derivatives) const {
@@ -421,13 +452,22 @@ class Network {
       row += kSightingRows;
     }
     result.chi_square = residual.squaredNorm();
+    Vector6 by_prior = Vector6::Zero();
+    Vector6 prior_information = Vector6::Zero();
+    if (station.prior) {
+      const Vector6 off = whitened(*station.prior, state.vehicles[index]);
+      by_prior = off.cwiseQuotient(station.prior->sigma);
+      prior_information = station.prior->sigma.cwiseAbs2().cwiseInverse();
+      result.chi_square += off.squaredNorm();
+    }
     if (!derivatives) return result;
-    const Matrix6 pose_information = by_pose.transpose() * by_pose;
+    Matrix6 pose_information = by_pose.transpose() * by_pose;
+    pose_information.diagonal() += prior_information;
     const Eigen::LLT<Matrix6> root(pose_information);
     if (root.info() != Eigen::Success) return std::nullopt;
     result.pose_covariance = root.solve(Matrix6::Identity());
     result.pose_by_rest = by_pose.transpose() * by_rest;
-    result.pose_gradient = by_pose.transpose() * residual;
+    result.pose_gradient = by_pose.transpose() * residual + by_prior;
     const MatrixXd gain = result.pose_by_rest.transpose() * result.pose_covariance;
     result.information = by_rest.transpose() * by_rest - gain * result.pose_by_rest;
     result.gradient = by_rest.transpose() * residual - gain * result.pose_gradient;
@@ -547,8 +587,13 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
   result.offsets.resize(problem.plates.size());
   result.size.resize(problem.plates.size(), 1);
   result.size_sigma.resize(problem.plates.size(), 0);
-  for (const ReducedStation& station : network.stations()) {
+  result.calibration = state.calibration;
+  if (problem.calibration) result.calibration_covariance = network.calibration_covariance();
+  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
+    const ReducedStation& station = network.stations()[s];
     result.station_chi_square.push_back(station.chi_square);
+    result.vehicles.emplace_back();
+    if (!network.is_idle(s)) result.vehicles.back() = state.vehicles[s];
     for (const std::size_t plate : station.plates) {
       if (result.offsets[plate]) continue;
       const auto covariance = network.covariance_of(plate);

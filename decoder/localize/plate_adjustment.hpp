@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,10 +16,19 @@
 
 namespace tagsmith::detail {
 
+// What is known of a vehicle's pose besides what its cameras see.
+struct VehiclePrior {
+  VehiclePose mean;
+  // In the order of vehicle_parameter, metres and radians; infinite = nothing is known.
+  Eigen::Matrix<double, 6, 1> sigma =
+      Eigen::Matrix<double, 6, 1>::Constant(std::numeric_limits<double>::infinity());
+};
+
 // What a rig's cameras saw at one moment, from one place.
 struct Station {
   std::string name;
   std::vector<Sighting> sightings;
+  std::optional<VehiclePrior> prior{};
 };
 
 // The rig must outlive the problem. A plate's survey_variance says how far it may hang from its
@@ -28,6 +38,8 @@ struct AdjustmentProblem {
   std::vector<SightedPlate> plates;
   std::vector<Station> stations;
   double frame_sigma = 0;  // relative, of the size that all frames have in common; 0 = exact
+  // Which parameters of the cameras are uncertain; nothing = as the rig's sigmas have it.
+  std::optional<CalibrationLayout> calibration{};
 };
 
 // What is not taken from the survey and the template of a plate.
@@ -53,11 +65,18 @@ struct PlateOffset {
 
 struct Adjustment {
   std::vector<Pose> world_from_plate;
-  std::vector<double> size;                         // of each frame, as a share of the template's
-  std::vector<double> size_sigma;                   // 0 of a size that is taken from the template
-  double chi_square = 0;                            // of everything
-  std::vector<double> station_chi_square;           // of the corners, by station
-  std::vector<std::optional<PlateOffset>> offsets;  // by plate; none of plates in no station
+  std::vector<double> size;                          // of each frame, as a share of the template's
+  std::vector<double> size_sigma;                    // 0 of a size that is taken from the template
+  double chi_square = 0;                             // of everything
+  std::vector<double> station_chi_square;            // of the corners, by station
+  std::vector<std::optional<PlateOffset>> offsets;   // by plate; none of plates in no station
+  std::vector<std::optional<VehiclePose>> vehicles;  // by station; none of one that tells nothing
+  // Errors of the uncertain calibration parameters in the order of the layout's sigmas, then of the
+  // frames' common size where that is not exact.
+  Eigen::VectorXd calibration;
+  // Of these and of the mean heading, pitch and roll of all vehicles; empty unless the problem
+  // names what is uncertain (AdjustmentProblem::calibration).
+  Eigen::MatrixXd calibration_covariance;
 };
 
 // Gauss-Newton over all plates, the calibration and one vehicle pose a station; the poses are

@@ -90,25 +90,31 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
   return rows;
 }
 
-std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
-                                                             const SightedPlate& plate,
-                                                             const Sighting& sighting) {
-  const RigCamera& camera = rig.cameras[sighting.camera];
+std::optional<std::array<Pose, 2>> camera_poses_from(const Camera& camera,
+                                                     const SightedPlate& plate,
+                                                     const Sighting& sighting) {
   std::array<Vector3d, 4> rays;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto ray =
-        ray_through(camera.camera, sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)));
+        ray_through(camera, sighting.pixels.segment<2>(static_cast<Eigen::Index>(2 * i)));
     if (!ray) return std::nullopt;
     rays[i] = *ray;
   }
   const auto camera_from_plate = plate_poses(rays, plate.length, plate.height);
   if (!camera_from_plate) return std::nullopt;
-  std::array<VehiclePose, 2> poses;
-  for (std::size_t i = 0; i < 2; ++i) {
-    poses[i] = vehicle_pose_of(plate.world_from_plate * inverse((*camera_from_plate)[i]) *
-                               inverse(camera.vehicle_from_camera));
-  }
-  return poses;
+  return std::array{plate.world_from_plate * inverse((*camera_from_plate)[0]),
+                    plate.world_from_plate * inverse((*camera_from_plate)[1])};
+}
+
+std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,
+                                                             const SightedPlate& plate,
+                                                             const Sighting& sighting) {
+  const RigCamera& camera = rig.cameras[sighting.camera];
+  const auto world_from_camera = camera_poses_from(camera.camera, plate, sighting);
+  if (!world_from_camera) return std::nullopt;
+  const Pose camera_from_vehicle = inverse(camera.vehicle_from_camera);
+  return std::array{vehicle_pose_of((*world_from_camera)[0] * camera_from_vehicle),
+                    vehicle_pose_of((*world_from_camera)[1] * camera_from_vehicle)};
 }
 
 }  // namespace tagsmith::detail

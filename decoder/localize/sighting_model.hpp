@@ -72,6 +72,12 @@ std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayou
                                           const VehicleFrame& vehicle, const SightedPlate& plate,
                                           std::size_t camera);
 
+// The camera's poses that a sighting by itself allows (plate_poses): world_from_camera. Nothing
+// when the corners are no picture of a rectangle.
+std::optional<std::array<Pose, 2>> camera_poses_from(const Camera& camera,
+                                                     const SightedPlate& plate,
+                                                     const Sighting& sighting);
+
 // The vehicle's poses that a sighting by itself allows, were the plate where it is said to be:
 // those of plate_poses. Nothing when the corners are no picture of a rectangle.
 std::optional<std::array<VehiclePose, 2>> vehicle_poses_from(const Rig& rig,

@@ -2,6 +2,7 @@
 #include "tagsmith/survey/rig.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace tagsmith::detail {
@@ -31,6 +32,12 @@ Pose vehicle_from_side_camera(Side side, double alpha) {
 
 Pose vehicle_from_camera(double yaw, double pitch, double roll, const Eigen::Vector3d& position) {
   return {rotation_from_yaw_pitch_roll(yaw, pitch, roll) * body_from_camera(), position};
+}
+
+MountingAngles mounting_angles(const Pose& vehicle_from_camera) {
+  const Eigen::Matrix3d body = vehicle_from_camera.rotation * body_from_camera().transpose();
+  return {std::atan2(body(1, 0), body(0, 0)), std::asin(std::clamp(-body(2, 0), -1.0, 1.0)),
+          std::atan2(body(2, 1), body(2, 2))};
 }
 
 Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading) {

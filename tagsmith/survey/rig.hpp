@@ -84,6 +84,16 @@ Pose vehicle_from_side_camera(Side side, double alpha);
 // looks forward, upright.
 Pose vehicle_from_camera(double yaw, double pitch, double roll, const Eigen::Vector3d& position);
 
+// The attitude that vehicle_from_camera takes, of a camera that is mounted so; pitch within a
+// quarter turn either way, yaw and roll within half a turn.
+struct MountingAngles {
+  double yaw = 0;
+  double pitch = 0;
+  double roll = 0;
+};
+
+MountingAngles mounting_angles(const Pose& vehicle_from_camera);
+
 // A vehicle at `position_in_world` with this heading (radians from +y towards +x, world frame),
 // level.
 Pose world_from_vehicle(const Eigen::Vector3d& position_in_world, double heading);

@@ -17,8 +17,8 @@ constexpr std::array<std::string_view, 23> kLayers{
     "tagsmith/tag",        "tagsmith/survey",   "tagsmith/placement",
     "tagsmith/paper_plan", "tagsmith/render",   "tagsmith/cli",
     "decoder/image",       "decoder/simulate",  "decoder/feature_frame",
-    "decoder/scan",        "decoder/reader",    "decoder/calibrate",
-    "decoder/paper",       "decoder/localize",  "decoder/grade",
+    "decoder/scan",        "decoder/reader",    "decoder/paper",
+    "decoder/localize",    "decoder/calibrate", "decoder/grade",
     "decoder/verify",      "decoder/api",       "decoder/python",
     "decoder/cli",         "main.cpp",
 };

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/mounting.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <doctest/doctest.h>
+
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
+#include "tests/localize/site.hpp"
+#include "tests/support/draws.hpp"
+
+using namespace tagsmith::detail;
+using Eigen::Vector3d;
+using tagsmith::detail::test::Draws;
+using tagsmith::detail::test::observation_at;
+using tagsmith::detail::test::Site;
+using tagsmith::detail::test::site_named;
+
+namespace {
+
+constexpr double kNoise = 0.05;  // pixels
+
+// Vehicles along the drive that stand a little askew, but not on their mean.
+std::vector<VehiclePose> drive_past(const Site& site, std::size_t count, Draws& draws) {
+  std::vector<FloorStance> stances(count);
+  FloorStance mean;
+  for (FloorStance& stance : stances) {
+    stance.height = site.rig.vehicle_height;
+    stance.lateral = draws.uniform(-0.3, 0.3);
+    stance.yaw = draws.normal(radians(2));
+    stance.pitch = draws.normal(radians(1));
+    stance.roll = draws.normal(radians(1));
+    mean.yaw += stance.yaw / static_cast<double>(count);
+    mean.pitch += stance.pitch / static_cast<double>(count);
+    mean.roll += stance.roll / static_cast<double>(count);
+  }
+  std::vector<VehiclePose> vehicles;
+  for (std::size_t i = 0; i < count; ++i) {
+    FloorStance stance = stances[i];
+    stance.yaw -= mean.yaw;
+    stance.pitch -= mean.pitch;
+    stance.roll -= mean.roll;
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    vehicles.push_back(
+        vehicle_on_floor(site.survey.tunnel.centerline.at(-0.5 + 5.5 * share), stance));
+  }
+  return vehicles;
+}
+
+std::vector<Observation> seen_from(const Site& site, const std::vector<VehiclePose>& vehicles,
+                                   Draws& draws) {
+  std::vector<Observation> rows;
+  for (const VehiclePose& vehicle : vehicles) {
+    rows.push_back(observation_at(site, vehicle));
+    rows.back().id = std::to_string(rows.size());
+    for (SeenTag& tag : rows.back().tags) {
+      for (auto& corner : tag.seen_corners->corners) {
+        corner.x += draws.normal(kNoise);
+        corner.y += draws.normal(kNoise);
+      }
+      tag.seen_corners->covariance = kNoise * kNoise * CornerCovariance::Identity();
+    }
+  }
+  return rows;
+}
+
+void mount(Rig& rig, std::size_t camera, double yaw, double pitch, double roll,
+           const Vector3d& position) {
+  rig.cameras[camera].vehicle_from_camera =
+      vehicle_from_camera(radians(yaw), radians(pitch), radians(roll), position);
+}
+
+Site exact_corridor() {
+  Site site = site_named("corridor");
+  site.survey.sigma = 0;
+  for (PlacedTag& tag : site.survey.tags) tag.sigma = 0;
+  return site;
+}
+
+double angle_between(const Pose& a, const Pose& b) {
+  return Eigen::AngleAxisd(a.rotation.transpose() * b.rotation).angle();
+}
+
+}  // namespace
+
+TEST_CASE("unknown angles are found to hundredths of a degree, wherever the search starts") {
+  for (const double stated_alpha : {35.0, 40.0, 10.0, -40.0}) {
+    CAPTURE(stated_alpha);
+    Draws draws(7);
+    Site site = exact_corridor();
+    mount(site.rig, 0, 52, 3, -2, Vector3d::Zero());
+    mount(site.rig, 1, -58, -1, 4, Vector3d::Zero());
+    const auto rows = seen_from(site, drive_past(site, 12, draws), draws);
+    Rig stated = site.rig;
+    mount(stated, 0, 90 - stated_alpha, 0, 0, Vector3d::Zero());
+    mount(stated, 1, stated_alpha - 90, 0, 0, Vector3d::Zero());
+    const auto fit = fit_mounting(rows, site.survey, stated);
+    REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const Pose& truth = site.rig.cameras[c].vehicle_from_camera;
+      CHECK(angle_between(fit->cameras[c].vehicle_from_camera, truth) < radians(0.03));
+      CHECK(fit->cameras[c].sigma.tail<3>().maxCoeff() < radians(0.03));
+      CHECK(fit->cameras[c].left_out == 0);
+      CHECK_FALSE(fit->cameras[c].held[3]);
+    }
+  }
+}
+
+TEST_CASE("how far cameras are apart is told, where they are on the vehicle is held") {
+  Draws draws(11);
+  Site site = exact_corridor();
+  mount(site.rig, 0, 55, 0, 0, {0.40, 0.25, 0.10});
+  mount(site.rig, 1, -55, 0, 0, {0.10, -0.25, 0.05});
+  const auto rows = seen_from(site, drive_past(site, 20, draws), draws);
+  Rig stated = site.rig;
+  stated.cameras[0].vehicle_from_camera.translation = {0.30, 0.2, 0.15};
+  stated.cameras[1].vehicle_from_camera.translation = {0.10, -0.2, 0.05};
+  const auto fit = fit_mounting(rows, site.survey, stated);
+  REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+  const Vector3d apart = fit->cameras[0].vehicle_from_camera.translation -
+                         fit->cameras[1].vehicle_from_camera.translation;
+  CHECK((apart - Vector3d(0.30, 0.50, 0.05)).norm() < 0.002);
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    CHECK(fit->cameras[0].held[axis] != fit->cameras[1].held[axis]);
+  }
+  // The rig says how high O is.
+  CHECK_FALSE(fit->cameras[0].held[2]);
+  CHECK_FALSE(fit->cameras[1].held[2]);
+}
+
+TEST_CASE("a plate that hangs elsewhere is left out and bends nothing") {
+  Draws draws(13);
+  Site site = exact_corridor();
+  const Survey surveyed = site.survey;
+  site.survey.tags[4].world_from_plate.translation += Vector3d(0.05, 0.12, 0.03);
+  auto rows = seen_from(site, drive_past(site, 20, draws), draws);
+  for (Observation& row : rows) {
+    for (SeenTag& tag : row.tags) tag.tag = *find_tag(surveyed, tag.tag.name);
+  }
+  Rig stated = site.rig;
+  mount(stated, 0, 50, 2, 0, Vector3d::Zero());
+  const auto fit = fit_mounting(rows, surveyed, stated);
+  REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+  // The rows that are left stand askew by a little on their mean: what holds is the angle between
+  // the cameras.
+  const auto between = [](const Pose& left, const Pose& right) { return inverse(left) * right; };
+  CHECK(angle_between(
+            between(fit->cameras[0].vehicle_from_camera, fit->cameras[1].vehicle_from_camera),
+            between(site.rig.cameras[0].vehicle_from_camera,
+                    site.rig.cameras[1].vehicle_from_camera)) < radians(0.03));
+  CHECK(fit->cameras[0].left_out + fit->cameras[1].left_out > 0);
+}
+
+TEST_CASE("the stated sigmas are those of the errors") {
+  Draws draws(17);
+  double sum = 0;
+  int count = 0;
+  for (int trial = 0; trial < 25; ++trial) {
+    Site site = exact_corridor();
+    site.survey.sigma = 0.002;
+    for (PlacedTag& tag : site.survey.tags) tag.sigma = 0.002;
+    Site hung = site;
+    for (PlacedTag& tag : hung.survey.tags) {
+      tag.world_from_plate.translation += draws.normals(0.002);
+    }
+    auto rows = seen_from(hung, drive_past(hung, 10, draws), draws);
+    for (Observation& row : rows) {
+      for (SeenTag& tag : row.tags) tag.tag = *find_tag(site.survey, tag.tag.name);
+    }
+    const auto fit = fit_mounting(rows, site.survey, site.rig);
+    REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const MountingAngles found = mounting_angles(fit->cameras[c].vehicle_from_camera);
+      const MountingAngles truth = mounting_angles(site.rig.cameras[c].vehicle_from_camera);
+      const Vector3d off(found.yaw - truth.yaw, found.pitch - truth.pitch, found.roll - truth.roll);
+      sum += off.cwiseQuotient(fit->cameras[c].sigma.tail<3>()).squaredNorm();
+      count += 3;
+    }
+  }
+  CHECK(sum / count > 0.6);
+  CHECK(sum / count < 1.5);
+}
+
+TEST_CASE("a range that measures from elsewhere is told by its median") {
+  Draws draws(19);
+  const Site site = exact_corridor();
+  const auto vehicles = drive_past(site, 15, draws);
+  auto rows = seen_from(site, vehicles, draws);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double wall = observe_wall(site.survey.tunnel.centerline,
+                                     wall_of(site.survey.tunnel, Side::left), vehicles[i].position)
+                            .distance;
+    rows[i].ranges["d"] = wall + 0.031 + draws.normal(0.01);
+  }
+  rows[3].ranges["d"] += 0.8;
+  const auto fit = fit_mounting(rows, site.survey, site.rig);
+  REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+  REQUIRE(fit->ranges.size() == 1);
+  CHECK(std::abs(fit->ranges[0].offset - 0.031) < 3 * fit->ranges[0].sigma);
+  CHECK(fit->ranges[0].sigma < 0.006);
+}
+
+TEST_CASE("two rows tell no mounting") {
+  Draws draws(23);
+  const Site site = exact_corridor();
+  const auto rows = seen_from(site, drive_past(site, 2, draws), draws);
+  const auto fit = fit_mounting(rows, site.survey, site.rig);
+  REQUIRE_FALSE(fit.has_value());
+  CHECK(fit.error().message.find("2 of 2 rows") == 0);
+}
