@@ -41,3 +41,15 @@ TEST_CASE("a page gets no control characters, markup and quotes as entities") {
         "&lt;a href=&#39;x&#39; title=&quot;y&quot;&gt;&amp;&lt;/a&gt;");
   CHECK(markup_text("a\x1b\u202e\u009b\xff") == "a   \ufffd");
 }
+
+TEST_CASE("names begin with a letter or digit and have nothing that parts paths or columns") {
+  for (const char* name : {"desk", "7", "Strecke \u00c4 7", "\u00c4 7", "a.b-c_d"}) {
+    CAPTURE(name);
+    CHECK(is_plain_name(name));
+  }
+  for (const char* name :
+       {"", " a", "-a", ".a", "a/b", "a\\b", "a,b", "a:b", "a\"b", "a\nb", "a\u202eb", "a\xff"}) {
+    CAPTURE(name);
+    CHECK_FALSE(is_plain_name(name));
+  }
+}

@@ -186,8 +186,8 @@ TEST_CASE("a board's page has its sheet's size, and nothing is printed in the ta
     const Board board = board_on(sheet.width, sheet.height);
     const Page page = page_of(board);
     const Raster raster = rasterize_pdf(pdf_of(page), sheet.dpi);
-    CHECK(std::abs(raster.image.width - sheet.width / 0.0252 * sheet.dpi) < 1);
-    CHECK(std::abs(raster.image.height - sheet.height / 0.0252 * sheet.dpi) < 1);
+    CHECK(std::abs(raster.image.width - sheet.width / 0.0254 * sheet.dpi) < 1);
+    CHECK(std::abs(raster.image.height - sheet.height / 0.0254 * sheet.dpi) < 1);
     const double pixel = 0.0254 / sheet.dpi;
     for (const PageTag& tag : page.tags) {
       const Rectangle& frame = tag.drawing.frame_outer;

@@ -68,7 +68,7 @@ TEST_CASE("every key of the outputs is described") {
       FAIL_CHECK(name << ": " << key);
     }
   }
-  CHECK(names.size() == 13);
+  CHECK(names.size() == 14);
 }
 
 TEST_CASE("read, verify and report print what their schemas say") {
@@ -81,6 +81,7 @@ TEST_CASE("read, verify and report print what their schemas say") {
   check_lines(
       "print",
       run_tagsmith("print " + kSurvey + " --json --proof --tags 000L,001R -o " + print).out);
+  check_lines("board", run_tagsmith("board --json -o " + print + "-board.pdf").out);
   check_file("manifest", folder.path() / "print" / "manifest.json");
   const std::string verified =
       run_tagsmith("verify --json " + kSurvey + " surveys/corridor/photos " + print + kRig + kRun)

@@ -59,7 +59,7 @@ TEST_CASE("every option that a remedy names is one of its command") {
 
 TEST_CASE("every key of a file that a remedy names is in a schema") {
   std::vector<json> schemas;
-  for (const char* name : {"survey", "rig", "template"}) {
+  for (const char* name : {"survey", "rig", "template", "board"}) {
     const auto text = read_file("docs/schemas/" + std::string(name) + ".schema.json");
     REQUIRE(text.has_value());
     schemas.push_back(json::parse(*text));

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/read_board.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -70,6 +71,17 @@ const Json& good_template() {
   return tag;
 }
 
+const Json& good_board() {
+  static const Json board = Json::parse(R"({
+    "board": "trial", "serial": 7, "sheet": [0.297, 0.21],
+    "feature_frame": { "inner": [0.0575, 0.0275], "stroke": 0.0025 },
+    "symbol": { "quiet_zone": 9.5, "margin": 9.5, "dots_per_inch": 300 },
+    "tags": { "columns": 4, "rows": 5, "first": [0.017, 0.019], "step": [0.071, 0.036] },
+    "drawn": { "a_b_mm": 281.5, "a_c_mm": 194.5 },
+    "measured": { "a_b_mm": 281.5, "a_c_mm": 194.5, "sigma_mm": 0.5 } })");
+  return board;
+}
+
 const Json& good_rig() {
   static const Json rig = Json::parse(R"({
     "rig": "trial",
@@ -97,7 +109,8 @@ bool is_structural(const Diagnostic& finding) {
       "coarse-code",         "code-collision", "code-range",        "duplicate-tag",
       "frame-outside-plate", "no-bars",        "no-template",       "off-wall",
       "outside-tunnel",      "overlap",        "side-mismatch",     "theta",
-      "tight-arc",           "too-many-tags",  "wrong-check-digit", "wrong-side"};
+      "tight-arc",           "too-many-tags",  "wrong-check-digit", "wrong-side",
+      "board-scale",         "off-millimetre", "outside-sheet",     "tags-overlap"};
   return finding.severity == Severity::error && !meaning.contains(finding.code);
 }
 
@@ -115,6 +128,8 @@ const std::vector<Format>& formats() {
        good_surveyed_tunnel()},
       {"template", [](const fs::path& path) { return read_template(path).value().diagnostics; },
        good_template()},
+      {"board", [](const fs::path& path) { return read_board(path).value().diagnostics; },
+       good_board()},
       {"rig", [](const fs::path& path) { return read_rig(path).value().diagnostics; }, good_rig()}};
   return all;
 }
@@ -259,6 +274,10 @@ TEST_CASE("schema and parser agree on keys that exclude or need each other") {
       {"template", R"([{"op":"add","path":"/holes/inset_mm","value":12.5}])", false},
       {"template",
        R"([{"op":"replace","path":"/holes","value":{"diameter_mm":5.5,"inset_mm":12.5}}])", true},
+      {"board", R"([{"op":"remove","path":"/measured"}])", true},
+      {"board", R"([{"op":"remove","path":"/measured/sigma_mm"}])", true},
+      {"board", R"([{"op":"remove","path":"/drawn"}])", false},
+      {"board", R"([{"op":"replace","path":"/serial","value":1000}])", false},
       {"template", R"([{"op":"remove","path":"/label"}])", true},
       {"template", R"([{"op":"replace","path":"/symbol/quiet_zone","value":8.5}])", false},
   };
