@@ -76,7 +76,7 @@ std::array<double, 2> drawn_distances(double width, double height);
 // What a board is to be. Lengths in metres.
 struct BoardRequest {
   std::string name;
-  int serial = 0;
+  int serial = 0;  // 0 to 999
   double width = 0;
   double height = 0;
   Rectangle room{};         // of the sheet: where tags and their clearance may stand
