@@ -2,85 +2,24 @@
 #include "decoder/calibrate/mounting.hpp"
 
 #include <cmath>
-#include <numbers>
-#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/geometry/vehicle_stance.hpp"
-#include "tests/localize/site.hpp"
-#include "tests/support/draws.hpp"
+#include "tests/calibrate/seen_drive.hpp"
 
 using namespace tagsmith::detail;
 using Eigen::Vector3d;
 using tagsmith::detail::test::Draws;
-using tagsmith::detail::test::observation_at;
+using tagsmith::detail::test::drive_past;
+using tagsmith::detail::test::exact_corridor;
+using tagsmith::detail::test::mount;
+using tagsmith::detail::test::seen_from;
 using tagsmith::detail::test::Site;
-using tagsmith::detail::test::site_named;
 
 namespace {
-
-constexpr double kNoise = 0.05;  // pixels
-
-// Vehicles along the drive that stand a little askew, but not on their mean.
-std::vector<VehiclePose> drive_past(const Site& site, std::size_t count, Draws& draws) {
-  std::vector<FloorStance> stances(count);
-  FloorStance mean;
-  for (FloorStance& stance : stances) {
-    stance.height = site.rig.vehicle_height;
-    stance.lateral = draws.uniform(-0.3, 0.3);
-    stance.yaw = draws.normal(radians(2));
-    stance.pitch = draws.normal(radians(1));
-    stance.roll = draws.normal(radians(1));
-    mean.yaw += stance.yaw / static_cast<double>(count);
-    mean.pitch += stance.pitch / static_cast<double>(count);
-    mean.roll += stance.roll / static_cast<double>(count);
-  }
-  std::vector<VehiclePose> vehicles;
-  for (std::size_t i = 0; i < count; ++i) {
-    FloorStance stance = stances[i];
-    stance.yaw -= mean.yaw;
-    stance.pitch -= mean.pitch;
-    stance.roll -= mean.roll;
-    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-    vehicles.push_back(
-        vehicle_on_floor(site.survey.tunnel.centerline.at(-0.5 + 5.5 * share), stance));
-  }
-  return vehicles;
-}
-
-std::vector<Observation> seen_from(const Site& site, const std::vector<VehiclePose>& vehicles,
-                                   Draws& draws) {
-  std::vector<Observation> rows;
-  for (const VehiclePose& vehicle : vehicles) {
-    rows.push_back(observation_at(site, vehicle));
-    rows.back().id = std::to_string(rows.size());
-    for (SeenTag& tag : rows.back().tags) {
-      for (auto& corner : tag.seen_corners->corners) {
-        corner.x += draws.normal(kNoise);
-        corner.y += draws.normal(kNoise);
-      }
-      tag.seen_corners->covariance = kNoise * kNoise * CornerCovariance::Identity();
-    }
-  }
-  return rows;
-}
-
-void mount(Rig& rig, std::size_t camera, double yaw, double pitch, double roll,
-           const Vector3d& position) {
-  rig.cameras[camera].vehicle_from_camera =
-      vehicle_from_camera(radians(yaw), radians(pitch), radians(roll), position);
-}
-
-Site exact_corridor() {
-  Site site = site_named("corridor");
-  site.survey.sigma = 0;
-  for (PlacedTag& tag : site.survey.tags) tag.sigma = 0;
-  return site;
-}
 
 double angle_between(const Pose& a, const Pose& b) {
   return Eigen::AngleAxisd(a.rotation.transpose() * b.rotation).angle();

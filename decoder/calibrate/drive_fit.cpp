@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/drive_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/covariance.hpp"
+#include "tagsmith/geometry/vehicle_stance.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
+
+// How far a vehicle's heading strays from the drive's where the rig's envelope does not say.
+constexpr double kUsualYaw = radians(5);
+
+// --- what was seen ---
+
+// Rigid to a nanometre where the survey calls a place exact: it is divided by.
+SightedPlate plate_for(const PlacedTag& tag, const Survey& survey) {
+  constexpr double kExact = 1e-9;
+  SightedPlate plate = sighted_plate(tag, survey);
+  plate.survey_variance = plate.survey_variance.cwiseMax(kExact * kExact);
+  return plate;
+}
+
+std::size_t plate_index(Drive& drive, const PlacedTag& tag, const Survey& survey) {
+  const auto found = std::ranges::find(drive.plates, tag.name, &SightedPlate::name);
+  if (found != drive.plates.end()) return static_cast<std::size_t>(found - drive.plates.begin());
+  drive.plates.push_back(plate_for(tag, survey));
+  return drive.plates.size() - 1;
+}
+
+// --- the vehicle's own axes ---
+
+// A vehicle of the rig's height that follows the drive, abreast of a place.
+VehiclePose following(const Survey& survey, const Rig& rig, const Vector3d& place) {
+  const Centerline& line = survey.tunnel.centerline;
+  FloorStance stance;
+  stance.height = rig.vehicle_height;
+  return vehicle_on_floor(line.at(line.locate(place.head<2>()).chainage), stance);
+}
+
+VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& place) {
+  VehiclePrior prior{following(survey, rig, place)};
+  prior.sigma[vehicle_parameter::kZ] = rig.height_sigma;
+  prior.sigma[vehicle_parameter::kHeading] =
+      rig.envelope && rig.envelope->yaw > 0 ? rig.envelope->yaw : kUsualYaw;
+  prior.sigma[vehicle_parameter::kPitch] = rig.pitch_sigma;
+  prior.sigma[vehicle_parameter::kRoll] = rig.roll_sigma;
+  return prior;
+}
+
+// --- where the search starts ---
+
+double angle_between(const Matrix3d& a, const Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle();
+}
+
+// The attitudes on the vehicle that a sighting allows its camera, were the vehicle level and along
+// the drive.
+std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const SightedPlate& plate,
+                                const Sighting& sighting) {
+  std::vector<Matrix3d> result;
+  const auto poses = camera_poses_from(rig.cameras[sighting.camera].camera, plate, sighting);
+  if (!poses) return result;
+  for (const Pose& world_from_camera : *poses) {
+    const Pose vehicle = world_from_vehicle(following(survey, rig, world_from_camera.translation));
+    result.push_back(vehicle.rotation.transpose() * world_from_camera.rotation);
+  }
+  return result;
+}
+
+// Within which single tags and vehicles that are not quite level agree on an attitude.
+constexpr double kAlike = radians(15);
+
+std::size_t supporters(const std::vector<std::vector<Matrix3d>>& seen, const Matrix3d& attitude) {
+  return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const auto& allowed) {
+    return std::ranges::any_of(
+        allowed, [&](const Matrix3d& own) { return angle_between(own, attitude) < kAlike; });
+  }));
+}
+
+// --- the fit ---
+
+// The columns of the parameters that are not exact.
+CalibrationLayout layout_for(const std::vector<ParameterSigmas>& sigmas) {
+  CalibrationLayout layout;
+  for (const ParameterSigmas& camera : sigmas) {
+    std::array<int, kCalibrationCount> places{};
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      places[i] = camera[i] > 0 ? static_cast<int>(layout.sigmas.size()) : -1;
+      if (camera[i] > 0) layout.sigmas.push_back(camera[i]);
+    }
+    layout.places.push_back(places);
+  }
+  return layout;
+}
+
+Matrix3d turned_by(const Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+// The cameras as the adjustment has them.
+Rig fitted_rig(Rig rig, const CalibrationLayout& layout, const Eigen::VectorXd& calibration) {
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    CalibrationVector change = CalibrationVector::Zero();
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      const int place = layout.places[c][i];
+      if (place >= 0) change[static_cast<Index>(i)] = calibration[place];
+    }
+    RigCamera& camera = rig.cameras[c];
+    camera.vehicle_from_camera.translation += change.head<3>();
+    camera.vehicle_from_camera.rotation *= turned_by(change.segment<3>(3));
+    camera.camera.fx *= 1 + change[6];
+    camera.camera.fy *= 1 + change[6];
+    camera.camera.cx += change[7];
+    camera.camera.cy += change[8];
+  }
+  return rig;
+}
+
+}  // namespace
+
+Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Rig& rig) {
+  Drive drive;
+  for (const Observation& row : rows) {
+    Station station{row.id, {}, {}};
+    for (const SeenTag& seen : row.tags) {
+      const auto camera = std::ranges::find(rig.cameras, seen.camera, &RigCamera::name);
+      if (!seen.seen_corners || camera == rig.cameras.end()) continue;
+      station.sightings.push_back(sighting_of(
+          *seen.seen_corners, rig, static_cast<std::size_t>(camera - rig.cameras.begin()),
+          plate_index(drive, seen.tag, survey)));
+    }
+    if (station.sightings.empty()) continue;
+    drive.stations.push_back(std::move(station));
+    drive.rows.push_back(&row);
+  }
+  return drive;
+}
+
+bool sees_anything(const Drive& drive, std::size_t camera) {
+  return std::ranges::any_of(drive.stations, [&](const Station& station) {
+    return std::ranges::find(station.sightings, camera, &Sighting::camera) !=
+           station.sightings.end();
+  });
+}
+
+std::vector<ParameterSigmas> stated_sigmas(const Rig& rig) {
+  const CalibrationLayout layout = calibration_layout(rig);
+  std::vector<ParameterSigmas> result(rig.cameras.size());
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      const int place = layout.places[c][i];
+      if (place >= 0) result[c][i] = layout.sigmas[static_cast<std::size_t>(place)];
+    }
+  }
+  return result;
+}
+
+Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& drive,
+                         std::size_t camera) {
+  constexpr std::size_t kEnough = 100;  // tags; the comparison grows with their square
+  std::vector<std::vector<Matrix3d>> seen;
+  for (const Station& station : drive.stations) {
+    for (const Sighting& sighting : station.sightings) {
+      if (sighting.camera != camera || seen.size() == kEnough) continue;
+      seen.push_back(attitudes(survey, rig, drive.plates[sighting.plate], sighting));
+    }
+  }
+  Matrix3d best = rig.cameras[camera].vehicle_from_camera.rotation;
+  std::size_t most = supporters(seen, best);
+  for (const auto& allowed : seen) {
+    for (const Matrix3d& attitude : allowed) {
+      const std::size_t support = supporters(seen, attitude);
+      if (support <= most) continue;
+      most = support;
+      best = attitude;
+    }
+  }
+  return best;
+}
+
+std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, const Rig& start,
+                                  const std::vector<ParameterSigmas>& sigmas) {
+  constexpr int kRounds = 3;  // in a bend the vehicle's place says which way the drive goes there
+  const CalibrationLayout layout = layout_for(sigmas);
+  AdjustmentProblem problem{&start, drive.plates, drive.stations, 0, layout};
+  const std::vector<PlateFreedom> none(drive.plates.size(), PlateFreedom::none);
+  std::optional<Adjustment> adjustment;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t s = 0; s < problem.stations.size(); ++s) {
+      const SightedPlate& plate = problem.plates[problem.stations[s].sightings.front().plate];
+      const bool placed = adjustment && adjustment->vehicles[s];
+      problem.stations[s].prior =
+          prior_at(survey, start,
+                   placed ? adjustment->vehicles[s]->position : plate.world_from_plate.translation);
+    }
+    adjustment = adjust_plates(problem, none);
+    if (!adjustment) return std::nullopt;
+  }
+  DriveFit fit{fitted_rig(start, layout, adjustment->calibration), layout, std::move(*adjustment)};
+  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
+    const auto& vehicle = fit.adjustment.vehicles[s];
+    if (!vehicle) continue;
+    const VehiclePrior& prior = *problem.stations[s].prior;
+    const double askew =
+        std::remainder(vehicle->heading - prior.mean.heading, 2 * std::numbers::pi);
+    fit.heading_chi_square += std::pow(askew / prior.sigma[vehicle_parameter::kHeading], 2);
+  }
+  return fit;
+}
+
+double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,
+                     const Sighting& sighting) {
+  const auto& vehicle = fit.adjustment.vehicles[station];
+  SightedPlate plate = drive.plates[sighting.plate];
+  plate.world_from_plate = fit.adjustment.world_from_plate[sighting.plate];
+  const auto rows = vehicle ? sighting_rows(fit.rig, fit.layout, {}, vehicle_frame(*vehicle), plate,
+                                            sighting.camera)
+                            : std::nullopt;
+  if (!rows) return std::numeric_limits<double>::infinity();
+  return squared_mahalanobis(rows->predicted - sighting.pixels, sighting.covariance_with_edges());
+}
+
+namespace {
+
+// Of all sightings, station by station.
+std::vector<double> chi_squares(const DriveFit& fit, const Drive& drive) {
+  std::vector<double> all;
+  for (std::size_t s = 0; s < drive.stations.size(); ++s) {
+    for (const Sighting& sighting : drive.stations[s].sightings) {
+      all.push_back(chi_square_of(fit, drive, s, sighting));
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+double usual_excess(const DriveFit& fit, const Drive& drive) {
+  constexpr double kMedian = 7.344;  // of chi-square of eight
+  std::vector<double> all = chi_squares(fit, drive);
+  return all.empty() ? 1 : std::max(1.0, quantile(all, 0.5) / kMedian);
+}
+
+std::vector<std::size_t> leave_out_worst(const DriveFit& fit, Drive& drive, double excess) {
+  constexpr double kNearWorst = 4;
+  const std::vector<double> all = chi_squares(fit, drive);
+  double worst = 0;
+  for (const double value : all) {
+    if (std::isfinite(value)) worst = std::max(worst, value);
+  }
+  const double limit = std::max(excess * chi_square_limit(kSightingRows, 3.5), worst / kNearWorst);
+  std::vector<std::size_t> left_out(fit.rig.cameras.size());
+  auto next = all.begin();
+  for (std::size_t s = 0; s < drive.stations.size(); ++s) {
+    std::erase_if(drive.stations[s].sightings, [&](const Sighting& sighting) {
+      const bool out = !(*next++ <= limit);
+      if (out) ++left_out[sighting.camera];
+      return out;
+    });
+  }
+  for (std::size_t s = drive.stations.size(); s-- > 0;) {
+    if (!drive.stations[s].sightings.empty()) continue;
+    drive.stations.erase(drive.stations.begin() + static_cast<std::ptrdiff_t>(s));
+    drive.rows.erase(drive.rows.begin() + static_cast<std::ptrdiff_t>(s));
+  }
+  return left_out;
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// A drive past surveyed tags, fitted as a whole: vehicles, plates and chosen parameters of the
+// cameras.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/localize/observation.hpp"
+#include "decoder/localize/plate_adjustment.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+// The rows that show tags, as stations, with the plates that they show.
+struct Drive {
+  std::vector<SightedPlate> plates;
+  std::vector<Station> stations;
+  std::vector<const Observation*> rows;  // by station
+};
+
+// The rows must outlive the drive.
+Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Rig& rig);
+
+bool sees_anything(const Drive& drive, std::size_t camera);
+
+// Standard deviations of a camera's calibration parameters before the drive (sighting_model.hpp's
+// order: shift, turn, focal lengths, principal point); 0 = exactly as the rig has it.
+using ParameterSigmas = std::array<double, kCalibrationCount>;
+
+// As the rig states them.
+std::vector<ParameterSigmas> stated_sigmas(const Rig& rig);
+
+// What is assumed of a parameter of which nothing is known.
+inline constexpr double kFreePosition = 1;  // metres
+inline constexpr double kFreeAngle = 0.5;   // radians
+inline constexpr double kFreeFocal = 0.3;   // relative
+
+// A camera's attitude on the vehicle that most of its tags support, each by itself and were the
+// vehicle level and along the drive: the rig's, unless another has more.
+Eigen::Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& drive,
+                                std::size_t camera);
+
+struct DriveFit {
+  Rig rig;  // with the cameras as fitted
+  CalibrationLayout layout;
+  Adjustment adjustment;
+  // The part of the adjustment's chi-square that is of headings against the drive's.
+  double heading_chi_square = 0;
+};
+
+// Fits the vehicles, the plates within the survey's sigmas, and the cameras of `start` within these
+// sigmas (one a camera). The vehicle stands on the floor along the drive, within the rig's sigmas
+// of height, pitch and roll and its envelope's yaw. Nothing when the fit does not converge.
+std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, const Rig& start,
+                                  const std::vector<ParameterSigmas>& sigmas);
+
+// Chi-square of a sighting's corners; infinite where the fit cannot see it.
+double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,
+                     const Sighting& sighting);
+
+// By how much the corners' chi-square is more than chance: the median over all sightings, at least
+// 1. Raised by what the stated covariances leave out.
+double usual_excess(const DriveFit& fit, const Drive& drive);
+
+// Takes the worst sightings out of the drive: those whose chi-square, over this excess, is more
+// than one in some thousands would have by chance, unless others are far worse, for those spoil the
+// fit of the rest. The number that were taken out, by camera.
+std::vector<std::size_t> leave_out_worst(const DriveFit& fit, Drive& drive, double excess);
+
+}  // namespace tagsmith::detail

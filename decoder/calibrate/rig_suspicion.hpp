@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether the rows of a drive contradict the rig in one and the same way.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "decoder/localize/observation.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+enum class RigParameter { yaw, pitch, roll, focal };
+
+// A single value of the rig that would explain what the tags show.
+struct RigSuspect {
+  std::string camera;
+  RigParameter parameter = RigParameter::yaw;
+  double stated = 0;  // radians; of the focal length 1
+  double expected = 0;
+  double sigma = 0;  // of the expected value
+  std::size_t rows_explained = 0;
+};
+
+struct RigSuspicion {
+  // That explain equally many rows, the likeliest first: the rows do not tell them apart.
+  std::vector<RigSuspect> suspects;
+  std::size_t rows = 0;            // that were compared
+  std::size_t rows_as_stated = 0;  // explained by the rig as it is
+};
+
+// Compares the rig as stated with rigs in which one value of one camera is another. A row is
+// explained when all its tags fit. Nothing where the rig as stated explains more than half as many
+// rows as the best of the others, where that explains fewer than three rows or seven in ten, or
+// where it differs by less than four standard deviations from what the rig states.
+std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
+                                        const Rig& rig);
+
+// "left: alpha 40.0 +-0.1 degrees in place of 35.0 would explain 9 of 10 rows (2 as it is)"; alpha
+// of level cameras that look to a side.
+std::string describe(const RigSuspicion& suspicion, const Rig& rig);
+
+}  // namespace tagsmith::detail

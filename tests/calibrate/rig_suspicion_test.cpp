@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/calibrate/rig_suspicion.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/calibrate/seen_drive.hpp"
+
+using namespace tagsmith::detail;
+using Eigen::Vector3d;
+using tagsmith::detail::test::Draws;
+using tagsmith::detail::test::drive_past;
+using tagsmith::detail::test::exact_corridor;
+using tagsmith::detail::test::mount;
+using tagsmith::detail::test::seen_from;
+using tagsmith::detail::test::Site;
+
+namespace {
+
+// What the true rig sees on its way.
+struct Seen {
+  Site site;
+  std::vector<Observation> rows;
+};
+
+Seen corridor_seen(std::uint64_t seed) {
+  Draws draws(seed);
+  Seen seen{exact_corridor(), {}};
+  seen.rows = seen_from(seen.site, drive_past(seen.site, 12, draws), draws);
+  return seen;
+}
+
+const RigSuspect* suspect_named(const RigSuspicion& suspicion, std::string_view camera) {
+  for (const RigSuspect& suspect : suspicion.suspects) {
+    if (suspect.camera == camera) return &suspect;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("a wrong alpha is told with the right one") {
+  for (const double alpha : {40.0, 36.0, 20.0}) {
+    CAPTURE(alpha);
+    const Seen seen = corridor_seen(3);
+    Rig wrong = seen.site.rig;
+    mount(wrong, 0, 90 - alpha, 0, 0, Vector3d::Zero());
+    const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+    REQUIRE(suspicion);
+    const RigSuspect* left = suspect_named(*suspicion, "left");
+    REQUIRE(left != nullptr);
+    CHECK(left->parameter == RigParameter::yaw);
+    CHECK(std::abs(left->expected - radians(55)) < radians(0.1));
+    CHECK(left->sigma < radians(0.1));
+    CHECK(left->rows_explained == suspicion->rows);
+    CHECK(describe(*suspicion, wrong).find("left: alpha 3") != std::string::npos);
+  }
+}
+
+TEST_CASE("where one of two cameras is turned, both explain it and both are named") {
+  const Seen seen = corridor_seen(5);
+  Rig wrong = seen.site.rig;
+  mount(wrong, 0, 50, 0, 0, Vector3d::Zero());
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+  REQUIRE(suspicion);
+  CHECK(suspect_named(*suspicion, "left") != nullptr);
+  CHECK(suspect_named(*suspicion, "right") != nullptr);
+}
+
+TEST_CASE("a wrong focal length is told with the right one") {
+  const Seen seen = corridor_seen(7);
+  Rig wrong = seen.site.rig;
+  wrong.cameras[1].camera.fx *= 5.5 / 6;
+  wrong.cameras[1].camera.fy *= 5.5 / 6;
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+  REQUIRE(suspicion);
+  REQUIRE(suspicion->suspects.size() == 1);
+  CHECK(suspicion->suspects[0].camera == "right");
+  CHECK(suspicion->suspects[0].parameter == RigParameter::focal);
+  CHECK(std::abs(suspicion->suspects[0].expected - 6 / 5.5) < 0.002);
+}
+
+TEST_CASE("a camera that hangs askew about its axis is told") {
+  const Seen seen = corridor_seen(9);
+  Rig wrong = seen.site.rig;
+  mount(wrong, 0, 55, 0, 6, Vector3d::Zero());
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+  REQUIRE(suspicion);
+  const RigSuspect* left = suspect_named(*suspicion, "left");
+  REQUIRE(left != nullptr);
+  CHECK(left->parameter == RigParameter::roll);
+  CHECK(std::abs(left->expected) < radians(0.1));
+}
+
+TEST_CASE("nothing is suspected of a right rig, nor for a plate that hangs wrong") {
+  for (std::uint64_t seed = 11; seed < 16; ++seed) {
+    Seen seen = corridor_seen(seed);
+    CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, seen.site.rig));
+    seen.site.survey.tags[5].world_from_plate.translation += Vector3d(0, 0.1, 0.02);
+    for (Observation& row : seen.rows) {
+      for (SeenTag& tag : row.tags) tag.tag = *find_tag(seen.site.survey, tag.tag.name);
+    }
+    CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, seen.site.rig));
+  }
+}
+
+TEST_CASE("nothing is suspected within what the rig states of its own accuracy") {
+  Seen seen = corridor_seen(17);
+  Rig rough = seen.site.rig;
+  for (RigCamera& camera : rough.cameras) camera.calibration_sigma.angle = radians(2);
+  mount(rough, 0, 53, 0, 0, Vector3d::Zero());
+  CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, rough));
+}
