@@ -178,9 +178,7 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   }
   const MountingAngles angles = mounting_angles(camera.vehicle_from_camera);
   const bool level = std::abs(angles.pitch) < 1e-9 && std::abs(angles.roll) < 1e-9;
-  std::string name = suspect.parameter == RigParameter::yaw     ? "yaw"
-                     : suspect.parameter == RigParameter::pitch ? "pitch"
-                                                                : "roll";
+  std::string name = to_string(suspect.parameter);
   double stated = suspect.stated;
   double expected = suspect.expected;
   if (suspect.parameter == RigParameter::yaw && camera.side && level) {
@@ -189,8 +187,10 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
     stated = std::numbers::pi / 2 - side * stated;
     expected = std::numbers::pi / 2 - side * expected;
   }
-  return fmt::format("{}: {} {:.2f} +-{:.2f} degrees in place of {:.2f}", suspect.camera, name,
-                     degrees(expected), degrees(suspect.sigma), degrees(stated));
+  const int decimals = degrees(suspect.sigma) < 0.01 ? 3 : 2;
+  return fmt::format("{}: {} {:.{}f} +-{:.{}f} degrees in place of {:.2f}", suspect.camera, name,
+                     degrees(expected), decimals, degrees(suspect.sigma), decimals,
+                     degrees(stated));
 }
 
 }  // namespace
@@ -207,6 +207,7 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
   RigSuspicion suspicion;
   suspicion.rows = drive.stations.size();
   suspicion.rows_as_stated = as_stated ? as_stated->rows : 0;
+  if (2 * suspicion.rows_as_stated > suspicion.rows) return std::nullopt;
   std::vector<Candidate> found = candidates(survey, rig, drive, excess);
   if (found.empty()) return std::nullopt;
   const auto best = std::ranges::max_element(found, {}, [](const Candidate& candidate) {
@@ -228,6 +229,20 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
     if (as_likely) suspicion.suspects.push_back(candidate.suspect);
   }
   return suspicion;
+}
+
+const char* to_string(RigParameter parameter) {
+  switch (parameter) {
+    case RigParameter::yaw:
+      return "yaw";
+    case RigParameter::pitch:
+      return "pitch";
+    case RigParameter::roll:
+      return "roll";
+    case RigParameter::focal:
+      break;
+  }
+  return "focal";
 }
 
 std::string describe(const RigSuspicion& suspicion, const Rig& rig) {

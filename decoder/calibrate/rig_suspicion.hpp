@@ -16,6 +16,9 @@ namespace tagsmith::detail {
 
 enum class RigParameter { yaw, pitch, roll, focal };
 
+// "yaw", "pitch", "roll", "focal".
+const char* to_string(RigParameter parameter);
+
 // A single value of the rig that would explain what the tags show.
 struct RigSuspect {
   std::string camera;

@@ -102,6 +102,24 @@ Json summary_values(const FixSummary& summary) {
   return values;
 }
 
+Json suspicion_json(const RigSuspicion& suspicion, const Rig& rig) {
+  Json suspects = Json::array();
+  for (const RigSuspect& suspect : suspicion.suspects) {
+    const bool is_focal = suspect.parameter == RigParameter::focal;
+    const double unit = is_focal ? find_camera(rig, suspect.camera)->camera.fx : degrees(1.0);
+    suspects.push_back({{"camera", suspect.camera},
+                        {"parameter", to_string(suspect.parameter)},
+                        {"stated", unit * suspect.stated},
+                        {"expected", unit * suspect.expected},
+                        {"sigma", unit * suspect.sigma},
+                        {"rows_explained", suspect.rows_explained}});
+  }
+  return {{"text", describe(suspicion, rig)},
+          {"rows", suspicion.rows},
+          {"rows_as_stated", suspicion.rows_as_stated},
+          {"suspects", std::move(suspects)}};
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget& budget) {
@@ -142,9 +160,11 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 }
 
 std::string summary_json_line(std::span<const FixSummary> summaries,
-                              const std::vector<std::string>& assumed) {
+                              const std::vector<std::string>& assumed,
+                              const std::optional<RigSuspicion>& suspicion, const Rig& rig) {
   Json values = summary_values(summaries.front());
   values["assumed"] = assumed;
+  if (suspicion) values["rig_suspicion"] = suspicion_json(*suspicion, rig);
   if (summaries.size() > 1) values["paper"] = summary_values(summaries[1]);
   return text_of({{"summary", std::move(values)}});
 }

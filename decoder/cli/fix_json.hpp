@@ -2,6 +2,7 @@
 // Fixes as JSON lines (docs/formats.md).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/fix.hpp"
 #include "tagsmith/survey/run.hpp"
 
@@ -21,8 +23,9 @@ std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget&
 std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain);
 
 // The summary of a run by the first method, and of each other under its name; `assumed`: what
-// survey and rig leave unsaid (assumptions.hpp).
+// survey and rig leave unsaid (assumptions.hpp); `suspicion` is of this rig.
 std::string summary_json_line(std::span<const FixSummary> summaries,
-                              const std::vector<std::string>& assumed);
+                              const std::vector<std::string>& assumed,
+                              const std::optional<RigSuspicion>& suspicion, const Rig& rig);
 
 }  // namespace tagsmith::detail

@@ -16,6 +16,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/cli/fix_files.hpp"
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/cli/follow.hpp"
@@ -96,22 +97,39 @@ ReaderChoice reader_for(const LocalizeOptions& options) {
 // The fixes of all measurements by each method asked for, the one to rely on first.
 using Located = std::vector<std::vector<Fix>>;
 
-Located localize_all(const LocalizeInput& input, const LocalizeOptions& options) {
+// What was seen of each measurement comes back in `rows`.
+Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
+                     std::vector<Observation>& rows) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   const ReaderChoice reader = reader_for(options);
   std::vector<LocalizationMethod> methods;
   if (options.method != "paper") methods.emplace_back(localize_jointly);
   if (options.method != "joint") methods.emplace_back(localize_by_paper);
   Located located(methods.size(), std::vector<Fix>(measurements.size()));
+  rows.resize(measurements.size());
   ProgressBar progress("measurements", measurements.size());
   run_in_order(measurements.size(), options.jobs, [&](std::size_t i) -> Delivery {
-    const Observation seen = observe(measurements[i], input.surveys, input.rig, reader);
+    rows[i] = observe(measurements[i], input.surveys, input.rig, reader);
     for (std::size_t m = 0; m < methods.size(); ++m) {
-      located[m][i] = methods[m](seen, input.surveys, input.rig);
+      located[m][i] = methods[m](rows[i], input.surveys, input.rig);
     }
     return [&progress] { progress.advance([] {}); };
   });
   return located;
+}
+
+// Whether a value of the rig explains what the rows of the survey that is seen most contradict.
+std::optional<RigSuspicion> suspicion_of(std::vector<Observation> rows,
+                                         const LocalizeInput& input) {
+  std::vector<std::size_t> tags(input.surveys.size());
+  for (const Observation& row : rows) {
+    for (const SeenTag& tag : row.tags) ++tags[tag.survey];
+  }
+  const auto survey = static_cast<std::size_t>(std::ranges::max_element(tags) - tags.begin());
+  for (Observation& row : rows) {
+    std::erase_if(row.tags, [&](const SeenTag& tag) { return tag.survey != survey; });
+  }
+  return suspect_rig(rows, input.surveys[survey], input.rig);
 }
 
 // How single measurements are located while the vehicle drives.
@@ -131,7 +149,8 @@ std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> live_met
 
 // --- JSON ---
 
-void print_json(const Located& located, const LocalizeInput& input, bool explain) {
+void print_json(const Located& located, const LocalizeInput& input, bool explain,
+                const std::optional<RigSuspicion>& suspicion) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     for (const std::vector<Fix>& fixes : located) {
@@ -142,7 +161,8 @@ void print_json(const Located& located, const LocalizeInput& input, bool explain
   for (const std::vector<Fix>& fixes : located) {
     summaries.push_back(summarize(fixes, measurements));
   }
-  to_stdout("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig)));
+  to_stdout("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig), suspicion,
+                                      input.rig));
 }
 
 // --- table ---
@@ -368,7 +388,10 @@ int run_localize(const LocalizeOptions& options) {
       return report_failure(kName, usable.error());
     }
   }
-  Located located = localize_all(*input, options);
+  std::vector<Observation> rows;
+  Located located = localize_all(*input, options, rows);
+  const std::optional<RigSuspicion> suspicion =
+      options.method == "paper" ? std::nullopt : suspicion_of(std::move(rows), *input);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
     if (!smoothed) return report_failure(kName, smoothed.error());
@@ -387,9 +410,10 @@ int run_localize(const LocalizeOptions& options) {
     if (!written) return report_failure(kName, written.error());
   }
   if (options.json) {
-    print_json(located, *input, options.explain);
+    print_json(located, *input, options.explain, suspicion);
   } else {
     print_tables(located, *input, options.explain);
+    if (suspicion) to_stdout("the rig is in doubt: {}\n", describe(*suspicion, input->rig));
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
   return std::ranges::all_of(fixes, is_located) ? kExitOk : kExitFindings;

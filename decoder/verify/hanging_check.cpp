@@ -197,7 +197,10 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
   HungTags hung = check_hung_tags(survey, setup.rig, pick.taken(), setup.tolerance);
   add_unchecked(survey, seen, hung.tags);
   hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
-  if (hung.nothing_fits) {
+  if (!hung.rig_doubt.empty()) {
+    hung.notes.push_back("the rig is in doubt, and no tag was judged by where it hangs: " +
+                         hung.rig_doubt);
+  } else if (hung.nothing_fits) {
     hung.notes.push_back(
         "more than half of the tags seen contradict the survey: are these its photos, and is the "
         "rig's calibration right? No tag was accused");

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/attitude_scatter.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -54,6 +55,22 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
         sighting_of(seen.seen, rig, seen.camera, plate->second));
   }
   return problem;
+}
+
+// The stations as rows of a run.
+std::vector<Observation> rows_of(const Survey& survey, const Rig& rig,
+                                 std::span<const SightedTag> sighted) {
+  std::vector<Observation> rows;
+  std::map<std::string, std::size_t> places;
+  for (const SightedTag& seen : sighted) {
+    const PlacedTag* tag = find_tag(survey, seen.tag);
+    if (tag == nullptr) continue;
+    const auto [place, is_new] = places.emplace(seen.station, rows.size());
+    if (is_new) rows.emplace_back().id = seen.station;
+    rows[place->second].tags.push_back(
+        {rig.cameras[seen.camera].name, 0, *tag, seen.seen, std::nullopt});
+  }
+  return rows;
 }
 
 // Where the survey does not say how plates are turned, their pictures do.
@@ -359,12 +376,17 @@ std::string to_string(HangVerdict verdict) {
 
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance) {
+  HungTags result;
+  result.revision = survey_revision(survey);
+  if (const auto suspicion = suspect_rig(rows_of(survey, rig, sighted), survey, rig)) {
+    result.nothing_fits = true;
+    result.rig_doubt = describe(*suspicion, rig);
+    return result;
+  }
   AdjustmentProblem problem = problem_for(survey, rig, sighted);
   take_scatter(survey, problem);
   const Consensus consensus = find_consensus(problem, tolerance);
-  HungTags result;
   result.nothing_fits = consensus.nothing_fits;
-  result.revision = survey_revision(survey);
   result.assumed = assumed_calibration(rig);
   if (auto sigma = assumed_sigma(survey)) {
     result.assumed.insert(result.assumed.begin(), std::move(*sigma));

@@ -59,6 +59,7 @@ struct HungTags {
   std::vector<std::string> notes;    // on pictures that could not be used
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
+  std::string rig_doubt{};           // which value of the rig is why (rig_suspicion.hpp), or empty
   std::string revision{};            // of the survey
 };
 
@@ -69,7 +70,8 @@ inline constexpr double kLeastSurveySigma = 0.001;        // metres
 inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degrees
 
 // find_consensus of the sighted tags, in words. Sightings of tags that the survey does not have are
-// passed over.
+// passed over. Where the pictures contradict the rig in one and the same way (suspect_rig), no tag
+// is judged.
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance = kHangTolerance);
 

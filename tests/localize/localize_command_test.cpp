@@ -382,3 +382,27 @@ TEST_CASE("the help has an example") {
   CHECK(output.out.find("tagsmith localize surveys/corridor/survey.yaml --rig") !=
         std::string::npos);
 }
+
+TEST_CASE("a rig that all rows contradict in the same way is told with the value they expect") {
+  const TemporaryFolder folder;
+  std::string rig = contents("surveys/corridor/rig.yaml");
+  const std::string right = "alpha: 35, side: left";
+  rig.replace(rig.find(right), right.size(), "alpha: 40, side: left");
+  const std::string file = file_with(folder.path() / "rig.yaml", rig);
+  const std::string command =
+      "localize surveys/corridor/survey.yaml --rig '" + file + "' --run surveys/corridor/run.csv";
+  const ProgramOutput words = run_tagsmith(command);
+  CHECK(words.exit_code == 1);
+  CHECK(words.out.find("left: alpha 35.0") != std::string::npos);
+  CHECK(words.out.find("in place of 40.00") != std::string::npos);
+  const json summary = json_lines(run_tagsmith(command + " --json").out).back()["summary"];
+  CHECK(summary["rig_suspicion"]["rows"] == 10);
+  CHECK(summary["rig_suspicion"]["rows_as_stated"] == 0);
+  const json& suspects = summary["rig_suspicion"]["suspects"];
+  const auto left = std::ranges::find_if(
+      suspects, [](const json& suspect) { return suspect["camera"] == "left"; });
+  REQUIRE(left != suspects.end());
+  CHECK((*left)["parameter"] == "yaw");
+  CHECK((*left)["stated"].get<double>() == doctest::Approx(50));
+  CHECK(std::abs((*left)["expected"].get<double>() - 55) < 0.05);
+}

@@ -487,6 +487,24 @@ std::map<std::string, std::string> judged(const json& summary) {
   return words;
 }
 
+TEST_CASE("where the rig is wrong no plate is accused, and the right value is told") {
+  const TemporaryFolder folder;
+  std::string rig = read_file("surveys/corridor/rig.yaml").value();
+  const std::size_t right = rig.find("right:");
+  const std::string focal = "focal_length_mm: 6.0";
+  rig.replace(rig.find(focal, right), focal.size(), "focal_length_mm: 5.5");
+  const fs::path file = folder.path() / "rig.yaml";
+  std::ofstream(file) << rig;
+  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " --rig '" +
+                                            file.string() + "' --run surveys/corridor/run.csv");
+  CHECK(output.exit_code == 1);
+  CHECK(output.err.find("the rig is in doubt") != std::string::npos);
+  CHECK(output.err.find("right: a focal length of 1") != std::string::npos);
+  const json summary = json_lines(output.out).back()["summary"];
+  CHECK(summary["files_with_findings"] == 0);
+  for (const json& tag : summary["hanging"]) CHECK(tag["verdict"] == "unchecked");
+}
+
 TEST_CASE("jobs that know no rig are merged into where tags hang, by all their photos") {
   const TemporaryFolder folder;
   const std::string path = "'" + folder.path().string() + "/";
