@@ -178,21 +178,25 @@ double usual_misfit(const CameraCalibration& calibration) {
   return all.empty() ? 1 : std::max(1.0, quantile(all, 0.5));
 }
 
-bool is_zoomed(const CalibratedSighting& sighting, const CalibrationLimits& limits) {
-  const double change = std::abs(sighting.focal_change);
-  return sighting.focal_sigma > 0 && change > kSure * sighting.focal_sigma &&
-         change > limits.weak_focal;
+// Where many photos have other focal lengths, there is no camera to speak of.
+CalibrationTrust trust_in_zoomed(const CameraCalibration& calibration) {
+  constexpr double kMost = 1.0 / 3;
+  const auto zoomed =
+      static_cast<double>(std::ranges::count_if(calibration.sightings, has_other_focal));
+  const auto all = static_cast<double>(calibration.sightings.size());
+  return zoomed > kMost * all ? CalibrationTrust::refused : CalibrationTrust::weak;
 }
 
 void find_zoomed(const Case& c, const CalibratedSighting& sighting, Findings& findings) {
-  findings.push_back(finding(
-      CalibrationIssue::photo_zoomed,
-      sighting.used ? CalibrationTrust::weak : CalibrationTrust::good, sighting.focal_change,
-      c.limits.weak_focal,
-      fmt::format("{}: by itself it has a focal length {:+.2f} % off ({:.2f} % standard deviation)",
-                  c.views[sighting.view].file, 100 * sighting.focal_change,
-                  100 * sighting.focal_sigma),
-      "switch autofocus, zoom and image stabilisation off, and take the photos again"));
+  findings.push_back(
+      finding(CalibrationIssue::photo_zoomed,
+              sighting.used ? trust_in_zoomed(c.calibration) : CalibrationTrust::good,
+              sighting.focal_change, c.limits.weak_focal,
+              fmt::format("{}: by itself it has a focal length {:+.2f} % off ({:.2f} % standard "
+                          "deviation){}",
+                          c.views[sighting.view].file, 100 * sighting.focal_change,
+                          100 * sighting.focal_sigma, sighting.used ? "" : "; it was left out"),
+              "switch autofocus, zoom and image stabilisation off, and take the photos again"));
   findings.back().view = sighting.view;
 }
 
@@ -201,7 +205,7 @@ void find_bad_photos(const Case& c, Findings& findings) {
   constexpr double kWorse = 1.5;  // than the median photo, in standard deviations
   const double usual = usual_misfit(c.calibration);
   for (const CalibratedSighting& sighting : c.calibration.sightings) {
-    if (is_zoomed(sighting, c.limits)) {
+    if (has_other_focal(sighting)) {
       find_zoomed(c, sighting, findings);
       continue;
     }

@@ -52,7 +52,7 @@ Vector2d inward(std::size_t corner) {
 // A corner on a board of this shape, and how it moves with the shape.
 struct ShapedPoint {
   Vector3d point;
-  Eigen::Matrix<double, 3, kShapeParameters> by_shape;
+  Eigen::Matrix<double, 3, 5> by_shape;  // stretch, growth, bow
 };
 
 ShapedPoint shaped(const BoardPlane& plane, const BoardShape& shape, const Vector2d& drawn,
@@ -63,21 +63,37 @@ ShapedPoint shaped(const BoardPlane& plane, const BoardShape& shape, const Vecto
   result.by_shape << drawn.x() / 2, grown.x(), 0, 0, 0,  //
       -drawn.y() / 2, grown.y(), 0, 0, 0,                //
       0, 0, at.x() * at.x(), at.y() * at.y(), at.x() * at.y();
-  Eigen::Matrix<double, kShapeParameters, 1> values;
+  Eigen::Matrix<double, 5, 1> values;
   values << shape.stretch, shape.growth, shape.bow;
   result.point = Vector3d(drawn.x(), drawn.y(), 0) + result.by_shape * values;
   return result;
 }
 
-// How a corner moves when both sides that meet there move outward by one pixel; `right` and `down`
-// are the images of the board's directions there.
-Vector2d by_edges(const Vector2d& right, const Vector2d& down, std::size_t corner) {
+// How a corner moves when both sides that meet there move outward: by one pixel, and by one over
+// the pixels that their strokes are thick.
+struct EdgeMotion {
+  Vector2d by_edge;
+  Vector2d by_thin_stroke;
+};
+
+// Pixels a metre across the left and right sides, and across the upper and lower ones.
+Vector2d px_across(const Vector2d& right, const Vector2d& down) {
+  const double area = std::abs(right.x() * down.y() - right.y() * down.x());
+  return {area / down.norm(), area / right.norm()};
+}
+
+// `right` and `down`: the images of the board's directions at the corner, pixels a metre.
+EdgeMotion edge_motion(const Vector2d& right, const Vector2d& down, double stroke,
+                       std::size_t corner) {
+  const double area = right.x() * down.y() - right.y() * down.x();
+  const double turn = area > 0 ? 1.0 : -1.0;
+  Eigen::Matrix2d normals;  // of the left or right side, and of the upper or lower one
+  normals << turn * down.y() / down.norm(), -turn * down.x() / down.norm(),
+      -turn * right.y() / right.norm(), turn * right.x() / right.norm();
   const Vector2d out = -inward(corner);
-  Eigen::Matrix2d normals;
-  const double turn = right.x() * down.y() - right.y() * down.x() > 0 ? 1.0 : -1.0;
-  normals.row(0) << turn * down.y() / down.norm(), -turn * down.x() / down.norm();
-  normals.row(1) << -turn * right.y() / right.norm(), turn * right.x() / right.norm();
-  return normals.inverse() * out;
+  const Vector2d per_stroke = (stroke * px_across(right, down)).cwiseInverse();
+  const Eigen::Matrix2d by_sides = normals.inverse();
+  return {by_sides * out, by_sides * out.cwiseProduct(per_stroke)};
 }
 
 // Predicted less seen, and its derivatives by the sighting's own parameters, the camera's and the
@@ -102,13 +118,14 @@ std::optional<TagRows> tag_rows(const Camera& camera, const BoardPlane& plane,
     if (!seen) return std::nullopt;
     const auto row = static_cast<Index>(2 * i);
     const Eigen::Matrix<double, 2, 3> by_board = seen->by_point * pose.rotation;
-    const Vector2d edges = by_edges(by_board.col(0), by_board.col(1), i);
-    rows.residual.segment<2>(row) =
-        seen->pixel + sighting.edge_px * edges - tag.pixels.segment<2>(row);
+    const EdgeMotion edges = edge_motion(by_board.col(0), by_board.col(1), plane.stroke, i);
+    rows.residual.segment<2>(row) = seen->pixel + sighting.edge_px * edges.by_edge +
+                                    shape.thin_stroke * edges.by_thin_stroke -
+                                    tag.pixels.segment<2>(row);
     if (!derivatives) continue;
-    rows.own.middleRows<2>(row) << seen->by_point, -seen->by_point * across(turned), edges;
+    rows.own.middleRows<2>(row) << seen->by_point, -seen->by_point * across(turned), edges.by_edge;
     rows.by_camera.middleRows<2>(row) = by_parameters(camera, point);
-    rows.by_shape.middleRows<2>(row) = by_board * corner.by_shape;
+    rows.by_shape.middleRows<2>(row) << by_board * corner.by_shape, edges.by_thin_stroke;
   }
   return rows;
 }
@@ -291,7 +308,7 @@ class Adjuster {
                                                          std::size_t board) const {
     const BoardShape& shape = state.shapes[board];
     Eigen::Matrix<double, kShapeParameters, 1> values;
-    values << shape.stretch, shape.growth, shape.bow;
+    values << shape.stretch, shape.growth, shape.bow, shape.thin_stroke;
     return values.cwiseQuotient(shape_sigmas(problem_.planes[board]));
   }
 
@@ -329,11 +346,12 @@ class Adjuster {
       const auto rows = whitened(state, index, tag);
       if (!rows) continue;
       SharedRows shared(8, count);
-      shared.leftCols(basis_.cols()) = rows->by_camera * basis_;
+      shared.leftCols(basis_.cols()) = rows->by_camera.lazyProduct(basis_);
       if (options_.shapes_free) shared.rightCols<kShapeParameters>() = rows->by_shape;
-      normal.own += rows->own.transpose() * rows->own;
-      normal.cross += rows->own.transpose() * shared;
-      normal.shared += shared.transpose() * shared;
+      // Eigen's blocked products cost more than they save at these sizes.
+      normal.own += rows->own.transpose().lazyProduct(rows->own);
+      normal.cross += rows->own.transpose().lazyProduct(shared);
+      normal.shared += shared.transpose().lazyProduct(shared);
       normal.own_gradient += rows->own.transpose() * rows->residual;
       normal.shared_gradient += shared.transpose() * rows->residual;
     }
@@ -347,7 +365,8 @@ class Adjuster {
           step.segment<kShapeParameters>(basis_.cols() + kShapeParameters * static_cast<Index>(b));
       next.shapes[b].stretch += own[0];
       next.shapes[b].growth += own[1];
-      next.shapes[b].bow += own.tail<3>();
+      next.shapes[b].bow += own.segment<3>(2);
+      next.shapes[b].thin_stroke += own[5];
     }
   }
 
@@ -435,7 +454,7 @@ CalibrationProblem calibration_problem(std::span<const BoardView> views,
   CalibrationProblem problem;
   for (const Board& board : boards) {
     const Vector2d half(board.scale[0] * board.width / 2, board.scale[1] * board.height / 2);
-    problem.planes.push_back({half, half, board.scale_sigma});
+    problem.planes.push_back({half, half, board.scale_sigma, board.tag.frame_stroke});
   }
   for (std::size_t v = 0; v < views.size(); ++v) {
     problem.width = views[v].width;
@@ -458,9 +477,11 @@ Eigen::Matrix<double, kShapeParameters, 1> shape_sigmas(const BoardPlane& plane)
   constexpr double kGrowth = 1e-4;
   constexpr double kBow = 0.005;
   constexpr double kLeastStretch = 1e-6;  // of a board that is exact: small, and can be inverted
+  constexpr double kThinStroke = 1;
   const double bow = kBow * 2 * plane.half_size.maxCoeff();
   Eigen::Matrix<double, kShapeParameters, 1> sigmas;
-  sigmas << std::max(std::sqrt(2.0) * plane.scale_sigma, kLeastStretch), kGrowth, bow, bow, bow;
+  sigmas << std::max(std::sqrt(2.0) * plane.scale_sigma, kLeastStretch), kGrowth, bow, bow, bow,
+      kThinStroke;
   return sigmas;
 }
 
@@ -474,6 +495,27 @@ std::optional<CornerPixels> residual_of(const CalibrationProblem& problem,
   return CornerPixels(-rows->residual);
 }
 
+double mean_edge(const CalibrationProblem& problem, const CalibrationState& state,
+                 std::size_t sighting) {
+  const std::size_t board = problem.sightings[sighting].board;
+  const BoardPlane& plane = problem.planes[board];
+  const BoardShape& shape = state.shapes[board];
+  const Pose& pose = state.sightings[sighting].camera_from_middle;
+  double sum = 0;
+  double count = 0;
+  for (const TagObservation& tag : problem.sightings[sighting].tags) {
+    const Vector3d corner(tag.on_board[0].x(), tag.on_board[0].y(), 0);
+    const auto seen = project_with_derivative(state.camera, pose * corner);
+    if (!seen || !tag.used) continue;
+    const Eigen::Matrix<double, 2, 3> by_board = seen->by_point * pose.rotation;
+    const Vector2d per_meter = px_across(by_board.col(0), by_board.col(1));
+    const Vector2d strokes = plane.stroke * per_meter;
+    sum += (shape.thin_stroke * strokes.cwiseInverse() - shape.growth * per_meter).mean();
+    count += 1;
+  }
+  return state.sightings[sighting].edge_px + (count > 0 ? sum / count : 0);
+}
+
 double tag_chi_square(const CalibrationProblem& problem, const CalibrationState& state,
                       std::size_t sighting, const TagObservation& tag) {
   const auto residual = residual_of(problem, state, sighting, tag);
@@ -482,7 +524,7 @@ double tag_chi_square(const CalibrationProblem& problem, const CalibrationState&
 
 CalibrationFit adjust_calibration(const CalibrationProblem& problem, const CalibrationState& start,
                                   const AdjustmentOptions& options) {
-  constexpr double kConverged = 1e-9;  // relative to the cost: far below what noise makes of it
+  constexpr double kConverged = 1e-7;  // of the cost: hundredths of a standard deviation
   constexpr double kMostDamping = 1e8;
   Adjuster adjuster(problem, options, start);
   CalibrationFit fit{start, adjuster.cost(start)};

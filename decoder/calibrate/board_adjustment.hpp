@@ -42,6 +42,7 @@ struct BoardPlane {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();     // in the board frame, metres
   Eigen::Vector2d half_size = Eigen::Vector2d::Ones();  // metres
   double scale_sigma = 0;
+  double stroke = 0;  // of its feature frames, metres
 };
 
 struct CalibrationProblem {
@@ -56,24 +57,29 @@ struct CalibrationProblem {
 CalibrationProblem calibration_problem(std::span<const BoardView> views,
                                        std::span<const Board> boards);
 
-// How a board differs from its drawing.
+// How a board differs from its drawing, and its frames' pictures from them.
 struct BoardShape {
   double stretch = 0;  // its width over its height, relative to the drawing's
   double growth = 0;   // of the ink outward of the frames' strokes, metres
   // Out of its plane, away from who faces it: z = bow[0] x^2 + bow[1] y^2 + bow[2] x y metres, x
   // and y from the middle in half sizes of the board.
   Eigen::Vector3d bow = Eigen::Vector3d::Zero();
+  // Sharpening moves the sides of a thin stroke otherwise than those of a thick one: a side whose
+  // stroke is w pixels thick lies thin_stroke / w pixels further outward; pixels^2.
+  double thin_stroke = 0;
 };
 
-inline constexpr Eigen::Index kShapeParameters = 5;  // stretch, growth, bow
+inline constexpr Eigen::Index kShapeParameters = 6;  // stretch, growth, bow, thin_stroke
 
 // What is usual of these: the standard deviations that they are fitted with. The stretch follows
 // from the board's scale_sigma. Ink grows by some hundredths of a millimetre, 0.1 on poor paper;
-// the bow of half a percent of a side is that of a sheet that is taped to a wall.
+// the bow of half a percent of a side is that of a sheet that is taped to a wall; strong sharpening
+// moves the sides of a stroke of 2.5 pixels by 0.15 pixels less than those of thick ones.
 Eigen::Matrix<double, kShapeParameters, 1> shape_sigmas(const BoardPlane& plane);
 
 // Of one sighting: six of the pose (shift, then turn, both in camera axes, the turn about the
-// board's middle), and how far sharpening and the tone curve move the frames' sides outward.
+// board's middle), and how far sharpening and the tone curve move the sides of thick strokes
+// outward.
 inline constexpr Eigen::Index kSightingParameters = 7;
 using SightingMatrix = Eigen::Matrix<double, kSightingParameters, kSightingParameters>;
 
@@ -82,9 +88,9 @@ struct SightingState {
   double edge_px = 0;
 };
 
-// Standard deviation of edge_px before anything is measured: five times what the strongest
-// processing of phones does (docs/decisions/0020-unstated-is-not-exact.md).
-inline constexpr double kEdgeSigma = 0.5;
+// Standard deviation of edge_px before anything is measured: it is that of an endlessly thick
+// stroke, up to 0.7 pixels where strokes as they are move by 0.13.
+inline constexpr double kEdgeSigma = 1;
 
 struct CalibrationState {
   Camera camera;
@@ -118,6 +124,11 @@ CalibrationFit adjust_calibration(const CalibrationProblem& problem, const Calib
 std::optional<CornerPixels> residual_of(const CalibrationProblem& problem,
                                         const CalibrationState& state, std::size_t sighting,
                                         const TagObservation& tag);
+
+// How far the sides of the sighting's frames lie outward of where they were drawn, in the mean:
+// sharpening, tone curve and growth of the ink together, pixels.
+double mean_edge(const CalibrationProblem& problem, const CalibrationState& state,
+                 std::size_t sighting);
 
 // Squared, whitened; of a tag that cannot be seen 1e10.
 double tag_chi_square(const CalibrationProblem& problem, const CalibrationState& state,

@@ -185,8 +185,8 @@ CalibrationState restricted(CalibrationState state, const LensForm& lens) {
   return state;
 }
 
-// Every form of the lens, with one focal length and with two. The richest starts from the one
-// before it, the others from the rich fit.
+// Every form of the lens with one focal length, and with two where it is not far from the best. The
+// richest starts from the one before it, the others from the rich fit.
 std::vector<FormFit> fit_forms(const CalibrationProblem& problem, const CalibrationState& rich) {
   const auto lenses = lens_forms(rich.camera.lens);
   std::vector<FormFit> fits;
@@ -195,8 +195,13 @@ std::vector<FormFit> fit_forms(const CalibrationProblem& problem, const Calibrat
     const CalibrationState start = has_all ? fits.back().state : restricted(rich, lens);
     fits.push_back(fit_form(problem, start, {lens, true}));
   }
+  constexpr double kHopeless =
+      10;  // times the least chi-square: square pixels are never so far off
   const std::size_t square = fits.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (const FormFit& fit : fits) least = std::min(least, fit.tried.chi_square);
   for (std::size_t i = 0; i < square; ++i) {
+    if (fits[i].tried.chi_square > kHopeless * least) continue;
     fits.push_back(fit_form(problem, fits[i].state, {lenses[i], false}));
   }
   return fits;
@@ -217,9 +222,14 @@ std::size_t weigh(std::vector<FormFit>& fits) {
   }
   const auto best =
       std::ranges::min_element(fits, {}, [](const FormFit& fit) { return fit.tried.bic; });
+  const auto akaike = [&](const FormFit& fit) {
+    return fit.tried.chi_square / (least_factor * least_factor) +
+           2 * static_cast<double>(fit.tried.form.parameters());
+  };
+  const double least = akaike(*std::ranges::min_element(fits, {}, akaike));
   double sum = 0;
   for (FormFit& fit : fits) {
-    fit.tried.weight = std::exp((best->tried.bic - fit.tried.bic) / 2);
+    fit.tried.weight = std::exp((least - akaike(fit)) / 2);
     sum += fit.tried.weight;
   }
   for (FormFit& fit : fits) fit.tried.weight /= sum;
@@ -251,8 +261,7 @@ void add_sightings(CameraCalibration& result, const CalibrationProblem& problem,
     one.used = sighting.used;
     one.camera_from_board = camera_from_board(problem.planes[sighting.board], fitted);
     one.covariance = raised * precision.sightings[i].topLeftCorner<6, 6>();
-    one.edge_px = fitted.edge_px;
-    one.edge_sigma = std::sqrt(raised * precision.sightings[i](6, 6));
+    one.edge_px = mean_edge(problem, state, i);
     one.tags_used = count_used(sighting);
     one.tilt = tilt_of(fitted.camera_from_middle);
     one.focal_change = precision.focal_change[i];
@@ -279,20 +288,19 @@ void add_boards(CameraCalibration& result, const CalibrationState& state,
         precision.shared.diagonal()
             .segment<kShapeParameters>(first + kShapeParameters * static_cast<Index>(b))
             .cwiseSqrt();
-    result.boards.push_back({state.shapes[b], {sigma[0], sigma[1], sigma.tail<3>()}});
+    result.boards.push_back({state.shapes[b], {sigma[0], sigma[1], sigma.segment<3>(2), sigma[5]}});
   }
 }
 
 double mean_edge(const CameraCalibration& calibration) {
   double sum = 0;
-  double weights = 0;
+  double tags = 0;
   for (const CalibratedSighting& sighting : calibration.sightings) {
-    if (!sighting.used || !(sighting.edge_sigma > 0)) continue;
-    const double weight = 1 / (sighting.edge_sigma * sighting.edge_sigma);
-    sum += weight * sighting.edge_px;
-    weights += weight;
+    if (!sighting.used) continue;
+    sum += static_cast<double>(sighting.tags_used) * sighting.edge_px;
+    tags += static_cast<double>(sighting.tags_used);
   }
-  return weights > 0 ? sum / weights : 0;
+  return tags > 0 ? sum / tags : 0;
 }
 
 // Photos that contradict the others are placed by themselves, for what is said of them.
@@ -339,6 +347,22 @@ Result<CameraCalibration> result_of(const CalibrationProblem& problem, std::vect
   return result;
 }
 
+// Leaves out the photos of another focal length, where they are few enough for the others to be
+// believed. True when there are any.
+bool leave_out_zoomed(CalibrationProblem& problem, const CameraCalibration& calibration) {
+  constexpr double kMost = 1.0 / 3;
+  std::vector<std::size_t> zoomed;
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
+    if (!problem.sightings[i].used) continue;
+    ++used;
+    if (has_other_focal(calibration.sightings[i])) zoomed.push_back(i);
+  }
+  if (static_cast<double>(zoomed.size()) > kMost * static_cast<double>(used)) return false;
+  for (const std::size_t i : zoomed) problem.sightings[i].used = false;
+  return !zoomed.empty();
+}
+
 Result<void> check_views(std::span<const BoardView> views) {
   constexpr std::size_t kLeastTags = 4;  // 32 numbers: a pose and a camera of one photo
   std::size_t tags = 0;
@@ -366,17 +390,30 @@ Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
   if (auto checked = check_views(views); !checked) return tl::unexpected(checked.error());
   constexpr double kComparable = 1.5;  // of mean residuals: the form that wins is never so far off
   const CalibrationProblem problem = calibration_problem(views, boards);
-  const RobustFit perspective = robust_fit(problem, LensModel::perspective);
-  const RobustFit fisheye = robust_fit(problem, LensModel::fisheye);
+  RobustFit perspective = robust_fit(problem, LensModel::perspective);
+  RobustFit fisheye = robust_fit(problem, LensModel::fisheye);
   const bool is_fisheye = fisheye.cost < perspective.cost;
-  const RobustFit& better = is_fisheye ? fisheye : perspective;
+  RobustFit& better = is_fisheye ? fisheye : perspective;
   const RobustFit& other = is_fisheye ? perspective : fisheye;
-  std::vector<FormFit> fits = fit_forms(better.problem, better.state);
   // Of a lens that bends little either model is right: both are compared form by form.
-  if (other.cost < kComparable * better.cost) {
-    std::ranges::move(fit_forms(better.problem, other.state), std::back_inserter(fits));
-  }
-  return result_of(better.problem, std::move(fits));
+  const bool compare = other.cost < kComparable * better.cost;
+  const auto fit_all = [&] {
+    std::vector<FormFit> fits = fit_forms(better.problem, better.state);
+    if (compare) {
+      std::ranges::move(fit_forms(better.problem, other.state), std::back_inserter(fits));
+    }
+    return result_of(better.problem, std::move(fits));
+  };
+  Result<CameraCalibration> result = fit_all();
+  if (result && leave_out_zoomed(better.problem, *result)) result = fit_all();
+  return result;
+}
+
+bool has_other_focal(const CalibratedSighting& sighting) {
+  constexpr double kSure = 4;       // standard deviations: none of chance among some hundred photos
+  constexpr double kLeast = 0.001;  // relative; less is within what a calibration is trusted to
+  const double change = std::abs(sighting.focal_change);
+  return sighting.focal_sigma > 0 && change > kSure * sighting.focal_sigma && change > kLeast;
 }
 
 BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view) {

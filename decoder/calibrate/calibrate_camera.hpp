@@ -27,7 +27,10 @@ struct TriedForm {
   // Bayesian information criterion (Schwarz 1978): chi-square over the sigma factor's square, plus
   // ln(residuals) a parameter; the least is chosen.
   double bic = 0;
-  double weight = 0;  // share of belief: exp(-bic / 2), normalised (Raftery 1995)
+  // Share in what rays are said to be uncertain by: exp(-aic / 2), normalised (Burnham and Anderson
+  // 2002, "Model Selection and Multimodel Inference", 2.9), where a parameter costs 2. A form that
+  // the corners seen do not need has its say where none was seen.
+  double weight = 0;
 };
 
 // A board in a photo, as fitted.
@@ -39,9 +42,9 @@ struct CalibratedSighting {
   // Of its shift and its turn about the board's middle, both in camera axes. Without the error of
   // the board's scale, which changes the distances of all sightings of the board in proportion.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  // How far sharpening and the tone curve moved the frames' sides outward, pixels.
+  // How far the frames' sides lie outward of where they were drawn, in the mean: sharpening, tone
+  // curve and growth of the ink together, pixels.
   double edge_px = 0;
-  double edge_sigma = 0;
   std::size_t tags_used = 0;
   double chi_square = 0;  // of the tags used, by the covariances that the reader stated
   double tilt = 0;        // radians between the board's normal and the line of sight to its middle
@@ -73,11 +76,13 @@ struct CameraCalibration {
   CameraForm form;
   // Of fx, fy, cx, cy and the eight coefficients; zero in rows of those that are held at zero.
   CameraCovariance covariance = CameraCovariance::Zero();
-  std::vector<TriedForm> tried;  // with `form` among them
+  // With `form` among them. Forms whose chi-square is ten times the least are not tried with two
+  // focal lengths, and of a lens model that is clearly wrong none is.
+  std::vector<TriedForm> tried;
   std::vector<CalibratedSighting> sightings;
   std::vector<TagResidual> residuals;
   std::vector<CalibratedBoard> boards;  // in the order given
-  double edge_px = 0;                   // mean over the sightings
+  double edge_px = 0;                   // mean over the tags used
   double chi_square = 0;                // of all that was used, by the covariances stated
   int degrees_of_freedom = 0;
   // Root of chi-square over the degrees of freedom, at least 1. All covariances here are multiplied
@@ -89,13 +94,17 @@ struct CameraCalibration {
 // wide angle and fisheyes up to 180 degrees are tried, and the simplest lens model that explains
 // the corners is chosen (TriedForm::bic).
 //
-// Tags that fit worse than one in a hundred sets of photos would show by chance, and photos three
-// times as bad as the median photo, are left out and stay in the result as not used.
+// Tags that fit worse than one in a hundred sets of photos would show by chance, photos three times
+// as bad as the median photo, and photos of another focal length (unless these are more than a
+// third) are left out and stay in the result as not used.
 //
 // Says nothing about whether the photos suffice: assess.hpp does. Fails, naming the file, where
 // views are of different sizes, and where fewer than four tags were seen in all.
 Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
                                            std::span<const Board> boards);
+
+// Whether the sighting by itself has another focal length than the calibration, for sure.
+bool has_other_focal(const CalibratedSighting& sighting);
 
 // The guess with which a photo is read again: the camera, and where it has the photo's boards.
 BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view);

@@ -16,11 +16,10 @@ namespace tagsmith::detail {
 // ray of the camera frame is seen: how far the ray through `pixel` may be off, in pixels. Poses are
 // marginal.
 //
-// Every form that was tried counts by its share of belief, with its own covariance and with what it
-// says differently (Hoeting et al. 1999, "Bayesian model averaging: a tutorial", (3)): where no
-// corner was seen, the richer forms are uncertain though the chosen one is not. Nothing where the
-// chosen camera has no ray, or a form that is believed in by more than one in a thousand cannot see
-// it.
+// Every form that was tried counts by its weight, with its own covariance and with what it says
+// differently (Hoeting et al. 1999, "Bayesian model averaging: a tutorial", (3)): where no corner
+// was seen, the richer forms are uncertain though the chosen one is not. Nothing where the chosen
+// camera has no ray, or a form whose weight is more than one in a thousand cannot see it.
 std::optional<double> ray_sigma_px(const CameraCalibration& calibration,
                                    const Eigen::Vector2d& pixel);
 

@@ -53,6 +53,20 @@ double worst_ray(const Camera& truth, const CameraCalibration& calibration, doub
   return worst;
 }
 
+const Camera kWide{1280, 960, 800, 800, 633.5, 488, {-0.35, 0.12}};
+
+std::size_t count_unused(const CameraCalibration& calibration) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      calibration.residuals, [](const TagResidual& tag) { return !tag.used; }));
+}
+
+void check_sound(const CameraCalibration& calibration, const Camera& truth) {
+  double sigmas = 0;
+  const double worst = worst_ray(truth, calibration, sigmas);
+  CHECK(worst < 0.4);
+  CHECK(sigmas < 4);
+}
+
 }  // namespace
 
 TEST_CASE("a camera is found without any guess, to within what it says of itself") {
@@ -72,4 +86,137 @@ TEST_CASE("a camera is found without any guess, to within what it says of itself
     CHECK(std::abs(calibration->camera.fx - one.camera.fx) <
           3 * std::sqrt(calibration->covariance(0, 0)));
   }
+}
+
+TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
+  const Board board = test::plate_board();
+  Draws draws(3);
+  auto views = test::seen_boards(kWide, board, 15, draws);
+  std::size_t bad = 0;
+  for (BoardView& view : views) {
+    for (std::size_t i = bad % 7; i < view.tags.size(); i += 11) {
+      // By a pixel up to across the picture.
+      const double off = std::pow(10.0, draws.uniform(0, 2.5));
+      for (Eigen::Index c = 0; c < 4; ++c) view.tags[i].pixels[2 * c + 1] += off;
+      ++bad;
+    }
+    std::swap(view.tags[1].pixels, view.tags[2].pixels);
+    bad += 2;
+  }
+  const auto calibration = calibrate_camera(views, {&board, 1});
+  REQUIRE(calibration.has_value());
+  check_sound(*calibration, kWide);
+  CHECK(count_unused(*calibration) >= bad - 15);  // swaps may have swapped what was moved
+  CHECK(count_unused(*calibration) <= bad + 3);
+}
+
+TEST_CASE("edges that sharpening moves are told from distances") {
+  const Board board = test::plate_board();
+  Draws draws(4);
+  const auto views = test::seen_boards(kWide, board, 15, draws, {1, 0.12});
+  const auto calibration = calibrate_camera(views, {&board, 1});
+  REQUIRE(calibration.has_value());
+  check_sound(*calibration, kWide);
+  CHECK(calibration->edge_px == doctest::Approx(0.12).epsilon(0.05));
+}
+
+TEST_CASE("residuals larger than stated raise the covariance, smaller ones lower nothing") {
+  const Board board = test::plate_board();
+  const auto calibrated = [&](double noise) {
+    Draws draws(5);
+    const auto views = test::seen_boards(kWide, board, 15, draws, {noise});
+    return calibrate_camera(views, {&board, 1}).value();
+  };
+  const CameraCalibration usual = calibrated(1);
+  const CameraCalibration noisy = calibrated(3);
+  const CameraCalibration quiet = calibrated(0.3);
+  CHECK(usual.sigma_factor == doctest::Approx(1).epsilon(0.05));
+  CHECK(noisy.sigma_factor == doctest::Approx(3).epsilon(0.05));
+  CHECK(quiet.sigma_factor == 1);
+  CHECK(noisy.covariance(0, 0) == doctest::Approx(9 * quiet.covariance(0, 0)).epsilon(0.15));
+}
+
+TEST_CASE("a board that is bent or stretched is found so, and the camera is right") {
+  const Board board = test::plate_board(0.002);
+  Draws draws(6);
+  const double bow = 0.002, stretch = 0.004;
+  const auto warp = [&](const Vector2d& drawn) {
+    const Vector2d at(drawn.x() / 0.3 - 1, drawn.y() / 0.2 - 1);
+    return Eigen::Vector3d(drawn.x() + stretch / 2 * (drawn.x() - 0.3),
+                           drawn.y() - stretch / 2 * (drawn.y() - 0.2), bow * at.x() * at.x());
+  };
+  const auto views = test::seen_boards(kWide, board, 20, draws, {1, 0, warp});
+  const auto calibration = calibrate_camera(views, {&board, 1});
+  REQUIRE(calibration.has_value());
+  const CalibratedBoard& found = calibration->boards[0];
+  CHECK(std::abs(found.shape.bow[0] - bow) < 4 * found.sigma.bow[0]);
+  CHECK(found.sigma.bow[0] < 2e-5);
+  CHECK(std::abs(found.shape.stretch - stretch) < 4 * found.sigma.stretch);
+  check_sound(*calibration, kWide);
+}
+
+TEST_CASE("poses are where the boards stood, to within their covariance") {
+  const Board board = test::plate_board();
+  Draws draws(8);
+  std::vector<BoardView> views;
+  std::vector<Pose> truth;
+  for (std::size_t i = 0; i < 15; ++i) {
+    const Pose pose = test::camera_from_board(kWide, board, test::varied_stance(kWide, i, draws));
+    BoardView view = test::seen_board(kWide, board, pose, draws);
+    if (view.tags.size() < 4) continue;
+    views.push_back(std::move(view));
+    truth.push_back(pose);
+  }
+  const auto calibration = calibrate_camera(views, {&board, 1});
+  REQUIRE(calibration.has_value());
+  REQUIRE(calibration->sightings.size() == truth.size());
+  const Eigen::Vector3d middle(board.width / 2, board.height / 2, 0);
+  double nees = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const CalibratedSighting& sighting = calibration->sightings[i];
+    const Eigen::AngleAxisd turn(sighting.camera_from_board.rotation *
+                                 truth[i].rotation.transpose());
+    Eigen::Matrix<double, 6, 1> off;
+    off << sighting.camera_from_board * middle - truth[i] * middle, turn.angle() * turn.axis();
+    nees += off.dot(sighting.covariance.ldlt().solve(off)) / 6;
+  }
+  nees /= static_cast<double>(truth.size());
+  CHECK(nees > 0.5);  // poses share the camera's error: far fewer degrees than 90
+  CHECK(nees < 1.8);
+}
+
+TEST_CASE("two boards in the same photos are placed each by itself") {
+  const Board boards[] = {test::plate_board(0, 1), test::plate_board(0, 2)};
+  Draws draws(9);
+  auto views = test::seen_boards(kWide, boards[0], 12, draws);
+  const auto others = test::seen_boards(kWide, boards[1], 12, draws);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (SeenBoardTag tag : others[i].tags) {
+      tag.board = 1;
+      views[i].tags.push_back(tag);
+    }
+  }
+  const auto calibration = calibrate_camera(views, boards);
+  REQUIRE(calibration.has_value());
+  CHECK(calibration->sightings.size() == 24);
+  CHECK(calibration->boards.size() == 2);
+  check_sound(*calibration, kWide);
+}
+
+TEST_CASE("what cannot be calibrated is refused with what to do") {
+  const Board board = test::plate_board();
+  const auto message = [&](const std::vector<BoardView>& views) {
+    const auto calibration = calibrate_camera(views, {&board, 1});
+    REQUIRE_FALSE(calibration.has_value());
+    return calibration.error().message;
+  };
+  CHECK(message({}).find("0 of the boards' tags") != std::string::npos);
+  Draws draws(10);
+  auto views = test::seen_boards(kWide, board, 4, draws);
+  views[2].width = 640;
+  CHECK(message(views).find("photo2: is 640 x 960") != std::string::npos);
+  const Board twice[] = {board, board};
+  const auto same = check_boards(twice);
+  REQUIRE_FALSE(same.has_value());
+  CHECK(same.error().message.find("serial") != std::string::npos);
 }
