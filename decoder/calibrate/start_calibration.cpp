@@ -99,13 +99,22 @@ AdjustmentOptions rough_options(LensModel lens, int iterations) {
   return options;
 }
 
-// The sightings with the most tags: enough to choose a start by.
+// The sightings with the most tags, and some tags of each from all over it: enough to choose a
+// start by.
 CalibrationProblem richest(const CalibrationProblem& problem) {
-  constexpr std::size_t kEnough = 12;
+  constexpr std::size_t kSightings = 10;
+  constexpr std::size_t kTags = 10;
   CalibrationProblem some = problem;
   std::ranges::stable_sort(some.sightings, std::ranges::greater{},
                            [](const BoardSighting& sighting) { return sighting.tags.size(); });
-  if (some.sightings.size() > kEnough) some.sightings.resize(kEnough);
+  if (some.sightings.size() > kSightings) some.sightings.resize(kSightings);
+  for (BoardSighting& sighting : some.sightings) {
+    const std::size_t all = sighting.tags.size();
+    if (all <= kTags) continue;
+    std::vector<TagObservation> kept;
+    for (std::size_t i = 0; i < kTags; ++i) kept.push_back(sighting.tags[i * all / kTags]);
+    sighting.tags = std::move(kept);
+  }
   return some;
 }
 
