@@ -15,8 +15,8 @@ namespace tagsmith::detail::bench {
 namespace {
 
 constexpr int kColumns = 12;  // squares
-constexpr int kRows = 8;
-constexpr int kBits = 8;  // cells of a square: a marker of 6 with one of white at each side
+constexpr int kRows = 7;      // odd: with even ones OpenCV 4.6 draws markers into black squares
+constexpr int kBits = 8;      // cells of a square: a marker of 6 with one of white at each side
 
 // As large as leaves a white border of half a square.
 double square_of(double width, double height) {
