@@ -34,7 +34,7 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 18> kThirdParty{{
+constexpr std::array<ThirdParty, 19> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
@@ -49,7 +49,8 @@ constexpr std::array<ThirdParty, 18> kThirdParty{{
     {"Ceres", "ceres/.*", "decoder/localize", true},
     {"oneTBB", "(oneapi/)?tbb/.*",
      "(tagsmith|decoder)/cli|tagsmith/placement|decoder/(reader|localize)", true},
-    {"nlohmann-json", "nlohmann/.*",
+    {"nlohmann-json's declarations", "nlohmann/json_fwd\\.hpp", "tagsmith/cli", false},
+    {"nlohmann-json", "nlohmann/json\\.hpp",
      "(tagsmith|decoder)/cli|tagsmith/(placement|render)|decoder/verify", true},
     {"tl::expected", "tl/expected.hpp", ".*", false},
     {"fmt", "fmt/.*", "(tagsmith|decoder)/(?!symbology|scan).*|main.cpp", true},
