@@ -88,7 +88,151 @@ Result<std::vector<Replacement>> replacements(std::string_view text, const YamlN
   return std::vector<Replacement>{{*offset, 0, edit.key + ": " + edit.value + gap}};
 }
 
+// --- removal ---
+
+// The map that the path leads to; null when it is missing.
+const YamlNode* map_at(const YamlNode& root, const std::vector<std::string>& path) {
+  const YamlNode* map = &root;
+  for (const std::string& step : path) {
+    if (map != nullptr) map = value_at(*map, step);
+  }
+  return map != nullptr && map->kind == YamlNode::Kind::map ? map : nullptr;
+}
+
+bool are_equal(const YamlNode& a, const YamlNode& b) {
+  return a.kind == b.kind && a.text == b.text && a.quoted == b.quoted &&
+         std::ranges::equal(a.keys, b.keys, {}, &YamlKey::text, &YamlKey::text) &&
+         std::ranges::equal(a.items, b.items, are_equal);
+}
+
+// The tree without the key of the map that the path leads to, from its step `depth` on.
+void remove_from_tree(YamlNode& map, const std::vector<std::string>& path, std::size_t depth,
+                      const std::string& key) {
+  const std::string& wanted = depth < path.size() ? path[depth] : key;
+  const auto place = std::ranges::find(map.keys, wanted, &YamlKey::text) - map.keys.begin();
+  if (depth < path.size()) {
+    remove_from_tree(map.items[static_cast<std::size_t>(place)], path, depth + 1, key);
+    return;
+  }
+  map.keys.erase(map.keys.begin() + place);
+  map.items.erase(map.items.begin() + place);
+}
+
+int last_line(const YamlNode& node) {
+  int line = node.place.line;
+  for (const YamlNode& item : node.items) line = std::max(line, last_line(item));
+  return line;
+}
+
+std::size_t next_line(std::string_view text, std::size_t at) {
+  return std::min(text.find('\n', at), text.size() - 1) + 1;
+}
+
+// Where the lines of a block map's entry end: those of its value, and whatever is indented more.
+std::size_t end_of_block_entry(std::string_view text, std::size_t key, const YamlNode& value,
+                               const Place& place) {
+  const std::size_t indent = key - (text.rfind('\n', key) + 1);
+  std::size_t end = next_line(text, key);
+  for (int line = place.line; line < last_line(value); ++line) end = next_line(text, end);
+  for (std::size_t at = end; at < text.size(); at = next_line(text, at)) {
+    const std::size_t word = text.find_first_not_of(' ', at);
+    if (word == std::string_view::npos) break;
+    if (text[word] == '\n' || text[word] == '\r' || text[word] == '#') continue;
+    if (word - at <= indent) break;
+    end = next_line(text, at);
+  }
+  return end;
+}
+
+// The end of the quoted text that begins here, its closing quote included.
+std::size_t end_of_quotes(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  for (++at; at < text.size() && text[at] != quote; ++at) {
+    if (quote == '"' && text[at] == '\\') ++at;
+  }
+  return std::min(at + 1, text.size());
+}
+
+// The bracket that closes the flow map in which this place is.
+std::size_t closing_bracket(std::string_view text, std::size_t at) {
+  int depth = 0;
+  while (at < text.size()) {
+    const char c = text[at];
+    // Elsewhere an apostrophe is one.
+    const bool begins = std::string_view(" \t\n,:{[").find(text[at - 1]) != std::string_view::npos;
+    if (begins && (c == '"' || c == '\'')) {
+      at = end_of_quotes(text, at);
+      continue;
+    }
+    if (begins && c == '#') {
+      at = next_line(text, at);
+      continue;
+    }
+    if (c == '{' || c == '[') ++depth;
+    if ((c == '}' || c == ']') && depth-- == 0) break;
+    ++at;
+  }
+  return at;
+}
+
+// An entry of a flow map, with the comma behind it or, of the last one, before it.
+Replacement flow_entry(std::string_view text, std::size_t key,
+                       std::optional<std::size_t> next_key) {
+  if (next_key) return {key, *next_key - key, ""};
+  constexpr std::string_view kBlank = " \t\r\n";
+  const std::size_t closing = closing_bracket(text, key);
+  const std::size_t end = text.find_last_not_of(kBlank, closing - 1) + 1;
+  const std::size_t before = text.find_last_not_of(kBlank, key - 1);
+  const bool has_comma = before != std::string_view::npos && text[before] == ',';
+  const std::size_t begin = has_comma ? before : key;
+  return {begin, end - begin, ""};
+}
+
+std::optional<Replacement> entry_of(std::string_view text, const YamlNode& map,
+                                    const std::string& key) {
+  const auto place = static_cast<std::size_t>(key_at(map, key) - map.keys.data());
+  const auto offset = offset_of(text, map.keys[place].place, key);
+  if (!offset) return std::nullopt;
+  if (map.flow) {
+    if (place + 1 == map.keys.size()) return flow_entry(text, *offset, std::nullopt);
+    const YamlKey& next = map.keys[place + 1];
+    const auto next_offset = offset_of(text, next.place, next.text);
+    return next_offset ? std::optional(flow_entry(text, *offset, next_offset)) : std::nullopt;
+  }
+  const std::size_t line = text.rfind('\n', *offset) + 1;  // npos + 1 = 0
+  const std::size_t end =
+      end_of_block_entry(text, *offset, map.items[place], map.keys[place].place);
+  return Replacement{line, end - line, ""};
+}
+
+Result<std::string> key_removed(std::string_view text, const std::vector<std::string>& path,
+                                const std::string& key) {
+  FindingLog log("edited");
+  std::optional<YamlNode> root = parse_yaml(text, log);
+  if (!root) return fail(to_string(log.sorted(), true));
+  const YamlNode* map = map_at(*root, path);
+  if (map == nullptr) return fail("no map to remove `" + key + "` from");
+  if (key_at(*map, key) == nullptr) return std::string(text);
+  const std::optional<Replacement> cut = entry_of(text, *map, key);
+  std::string edited(text);
+  if (cut) edited.erase(cut->begin, cut->length);
+  // What is left must be what was there less the key: the cut rests on the text, not on the tree.
+  remove_from_tree(*root, path, 0, key);
+  const std::optional<YamlNode> after = parse_yaml(edited, log);
+  if (cut && after && are_equal(*after, *root)) return edited;
+  return fail("the key `" + key + "` cannot be removed from the file as it is laid out");
+}
+
 }  // namespace
+
+Result<std::string> remove_yaml_keys(std::string_view text, const std::vector<std::string>& path,
+                                     const std::vector<std::string>& keys) {
+  Result<std::string> edited = std::string(text);
+  for (const std::string& key : keys) {
+    if (edited) edited = key_removed(*edited, path, key);
+  }
+  return edited;
+}
 
 Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>& edits) {
   FindingLog log("edited");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes of single values in a YAML file that leave its layout and comments alone.
+// Changes of single keys in a YAML file that leave its layout and comments alone.
 #pragma once
 
 #include <string>
@@ -22,5 +22,11 @@ struct YamlEdit {
 // The text with these changes. Fails when it is no YAML, a map is missing, or the value to be
 // changed is no plain scalar.
 Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>& edits);
+
+// The text without these keys of the map that the path leads to, whatever their values; keys that
+// the map does not have are passed over. Comments on lines of their own stay. Fails when the text
+// is no YAML, the map is missing, or a key cannot be cut out without changing anything else.
+Result<std::string> remove_yaml_keys(std::string_view text, const std::vector<std::string>& path,
+                                     const std::vector<std::string>& keys);
 
 }  // namespace tagsmith::detail

@@ -123,6 +123,7 @@ class TreeBuilder final : public YAML::EventHandler {
     entry.node.place = place_of(mark);
     if (!plain_tag(tag)) entry.node = explicit_tag(mark, tag);
     entry.at_key_of_parent = style == YAML::EmitterStyle::Block;
+    entry.node.flow = !entry.at_key_of_parent;
     open_.push_back(std::move(entry));
   }
 

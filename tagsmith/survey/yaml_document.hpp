@@ -23,6 +23,7 @@ struct YamlNode {
 
   Kind kind = Kind::empty;
   bool quoted = false;          // a scalar in quotes is text, whatever it looks like
+  bool flow = false;            // a sequence or map in brackets
   Place place;                  // of a block map, sequence or nothing under a key: the key's
   std::string text;             // of a scalar
   std::vector<YamlKey> keys;    // of a map

@@ -45,3 +45,62 @@ TEST_CASE("what cannot be changed is refused") {
   CHECK_FALSE(edit_yaml("tags: 3\n", {{{"tags"}, "pairs", "7", ""}}).has_value());
   CHECK_FALSE(edit_yaml("tags: { pairs: [3] }\n", {{{"tags"}, "pairs", "7", ""}}).has_value());
 }
+
+namespace {
+
+std::string without(const std::string& text, const std::vector<std::string>& path,
+                    const std::vector<std::string>& keys) {
+  const Result<std::string> result = remove_yaml_keys(text, path, keys);
+  REQUIRE_MESSAGE(result.has_value(), result.error().message);
+  return *result;
+}
+
+}  // namespace
+
+TEST_CASE("a key goes with its value and its lines, comments of others stay") {
+  const std::string text =
+      "cameras:\n"
+      "  # the left one\n"
+      "  left:\n"
+      "    size: [1, 2]   # pixels\n"
+      "    # by data sheet\n"
+      "    lens:\n"
+      "      focal: 6\n"
+      "\n"
+      "      sensor: [4.8,\n"
+      "        3.6]\n"
+      "    # turned\n"
+      "    alpha: 35\n"
+      "  right: { lens: 1 }\n";
+  CHECK(without(text, {"cameras", "left"}, {"lens", "yaw"}) ==
+        "cameras:\n"
+        "  # the left one\n"
+        "  left:\n"
+        "    size: [1, 2]   # pixels\n"
+        "    # by data sheet\n"
+        "    # turned\n"
+        "    alpha: 35\n"
+        "  right: { lens: 1 }\n");
+  CHECK(without("a:\n- 1\n- 2\nb: 3", {}, {"a"}) == "b: 3");
+  CHECK(without("a: 1\nb: |\n  some\n\n  text\n# end\n", {}, {"b"}) == "a: 1\n# end\n");
+}
+
+TEST_CASE("a key goes out of a flow map, whatever stands beside it") {
+  const std::string text =
+      "m: { a: [1, { x: 2 }], b: \"}, #\", c: don't, d: { e: 'it''s' } } # end\n";
+  CHECK(without(text, {"m"}, {"a"}) == "m: { b: \"}, #\", c: don't, d: { e: 'it''s' } } # end\n");
+  CHECK(without(text, {"m"}, {"b", "c"}) == "m: { a: [1, { x: 2 }], d: { e: 'it''s' } } # end\n");
+  CHECK(without(text, {"m"}, {"c", "d"}) == "m: { a: [1, { x: 2 }], b: \"}, #\" } # end\n");
+  CHECK(without(text, {"m", "d"}, {"e"}) ==
+        "m: { a: [1, { x: 2 }], b: \"}, #\", c: don't, d: {  } } # end\n");
+  CHECK(without("m: {\n  a: 1, # one }\n  b: 2,\n  c: 3\n}\n", {"m"}, {"b"}) ==
+        "m: {\n  a: 1, # one }\n  c: 3\n}\n");
+}
+
+TEST_CASE("what cannot be removed alone is refused") {
+  CHECK_FALSE(remove_yaml_keys("a: [", {}, {"a"}).has_value());
+  CHECK_FALSE(remove_yaml_keys("a: 1\n", {"b"}, {"c"}).has_value());
+  CHECK_FALSE(remove_yaml_keys("a: 1\n", {"a"}, {"c"}).has_value());
+  // A map without keys is none.
+  CHECK_FALSE(remove_yaml_keys("a:\n  b: 1\n", {"a"}, {"b"}).has_value());
+}

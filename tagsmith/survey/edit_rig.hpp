@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rig files that take over what was measured of their cameras.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "tagsmith/base/result.hpp"
+
+namespace tagsmith::detail {
+
+// What a rig takes of a calibrated camera.
+struct CalibratedIntrinsics {
+  std::string file;  // as the rig names it: relative to the rig's folder, or absolute
+  double focal = 0;  // CalibrationSigma's
+  double center = 0;
+};
+
+// How a rig says it: `calibration`, and `focal` and `center` of `sigma`.
+std::string calibration_value(const CalibratedIntrinsics& intrinsics);
+std::string focal_value(const CalibratedIntrinsics& intrinsics);
+std::string center_value(const CalibratedIntrinsics& intrinsics);
+
+// The rig file's text in which the camera has this calibration instead of the intrinsics that it
+// had, and its sigmas; what else is said of it stays, comments included. A camera of which all was
+// called exact (`sigma: 0`) keeps exact what is not calibrated. Fails where the rig has no such
+// camera, naming those that it has, and where the file is laid out in a way that cannot be changed.
+Result<std::string> rig_with_calibration(std::string_view rig_text, const std::string& camera,
+                                         const CalibratedIntrinsics& intrinsics);
+
+}  // namespace tagsmith::detail
