@@ -215,6 +215,7 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
     if (!adjustment) return std::nullopt;
   }
   DriveFit fit{fitted_rig(start, layout, adjustment->calibration), layout, std::move(*adjustment)};
+  double placed = 0;
   for (std::size_t s = 0; s < problem.stations.size(); ++s) {
     const auto& vehicle = fit.adjustment.vehicles[s];
     if (!vehicle) continue;
@@ -222,7 +223,11 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
     const double askew =
         std::remainder(vehicle->heading - prior.mean.heading, 2 * std::numbers::pi);
     fit.heading_chi_square += std::pow(askew / prior.sigma[vehicle_parameter::kHeading], 2);
+    fit.mean_attitude +=
+        Vector3d(askew, vehicle->pitch - prior.mean.pitch, vehicle->roll - prior.mean.roll);
+    placed += 1;
   }
+  if (placed > 0) fit.mean_attitude /= placed;
   return fit;
 }
 

@@ -53,6 +53,8 @@ struct DriveFit {
   Adjustment adjustment;
   // The part of the adjustment's chi-square that is of headings against the drive's.
   double heading_chi_square = 0;
+  // How the vehicles stand on their mean against the drive and its floor: heading, pitch, roll.
+  Eigen::Vector3d mean_attitude = Eigen::Vector3d::Zero();
 };
 
 // Fits the vehicles, the plates within the survey's sigmas, and the cameras of `start` within these

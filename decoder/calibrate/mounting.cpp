@@ -14,6 +14,7 @@
 #include "decoder/calibrate/drive_fit.hpp"
 #include "tagsmith/base/quantile.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -53,6 +54,20 @@ std::optional<DriveFit> fit_twice(const Survey& survey, const Drive& drive, cons
 
 // --- how well it is known ---
 
+// How a camera's coordinate moves when the vehicle's axes turn about this one: against that of the
+// camera which is held on it, for that one stays where it is.
+double shift_by_turn(const DriveFit& fitted, std::size_t camera, Index coordinate,
+                     const Vector3d& axis) {
+  const auto moved = [&](std::size_t c) {
+    return axis.cross(fitted.rig.cameras[c].vehicle_from_camera.translation)[coordinate];
+  };
+  for (std::size_t c = 0; c < fitted.rig.cameras.size(); ++c) {
+    const bool is_held = fitted.layout.places[c][static_cast<std::size_t>(coordinate)] < 0;
+    if (is_held) return moved(camera) - moved(c);
+  }
+  return moved(camera);
+}
+
 // Of a camera's six parameters in the vehicle's own axes: an error that all vehicles' attitudes
 // have in common is one of these axes, which the drive defines, not of the camera.
 Eigen::Matrix<double, 6, 6> covariance_of(const DriveFit& fitted, std::size_t camera) {
@@ -68,12 +83,29 @@ Eigen::Matrix<double, 6, 6> covariance_of(const DriveFit& fitted, std::size_t ca
     by_all(row, place) = 1;
     for (Index a = 0; a < 3; ++a) {
       const Vector3d axis = axes.col(a);
-      const Vector3d shift = axis.cross(pose.translation);
       const Vector3d turn = pose.rotation.transpose() * axis;
-      by_all(row, mean_attitude + a) = i < 3 ? shift[row] : turn[row - 3];
+      by_all(row, mean_attitude + a) =
+          i < 3 ? shift_by_turn(fitted, camera, row, axis) : turn[row - 3];
     }
   }
   return by_all * all * by_all.transpose();
+}
+
+// The camera's pose in the vehicle's own axes: in those of the fit the vehicles may stand askew on
+// their mean, as far as what is assumed of height and stance lets them.
+Pose in_own_axes(const DriveFit& fitted, std::size_t camera) {
+  const Matrix3d axes = vehicle_frame(VehiclePose{}).turn_axes;
+  const Vector3d turn = axes * fitted.mean_attitude;
+  Pose pose = fitted.rig.cameras[camera].vehicle_from_camera;
+  for (Index i = 0; i < 3; ++i) {
+    const bool is_held = fitted.layout.places[camera][static_cast<std::size_t>(i)] < 0;
+    if (!is_held) pose.translation[i] += shift_by_turn(fitted, camera, i, turn);
+  }
+  if (turn.norm() > 0) {
+    pose.rotation =
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * pose.rotation;
+  }
+  return pose;
 }
 
 // Angles by a small turn in camera axes.
@@ -94,16 +126,16 @@ Matrix3d angles_by_turn(const Pose& vehicle_from_camera) {
   return result;
 }
 
-// Holds the parameter that the drive tells least of, if it tells less than a third of what is
-// assumed of it.
+// Holds the parameter that the drive tells least of, if a tape or a protractor tells it better.
 bool hold_worst(const DriveFit& fitted, Held& held) {
-  constexpr double kTold = 1.0 / 3;
-  double worst = kTold;
+  const CalibrationSigma by_hand = usual_calibration(IntrinsicsSource::numbers, 0);
+  double worst = 1;
   bool* to_hold = nullptr;
   for (std::size_t camera = 0; camera < held.size(); ++camera) {
     const Vector6 sigma = covariance_of(fitted, camera).diagonal().cwiseMax(0).cwiseSqrt();
     for (std::size_t i = 0; i < kMounting; ++i) {
-      const double share = sigma[static_cast<Index>(i)] / (i < 3 ? kFreePosition : kFreeAngle);
+      const double share =
+          sigma[static_cast<Index>(i)] / (i < 3 ? by_hand.position : by_hand.angle);
       if (held[camera][i] || share <= worst) continue;
       worst = share;
       to_hold = &held[camera][i];
@@ -162,7 +194,7 @@ MountingFit result_of(const DriveFit& fitted, const Drive& drive, const Survey& 
   fit.sigma_factor = std::sqrt(std::max(1.0, fit.chi_square / std::max(1, fit.degrees_of_freedom)));
   for (std::size_t c = 0; c < fitted.rig.cameras.size(); ++c) {
     const RigCamera& camera = fitted.rig.cameras[c];
-    FittedMounting mounting{camera.name, camera.vehicle_from_camera};
+    FittedMounting mounting{camera.name, in_own_axes(fitted, c)};
     const auto covariance = covariance_of(fitted, c);
     const Matrix3d by_turn = angles_by_turn(camera.vehicle_from_camera);
     const Matrix3d of_turn = covariance.bottomRightCorner<3, 3>();

@@ -2,12 +2,14 @@
 #include "tagsmith/survey/edit_rig.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/edit_yaml.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/read_intrinsics.hpp"
@@ -44,23 +46,42 @@ std::vector<std::string> replaced_keys() {
   return keys;
 }
 
-// The camera's `sigma` with the two values in it.
+// What rounds to zero is written without its sign.
+std::string rounded(double value, int decimals) {
+  const double half = 0.5 * std::pow(10.0, -decimals);
+  return fmt::format("{:.{}f}", std::abs(value) < half ? 0.0 : value, decimals);
+}
+
+// A part of a camera's `sigma`.
+struct SigmaPart {
+  std::string key;
+  std::string value;
+};
+
+// The camera's `sigma` with these parts in it. Where all was exact, what is not among them stays
+// so.
 Result<std::string> with_sigma(const std::string& text, const std::vector<std::string>& path,
-                               const YamlNode* sigma, const CalibratedIntrinsics& intrinsics) {
+                               const YamlNode* sigma, const std::vector<SigmaPart>& parts) {
   if (sigma != nullptr && sigma->kind == YamlNode::Kind::map && !sigma->keys.empty()) {
     std::vector<std::string> inside = path;
     inside.emplace_back("sigma");
-    return edit_yaml(text, {{inside, "focal", focal_value(intrinsics), ""},
-                            {inside, "center", center_value(intrinsics), ""}});
+    std::vector<YamlEdit> edits;
+    for (const SigmaPart& part : parts) edits.push_back({inside, part.key, part.value, ""});
+    return edit_yaml(text, edits);
   }
-  const bool was_exact = sigma != nullptr && parse_number(sigma->text) == 0;
+  std::string value;
+  if (sigma != nullptr && parse_number(sigma->text) == 0) {
+    for (const char* key : {"position", "angle", "focal", "center", "edge"}) {
+      if (std::ranges::find(parts, key, &SigmaPart::key) == parts.end()) {
+        value += fmt::format("{}: 0, ", key);
+      }
+    }
+  }
+  for (const SigmaPart& part : parts) value += fmt::format("{}: {}, ", part.key, part.value);
+  value.resize(value.size() - 2);
   const Result<std::string> without = remove_yaml_keys(text, path, {"sigma"});
   if (!without) return without;
-  return edit_yaml(*without, {{path, "sigma",
-                               fmt::format("{{ {}focal: {}, center: {} }}",
-                                           was_exact ? "position: 0, angle: 0, edge: 0, " : "",
-                                           focal_value(intrinsics), center_value(intrinsics)),
-                               ""}});
+  return edit_yaml(*without, {{path, "sigma", "{ " + value + " }", ""}});
 }
 
 }  // namespace
@@ -100,7 +121,42 @@ Result<std::string> rig_with_calibration(std::string_view rig_text, const std::s
   const Result<std::string> with_file =
       edit_yaml(*without, {{path, "calibration", calibration_value(intrinsics), ""}});
   if (!with_file) return with_file;
-  return with_sigma(*with_file, path, value_at(**map, "sigma"), intrinsics);
+  return with_sigma(*with_file, path, value_at(**map, "sigma"),
+                    {{"focal", focal_value(intrinsics)}, {"center", center_value(intrinsics)}});
+}
+
+Result<std::string> rig_with_mounting(std::string_view rig_text, const std::string& camera,
+                                      const CalibratedMounting& mounting) {
+  FindingLog log("the rig");
+  const std::optional<YamlNode> root = parse_yaml(rig_text, log);
+  if (!root) return fail(to_string(log.sorted(), true));
+  const Result<const YamlNode*> map = camera_map(*root, camera);
+  if (!map) return fail(map.error().message);
+  const std::vector<std::string> path{"cameras", camera};
+  const Result<std::string> without =
+      remove_yaml_keys(rig_text, path, {"alpha", "yaw", "pitch", "roll", "position"});
+  if (!without) return without;
+  // The last becomes the first.
+  std::vector<YamlEdit> edits;
+  const Eigen::Vector3d& at = mounting.position;
+  constexpr double kRounding = 5e-5;  // metres
+  if (at.cwiseAbs().maxCoeff() >= kRounding) {
+    edits.push_back(
+        {path, "position",
+         fmt::format("[{}, {}, {}]", rounded(at.x(), 4), rounded(at.y(), 4), rounded(at.z(), 4)),
+         ""});
+  }
+  edits.push_back({path, "roll", rounded(degrees(mounting.angles.roll), 3), ""});
+  edits.push_back({path, "pitch", rounded(degrees(mounting.angles.pitch), 3), ""});
+  edits.push_back({path, "yaw", rounded(degrees(mounting.angles.yaw), 3), ""});
+  const Result<std::string> with_angles = edit_yaml(*without, edits);
+  if (!with_angles) return with_angles;
+  std::vector<SigmaPart> sigmas;
+  if (mounting.position_sigma > 0) {
+    sigmas.push_back({"position", fmt::format("{:.2g}", mounting.position_sigma)});
+  }
+  sigmas.push_back({"angle", fmt::format("{:.2g}", degrees(mounting.angle_sigma))});
+  return with_sigma(*with_angles, path, value_at(**map, "sigma"), sigmas);
 }
 
 }  // namespace tagsmith::detail

@@ -5,7 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include <Eigen/Core>
+
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/rig.hpp"
 
 namespace tagsmith::detail {
 
@@ -27,5 +30,18 @@ std::string center_value(const CalibratedIntrinsics& intrinsics);
 // camera, naming those that it has, and where the file is laid out in a way that cannot be changed.
 Result<std::string> rig_with_calibration(std::string_view rig_text, const std::string& camera,
                                          const CalibratedIntrinsics& intrinsics);
+
+// What a rig takes of a camera's mounting as fitted.
+struct CalibratedMounting {
+  MountingAngles angles;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // in the vehicle frame, metres
+  double position_sigma = 0;                           // 0 = as the rig says
+  double angle_sigma = 0;                              // radians
+};
+
+// The rig file's text in which the camera is mounted so, by `yaw`, `pitch`, `roll` and `position`,
+// with its sigmas; what else is said of it stays, comments included. Fails as rig_with_calibration.
+Result<std::string> rig_with_mounting(std::string_view rig_text, const std::string& camera,
+                                      const CalibratedMounting& mounting);
 
 }  // namespace tagsmith::detail

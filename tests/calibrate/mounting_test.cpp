@@ -61,15 +61,20 @@ TEST_CASE("how far cameras are apart is told, where they are on the vehicle is h
   stated.cameras[1].vehicle_from_camera.translation = {0.10, -0.2, 0.05};
   const auto fit = fit_mounting(rows, site.survey, stated);
   REQUIRE_MESSAGE(fit.has_value(), fit.error().message);
+  // Only where it is told how high O is, heights are.
+  Rig known_height = stated;
+  known_height.height_sigma = 0.002;
+  const auto with_height = fit_mounting(rows, site.survey, known_height);
+  REQUIRE(with_height.has_value());
+  CHECK_FALSE(with_height->cameras[0].held[2]);
+  CHECK_FALSE(with_height->cameras[1].held[2]);
+  CHECK(std::abs(with_height->cameras[0].vehicle_from_camera.translation.z() - 0.10) < 0.004);
   const Vector3d apart = fit->cameras[0].vehicle_from_camera.translation -
                          fit->cameras[1].vehicle_from_camera.translation;
   CHECK((apart - Vector3d(0.30, 0.50, 0.05)).norm() < 0.002);
-  for (std::size_t axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     CHECK(fit->cameras[0].held[axis] != fit->cameras[1].held[axis]);
   }
-  // The rig says how high O is.
-  CHECK_FALSE(fit->cameras[0].held[2]);
-  CHECK_FALSE(fit->cameras[1].held[2]);
 }
 
 TEST_CASE("a plate that hangs elsewhere is left out and bends nothing") {

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/write_calibration.hpp"
 #include "tests/support/program.hpp"
@@ -43,6 +44,36 @@ TEST_CASE("sigma keeps what was not calibrated") {
   CHECK(edited("{ yaw: 0, fx: 1, sigma: 0 }\n") ==
         "{ sigma: { position: 0, angle: 0, edge: 0, focal: 0.00023, center: 0.16 }, calibration: "
         "left.yaml, yaw: 0 }\n");
+}
+
+TEST_CASE("a mounting takes the place of whatever said it, and loads as it was") {
+  const test::TemporaryFolder folder;
+  const CalibratedMounting mounted{
+      {radians(52.125), radians(-1.5), radians(0.25)}, {0.4, -0.25, 0.1}, 0.0004, radians(0.012)};
+  for (const std::string camera :
+       {"{ image_size: [1280, 960], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, side: "
+        "left, sigma: 0 }  # front\n",
+        "{ image_size: [8, 6], fx: 9, fy: 9, cx: 4, cy: 3, yaw: 10, roll: 3, position: [1, 2, 3], "
+        "sigma: { angle: 2 } }  # front\n",
+        "{ image_size: [8, 6], fx: 9, fy: 9, cx: 4, cy: 3, yaw: 10 }  # front\n"}) {
+    CAPTURE(camera);
+    const auto text = rig_with_mounting(
+        "rig: r\ncameras:\n  left: " + camera + "vehicle: { height: 0.3 }\n", "left", mounted);
+    REQUIRE_MESSAGE(text.has_value(), text.error().message);
+    CHECK(text->find("# front") != std::string::npos);
+    const std::filesystem::path file = folder.path() / "rig.yaml";
+    REQUIRE(write_file(file, *text));
+    const auto rig = load_rig(file);
+    REQUIRE_MESSAGE(rig.has_value(), rig.error().message);
+    const RigCamera& loaded = rig->cameras[0];
+    const MountingAngles angles = mounting_angles(loaded.vehicle_from_camera);
+    CHECK(degrees(angles.yaw) == doctest::Approx(52.125));
+    CHECK(degrees(angles.pitch) == doctest::Approx(-1.5));
+    CHECK(degrees(angles.roll) == doctest::Approx(0.25));
+    CHECK((loaded.vehicle_from_camera.translation - mounted.position).norm() < 1e-9);
+    CHECK(loaded.calibration_sigma.position == doctest::Approx(0.0004));
+    CHECK(degrees(loaded.calibration_sigma.angle) == doctest::Approx(0.012));
+  }
 }
 
 TEST_CASE("a rig in lines keeps its lines and comments, and loads") {

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/calibrate_mounting.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/calibrate/mounting.hpp"
+#include "decoder/localize/observation.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command.hpp"
+#include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/edit_rig.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/run.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kName = "calibrate";
+constexpr std::array<const char*, 6> kParameters{"x", "y", "z", "yaw", "pitch", "roll"};
+
+struct Input {
+  Survey survey;
+  Rig rig;
+  Run run;
+};
+
+Result<Input> load(const CalibrateMountingOptions& options) {
+  auto survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
+  auto rig = load_rig(options.rig);
+  if (!rig) return fail(rig.error().message);
+  auto run = load_run(options.run, *rig);
+  if (!run) return fail(run.error().message);
+  CommandFiles files;
+  files.reads(*survey);
+  files.reads(*run);
+  // The rig itself may be updated in place.
+  for (const RigCamera& camera : rig->cameras) {
+    if (!camera.calibration.empty()) files.reads(camera.calibration, "a calibration");
+  }
+  files.writes(options.output, "--output");
+  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  return Input{std::move(*survey), std::move(*rig), std::move(*run)};
+}
+
+std::vector<Observation> observe_all(const Input& input, int jobs) {
+  const std::vector<Measurement>& measurements = input.run.measurements;
+  const ReaderChoice reader{read_tags, kFittedCornerSigmaPx, false};
+  std::vector<Observation> rows(measurements.size());
+  ProgressBar progress("measurements", measurements.size());
+  run_in_order(measurements.size(), jobs, [&](std::size_t i) -> Delivery {
+    rows[i] = observe(measurements[i], {input.survey}, input.rig, reader);
+    return [&progress] { progress.advance([] {}); };
+  });
+  return rows;
+}
+
+// x, y, z in metres, then yaw, pitch, roll in degrees.
+std::array<double, 6> values_of(const Pose& vehicle_from_camera) {
+  const MountingAngles angles = mounting_angles(vehicle_from_camera);
+  const Eigen::Vector3d& at = vehicle_from_camera.translation;
+  std::array<double, 6> values{
+      at.x(), at.y(), at.z(), degrees(angles.yaw), degrees(angles.pitch), degrees(angles.roll)};
+  // What is printed as zero has no sign.
+  for (double& value : values) value = std::abs(value) < 5e-5 ? 0 : value;
+  return values;
+}
+
+double sigma_of(const FittedMounting& mounting, std::size_t parameter) {
+  const double sigma = mounting.sigma[static_cast<Eigen::Index>(parameter)];
+  return parameter < 3 ? sigma : degrees(sigma);
+}
+
+// --- what is printed ---
+
+void print_camera(const FittedMounting& mounting, const RigCamera& stated) {
+  to_stdout("{}: {} pictures of tags{}\n", mounting.camera, mounting.tags,
+            mounting.left_out == 0 ? std::string()
+                                   : fmt::format(", {} more contradict the rest and were left out",
+                                                 mounting.left_out));
+  const std::array<double, 6> before = values_of(stated.vehicle_from_camera);
+  const std::array<double, 6> after = values_of(mounting.vehicle_from_camera);
+  for (std::size_t i = 0; i < kParameters.size(); ++i) {
+    const bool is_angle = i >= 3;
+    const std::string unit = is_angle ? "deg" : "m";
+    if (mounting.held[i]) {
+      to_stdout("  {:<5} {:>10.4f} {:<3}  held: the run does not tell it\n", kParameters[i],
+                after[i], unit);
+    } else {
+      to_stdout("  {:<5} {:>10.4f} {:<3}  +-{:.4f}, the rig says {:.4f}\n", kParameters[i],
+                after[i], unit, sigma_of(mounting, i), before[i]);
+    }
+  }
+}
+
+void print_words(const MountingFit& fit, const Input& input) {
+  for (std::size_t c = 0; c < fit.cameras.size(); ++c) {
+    print_camera(fit.cameras[c], input.rig.cameras[c]);
+  }
+  for (const FittedRange& range : fit.ranges) {
+    to_stdout("range {}: reads {:+.1f} mm too much, +-{:.1f} mm ({} rows)\n", range.name,
+              1e3 * range.offset, 1e3 * range.sigma, range.rows);
+  }
+  to_stdout(
+      "{} of {} rows used; residuals {:.2f} times what was stated\n"
+      "Forward is the mean direction of these rows along the center line, level their mean stance "
+      "on the floor.\n",
+      fit.rows, input.run.measurements.size(), fit.sigma_factor);
+}
+
+Json camera_json(const FittedMounting& mounting, const RigCamera& stated) {
+  Json line{{"camera", mounting.camera}, {"tags", mounting.tags}, {"left_out", mounting.left_out}};
+  const std::array<double, 6> before = values_of(stated.vehicle_from_camera);
+  const std::array<double, 6> after = values_of(mounting.vehicle_from_camera);
+  for (std::size_t i = 0; i < kParameters.size(); ++i) {
+    line[kParameters[i]] = {{"value", after[i]},
+                            {"sigma", sigma_of(mounting, i)},
+                            {"stated", before[i]},
+                            {"held", mounting.held[i]}};
+  }
+  return line;
+}
+
+void print_json(const MountingFit& fit, const Input& input) {
+  for (std::size_t c = 0; c < fit.cameras.size(); ++c) {
+    to_stdout("{}\n", json_text(camera_json(fit.cameras[c], input.rig.cameras[c])));
+  }
+  Json ranges = Json::array();
+  for (const FittedRange& range : fit.ranges) {
+    ranges.push_back({{"range", range.name},
+                      {"offset", range.offset},
+                      {"sigma", range.sigma},
+                      {"rows", range.rows}});
+  }
+  to_stdout("{}\n", json_text({{"summary",
+                                {{"rows", input.run.measurements.size()},
+                                 {"rows_used", fit.rows},
+                                 {"chi_square", fit.chi_square},
+                                 {"degrees_of_freedom", fit.degrees_of_freedom},
+                                 {"sigma_factor", fit.sigma_factor},
+                                 {"ranges", std::move(ranges)}}}}));
+}
+
+// --- the rig that is written ---
+
+Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFit& fit) {
+  auto text = read_file(options.rig);
+  if (!text) return fail(text.error().message);
+  for (const FittedMounting& mounting : fit.cameras) {
+    if (mounting.tags == 0) continue;
+    const Pose& pose = mounting.vehicle_from_camera;
+    auto changed = rig_with_mounting(
+        *text, mounting.camera,
+        {mounting_angles(pose), pose.translation, mounting.sigma.head<3>().maxCoeff(),
+         mounting.sigma.tail<3>().maxCoeff()});
+    if (!changed) return fail(options.rig.string() + ": " + changed.error().message);
+    text = std::move(changed);
+  }
+  const RigReading reading = read_rig_text(options.output, *text);
+  if (!reading.rig) {
+    return fail(options.rig.string() + ": the mounting cannot be written into it: " +
+                to_string(reading.diagnostics, true));
+  }
+  return write_file(options.output, *text);
+}
+
+}  // namespace
+
+int calibrate_mounting(const CalibrateMountingOptions& options) {
+  const Result<Input> input = load(options);
+  if (!input) return report_failure(kName, input.error());
+  const std::vector<Observation> rows = observe_all(*input, options.jobs);
+  const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
+  if (!fit) {
+    to_stderr("{}: {}: {}\n", kName, options.run.string(), fit.error().message);
+    return kExitFindings;
+  }
+  options.json ? print_json(*fit, *input) : print_words(*fit, *input);
+  if (options.output.empty()) return kExitOk;
+  if (const auto written = write_rig(options, *fit); !written) {
+    return report_failure(kName, written.error());
+  }
+  return kExitOk;
+}
+
+}  // namespace tagsmith::detail
