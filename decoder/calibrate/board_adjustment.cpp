@@ -526,6 +526,7 @@ CalibrationFit adjust_calibration(const CalibrationProblem& problem, const Calib
                                   const AdjustmentOptions& options) {
   constexpr double kConverged = 1e-7;  // of the cost: hundredths of a standard deviation
   constexpr double kMostDamping = 1e8;
+  constexpr double kFree = 0.01;  // damping that leaves a step all but as long as it would be
   Adjuster adjuster(problem, options, start);
   CalibrationFit fit{start, adjuster.cost(start)};
   double damping = 1e-3;
@@ -536,7 +537,8 @@ CalibrationFit adjust_calibration(const CalibrationProblem& problem, const Calib
       const double cost = next ? adjuster.cost(*next) : std::numeric_limits<double>::infinity();
       better = cost <= fit.cost;
       if (better) {
-        fit.converged = fit.cost - cost < kConverged * fit.cost + 1e-9;
+        // A short step along the border of what the lens can see is not the end.
+        fit.converged = damping < kFree && fit.cost - cost < kConverged * fit.cost + 1e-9;
         fit.cost = cost;
         fit.state = *next;
         damping = std::max(damping / 10, 1e-12);

@@ -185,16 +185,16 @@ CalibrationState restricted(CalibrationState state, const LensForm& lens) {
   return state;
 }
 
-// Every form of the lens with one focal length, and with two where it is not far from the best. The
-// richest starts from the one before it, the others from the rich fit.
+// Every form of the lens with one focal length, and with two where it is not far from the best. All
+// start from the rich fit, the richest from the one before it, too.
 std::vector<FormFit> fit_forms(const CalibrationProblem& problem, const CalibrationState& rich) {
   const auto lenses = lens_forms(rich.camera.lens);
   std::vector<FormFit> fits;
   for (const LensForm& lens : lenses) {
-    const bool has_all = fits.size() + 2 > lenses.size() && !fits.empty();
-    const CalibrationState start = has_all ? fits.back().state : restricted(rich, lens);
-    fits.push_back(fit_form(problem, start, {lens, true}));
+    fits.push_back(fit_form(problem, restricted(rich, lens), {lens, true}));
   }
+  const FormFit richest = fit_form(problem, fits[fits.size() - 2].state, fits.back().tried.form);
+  if (richest.tried.chi_square < fits.back().tried.chi_square) fits.back() = richest;
   constexpr double kHopeless =
       10;  // times the least chi-square: square pixels are never so far off
   const std::size_t square = fits.size();

@@ -15,8 +15,8 @@ namespace tagsmith::detail::bench {
 namespace {
 
 constexpr int kColumns = 12;  // squares
-constexpr int kRows = 7;      // odd: with even ones OpenCV 4.6 draws markers into black squares
-constexpr int kBits = 8;      // cells of a square: a marker of 6 with one of white at each side
+constexpr int kRows = 7;
+constexpr int kBits = 8;  // cells of a square: a marker of 6 with one of white at each side
 
 // As large as leaves a white border of half a square.
 double square_of(double width, double height) {
@@ -78,8 +78,18 @@ cv::Ptr<cv::aruco::CharucoBoard> charuco_board(double width, double height) {
 }
 
 TagDrawing draw_charuco(double width, double height) {
-  cv::Mat cells;
-  charuco_board(width, height)->draw(cv::Size(kColumns * kBits, kRows * kBits), cells, 0, 1);
+  // OpenCV rounds markers to pixels: it draws many a cell, of which the middle one is taken.
+  constexpr int kPixels = 21;
+  cv::Mat large;
+  charuco_board(width, height)
+      ->draw(cv::Size(kColumns * kBits * kPixels, kRows * kBits * kPixels), large, 0, 1);
+  cv::Mat cells(kRows * kBits, kColumns * kBits, CV_8UC1);
+  for (int y = 0; y < cells.rows; ++y) {
+    for (int x = 0; x < cells.cols; ++x) {
+      cells.at<std::uint8_t>(y, x) =
+          large.at<std::uint8_t>(y * kPixels + kPixels / 2, x * kPixels + kPixels / 2);
+    }
+  }
   return drawing_of(cells, width, height);
 }
 
