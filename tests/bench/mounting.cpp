@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench_mounting [N] [SEED]: mountings fitted to simulated drives through the shipped corridor, and
+// whether wrong rigs are told and right ones are not doubted. Plates hang within 2 mm of the
+// survey, corners have a noise of 0.05 pixels.
+#include "decoder/calibrate/mounting.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include "decoder/calibrate/rig_suspicion.hpp"
+#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tests/calibrate/seen_drive.hpp"
+
+namespace tagsmith::detail::test {
+namespace {
+
+constexpr double kPlateSigma = 0.002;  // metres
+constexpr std::size_t kRows = 10;
+
+Site surveyed_corridor() {
+  Site site = site_named("corridor");
+  site.survey.sigma = kPlateSigma;
+  for (PlacedTag& tag : site.survey.tags) tag.sigma = kPlateSigma;
+  return site;
+}
+
+// What the site's rig sees, named and placed as the survey has it.
+std::vector<Observation> rows_of(const Site& site, const Survey& survey, Draws& draws) {
+  std::vector<Observation> rows = seen_from(site, drive_past(site, kRows, draws), draws);
+  for (Observation& row : rows) {
+    for (SeenTag& tag : row.tags) tag.tag = *find_tag(survey, tag.tag.name);
+  }
+  return rows;
+}
+
+Site hung(Site site, Draws& draws) {
+  for (PlacedTag& tag : site.survey.tags) {
+    tag.world_from_plate.translation += draws.normals(kPlateSigma);
+  }
+  return site;
+}
+
+// --- mountings ---
+
+struct Errors {
+  std::vector<double> angles;  // degrees, of each camera's attitude
+  double nees = 0;
+  int failed = 0;
+  int fewer_rows = 0;  // their mean stance is not the drive's, so that the axes are others
+};
+
+void add_draw(const Site& surveyed, Draws& draws, Errors& errors) {
+  Site site = hung(surveyed, draws);
+  for (std::size_t c = 0; c < 2; ++c) {
+    mount(site.rig, c, (c == 0 ? 55 : -55) + draws.uniform(-8, 8), draws.uniform(-5, 5),
+          draws.uniform(-5, 5), Eigen::Vector3d::Zero());
+  }
+  const auto rows = rows_of(site, surveyed.survey, draws);
+  const auto fit = fit_mounting(rows, surveyed.survey, surveyed.rig);
+  if (!fit) {
+    ++errors.failed;
+    return;
+  }
+  if (fit->rows < kRows) {
+    ++errors.fewer_rows;
+    return;
+  }
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Pose& truth = site.rig.cameras[c].vehicle_from_camera;
+    const FittedMounting& found = fit->cameras[c];
+    const MountingAngles is = mounting_angles(found.vehicle_from_camera);
+    const MountingAngles was = mounting_angles(truth);
+    const Eigen::Vector3d off(is.yaw - was.yaw, is.pitch - was.pitch, is.roll - was.roll);
+    errors.nees += off.cwiseQuotient(found.sigma.tail<3>()).squaredNorm() / 3;
+    errors.angles.push_back(
+        degrees(Eigen::AngleAxisd(truth.rotation.transpose() * found.vehicle_from_camera.rotation)
+                    .angle()));
+  }
+}
+
+void print_mountings(int count, std::uint64_t seed) {
+  const Site surveyed = surveyed_corridor();
+  Draws draws(seed);
+  Errors errors;
+  for (int i = 0; i < count; ++i) add_draw(surveyed, draws, errors);
+  const auto number = static_cast<double>(errors.angles.size());
+  const double median = quantile(errors.angles, 0.5);
+  fmt::print(
+      "mountings: {} drives of {} rows, {} without a result, {} that used fewer rows; of the "
+      "others error of an attitude: median "
+      "{:.4f}, 95 % {:.4f}, greatest {:.4f} degrees; NEES {:.2f}\n",
+      count, kRows, errors.failed, errors.fewer_rows, median, quantile(errors.angles, 0.95),
+      quantile(errors.angles, 1), errors.nees / number);
+}
+
+// --- suspicion ---
+
+// A way in which what really is differs from what rig and survey say.
+struct Mistake {
+  std::string name;
+  std::function<void(Site&, Draws&)> happens;
+  // Empty where the rig is right.
+  std::string camera;
+  RigParameter parameter = RigParameter::yaw;
+};
+
+void turn(Site& site, std::size_t camera, RigParameter parameter, double by) {
+  Pose& pose = site.rig.cameras[camera].vehicle_from_camera;
+  MountingAngles angles = mounting_angles(pose);
+  (parameter == RigParameter::yaw     ? angles.yaw
+   : parameter == RigParameter::pitch ? angles.pitch
+                                      : angles.roll) += radians(by);
+  pose = vehicle_from_camera(angles.yaw, angles.pitch, angles.roll, pose.translation);
+}
+
+void zoom(Site& site, std::size_t camera, double factor) {
+  site.rig.cameras[camera].camera.fx *= factor;
+  site.rig.cameras[camera].camera.fy *= factor;
+}
+
+std::vector<Mistake> mistakes() {
+  return {{"rig and survey right", [](Site&, Draws&) {}, ""},
+          {"a plate 20 to 150 mm off",
+           [](Site& site, Draws& draws) {
+             const std::size_t plate = draws.index(site.survey.tags.size());
+             site.survey.tags[plate].world_from_plate.translation +=
+                 draws.uniform(0.02, 0.15) * draws.normals(1).normalized();
+           },
+           ""},
+          {"left yaw off by 1 degree",
+           [](Site& site, Draws&) { turn(site, 0, RigParameter::yaw, 1); }, "left"},
+          {"right pitch off by 1 degree",
+           [](Site& site, Draws&) { turn(site, 1, RigParameter::pitch, 1); }, "right",
+           RigParameter::pitch},
+          {"left roll off by 1 degree",
+           [](Site& site, Draws&) { turn(site, 0, RigParameter::roll, 1); }, "left",
+           RigParameter::roll},
+          {"right focal length off by 2 %", [](Site& site, Draws&) { zoom(site, 1, 1.02); },
+           "right", RigParameter::focal}};
+}
+
+void print_suspicion(const Mistake& mistake, int count, std::uint64_t seed) {
+  const Site surveyed = surveyed_corridor();
+  Draws draws(seed);
+  int told = 0;
+  int named = 0;
+  for (int i = 0; i < count; ++i) {
+    Site site = hung(surveyed, draws);
+    mistake.happens(site, draws);
+    const auto rows = rows_of(site, surveyed.survey, draws);
+    const auto suspicion = suspect_rig(rows, surveyed.survey, surveyed.rig);
+    if (!suspicion) continue;
+    ++told;
+    const bool right = std::ranges::any_of(suspicion->suspects, [&](const RigSuspect& suspect) {
+      return suspect.camera == mistake.camera && suspect.parameter == mistake.parameter;
+    });
+    if (right) ++named;
+  }
+  fmt::print("{:<32} {:>6.1f} % told, {:>6.1f} % with the right value among the named\n",
+             mistake.name, 100.0 * told / count, 100.0 * named / count);
+}
+
+}  // namespace
+}  // namespace tagsmith::detail::test
+
+int main(int argc, char** argv) {
+  using namespace tagsmith::detail::test;
+  const int count = argc > 1 ? std::atoi(argv[1]) : 200;
+  const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
+  print_mountings(count, seed);
+  for (const Mistake& mistake : mistakes()) print_suspicion(mistake, count, seed + 1);
+  return 0;
+}
