@@ -26,14 +26,17 @@ const YamlNode* value_at(const YamlNode& map, std::string_view key) {
   return nullptr;
 }
 
-// The camera's map in the tree.
-Result<const YamlNode*> camera_map(const YamlNode& root, const std::string& camera) {
-  const YamlNode* cameras = value_at(root, "cameras");
+// The camera's map in the rig file's text.
+Result<YamlNode> camera_map(std::string_view rig_text, const std::string& camera) {
+  FindingLog log("the rig");
+  const std::optional<YamlNode> root = parse_yaml(rig_text, log);
+  if (!root) return fail(to_string(log.sorted(), true));
+  const YamlNode* cameras = value_at(*root, "cameras");
   if (cameras == nullptr || cameras->kind != YamlNode::Kind::map) {
     return fail("the rig has no cameras");
   }
   const YamlNode* map = value_at(*cameras, camera);
-  if (map != nullptr && map->kind == YamlNode::Kind::map) return map;
+  if (map != nullptr && map->kind == YamlNode::Kind::map) return *map;
   std::vector<std::string> names;
   for (const YamlKey& key : cameras->keys) names.push_back(key.text);
   return fail("the rig has no camera `" + camera + "`, expected " + either_of(names));
@@ -110,10 +113,7 @@ std::string center_value(const CalibratedIntrinsics& intrinsics) {
 
 Result<std::string> rig_with_calibration(std::string_view rig_text, const std::string& camera,
                                          const CalibratedIntrinsics& intrinsics) {
-  FindingLog log("the rig");
-  const std::optional<YamlNode> root = parse_yaml(rig_text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
-  const Result<const YamlNode*> map = camera_map(*root, camera);
+  const Result<YamlNode> map = camera_map(rig_text, camera);
   if (!map) return fail(map.error().message);
   const std::vector<std::string> path{"cameras", camera};
   const Result<std::string> without = remove_yaml_keys(rig_text, path, replaced_keys());
@@ -121,16 +121,13 @@ Result<std::string> rig_with_calibration(std::string_view rig_text, const std::s
   const Result<std::string> with_file =
       edit_yaml(*without, {{path, "calibration", calibration_value(intrinsics), ""}});
   if (!with_file) return with_file;
-  return with_sigma(*with_file, path, value_at(**map, "sigma"),
+  return with_sigma(*with_file, path, value_at(*map, "sigma"),
                     {{"focal", focal_value(intrinsics)}, {"center", center_value(intrinsics)}});
 }
 
 Result<std::string> rig_with_mounting(std::string_view rig_text, const std::string& camera,
                                       const CalibratedMounting& mounting) {
-  FindingLog log("the rig");
-  const std::optional<YamlNode> root = parse_yaml(rig_text, log);
-  if (!root) return fail(to_string(log.sorted(), true));
-  const Result<const YamlNode*> map = camera_map(*root, camera);
+  const Result<YamlNode> map = camera_map(rig_text, camera);
   if (!map) return fail(map.error().message);
   const std::vector<std::string> path{"cameras", camera};
   const Result<std::string> without =
@@ -156,7 +153,7 @@ Result<std::string> rig_with_mounting(std::string_view rig_text, const std::stri
     sigmas.push_back({"position", fmt::format("{:.2g}", mounting.position_sigma)});
   }
   sigmas.push_back({"angle", fmt::format("{:.2g}", degrees(mounting.angle_sigma))});
-  return with_sigma(*with_angles, path, value_at(**map, "sigma"), sigmas);
+  return with_sigma(*with_angles, path, value_at(*map, "sigma"), sigmas);
 }
 
 }  // namespace tagsmith::detail

@@ -35,22 +35,6 @@ std::string pdf_of(const Page& page) {
   return render_pdf(std::span(&sheet, 1)).value();
 }
 
-Rectangle grown(const Rectangle& box, double by) {
-  return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by};
-}
-
-// The most darkness in the ring between two rectangles, the inner one inside the outer one.
-double darkest_between(const Raster& raster, const Rectangle& inner, const Rectangle& outer) {
-  const double inner_right = inner.x + inner.width;
-  const double inner_bottom = inner.y + inner.height;
-  return std::max({
-      darkest(raster, {outer.x, outer.y, outer.width, inner.y - outer.y}),
-      darkest(raster, {outer.x, inner_bottom, outer.width, outer.y + outer.height - inner_bottom}),
-      darkest(raster, {outer.x, outer.y, inner.x - outer.x, outer.height}),
-      darkest(raster, {inner_right, outer.y, outer.x + outer.width - inner_right, outer.height}),
-  });
-}
-
 // A row or column of samples, `step` apart, blurred as a lens does: Gaussian of 1 px.
 void blur_line(std::uint8_t* first, int count, int step) {
   constexpr std::array kWeights{0.3991, 0.2421, 0.0540, 0.0044};  // from the middle outwards

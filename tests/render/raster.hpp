@@ -38,4 +38,10 @@ std::vector<double> lines_mm(const Profile& profile);
 // The most darkness of any pixel inside the rectangle (metres on the page).
 double darkest(const Raster& raster, const Rectangle& rectangle);
 
+// The rectangle with all its sides moved outward.
+Rectangle grown(const Rectangle& rectangle, double by);
+
+// The most darkness in the ring between two rectangles, the inner one inside the outer one.
+double darkest_between(const Raster& raster, const Rectangle& inner, const Rectangle& outer);
+
 }  // namespace tagsmith::detail::test

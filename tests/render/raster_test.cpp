@@ -68,22 +68,6 @@ std::vector<double> horizontal_edges_expected(const Page& page) {
   return edges;
 }
 
-Rectangle grown(const Rectangle& rectangle, double by) {
-  return {rectangle.x - by, rectangle.y - by, rectangle.width + 2 * by, rectangle.height + 2 * by};
-}
-
-// The most darkness in the ring between two rectangles, the inner one inside the outer one.
-double darkest_between(const Raster& raster, const Rectangle& inner, const Rectangle& outer) {
-  const double inner_right = inner.x + inner.width;
-  const double inner_bottom = inner.y + inner.height;
-  return std::max({
-      darkest(raster, {outer.x, outer.y, outer.width, inner.y - outer.y}),
-      darkest(raster, {outer.x, inner_bottom, outer.width, outer.y + outer.height - inner_bottom}),
-      darkest(raster, {outer.x, outer.y, inner.x - outer.x, outer.height}),
-      darkest(raster, {inner_right, outer.y, outer.x + outer.width - inner_right, outer.height}),
-  });
-}
-
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
   REQUIRE(a.size() == b.size());
   double largest = 0;
