@@ -142,7 +142,7 @@ Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Ri
     Station station{row.id, {}, {}};
     for (const SeenTag& seen : row.tags) {
       const auto camera = std::ranges::find(rig.cameras, seen.camera, &RigCamera::name);
-      if (!seen.seen_corners || camera == rig.cameras.end()) continue;
+      if (!seen.seen_corners || seen.at_coded_place || camera == rig.cameras.end()) continue;
       station.sightings.push_back(sighting_of(
           *seen.seen_corners, rig, static_cast<std::size_t>(camera - rig.cameras.begin()),
           plate_index(drive, seen.tag, survey)));

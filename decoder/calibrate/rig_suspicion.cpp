@@ -26,6 +26,14 @@ std::size_t count_sightings(const Drive& drive) {
   return count;
 }
 
+std::ptrdiff_t count_seeing(const Drive& drive, const Rig& rig) {
+  std::ptrdiff_t count = 0;
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    if (sees_anything(drive, camera)) ++count;
+  }
+  return count;
+}
+
 // The rows that can contradict themselves: those that show several tags, where there are enough.
 // Rows of a long drive are taken evenly, for the fits take long.
 std::vector<Observation> compared_rows(std::span<const Observation> rows) {
@@ -206,6 +214,7 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
   const auto as_stated = explained(survey, drive, rig, stated_sigmas(rig), excess);
   RigSuspicion suspicion;
   suspicion.rows = drive.stations.size();
+  suspicion.by_one_camera = count_seeing(drive, rig) == 1;
   suspicion.rows_as_stated = as_stated ? as_stated->rows : 0;
   if (2 * suspicion.rows_as_stated > suspicion.rows) return std::nullopt;
   std::vector<Candidate> found = candidates(survey, rig, drive, excess);
@@ -247,7 +256,12 @@ const char* to_string(RigParameter parameter) {
 
 std::string describe(const RigSuspicion& suspicion, const Rig& rig) {
   std::vector<std::string> words;
-  for (const RigSuspect& suspect : suspicion.suspects) words.push_back(words_for(suspect, rig));
+  for (const RigSuspect& suspect : suspicion.suspects) {
+    words.push_back(words_for(suspect, rig));
+    if (suspect.parameter == RigParameter::focal && suspicion.by_one_camera) {
+      words.back() += ", or frames of other proportions than the template's,";
+    }
+  }
   return fmt::format("{} would explain {} of {} rows ({} as it is)", fmt::join(words, ", or "),
                      suspicion.suspects.front().rows_explained, suspicion.rows,
                      suspicion.rows_as_stated);

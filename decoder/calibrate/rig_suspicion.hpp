@@ -34,6 +34,9 @@ struct RigSuspicion {
   std::vector<RigSuspect> suspects;
   std::size_t rows = 0;            // that were compared
   std::size_t rows_as_stated = 0;  // explained by the rig as it is
+  // One camera alone sees tags: frames of other proportions than the template's, which other
+  // cameras would see alike, look like another focal length.
+  bool by_one_camera = false;
 };
 
 // Compares the rig as stated with rigs in which one value of one camera is another. A row is
@@ -45,6 +48,7 @@ std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const
 
 // "left: alpha 40.0 +-0.1 degrees in place of 35.0 would explain 9 of 10 rows (2 as it is)"; alpha
 // of level cameras that look to a side.
+// A focal length that one camera alone tells has the template as an alternative.
 std::string describe(const RigSuspicion& suspicion, const Rig& rig);
 
 }  // namespace tagsmith::detail

@@ -113,3 +113,19 @@ TEST_CASE("nothing is suspected within what the rig states of its own accuracy")
   mount(rough, 0, 53, 0, 0, Vector3d::Zero());
   CHECK_FALSE(suspect_rig(seen.rows, seen.site.survey, rough));
 }
+
+TEST_CASE("with one camera alone the template may be wrong instead of the focal length") {
+  Seen seen = corridor_seen(19);
+  Rig wrong = seen.site.rig;
+  wrong.cameras.pop_back();
+  for (Observation& row : seen.rows) {
+    std::erase_if(row.tags, [](const SeenTag& tag) { return tag.camera != "left"; });
+  }
+  wrong.cameras[0].camera.fx *= 0.95;
+  wrong.cameras[0].camera.fy *= 0.95;
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+  REQUIRE(suspicion);
+  CHECK(suspicion->by_one_camera);
+  CHECK(std::abs(suspicion->suspects[0].expected - 1 / 0.95) < 0.005);
+  CHECK(describe(*suspicion, wrong).find("proportions") != std::string::npos);
+}
