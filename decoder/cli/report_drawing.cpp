@@ -43,23 +43,6 @@ Words words_at(std::string text, double x, double y, const Colour& colour = colo
   return words;
 }
 
-// The text in lines that are no wider; a word that is wider stays whole.
-std::vector<std::string> wrapped(const std::string& text, double width) {
-  std::vector<std::string> lines;
-  std::string line;
-  for (const std::string& word : split(printable_text(text), ' ')) {
-    const std::string longer = line.empty() ? word : line + " " + word;
-    if (!line.empty() && text_width(longer, kText) > width) {
-      lines.push_back(line);
-      line = word;
-    } else {
-      line = longer;
-    }
-  }
-  if (!line.empty()) lines.push_back(line);
-  return lines;
-}
-
 // Lines below each other; returns the place of the next.
 double add_lines(SketchLayer& layer, const std::vector<std::string>& lines, double y,
                  const Colour& colour) {
@@ -104,7 +87,7 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     lines.push_back(line);
   }
   for (const std::string& line : lines)
-    y = add_lines(layer, wrapped(line, 0.17), y, colours::kBlack);
+    y = add_lines(layer, lines_of(line, 0.17, kText), y, colours::kBlack);
   return view;
 }
 
@@ -144,14 +127,14 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   }
   y -= 0.0045;
   SketchLayer& layer = view.sketch.layer("faults");
-  y = add_lines(layer, wrapped(fault.file, kWidth), y, colours::kGrey);
+  y = add_lines(layer, lines_of(fault.file, kWidth, kText), y, colours::kGrey);
   if (!fault.no_picture.empty()) {
-    y = add_lines(layer, wrapped("No picture: " + fault.no_picture + ".", kWidth), y,
+    y = add_lines(layer, lines_of("No picture: " + fault.no_picture + ".", kWidth, kText), y,
                   colours::kGrey);
   }
-  y = add_lines(layer, wrapped(fault.message, kWidth), y, colours::kRed);
+  y = add_lines(layer, lines_of(fault.message, kWidth, kText), y, colours::kRed);
   if (const VerifyRule* rule = find_verify_rule(fault.rule)) {
-    add_lines(layer, wrapped(std::string(rule->remedy), kWidth), y, colours::kBlack);
+    add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kText), y, colours::kBlack);
   }
   return view;
 }

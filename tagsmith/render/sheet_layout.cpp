@@ -115,23 +115,7 @@ Result<Flow> choose_scale(std::span<const DrawingView> views, const DrawingStyle
 }
 
 void add_moved(SheetLayer& to, const std::vector<SheetItem>& items, const Vector2d& by) {
-  const auto move = [&](std::vector<Vector2d>& points) {
-    for (Vector2d& point : points) point += by;
-  };
-  for (SheetItem item : items) {
-    std::visit(
-        [&](auto& value) {
-          if constexpr (requires { value.outlines; }) {
-            std::ranges::for_each(value.outlines, move);
-          } else if constexpr (requires { value.points; }) {
-            move(value.points);
-          } else {
-            value.at += by;
-          }
-        },
-        item);
-    to.items.push_back(std::move(item));
-  }
+  for (const SheetItem& item : items) to.items.push_back(moved(item, by));
 }
 
 SheetLayer& layer_of(Sheet& sheet, const std::string& name) {

@@ -213,6 +213,24 @@ void for_each_point(const SketchItem& any, const Function& function) {
 
 }  // namespace
 
+SheetItem moved(SheetItem item, const Vector2d& by) {
+  const auto move = [&](std::vector<Vector2d>& points) {
+    for (Vector2d& point : points) point += by;
+  };
+  std::visit(
+      [&](auto& value) {
+        if constexpr (requires { value.outlines; }) {
+          std::ranges::for_each(value.outlines, move);
+        } else if constexpr (requires { value.points; }) {
+          move(value.points);
+        } else {
+          value.at += by;
+        }
+      },
+      item);
+  return item;
+}
+
 SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator) {
   Drafter drafter(scale_denominator);
   for (const SketchLayer& layer : sketch.layers) {

@@ -18,6 +18,9 @@ struct SketchOnPaper {
   Eigen::AlignedBox2d bounds;  // of all ink; empty without items
 };
 
+// The item at another place of its sheet.
+SheetItem moved(SheetItem item, const Eigen::Vector2d& by);
+
 SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator);
 
 // Width and height of the sketch's points on the ground, metres; nothing when a point

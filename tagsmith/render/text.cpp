@@ -184,6 +184,22 @@ double text_width(const std::string& text, double height) {
   return entry->second * height;
 }
 
+std::vector<std::string> lines_of(const std::string& text, double width, double height) {
+  std::vector<std::string> lines;
+  std::string line;
+  for (const std::string& word : split(printable_text(text), ' ')) {
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (!line.empty() && text_width(longer, height) > width) {
+      lines.push_back(line);
+      line = word;
+    } else {
+      line = longer;
+    }
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
 void show_text(cairo_t* context, const SheetText& text) {
   const SetText& set = set_text(text);
   if (set.layout == nullptr) return;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tagsmith/render/sheet.hpp"
 
@@ -16,6 +17,9 @@ bool has_glyphs(const std::string& text);
 
 // Length of the text, set with capital letters of this height, metres; 0 without any font.
 double text_width(const std::string& text, double height);
+
+// The text in lines that are no longer, broken at its spaces; a longer word stays whole.
+std::vector<std::string> lines_of(const std::string& text, double width, double height);
 
 // Both set the text so that its ink keeps inside max_width, kTextAscent and kTextDescent: text too
 // wide is shrunk to 60 %, what is still too wide then ends in an ellipsis. Without any font on the

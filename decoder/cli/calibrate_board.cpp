@@ -1,0 +1,404 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/calibrate_board.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "decoder/cli/calibrate_drawing.hpp"
+#include "decoder/cli/calibrate_json.hpp"
+#include "decoder/cli/calibrate_page.hpp"
+#include "decoder/cli/calibrate_result.hpp"
+#include "decoder/cli/file_list.hpp"
+#include "decoder/image/load.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
+#include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/render/sheet_files.hpp"
+#include "tagsmith/survey/edit_rig.hpp"
+#include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/write_calibration.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Options = BoardCalibrationOptions;
+
+std::string camera_name(const Options& options) {
+  return options.camera.empty() ? "camera" : options.camera;
+}
+
+CalibrationFormat format_of(const Options& options) {
+  if (options.format == "ros") return CalibrationFormat::ros;
+  return options.format == "kalibr" ? CalibrationFormat::kalibr : CalibrationFormat::opencv;
+}
+
+// --- before the work ---
+
+// Names of cameras as rigs have them; other programs' files hold them without quotes.
+Result<void> check_name(const std::string& name) {
+  const auto is_part = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; };
+  const bool begins = std::isalpha(static_cast<unsigned char>(name.front())) != 0;
+  if (begins && std::ranges::all_of(name, is_part)) return {};
+  return fail("--camera " + name + ": expected a letter and then letters, digits, - or _");
+}
+
+Result<std::vector<Board>> load_boards(const Options& options) {
+  std::vector<Board> boards;
+  for (const std::string& file : options.boards) {
+    Result<Board> board = load_board(file);
+    if (!board) return fail(board.error().message);
+    boards.push_back(std::move(*board));
+  }
+  if (auto checked = check_boards(boards); !checked) return fail(checked.error().message);
+  return boards;
+}
+
+// Without those that are named twice: a photo counts once.
+Result<FileList> list_photos(const Options& options) {
+  Result<FileList> list = list_files(options.photos, image_extensions(), std::cin);
+  if (!list) return list;
+  std::set<fs::path> seen;
+  std::erase_if(list->files, [&](const fs::path& file) {
+    std::error_code error;
+    const fs::path one = fs::canonical(file, error);
+    return !error && !seen.insert(one).second;
+  });
+  return list;
+}
+
+Result<void> check_files(const Options& options, const std::vector<fs::path>& photos) {
+  CommandFiles files;
+  for (const std::string& board : options.boards) files.reads(board, "the board");
+  for (const fs::path& photo : photos) files.reads(photo, "the photo");
+  files.writes(options.output, "--output");
+  files.writes(options.html, "--html");
+  files.writes(options.drawing, "--drawing");
+  files.writes(options.rig, "--rig");
+  return files.check();
+}
+
+// How the rig names the camera's file: from its own folder.
+CalibratedIntrinsics intrinsics_of(const Options& options, const IntrinsicsSigma& sigma) {
+  const fs::path folder = fs::path(options.rig).parent_path();
+  std::error_code error;
+  const fs::path file = fs::proximate(options.output, folder.empty() ? "." : folder, error);
+  return {error || options.rig.empty() ? options.output : file.generic_string(), sigma.focal,
+          sigma.center};
+}
+
+// A rig without the camera is told of before the photos are read.
+Result<void> check_rig(const Options& options) {
+  if (options.rig.empty()) return {};
+  const Result<std::string> text = read_file(options.rig);
+  if (!text) return fail(text.error().message);
+  const auto edited = rig_with_calibration(*text, options.camera, intrinsics_of(options, {1, 1}));
+  return edited ? Result<void>{} : fail(options.rig + ": " + edited.error().message);
+}
+
+Result<void> check_options(const Options& options) {
+  if (auto named = check_name(camera_name(options)); !named) return named;
+  if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
+    return fail("--drawing " + options.drawing +
+                ": expected a name that ends in .pdf, .svg or .png");
+  }
+  return check_rig(options);
+}
+
+// --- photos ---
+
+// Loads photos and keeps what went wrong; several threads call it at once.
+class Loader {
+ public:
+  explicit Loader(std::vector<fs::path> files) : files_(std::move(files)) {}
+
+  Result<GrayImage> operator()(std::size_t i) {
+    Result<DecodedImage> image = load_image(files_[i]);
+    const std::lock_guard lock(mutex_);
+    if (!image) {
+      broken_[i] = image.error().message;
+      return fail(image.error().message);
+    }
+    sizes_.insert({image->image.width, image->image.height});
+    if (!image->warning.empty()) damaged_[i] = damaged_in_words(image->warning);
+    return std::move(image->image);
+  }
+
+  // What is wrong with the photos themselves, whatever they show; empty = nothing.
+  std::vector<std::string> broken() const {
+    std::vector<std::string> all;
+    for (const auto& [i, words] : broken_) all.push_back(words);
+    return all;
+  }
+  bool has_several_sizes() const { return sizes_.size() > 1; }
+
+  void tell_damaged() const {
+    for (const auto& [i, words] : damaged_) {
+      to_stderr("tagsmith calibrate: {}: {}\n", files_[i].string(), words);
+    }
+  }
+
+ private:
+  std::vector<fs::path> files_;
+  std::mutex mutex_;
+  std::map<std::size_t, std::string> broken_;
+  std::map<std::size_t, std::string> damaged_;
+  std::set<std::pair<int, int>> sizes_;
+};
+
+// Why photos that can be read make no camera.
+struct NoCamera {
+  std::string reason;
+};
+
+struct Outcome {
+  std::optional<BoardCalibration> result;
+  NoCamera none{};  // without a result
+};
+
+Result<Outcome> calibrate(const Options& options, std::vector<Board> boards,
+                          const std::vector<fs::path>& files) {
+  Loader loader(files);
+  PhotoSource photos{{}, [&](std::size_t i) { return loader(i); }};
+  for (const fs::path& file : files) photos.files.push_back(file.string());
+  ProgressBar bar("readings of photos", 2 * files.size());
+  const PhotoCalibrationOptions how{options.jobs,
+                                    [&](std::size_t, std::size_t) { bar.advance([] {}); }};
+  Result<PhotoCalibration> found = calibrate_photos(photos, boards, how);
+  loader.tell_damaged();
+  if (const auto broken = loader.broken(); !broken.empty()) {
+    return fail(fmt::format("{}", fmt::join(broken, "\n")));
+  }
+  if (!found && loader.has_several_sizes()) return fail(found.error().message);
+  if (!found) return Outcome{std::nullopt, {found.error().message}};
+  BoardCalibration result{camera_name(options),
+                          std::move(boards),
+                          std::move(found->calibration),
+                          std::move(found->views),
+                          {}};
+  result.assessment = assess_calibration(result.calibration, result.views, result.boards);
+  return Outcome{std::move(result)};
+}
+
+// --- files ---
+
+CalibrationNotes notes_of(const BoardCalibration& result) {
+  CalibrationNotes notes{result.camera_name, {}, residual_rms_px(result.calibration)};
+  notes.comments.emplace_back("By tagsmith " TAGSMITH_VERSION ", from photos of " +
+                              std::string(result.boards.size() == 1 ? "the board" : "the boards"));
+  for (const Board& board : result.boards) notes.comments.back() += " " + board.name;
+  notes.comments.push_back("verdict: " + verdict_words(result.assessment.trust));
+  for (const std::string& fact : calibration_facts(result)) notes.comments.push_back(fact);
+  for (const CameraNumber& number : camera_numbers(result.calibration)) {
+    notes.comments.push_back(fmt::format("sigma of {}: {:.3g}{}{}", number.name, number.sigma,
+                                         number.unit.empty() ? "" : " ", number.unit));
+  }
+  return notes;
+}
+
+// The rig's new text. It must load with the camera's file, which is not in its place yet: it is
+// checked with the file where it waits.
+Result<std::string> rig_text(const Options& options, const BoardCalibration& result,
+                             const std::string& camera_file) {
+  const Result<std::string> text = read_file(options.rig);
+  if (!text) return text;
+  const CalibratedIntrinsics intrinsics = intrinsics_of(options, rig_sigma(result.calibration));
+  const fs::path target = fs::absolute(options.output);
+  const Result<StagedFiles> waiting = StagedFiles::begin(target.parent_path());
+  if (!waiting) return fail(waiting.error().message);
+  if (auto added = waiting->add(target.filename(), camera_file); !added) {
+    return fail(added.error().message);
+  }
+  CalibratedIntrinsics staged = intrinsics;
+  staged.file = waiting->staged(target.filename()).string();
+  const auto trial = rig_with_calibration(*text, options.camera, staged);
+  if (!trial) return fail(options.rig + ": " + trial.error().message);
+  const RigReading reading = read_rig_text(options.rig, *trial);
+  if (!reading.rig) {
+    return fail("the rig cannot take this camera, and nothing was written:\n" +
+                to_string(reading.diagnostics, true));
+  }
+  return rig_with_calibration(*text, options.camera, intrinsics);
+}
+
+// The camera's file and the rig that takes it; none of a camera that is refused.
+Result<std::vector<SheetFile>> camera_files(const Options& options,
+                                            const BoardCalibration& result) {
+  std::vector<SheetFile> files;
+  if (options.output.empty() || result.assessment.trust == CalibrationTrust::refused) return files;
+  Result<std::string> text =
+      calibration_text(format_of(options), result.calibration.camera, notes_of(result));
+  if (!text) return fail("--format " + options.format + ": " + text.error().message);
+  files.push_back({options.output, std::move(*text)});
+  if (options.rig.empty()) return files;
+  Result<std::string> rig = rig_text(options, result, files.front().bytes);
+  if (!rig) return fail(rig.error().message);
+  files.push_back({options.rig, std::move(*rig)});
+  return files;
+}
+
+Result<std::vector<SheetFile>> all_files(const Options& options, const BoardCalibration& result) {
+  Result<std::vector<SheetFile>> files = camera_files(options, result);
+  if (!files) return files;
+  if (!options.html.empty()) files->push_back({options.html, calibration_page(result)});
+  if (options.drawing.empty()) return files;
+  const Result<std::vector<Sheet>> sheets = draw_calibration(result);
+  if (!sheets) return fail(sheets.error().message);
+  Result<std::vector<SheetFile>> drawn = render_sheets(*sheets, options.drawing);
+  if (!drawn) return drawn;
+  files->insert(files->end(), drawn->begin(), drawn->end());
+  return files;
+}
+
+// --- words ---
+
+std::string named_photos(const BoardCalibration& result, const std::vector<std::size_t>& places) {
+  std::vector<std::string> names;
+  for (const std::size_t place : places) names.push_back(result.views[place].file);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+void print_numbers(const CameraCalibration& calibration) {
+  for (const CameraNumber& number : camera_numbers(calibration)) {
+    const bool is_pixels = !number.unit.empty();
+    to_stdout(
+        "  {:3} {:>12}  sigma {}\n", number.name,
+        is_pixels ? fmt::format("{:.3f} px", number.value) : fmt::format("{:.6f}", number.value),
+        is_pixels ? fmt::format("{:.3f} px", number.sigma) : fmt::format("{:.6f}", number.sigma));
+  }
+}
+
+void print_findings(const BoardCalibration& result) {
+  for (const CalibrationFinding& finding : result.assessment.findings) {
+    to_stdout("{}: {}\n  {}\n", severity_of(finding), finding.message, finding.remedy);
+  }
+}
+
+void print_rig_lines(const Options& options, const BoardCalibration& result) {
+  const bool is_written =
+      !options.output.empty() && result.assessment.trust != CalibrationTrust::refused;
+  if (!is_written || !options.rig.empty()) return;
+  const CalibratedIntrinsics intrinsics = intrinsics_of(options, rig_sigma(result.calibration));
+  to_stdout("for the rig's camera:\n  calibration: {}\n  sigma: {{ focal: {}, center: {} }}\n",
+            calibration_value(intrinsics), focal_value(intrinsics), center_value(intrinsics));
+}
+
+void print_in_words(const Options& options, const BoardCalibration& result) {
+  for (const std::string& fact : calibration_facts(result)) to_stdout("{}\n", fact);
+  print_numbers(result.calibration);
+  if (const auto out = photos_left_out(result); !out.empty()) {
+    to_stdout("left out: {}\n", named_photos(result, out));
+  }
+  if (const auto empty = photos_without_tags(result); !empty.empty()) {
+    to_stdout("no tag of a board: {}\n", named_photos(result, empty));
+  }
+  print_findings(result);
+  print_rig_lines(options, result);
+  to_stdout("verdict: {}\n", verdict_words(result.assessment.trust));
+}
+
+int report_no_camera(const Options& options, std::size_t photos, const NoCamera& none) {
+  if (options.json) {
+    to_stdout("{}\n", no_calibration_line(photos, none.reason));
+  } else {
+    to_stdout("verdict: refused\n");
+  }
+  to_stderr("tagsmith calibrate: {}\n", none.reason);
+  return kExitFindings;
+}
+
+Result<int> report(const Options& options, const BoardCalibration& result) {
+  const Result<std::vector<SheetFile>> files = all_files(options, result);
+  if (!files) return fail(files.error().message);
+  if (auto written = publish_files(*files); !written) return fail(written.error().message);
+  std::vector<std::string> names;
+  for (const SheetFile& file : *files) names.push_back(file.path.string());
+  if (options.json) {
+    to_stdout("{}", Lines{calibration_photo_lines(result)});
+    to_stdout("{}\n", calibration_summary_line(result, names));
+  } else {
+    print_in_words(options, result);
+  }
+  if (!names.empty()) to_stderr("written: {}\n", fmt::join(names, ", "));
+  const CalibrationTrust trust = result.assessment.trust;
+  if (trust == CalibrationTrust::refused && !options.output.empty()) {
+    to_stderr("tagsmith calibrate: {} was not written: the calibration is refused\n",
+              options.output);
+  }
+  return trust == CalibrationTrust::good ? kExitOk : kExitFindings;
+}
+
+}  // namespace
+
+Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
+  if (auto right = check_options(options); !right) return fail(right.error().message);
+  Result<std::vector<Board>> boards = load_boards(options);
+  if (!boards) return fail(boards.error().message);
+  const Result<FileList> list = list_photos(options);
+  if (!list) return fail(list.error().message);
+  if (auto usable = check_files(options, list->files); !usable) return fail(usable.error().message);
+  const Result<Outcome> outcome = calibrate(options, std::move(*boards), list->files);
+  if (!outcome) return fail(outcome.error().message);
+  if (!list->skipped.empty()) {
+    to_stderr("tagsmith calibrate: skipped, no pictures: {}\n", skipped_in_words(list->skipped));
+  }
+  if (!outcome->result) return report_no_camera(options, list->files.size(), outcome->none);
+  return report(options, *outcome->result);
+}
+
+std::vector<CommandOption> board_calibration_options(BoardCalibrationOptions& options) {
+  return {{.names = "PHOTO",
+           .target = &options.photos,
+           .help = "Photos of the board by one camera, folders of them, or - for a list of files "
+                   "on standard input",
+           .kind = ValueKind::picture,
+           .required = true},
+          {.names = "--board",
+           .target = &options.boards,
+           .help = "The board's file, as `tagsmith board` wrote it and you completed it; several "
+                   "boards must differ in their serials",
+           .placeholder = "BOARD.yaml",
+           .kind = ValueKind::file,
+           .required = true},
+          file_option("-o,--output", &options.output, "The camera's file"),
+          {.names = "--format",
+           .target = &options.format,
+           .help = "Of the camera's file: opencv (FileStorage), ros (camera_info) or kalibr "
+                   "(camchain)",
+           .shows_default = true,
+           .choices = {"opencv", "ros", "kalibr"}},
+          {.names = "--rig",
+           .target = &options.rig,
+           .help = "Write the camera's file and its sigmas into this rig, comments kept",
+           .placeholder = "RIG",
+           .kind = ValueKind::rig,
+           .needs = {"--output", "--camera"}},
+          {.names = "--camera",
+           .target = &options.camera,
+           .help = "The camera's name, in the rig and in files of ros and kalibr (default: camera)",
+           .placeholder = "NAME"},
+          file_option("--html", &options.html,
+                      "A page: verdict, coverage, residuals, distortion, photos"),
+          file_option("--drawing", &options.drawing,
+                      "The same pictures as a sheet: FILE.pdf, FILE.svg or FILE.png"),
+          json_flag(options.json, "One JSON object a photo, then the summary"),
+          jobs_option(options.jobs, "Photos read at once")};
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// `calibrate` from photos of boards: a camera's intrinsics.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/command.hpp"
+
+namespace tagsmith::detail {
+
+struct BoardCalibrationOptions {
+  std::vector<std::string> photos;
+  std::vector<std::string> boards;
+  std::string output;             // empty = none
+  std::string format = "opencv";  // of the output
+  std::string html;
+  std::string drawing;
+  std::string rig;     // empty = none is changed
+  std::string camera;  // empty = "camera"
+  bool json = false;
+  int jobs = 0;
+};
+
+std::vector<CommandOption> board_calibration_options(BoardCalibrationOptions& options);
+
+// Reads, fits, prints and writes; the exit code. Fails on wrong use and on what cannot be read.
+Result<int> calibrate_by_boards(const BoardCalibrationOptions& options);
+
+}  // namespace tagsmith::detail

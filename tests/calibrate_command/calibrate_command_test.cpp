@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tagsmith calibrate` as its users run it, on rendered photos of a board.
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/read_calibration.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tests/calibrate_command/board_photo_files.hpp"
+#include "tests/schemas/schema_judge.hpp"
+#include "tests/support/json_lines.hpp"
+#include "tests/support/program.hpp"
+
+namespace fs = std::filesystem;
+
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
+using nlohmann::json;
+
+namespace {
+
+// Twelve varied photos and the board's file, made once.
+const fs::path& good_set() {
+  static const TemporaryFolder folder;
+  static const bool made = [] {
+    fs::create_directory(folder.path() / "photos");
+    const Board board = plate_board();
+    write_varied_photos(folder.path() / "photos", photo_camera(), board, 12);
+    write_board(folder.path() / "board.yaml", board);
+    return true;
+  }();
+  REQUIRE(made);
+  return folder.path();
+}
+
+std::string good_board() { return " --board " + (good_set() / "board.yaml").string() + " "; }
+
+std::string good_photos() { return (good_set() / "photos").string() + " "; }
+
+// A few of them, for what does not ask for a good calibration.
+std::string some_photos() {
+  std::string names;
+  for (const char* name : {"photo00.png", "photo04.png", "photo08.png", "photo11.png"}) {
+    names += (good_set() / "photos" / name).string() + " ";
+  }
+  return names;
+}
+
+ProgramOutput run_calibrate(const std::string& arguments) {
+  return run_tagsmith("calibrate " + arguments);
+}
+
+bool has(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
+void check_by_schema(const std::string& text) {
+  SchemaJudge judge(schema_json("output/calibrate"));
+  for (json line : json_lines(text)) {
+    CHECK_MESSAGE(judge.accepts(line), line.dump() << "\n" << judge.objections(line));
+    line["colour"] = 1;
+    CHECK_FALSE(judge.accepts(line));
+  }
+}
+
+const char* const kRig =
+    "rig: loader\n"
+    "cameras:\n"
+    "  # bought in May\n"
+    "  left: { image_size: [960, 720], focal_length_mm: 6.0, sensor_mm: [4.8, 3.6], alpha: 35, "
+    "side: "
+    "left }  # front\n"
+    "  right: { image_size: [1280, 960], fx: 900, fy: 900, cx: 640, cy: 480, yaw: -90 }\n"
+    "vehicle: { height: 0.24 }\n";
+
+// What a run with everything left in this folder, run once.
+struct GoodRun {
+  TemporaryFolder folder;
+  ProgramOutput output;
+  json summary;
+
+  GoodRun() {
+    REQUIRE(write_file(file("rig.yaml"), kRig));
+    output = run_calibrate(good_board() + good_photos() + "--json -o " +
+                           file("cameras/left.yaml").string() + " --html " +
+                           file("page.html").string() + " --drawing " + file("sheet.svg").string() +
+                           " --rig " + file("rig.yaml").string() + " --camera left");
+    REQUIRE_MESSAGE(output.exit_code == 0, output.out << output.err);
+    summary = json_lines(output.out).back()["summary"];
+  }
+
+  fs::path file(const char* name) const { return folder.path() / name; }
+};
+
+const GoodRun& good_run() {
+  static const GoodRun run;
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("good photos make a camera within its sigmas") {
+  const GoodRun& run = good_run();
+  const json& summary = run.summary;
+  check_by_schema(run.output.out);
+  CHECK(json_lines(run.output.out).size() == 13);
+  CHECK(summary["verdict"] == "good");
+  const Camera truth = photo_camera();
+  const auto within = [](double value, double expected, double sigma) {
+    CAPTURE(value);
+    CAPTURE(expected);
+    CHECK(std::abs(value - expected) < 4 * sigma);
+  };
+  within(summary["camera"]["fx"], truth.fx, summary["sigma"]["fx"]);
+  within(summary["camera"]["cx"], truth.cx, summary["sigma"]["cx"]);
+  within(summary["camera"]["cy"], truth.cy, summary["sigma"]["cy"]);
+  within(summary["camera"]["distortion"][0], truth.distortion[0],
+         summary["sigma"]["distortion"][0]);
+  CHECK(summary["sigma"]["fx"] < 0.3);
+
+  const auto reading = read_calibration({run.file("cameras/left.yaml"), "", std::nullopt});
+  REQUIRE(reading.has_value());
+  REQUIRE(reading->camera.has_value());
+  CHECK(reading->camera->fx == summary["camera"]["fx"]);
+  CHECK(reading->camera->width == truth.width);
+  CHECK(reading->camera->distortion[1] == summary["camera"]["distortion"][1]);
+}
+
+TEST_CASE("page and drawing say the verdict and show every photo") {
+  const GoodRun& run = good_run();
+  CHECK(run.summary["files"].size() == 4);
+  const std::string page = read_file(run.file("page.html")).value();
+  CHECK(has(page, "<p class=\"verdict good\">good</p>"));
+  CHECK(has(page, "photo11.png"));
+  CHECK_FALSE(has(page, "http://"));
+  CHECK(has(read_file(run.file("sheet.svg")).value(), "Verdict: good"));
+}
+
+TEST_CASE("the words say numbers, sigmas, the form and the lines for the rig") {
+  const TemporaryFolder folder;
+  const ProgramOutput output = run_calibrate(good_board() + good_photos() + "--format ros -o " +
+                                             (folder.path() / "left.yaml").string());
+  REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+  for (const char* words :
+       {"12 of 12 photos of 960 x 720 pixels used", "lens form: perspective", "runner-up", "  cx ",
+        "sigma", "calibration: ", "sigma: { focal: ", "verdict: good"}) {
+    CHECK_MESSAGE(has(output.out, words), words << "\n" << output.out);
+  }
+  CHECK(has(read_file(folder.path() / "left.yaml").value(), "distortion_model: plumb_bob"));
+}
+
+TEST_CASE("three frontal photos make no camera") {
+  const TemporaryFolder folder;
+  const Camera camera = photo_camera();
+  for (int i = 0; i < 3; ++i) {
+    const BoardStance stance{{400.0 + 60 * i, 360.0}, 0.7, 0.01 * i, 0.02, 0};
+    write_photo(folder.path() / ("front" + std::to_string(i) + ".png"), camera, plate_board(),
+                stance, static_cast<std::uint64_t>(i));
+  }
+  const fs::path file = folder.path() / "out" / "camera.yaml";
+  const ProgramOutput output =
+      run_calibrate(good_board() + folder.path().string() + " --json -o " + file.string());
+  CHECK(output.exit_code == 1);
+  CHECK_FALSE(fs::exists(file));
+  CHECK(has(output.err, "was not written: the calibration is refused"));
+  check_by_schema(output.out);
+  const json summary = json_lines(output.out).back()["summary"];
+  CHECK(summary["verdict"] == "refused");
+  bool frontal = false;
+  for (const json& finding : summary["findings"]) frontal |= finding["rule"] == "all_frontal";
+  CHECK(frontal);
+}
+
+TEST_CASE("photos without the board are named; without any there is no camera") {
+  const TemporaryFolder folder;
+  const fs::path empty = folder.path() / "empty.png";
+  write_photo(empty, photo_camera(), plate_board(0, 77), {{480, 360}, 0.7, 0.3, 0.1, 0}, 1);
+  const ProgramOutput with = run_calibrate(good_board() + some_photos() + empty.string());
+  CHECK(with.exit_code != 2);
+  CHECK(has(with.out, "no tag of a board: " + empty.string()));
+
+  const ProgramOutput without = run_calibrate(good_board() + empty.string() + " --json");
+  CHECK(without.exit_code == 1);
+  check_by_schema(without.out);
+  const json summary = json_lines(without.out).back()["summary"];
+  CHECK(summary["verdict"] == "refused");
+  CHECK(has(summary["reason"], "0 of the boards' tags read in 1 photos"));
+  CHECK(has(without.err, "0 of the boards' tags"));
+}
+
+TEST_CASE("a photo of another size, a broken one and a wrong board are refused by name") {
+  const TemporaryFolder folder;
+  const fs::path other = folder.path() / "other.png";
+  Camera camera = photo_camera();
+  camera.width = 800;
+  write_photo(other, camera, plate_board(), {{400, 360}, 0.7, 0.3, 0.1, 0}, 1);
+  const ProgramOutput sizes = run_calibrate(good_board() + some_photos() + other.string());
+  CHECK(sizes.exit_code == 2);
+  CHECK(has(sizes.err, other.string() + ": is 800 x 720 pixels, expected 960 x 720"));
+
+  const fs::path broken = folder.path() / "broken.png";
+  REQUIRE(write_file(broken, "no picture"));
+  const std::string gone = (folder.path() / "gone.png").string();
+  const ProgramOutput unreadable =
+      run_calibrate(good_board() + some_photos() + broken.string() + " " + gone);
+  CHECK(unreadable.exit_code == 2);
+  CHECK(has(unreadable.err, broken.string()));
+  CHECK(has(unreadable.err, gone));
+
+  const fs::path board = folder.path() / "board.yaml";
+  REQUIRE(write_file(board, "board: b\nsheet: [1\n"));
+  CHECK(run_calibrate("--board " + board.string() + " " + some_photos()).exit_code == 2);
+}
+
+TEST_CASE("a board whose file is of another print does not pass for good") {
+  const TemporaryFolder folder;
+  std::string text = read_file(good_set() / "board.yaml").value();
+  // Said to be a third of a percent wider than it is, and as high.
+  const std::size_t at = text.find("a_b_mm: 584, a_c_mm: 384, sigma_mm");
+  REQUIRE(at != std::string::npos);
+  const std::size_t line = text.rfind("# measured", at);
+  text.replace(line, std::string("# measured").size(), "measured");
+  text.replace(text.find("a_b_mm: 584, a_c_mm: 384, sigma_mm"), 11, "a_b_mm: 586");
+  const fs::path board = folder.path() / "board.yaml";
+  REQUIRE(write_file(board, text));
+  const ProgramOutput output =
+      run_calibrate("--board " + board.string() + " " + good_photos() + " --json");
+  REQUIRE_MESSAGE(output.exit_code == 1, output.err);
+  const json summary = json_lines(output.out).back()["summary"];
+  CHECK(summary["verdict"] != "good");
+  bool named = false;
+  for (const json& finding : summary["findings"]) named |= finding["rule"] == "board_stretched";
+  CHECK_MESSAGE(named, summary["findings"].dump());
+}
+
+TEST_CASE("two boards of one serial are refused before photos are read") {
+  const TemporaryFolder folder;
+  const fs::path twin = write_board(folder.path() / "twin.yaml", plate_board());
+  const ProgramOutput output =
+      run_calibrate(good_board() + "--board " + twin.string() + " /nowhere.png");
+  CHECK(output.exit_code == 2);
+  CHECK(has(output.err, "a serial of its own"));
+}
+
+TEST_CASE("--rig takes the camera over, keeps comments and loads") {
+  const GoodRun& run = good_run();
+  const json& summary = run.summary;
+  const Result<Rig> loaded = load_rig(run.file("rig.yaml"));
+  REQUIRE_MESSAGE(loaded.has_value(), loaded.error().message);
+  const RigCamera* left = find_camera(*loaded, "left");
+  REQUIRE(left != nullptr);
+  CHECK(left->camera.fx == summary["camera"]["fx"]);
+  CHECK(left->calibration_sigma.focal ==
+        doctest::Approx(summary["rig_sigma"]["focal"].get<double>()).epsilon(0.06));
+  CHECK(left->calibration_sigma.center ==
+        doctest::Approx(summary["rig_sigma"]["center"].get<double>()).epsilon(0.06));
+  const std::string text = read_file(run.file("rig.yaml")).value();
+  CHECK(has(text, "calibration: cameras/left.yaml"));
+  CHECK(has(text, "  # bought in May\n"));
+  CHECK(has(text, "alpha: 35, side: left }  # front\n"));
+  CHECK(has(text, "cx: 640, cy: 480, yaw: -90 }\n"));
+}
+
+TEST_CASE("a rig that cannot take the camera stays as it is, and nothing is written") {
+  const TemporaryFolder folder;
+  const fs::path rig = folder.path() / "rig.yaml";
+  REQUIRE(write_file(rig, kRig));
+  const fs::path file = folder.path() / "camera.yaml";
+  const std::string into = "-o " + file.string() + " --rig " + rig.string() + " --camera ";
+  // Found out before any photo is read.
+  const ProgramOutput front = run_calibrate(good_board() + "/nowhere.png " + into + "front");
+  CHECK(front.exit_code == 2);
+  CHECK(has(front.err, "no camera `front`"));
+  // The photos are of another size than the vehicle's pictures.
+  const ProgramOutput right = run_calibrate(good_board() + good_photos() + into + "right");
+  CHECK(right.exit_code == 2);
+  CHECK(has(right.err, "image_size is 1280 x 960"));
+  CHECK(read_file(rig).value() == kRig);
+  CHECK_FALSE(fs::exists(file));
+  CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("wrong use is refused with what is right") {
+  const TemporaryFolder folder;
+  struct Row {
+    std::string arguments;
+    const char* words;
+  };
+  const std::string photo = (good_set() / "photos" / "photo00.png").string();
+  for (const Row& row :
+       {Row{photo, "--board"}, Row{good_board(), "PHOTO"},
+        Row{good_board() + photo + " -o o.yaml --rig r.yaml", "--camera"},
+        Row{good_board() + photo + " --drawing a.bmp", ".pdf, .svg or .png"},
+        Row{good_board() + photo + " --camera 1st", "--camera 1st"},
+        Row{good_board() + photo + " --format xml", "opencv"},
+        Row{good_board() + photo + " -o " + photo, "would replace the photo"},
+        Row{good_board() + photo + " -o " + (good_set() / "board.yaml").string(),
+            "would replace the board"},
+        Row{good_board() + photo + " -o x.yaml --html x.yaml", "a name of its own"}}) {
+    CAPTURE(row.arguments);
+    const ProgramOutput output = run_calibrate(row.arguments);
+    CHECK(output.exit_code == 2);
+    CHECK_MESSAGE(has(output.err, row.words), output.err);
+  }
+}
