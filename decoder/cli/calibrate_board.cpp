@@ -22,8 +22,8 @@
 #include "decoder/cli/file_list.hpp"
 #include "decoder/image/load.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
-#include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/cli/staged_files.hpp"
@@ -113,6 +113,14 @@ Result<void> check_rig(const Options& options) {
 }
 
 Result<void> check_options(const Options& options) {
+  if (options.photos.empty() || options.boards.empty()) {
+    return fail(
+        "PHOTO and --board are required: photos of a board and its file; or, for where "
+        "cameras look, --survey, --rig and --run");
+  }
+  if (!options.rig.empty() && (options.output.empty() || options.camera.empty())) {
+    return fail("--rig takes the camera's file over: --output and --camera are required with it");
+  }
   if (auto named = check_name(camera_name(options)); !named) return named;
   if (!options.drawing.empty() && !sheet_format_of(options.drawing)) {
     return fail("--drawing " + options.drawing +
@@ -360,45 +368,6 @@ Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
   }
   if (!outcome->result) return report_no_camera(options, list->files.size(), outcome->none);
   return report(options, *outcome->result);
-}
-
-std::vector<CommandOption> board_calibration_options(BoardCalibrationOptions& options) {
-  return {{.names = "PHOTO",
-           .target = &options.photos,
-           .help = "Photos of the board by one camera, folders of them, or - for a list of files "
-                   "on standard input",
-           .kind = ValueKind::picture,
-           .required = true},
-          {.names = "--board",
-           .target = &options.boards,
-           .help = "The board's file, as `tagsmith board` wrote it and you completed it; several "
-                   "boards must differ in their serials",
-           .placeholder = "BOARD.yaml",
-           .kind = ValueKind::file,
-           .required = true},
-          file_option("-o,--output", &options.output, "The camera's file"),
-          {.names = "--format",
-           .target = &options.format,
-           .help = "Of the camera's file: opencv (FileStorage), ros (camera_info) or kalibr "
-                   "(camchain)",
-           .shows_default = true,
-           .choices = {"opencv", "ros", "kalibr"}},
-          {.names = "--rig",
-           .target = &options.rig,
-           .help = "Write the camera's file and its sigmas into this rig, comments kept",
-           .placeholder = "RIG",
-           .kind = ValueKind::rig,
-           .needs = {"--output", "--camera"}},
-          {.names = "--camera",
-           .target = &options.camera,
-           .help = "The camera's name, in the rig and in files of ros and kalibr (default: camera)",
-           .placeholder = "NAME"},
-          file_option("--html", &options.html,
-                      "A page: verdict, coverage, residuals, distortion, photos"),
-          file_option("--drawing", &options.drawing,
-                      "The same pictures as a sheet: FILE.pdf, FILE.svg or FILE.png"),
-          json_flag(options.json, "One JSON object a photo, then the summary"),
-          jobs_option(options.jobs, "Photos read at once")};
 }
 
 }  // namespace tagsmith::detail

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
-#include "tagsmith/cli/command.hpp"
 
 namespace tagsmith::detail {
 
@@ -17,13 +16,11 @@ struct BoardCalibrationOptions {
   std::string format = "opencv";  // of the output
   std::string html;
   std::string drawing;
-  std::string rig;     // empty = none is changed
+  std::string rig;     // takes the camera over; empty = none
   std::string camera;  // empty = "camera"
   bool json = false;
   int jobs = 0;
 };
-
-std::vector<CommandOption> board_calibration_options(BoardCalibrationOptions& options);
 
 // Reads, fits, prints and writes; the exit code. Fails on wrong use and on what cannot be read.
 Result<int> calibrate_by_boards(const BoardCalibrationOptions& options);

@@ -291,7 +291,10 @@ TEST_CASE("wrong use is refused with what is right") {
   };
   const std::string photo = (good_set() / "photos" / "photo00.png").string();
   for (const Row& row :
-       {Row{photo, "--board"}, Row{good_board(), "PHOTO"},
+       {Row{photo, "PHOTO and --board are required"},
+        Row{good_board(), "PHOTO and --board are required"},
+        Row{good_board() + photo + " --survey s.yaml --rig r.yaml --run r.csv", "excludes"},
+        Row{photo + " --survey s.yaml --rig r.yaml --run r.csv", "give one"},
         Row{good_board() + photo + " -o o.yaml --rig r.yaml", "--camera"},
         Row{good_board() + photo + " --drawing a.bmp", ".pdf, .svg or .png"},
         Row{good_board() + photo + " --camera 1st", "--camera 1st"},

@@ -9,6 +9,7 @@
 
 #include "decoder/image/load.hpp"
 #include "tagsmith/render/pdf.hpp"
+#include "tagsmith/render/picture_sheet.hpp"
 #include "tagsmith/render/png.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
@@ -189,6 +190,21 @@ TEST_CASE("a drawing of nothing, and of points that are nowhere, is refused") {
   DrawingView view = square_view();
   view.sketch.layer("outline").add(Dot{Vector2d(0, std::nan("")), 0.001, {}});
   CHECK_FALSE(lay_out_sheets({"t", "s"}, std::vector{view}));
+}
+
+TEST_CASE("a sketch by itself is as large as its ink, with a margin") {
+  Sketch sketch;
+  const Eigen::Vector2d from(-0.010, -0.020), to(0.030, 0.005);
+  sketch.layer("a").add(
+      Area{{from, Eigen::Vector2d(to.x(), from.y()), to, Eigen::Vector2d(from.x(), to.y())}, {}});
+  const Sheet sheet = picture_sheet(sketch, "areas");
+  CHECK(sheet.title == "areas");
+  CHECK(sheet.width == doctest::Approx(0.044));
+  CHECK(sheet.height == doctest::Approx(0.029));
+  REQUIRE(sheet.layers.size() == 1);
+  const auto& area = std::get<SheetArea>(sheet.layers[0].items.at(0));
+  CHECK(area.outlines.at(0).at(0).isApprox(Eigen::Vector2d(0.002, 0.027)));
+  CHECK(picture_sheet({}, "").width == 0);
 }
 
 TEST_CASE("a picture stands in PNG as its pixels and in SVG as its JPEG") {

@@ -65,6 +65,14 @@ TEST_CASE("centred text has its middle at its place") {
   CHECK(std::abs(box.left + box.right) < 2e-5);
 }
 
+TEST_CASE("a text is broken at its spaces into lines that fit, whole words alone") {
+  const std::string text = "one two three incomprehensibilities four";
+  const double width = text_width("one two", 0.002) * 1.01;
+  CHECK(lines_of(text, width, 0.002) ==
+        std::vector<std::string>{"one two", "three", "incomprehensibilities", "four"});
+  CHECK(lines_of("", width, 0.002).empty());
+}
+
 TEST_CASE("any bytes become printable text") {
   CHECK(printable_text("Stollen \u00c4") == "Stollen \u00c4");
   CHECK(printable_text("a\nb\tc\x7f"

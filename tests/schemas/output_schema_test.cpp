@@ -68,7 +68,7 @@ TEST_CASE("every key of the outputs is described") {
       FAIL_CHECK(name << ": " << key);
     }
   }
-  CHECK(names.size() == 14);
+  CHECK(names.size() == 15);
 }
 
 TEST_CASE("read, verify and report print what their schemas say") {
@@ -97,7 +97,7 @@ TEST_CASE("read, verify and report print what their schemas say") {
                             .out);
 }
 
-TEST_CASE("localize and simulate print what their schemas say") {
+TEST_CASE("localize, calibrate and simulate print what their schemas say") {
   const TemporaryFolder folder;
   const std::string localize = "localize --json " + kSurvey + kRig + kRun;
   check_lines("localize", run_tagsmith(localize + " --method both --explain").out);
@@ -107,6 +107,8 @@ TEST_CASE("localize and simulate print what their schemas say") {
   check_lines("localize", run_shell("echo '{}' | \"$TAGSMITH_PROGRAM\" localize --json --follow " +
                                     kSurvey + kRig)
                               .out);
+  // What it prints of boards is judged where the photos of boards are.
+  check_lines("calibrate", run_tagsmith("calibrate --json --survey " + kSurvey + kRig + kRun).out);
   const std::string output = (folder.path() / "simulated").string();
   check_lines("simulate",
               run_tagsmith("simulate --json " + kSurvey + kRig + kRun + " -o " + output).out);
