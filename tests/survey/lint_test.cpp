@@ -228,17 +228,18 @@ TEST_CASE("digits that say another tag's place are told, with the tag") {
     const TemporaryFolder folder;
     const std::string text = replaced(survey_of(tags), "resolution: 0.01", resolution);
     const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
+    REQUIRE_MESSAGE(reading->survey, to_string(reading->diagnostics));
     return to_string(reading->survey->tags[static_cast<std::size_t>(2 * pair)].digits);
   };
-  const auto exchange = [&](const std::string& resolution) {
+  const auto exchange = [&](const std::string& resolution, int one, int another) {
     std::string text = replaced(survey_of(tags), "resolution: 0.01", resolution);
-    for (const auto& [pair, other] : {std::pair{10, 12}, std::pair{12, 10}}) {
+    for (const auto& [pair, other] : {std::pair{one, another}, std::pair{another, one}}) {
       const std::string name = fmt::format("{{ tag: {:03}L, ", pair);
       text = replaced(text, name, name + "digits: \"" + digits_of(other, resolution) + "\", ");
     }
     return findings_of(text);
   };
-  const auto findings = exchange("resolution: 0.01");
+  const auto findings = exchange("resolution: 0.01", 10, 12);
   CHECK(count_findings(findings, "exchanged-code") == 2);
   CHECK(count_findings(findings, "exchanged-code", kFirstTagLine + 20) == 1);
   for (const Diagnostic& finding : findings) {
@@ -248,8 +249,8 @@ TEST_CASE("digits that say another tag's place are told, with the tag") {
     CHECK(finding.message.find("012L", own) != std::string::npos);
   }
   CHECK(count_findings(findings_of(survey_of(tags)), "exchanged-code") == 0);
-  // 1.6 m apart: codes of 1 m cannot tell.
-  const auto coarse = exchange("resolution: [0.5, 1.0, 0.5]");
+  // 0.8 m apart: codes of 0.7 m, which are different, cannot tell.
+  const auto coarse = exchange("resolution: [0.5, 0.7, 0.5]", 10, 11);
   CHECK(count_findings(coarse, "exchanged-code") == 0);
 }
 
