@@ -186,7 +186,7 @@ int calibrate_mounting(const CalibrateMountingOptions& options) {
   const std::vector<Observation> rows = observe_all(*input, options.jobs);
   const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
   if (!fit) {
-    to_stderr("{}: {}: {}\n", kName, options.run.string(), fit.error().message);
+    to_stderr("tagsmith {}: {}: {}\n", kName, options.run.string(), fit.error().message);
     return kExitFindings;
   }
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_calibration.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tests/calibrate_command/board_photo_files.hpp"
@@ -308,4 +309,36 @@ TEST_CASE("wrong use is refused with what is right") {
     CHECK(output.exit_code == 2);
     CHECK_MESSAGE(has(output.err, row.words), output.err);
   }
+}
+
+TEST_CASE("a drive tells where cameras look, and the rig is written with it") {
+  const TemporaryFolder folder;
+  const auto rig = read_file("surveys/corridor/rig.yaml");
+  REQUIRE(rig.has_value());
+  std::string text = *rig;
+  const std::string alpha = "alpha: 35, side: left";
+  text.replace(text.find(alpha), alpha.size(), "alpha: 15, side: left");
+  const fs::path stated = folder.path() / "stated.yaml";
+  const fs::path fitted = folder.path() / "fitted.yaml";
+  REQUIRE(write_file(stated, text).has_value());
+  const std::string drive = "calibrate --survey surveys/corridor/survey.yaml --rig '" +
+                            stated.string() + "' -o '" + fitted.string() + "' --run ";
+  const ProgramOutput output = run_tagsmith(drive + "surveys/corridor/run.csv");
+  CHECK_MESSAGE(output.exit_code == 0, output.err);
+  const auto loaded = load_rig(fitted);
+  REQUIRE_MESSAGE(loaded.has_value(), loaded.error().message);
+  const MountingAngles left = mounting_angles(loaded->cameras[0].vehicle_from_camera);
+  CHECK(std::abs(degrees(left.yaw) - 55) < 0.02);
+  CHECK(std::abs(degrees(left.pitch)) < 0.02);
+  CHECK(std::abs(degrees(left.roll)) < 0.02);
+  CHECK(read_file(fitted)->find("# The crawler of the corridor experiment") == 0);
+
+  fs::remove(fitted);
+  const std::string photo = fs::absolute("surveys/corridor/photos/corridor_01_left.jpg").string();
+  const fs::path short_run = folder.path() / "short.csv";
+  REQUIRE(write_file(short_run, "id,left\n1," + photo + "\n2," + photo + "\n").has_value());
+  const ProgramOutput untold = run_tagsmith(drive + "'" + short_run.string() + "'");
+  CHECK(untold.exit_code == 1);
+  CHECK(untold.err.find("2 of 2 rows") != std::string::npos);
+  CHECK_FALSE(fs::exists(fitted));
 }
