@@ -36,12 +36,6 @@ Matrix3d across(const Vector3d& v) {
   return matrix;
 }
 
-Matrix3d rotation_of(const Vector3d& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-}
-
 // --- one tag ---
 
 // Which way ink grows over the inner corners P, F, lower right, Q.

@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
-
-#include <Eigen/Geometry>
 
 #include "tagsmith/base/chi_square.hpp"
 #include "tagsmith/base/quantile.hpp"
@@ -18,10 +15,8 @@
 namespace tagsmith::detail {
 namespace {
 
-using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
 
 // How far a vehicle's heading strays from the drive's where the rig's envelope does not say.
 constexpr double kUsualYaw = radians(5);
@@ -65,10 +60,6 @@ VehiclePrior prior_at(const Survey& survey, const Rig& rig, const Vector3d& plac
 
 // --- where the search starts ---
 
-double angle_between(const Matrix3d& a, const Matrix3d& b) {
-  return Eigen::AngleAxisd(a.transpose() * b).angle();
-}
-
 // The attitudes on the vehicle that a sighting allows its camera, were the vehicle level and along
 // the drive.
 std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const SightedPlate& plate,
@@ -109,27 +100,13 @@ CalibrationLayout layout_for(const std::vector<ParameterSigmas>& sigmas) {
   return layout;
 }
 
-Matrix3d turned_by(const Vector3d& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-}
-
 // The cameras as the adjustment has them.
 Rig fitted_rig(Rig rig, const CalibrationLayout& layout, const Eigen::VectorXd& calibration) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    CalibrationVector change = CalibrationVector::Zero();
-    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-      const int place = layout.places[c][i];
-      if (place >= 0) change[static_cast<Index>(i)] = calibration[place];
-    }
     RigCamera& camera = rig.cameras[c];
-    camera.vehicle_from_camera.translation += change.head<3>();
-    camera.vehicle_from_camera.rotation *= turned_by(change.segment<3>(3));
-    camera.camera.fx *= 1 + change[6];
-    camera.camera.fy *= 1 + change[6];
-    camera.camera.cx += change[7];
-    camera.camera.cy += change[8];
+    const CalibratedCamera fitted = calibrated(camera, layout, c, calibration);
+    camera.camera = fitted.camera;
+    camera.vehicle_from_camera = fitted.vehicle_from_camera;
   }
   return rig;
 }
@@ -220,8 +197,7 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
     const auto& vehicle = fit.adjustment.vehicles[s];
     if (!vehicle) continue;
     const VehiclePrior& prior = *problem.stations[s].prior;
-    const double askew =
-        std::remainder(vehicle->heading - prior.mean.heading, 2 * std::numbers::pi);
+    const double askew = wrapped_angle(vehicle->heading - prior.mean.heading);
     fit.heading_chi_square += std::pow(askew / prior.sigma[vehicle_parameter::kHeading], 2);
     fit.mean_attitude +=
         Vector3d(askew, vehicle->pitch - prior.mean.pitch, vehicle->roll - prior.mean.roll);

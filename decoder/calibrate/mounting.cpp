@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -101,10 +100,7 @@ Pose in_own_axes(const DriveFit& fitted, std::size_t camera) {
     const bool is_held = fitted.layout.places[camera][static_cast<std::size_t>(i)] < 0;
     if (!is_held) pose.translation[i] += shift_by_turn(fitted, camera, i, turn);
   }
-  if (turn.norm() > 0) {
-    pose.rotation =
-        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * pose.rotation;
-  }
+  pose.rotation = rotation_of(turn) * pose.rotation;
   return pose;
 }
 
@@ -115,11 +111,9 @@ Matrix3d angles_by_turn(const Pose& vehicle_from_camera) {
   Matrix3d result;
   for (Index i = 0; i < 3; ++i) {
     Pose moved = vehicle_from_camera;
-    moved.rotation *= Eigen::AngleAxisd(kStep, Vector3d::Unit(i)).toRotationMatrix();
+    moved.rotation *= rotation_of(kStep * Vector3d::Unit(i));
     const MountingAngles angles = mounting_angles(moved);
-    const auto change = [](double to, double from) {
-      return std::remainder(to - from, 2 * std::numbers::pi) / kStep;
-    };
+    const auto change = [](double to, double from) { return wrapped_angle(to - from) / kStep; };
     result.col(i) << change(angles.yaw, at.yaw), change(angles.pitch, at.pitch),
         change(angles.roll, at.roll);
   }
@@ -238,19 +232,6 @@ Result<MountingFit> fit_mounting(std::span<const Observation> rows, const Survey
     if (!hold_worst(*fitted, held)) return result_of(*fitted, drive, survey, held, left_out);
   }
   return fail("the tags contradict each other in too many rows");
-}
-
-Rig with_mountings(Rig rig, const MountingFit& fit) {
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    const FittedMounting& mounting = fit.cameras[c];
-    rig.cameras[c].vehicle_from_camera = mounting.vehicle_from_camera;
-    CalibrationSigma& sigma = rig.cameras[c].calibration_sigma;
-    const double position = mounting.sigma.head<3>().maxCoeff();
-    const double angle = mounting.sigma.tail<3>().maxCoeff();
-    if (position > 0) sigma.position = position;
-    if (angle > 0) sigma.angle = angle;
-  }
-  return rig;
 }
 
 }  // namespace tagsmith::detail

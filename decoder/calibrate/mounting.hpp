@@ -62,7 +62,4 @@ struct MountingFit {
 Result<MountingFit> fit_mounting(std::span<const Observation> rows, const Survey& survey,
                                  const Rig& rig);
 
-// The rig with the fitted mountings, and their sigmas where they are greater than 0.
-Rig with_mountings(Rig rig, const MountingFit& fit);
-
 }  // namespace tagsmith::detail

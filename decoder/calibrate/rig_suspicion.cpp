@@ -98,12 +98,10 @@ double value_of(const MountingAngles& angles, RigParameter parameter) {
                                             : angles.roll;
 }
 
-double turned(double to, double from) { return std::remainder(to - from, 2 * std::numbers::pi); }
-
 // The angle that a turn about one of the camera's axes changes most.
 RigParameter angle_changed(const MountingAngles& from, const MountingAngles& to) {
   const auto change = [&](RigParameter parameter) {
-    return std::abs(turned(value_of(to, parameter), value_of(from, parameter)));
+    return std::abs(wrapped_angle(value_of(to, parameter) - value_of(from, parameter)));
   };
   return std::ranges::max({RigParameter::yaw, RigParameter::pitch, RigParameter::roll}, {}, change);
 }
@@ -121,7 +119,8 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, std::size_t parameter,
   const MountingAngles to = mounting_angles(fitted.vehicle_from_camera);
   suspect.parameter = angle_changed(from, to);
   suspect.stated = value_of(from, suspect.parameter);
-  suspect.expected = suspect.stated + turned(value_of(to, suspect.parameter), suspect.stated);
+  suspect.expected =
+      suspect.stated + wrapped_angle(value_of(to, suspect.parameter) - suspect.stated);
   return suspect;
 }
 

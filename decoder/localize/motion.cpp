@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
@@ -40,8 +41,6 @@ MotionCovariance noise_over(double dt, const MotionModel& motion) {
 }
 
 }  // namespace
-
-double wrapped_angle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 std::optional<MeasuredPlace> measured_by(const Fix& fix) {
   if (!fix.position_in_grid) return std::nullopt;

@@ -82,6 +82,4 @@ bool take_in(TrackTags& tags, const MotionEstimate& predicted, const MotionUpdat
 // The fix with the motion's confirmation.
 Fix confirmed_by_motion(Fix fix);
 
-double wrapped_angle(double angle);  // radians, within half a turn either way
-
 }  // namespace tagsmith::detail

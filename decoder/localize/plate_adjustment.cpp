@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -13,6 +12,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
@@ -70,12 +70,6 @@ VehiclePose stepped(VehiclePose vehicle, const Vector6& step) {
   vehicle.pitch += step[vehicle_parameter::kPitch];
   vehicle.roll += step[vehicle_parameter::kRoll];
   return vehicle;
-}
-
-Eigen::Matrix3d rotation_of(const Vector3d& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
 }
 
 Vector3d turn_of(const Eigen::Matrix3d& rotation) {
@@ -402,8 +396,8 @@ class Network {
   static Vector6 whitened(const VehiclePrior& prior, const VehiclePose& vehicle) {
     Vector6 off;
     off << vehicle.position - prior.mean.position,
-        std::remainder(vehicle.heading - prior.mean.heading, 2 * std::numbers::pi),
-        vehicle.pitch - prior.mean.pitch, vehicle.roll - prior.mean.roll;
+        wrapped_angle(vehicle.heading - prior.mean.heading), vehicle.pitch - prior.mean.pitch,
+        vehicle.roll - prior.mean.roll;
     return off.cwiseQuotient(prior.sigma);
   }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -67,9 +66,8 @@ double squared_distance(const JointFit& a, const JointFit& b) {
   Eigen::Matrix<double, 6, 1> difference;
   const VehiclePose& from = a.state.vehicle;
   const VehiclePose& to = b.state.vehicle;
-  difference << to.position - from.position,
-      std::remainder(to.heading - from.heading, 2 * std::numbers::pi), to.pitch - from.pitch,
-      to.roll - from.roll;
+  difference << to.position - from.position, wrapped_angle(to.heading - from.heading),
+      to.pitch - from.pitch, to.roll - from.roll;
   return squared_mahalanobis(difference, spread) / 2;
 }
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -14,9 +14,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 Vector6 difference(const VehiclePose& from, const VehiclePose& to) {
   Vector6 apart;
-  apart << to.position - from.position,
-      std::remainder(to.heading - from.heading, 2 * std::numbers::pi), to.pitch - from.pitch,
-      to.roll - from.roll;
+  apart << to.position - from.position, wrapped_angle(to.heading - from.heading),
+      to.pitch - from.pitch, to.roll - from.roll;
   return apart;
 }
 

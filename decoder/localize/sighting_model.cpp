@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/localize/sighting_model.hpp"
 
-#include <Eigen/Geometry>
-
 #include "decoder/localize/plate_pose.hpp"
 
 namespace tagsmith::detail {
@@ -18,34 +16,6 @@ CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
   sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
       sigma.focal, sigma.center, sigma.center;
   return sigmas;
-}
-
-// The camera as these calibration errors leave it.
-struct CalibratedCamera {
-  Camera camera;
-  Pose vehicle_from_camera;
-};
-
-CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
-                            std::size_t index, const VectorXd& calibration) {
-  CalibratedCamera result{camera.camera, camera.vehicle_from_camera};
-  if (calibration.size() == 0) return result;
-  CalibrationVector errors = CalibrationVector::Zero();
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const int place = layout.places[index][i];
-    if (place >= 0) errors[static_cast<Index>(i)] = calibration[place];
-  }
-  const Vector3d turn = errors.segment<3>(3);
-  result.vehicle_from_camera.translation += errors.head<3>();
-  if (turn.norm() > 0) {
-    result.vehicle_from_camera.rotation *=
-        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  }
-  result.camera.fx *= 1 + errors[6];
-  result.camera.fy *= 1 + errors[6];
-  result.camera.cx += errors[7];
-  result.camera.cy += errors[8];
-  return result;
 }
 
 std::array<Vector3d, 4> corners_in_plate(const SightedPlate& plate) {
@@ -69,6 +39,24 @@ CalibrationLayout calibration_layout(const Rig& rig) {
     layout.places.push_back(places);
   }
   return layout;
+}
+
+CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
+                            std::size_t index, const VectorXd& calibration) {
+  CalibratedCamera result{camera.camera, camera.vehicle_from_camera};
+  if (calibration.size() == 0) return result;
+  CalibrationVector errors = CalibrationVector::Zero();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const int place = layout.places[index][i];
+    if (place >= 0) errors[static_cast<Index>(i)] = calibration[place];
+  }
+  result.vehicle_from_camera.translation += errors.head<3>();
+  result.vehicle_from_camera.rotation *= rotation_of(errors.segment<3>(3));
+  result.camera.fx *= 1 + errors[6];
+  result.camera.fy *= 1 + errors[6];
+  result.camera.cx += errors[7];
+  result.camera.cy += errors[8];
+  return result;
 }
 
 std::optional<SightingRows> sighting_rows(const Rig& rig, const CalibrationLayout& layout,

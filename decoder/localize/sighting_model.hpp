@@ -57,6 +57,15 @@ struct CalibrationLayout {
 
 CalibrationLayout calibration_layout(const Rig& rig);
 
+struct CalibratedCamera {
+  Camera camera;
+  Pose vehicle_from_camera;
+};
+
+// The rig's camera (by index) as these errors of the layout's parameters leave it; empty = none.
+CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& layout,
+                            std::size_t index, const Eigen::VectorXd& calibration);
+
 // Where a sighting's corners should be, pixels, and the derivatives (observation_model.hpp).
 struct SightingRows {
   Eigen::Matrix<double, kSightingRows, 1> predicted;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +12,7 @@
 #include <fmt/core.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -138,15 +137,8 @@ std::string millimetres(double metres) { return fmt::format("{:.0f} mm", 1e3 * m
 Pose hung_pose(const SightedPlate& plate, const PlateOffset& offset) {
   Pose pose = plate.world_from_plate;
   pose.translation += offset.shift;
-  const double angle = offset.turn.norm();
-  if (angle > 0) {
-    pose.rotation *= Eigen::AngleAxisd(angle, offset.turn / angle).toRotationMatrix();
-  }
+  pose.rotation *= rotation_of(offset.turn);
   return pose;
-}
-
-double angle_between(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return Eigen::AngleAxisd(a.transpose() * b).angle();
 }
 
 // The tag in whose place the pose is: a plate's gap or a hand away, much less than a plate.

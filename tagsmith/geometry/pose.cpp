@@ -26,4 +26,14 @@ Eigen::Matrix3d rotation_from_yaw_pitch_roll(double yaw, double pitch, double ro
       .toRotationMatrix();
 }
 
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+double angle_between(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a.transpose() * b).angle();
+}
+
 }  // namespace tagsmith::detail

@@ -24,4 +24,10 @@ Pose inverse(const Pose& a_from_b);
 // left, pitch positive nose down, roll positive to the right (REP-103).
 Eigen::Matrix3d rotation_from_yaw_pitch_roll(double yaw, double pitch, double roll);
 
+// The rotation by this rotation vector: about its direction by its length, radians.
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& turn);
+
+// The angle of the rotation that leads from one to the other, radians.
+double angle_between(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
+
 }  // namespace tagsmith::detail

@@ -19,13 +19,6 @@
 namespace tagsmith::detail {
 namespace {
 
-const YamlNode* value_at(const YamlNode& map, std::string_view key) {
-  for (std::size_t i = 0; i < map.keys.size(); ++i) {
-    if (map.keys[i].text == key) return &map.items[i];
-  }
-  return nullptr;
-}
-
 // The camera's map in the rig file's text.
 Result<YamlNode> camera_map(std::string_view rig_text, const std::string& camera) {
   FindingLog log("the rig");

@@ -18,13 +18,6 @@ struct Replacement {
   std::string text;
 };
 
-const YamlNode* value_at(const YamlNode& map, std::string_view key) {
-  for (std::size_t i = 0; i < map.keys.size(); ++i) {
-    if (map.keys[i].text == key) return &map.items[i];
-  }
-  return nullptr;
-}
-
 const YamlKey* key_at(const YamlNode& map, std::string_view key) {
   const auto found = std::ranges::find(map.keys, key, &YamlKey::text);
   return found == map.keys.end() ? nullptr : &*found;

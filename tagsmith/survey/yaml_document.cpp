@@ -220,6 +220,13 @@ bool check_flow(std::string_view text, FindingLog& log) {
 
 }  // namespace
 
+const YamlNode* value_at(const YamlNode& map, std::string_view key) {
+  for (std::size_t i = 0; i < map.keys.size(); ++i) {
+    if (map.keys[i].text == key) return &map.items[i];
+  }
+  return nullptr;
+}
+
 bool check_utf8(std::string_view text, FindingLog& log) {
   Place place{1, 1};
   while (!text.empty()) {

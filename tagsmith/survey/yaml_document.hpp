@@ -36,6 +36,9 @@ struct YamlNode {
 std::optional<YamlNode> parse_yaml(std::string_view text, FindingLog& log,
                                    std::string_view known_tag = {});
 
+// The value of a map's key; null where it has no such key.
+const YamlNode* value_at(const YamlNode& map, std::string_view key);
+
 // Logs the first byte that is no UTF-8 text; true when there is none.
 bool check_utf8(std::string_view text, FindingLog& log);
 
