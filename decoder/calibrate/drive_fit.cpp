@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "decoder/localize/plate_search.hpp"
 #include "tagsmith/base/chi_square.hpp"
 #include "tagsmith/base/quantile.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -205,6 +206,20 @@ std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, cons
   }
   if (placed > 0) fit.mean_attitude /= placed;
   return fit;
+}
+
+Rig calibrated_by_plates(AdjustmentProblem problem) {
+  constexpr int kRounds = 2;  // by a rig that is far off, the first explains less than it could
+  const CalibrationLayout layout = calibration_layout(*problem.rig);
+  Rig fitted = *problem.rig;
+  keep_comparable(problem);
+  for (int round = 0; round < kRounds; ++round) {
+    problem.rig = &fitted;
+    const PlateExplanation found = explain(problem);
+    if (!found.adjustment) break;
+    fitted = fitted_rig(fitted, layout, found.adjustment->calibration);
+  }
+  return fitted;
 }
 
 double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,

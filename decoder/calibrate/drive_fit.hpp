@@ -31,7 +31,7 @@ Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Ri
 bool sees_anything(const Drive& drive, std::size_t camera);
 
 // Standard deviations of a camera's calibration parameters before the drive (sighting_model.hpp's
-// order: shift, turn, focal lengths, principal point); 0 = exactly as the rig has it.
+// order: shift, turn, focal lengths, principal point, k1); 0 = exactly as the rig has it.
 using ParameterSigmas = std::array<double, kCalibrationCount>;
 
 // As the rig states them.
@@ -62,6 +62,10 @@ struct DriveFit {
 // of height, pitch and roll and its envelope's yaw. Nothing when the fit does not converge.
 std::optional<DriveFit> fit_drive(const Survey& survey, const Drive& drive, const Rig& start,
                                   const std::vector<ParameterSigmas>& sigmas);
+
+// The problem's rig with the cameras as its plates have them: fitted within the rig's sigmas, to
+// what the simplest explanation of plates that hang elsewhere leaves.
+Rig calibrated_by_plates(AdjustmentProblem problem);
 
 // Chi-square of a sighting's corners; infinite where the fit cannot see it.
 double chi_square_of(const DriveFit& fit, const Drive& drive, std::size_t station,

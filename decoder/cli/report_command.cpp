@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/report_command.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -26,8 +27,9 @@ constexpr const char* kNotes = R"(Example:
   tagsmith verify --json --crops crops mine/survey.yaml photos > photos.jsonl
   tagsmith report mine/survey.yaml photos.jsonl --html report.html --pdf report.pdf
 
-Lines of several runs are merged; a file that is in two of them counts once. With --rig tags that
-are seen together are checked for where they hang, by all photos of all runs at once.
+Lines of several runs are merged; a file that is in two of them counts once. With --rig, or by
+photos that name their lens (EXIF, as phones do) where no line says it yet, tags that are seen
+together are checked for where they hang, by all photos of all runs at once.
 Exit: 0 every tag was seen and nothing is wrong, 1 otherwise, 2 a file could not be read.)";
 
 struct Options {
@@ -68,6 +70,17 @@ Result<void> read_all(const Options& options, const std::function<void(VerifiedF
   return {};
 }
 
+// Whether a line says where a tag hangs.
+Result<bool> any_says_hanging(const Options& options) {
+  bool says = false;
+  const auto read = read_all(options, [&](const VerifiedFile& line) {
+    says = says || std::ranges::any_of(line.tags,
+                                       [](const VerifiedTag& tag) { return tag.hung.has_value(); });
+  });
+  if (!read) return fail(read.error().message);
+  return says;
+}
+
 Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
                               const std::optional<LoadedHanging>& hanging,
                               const std::optional<HungTags>& hung, CommandFiles& files) {
@@ -93,12 +106,17 @@ Result<int> run(const Options& options) {
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
   CommandFiles files;
-  const Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
+  Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
   if (!hanging) return fail(hanging.error().message);
   files.reads(*survey);
   for (const std::string& file : options.files) files.reads(file, "the lines");
   add_report_files(options.report, files);
   if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  if (!*hanging) {
+    const Result<bool> said = any_says_hanging(options);
+    if (!said) return fail(said.error().message);
+    if (!*said) *hanging = hanging_without_rig(options.hanging);
+  }
   const Result<std::optional<HungTags>> hung = check_hanging(
       "report", *survey, *hanging, [&](const auto& take) { return read_all(options, take); });
   if (!hung) return fail(hung.error().message);

@@ -49,9 +49,9 @@ constexpr const char* kNotes = R"(Example:
 and last the summary: counts by status, and the survey's tags that no file shows (missing).
 Status: ok, unknown (not in the survey), misprinted (wrong check digit, size or file), unreadable,
 duplicate, cut_off (at a photo's edge, which is no fault), misplaced, or doubtful (it or another
-hangs wrong). With --rig tags that are seen together are checked for where they hang, all photos at
-once, and the output comes when all are read (with --json --resume the lines come at once, and the
-summary says where tags hang). Exit: 0 nothing is wrong, 1 something
+hangs wrong). With --rig, or by photos that name their lens (EXIF, as phones do), tags that are seen
+together are checked for where they hang, all photos at once, and the output comes when all are read
+(with --json --resume the lines come at once, and the summary says where tags hang). Exit: 0 nothing is wrong, 1 something
 is, 2 a file could not be read. Missing tags count as wrong only with --complete.)";
 
 struct Options {
@@ -67,6 +67,8 @@ struct Options {
   int jobs = 0;
   std::optional<double> scan_dpi;
   HangingOptions hanging;
+  bool hangs_late =
+      false;  // where tags hang is checked, and what is wrong known, when all are read
   CommandFiles* named = nullptr;  // what is read and written, when it is known
 
   bool wants_crops() const { return !crops.empty() || report.shows_pictures(); }
@@ -197,8 +199,7 @@ VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
   if (!verified) return broken(file, verified.error());
   VerifiedOne one{std::move(*verified)};
   Result<void> saved = save_pictures(options, one.file);
-  // With --rig what is wrong is known later.
-  if (saved && request.rig == nullptr) saved = save_annotated(options, *input, one.file);
+  if (saved && !options.hangs_late) saved = save_annotated(options, *input, one.file);
   if (!saved) one.problem = saved.error();
   return one;
 }
@@ -207,8 +208,8 @@ VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
 // counts alone are kept.
 struct Outcome {
   VerifyMerge merged;
-  std::vector<VerifiedFile> waiting;  // with --rig, until all are read
-  std::optional<HungTags> hung;       // with --rig
+  std::vector<VerifiedFile> waiting;  // where tags hang is checked: until all are read
+  std::optional<HungTags> hung;
   VerifiedBefore skipped;
   std::size_t skipped_files = 0;
   bool failed = false;  // a file could not be read, or something not be written
@@ -296,7 +297,7 @@ Result<void> prepare_to_append(const std::filesystem::path& path) {
 struct Job {
   const Options& options;
   const VerifyRequest& request;
-  const std::optional<LoadedHanging>& hanging;
+  std::optional<LoadedHanging>& hanging;
   std::string revision;
   // Lines say where tags hang, which takes all files together. But those of a run that can be
   // resumed are printed when they are known: then the summary says it.
@@ -319,7 +320,7 @@ void deliver(const Job& job, VerifiedOne& one, Outcome& outcome) {
   }
 }
 
-// With --rig: where the tags of all files hang, those of the lines that are resumed too.
+// Where the tags of all files hang, those of the lines that are resumed too.
 Result<void> judge_waiting(const Job& job, Outcome& outcome) {
   const EachFile all = [&](const auto& take) -> Result<void> {
     for (const VerifiedFile& file : outcome.waiting) take(file);
@@ -330,7 +331,7 @@ Result<void> judge_waiting(const Job& job, Outcome& outcome) {
   if (!hung) return fail(hung.error().message);
   outcome.hung = std::move(*hung);
   for (VerifiedFile& file : outcome.waiting) {
-    judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
+    if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
     tell_failure(save_late_pictures(job.options, file), outcome);
     if (job.prints_late) print(job.options, file);
     merge(job.revision, std::move(file), outcome.merged);
@@ -342,9 +343,7 @@ Result<void> judge_waiting(const Job& job, Outcome& outcome) {
 Result<void> add_skipped(const Job& job, Outcome& outcome) {
   return read_resumed(job.options, job.revision, [&](VerifiedFile line) {
     if (outcome.skipped.erase(line.sha256) == 0) return;
-    if (job.hanging) {
-      judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, line);
-    }
+    if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, line);
     merge(job.revision, std::move(line), outcome.merged);
   });
 }
@@ -418,7 +417,7 @@ Result<int> run(Options options) {
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
   CommandFiles files;
-  const Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
+  Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
   if (!hanging) return fail(hanging.error().message);
   const bool of_run = options.files.empty() && *hanging;
   const Result<FileList> list =
@@ -439,7 +438,10 @@ Result<int> run(Options options) {
   if (*hanging) {
     request.rig = &(*hanging)->setup.rig;
     request.cameras = &(*hanging)->setup.cameras;
+  } else if (!options.scan_dpi && any_names_lens(list->files)) {
+    *hanging = hanging_without_rig(options.hanging);
   }
+  options.hangs_late = hanging->has_value();
   const Result<Outcome> outcome =
       verify_all({options, request, *hanging, survey_revision(*survey)}, list->files);
   if (!outcome) return fail(outcome.error().message);

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 
 #include <fmt/format.h>
 
+#include "decoder/image/exif.hpp"
+#include "decoder/image/heif.hpp"
+#include "decoder/verify/lens_cameras.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
@@ -46,6 +51,17 @@ void print_in_words(const HungTag& tag) {
       degrees(turn.sigma[2]), tag.stations, verdict_in_words(tag));
 }
 
+// Less where the file is shorter; empty where it cannot be read.
+std::string beginning_of(const std::filesystem::path& file, std::size_t size) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(file, failed)) return {};
+  std::string bytes(size, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<CommandOption> hanging_options(HangingOptions& options) {
@@ -72,8 +88,7 @@ std::vector<CommandOption> hanging_options(HangingOptions& options) {
        .placeholder = "MM",
        .shows_default = true,
        .least = 0.1,
-       .greatest = 1000,
-       .needs = {"--rig"}}};
+       .greatest = 1000}};
 }
 
 Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
@@ -104,12 +119,43 @@ Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
   return std::optional(std::move(loaded));
 }
 
+LoadedHanging hanging_without_rig(const HangingOptions& options) {
+  LoadedHanging loaded;
+  loaded.setup.by_lenses = true;
+  loaded.setup.tolerance = 1e-3 * options.tolerance_mm;
+  return loaded;
+}
+
+bool any_names_lens(const std::vector<std::filesystem::path>& files) {
+  constexpr std::size_t kHeader = 128 * 1024;  // of a JPEG; the EXIF segment has at most half
+  return std::ranges::any_of(files, [&](const std::filesystem::path& file) {
+    std::string bytes = beginning_of(file, kHeader);
+    if (is_heif(bytes)) bytes = read_file(file).value_or("");
+    return photo_lens(bytes).has_value();
+  });
+}
+
 Result<std::optional<HungTags>> check_hanging(const char* command, const Survey& survey,
-                                              const std::optional<LoadedHanging>& hanging,
+                                              std::optional<LoadedHanging>& hanging,
                                               const EachFile& files) {
   if (!hanging) return std::nullopt;
+  if (hanging->setup.by_lenses) {
+    Result<HangingSetup> by_lenses = hanging_by_lenses(files, hanging->setup.tolerance);
+    if (!by_lenses) return fail(by_lenses.error().message);
+    if (by_lenses->rig.cameras.empty()) {
+      hanging.reset();
+      return std::nullopt;
+    }
+    hanging->setup = std::move(*by_lenses);
+  }
   Result<HungTags> hung = check_hanging(survey, hanging->setup, files);
   if (!hung) return fail(hung.error().message);
+  if (hanging->setup.by_lenses) {
+    to_stderr(
+        "{}: no rig given: where tags hang was checked by photos that name their lens and show two "
+        "tags and more; the tags calibrate it\n",
+        command);
+  }
   for (const std::string& note : hung->notes) to_stderr("{}: {}\n", command, note);
   print_assumptions(command, hung->assumed);
   return std::optional(std::move(*hung));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `verify --rig`: where the tags of the photos hang.
+// Where the tags of the photos hang: by `--rig`, or by what photos say of their lenses.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,7 @@ namespace tagsmith::detail {
 class CommandFiles;
 
 struct HangingOptions {
-  std::string rig;     // empty = where tags hang is not checked
+  std::string rig;     // empty = by the lenses that photos name
   std::string camera;  // of the rig, that took all photos
   std::string run;     // that says which camera took which photo
   double tolerance_mm = 1e3 * kHangTolerance;
@@ -33,9 +34,16 @@ struct LoadedHanging {
 Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,
                                                   CommandFiles& files);
 
-// What was found of all tags: on standard error what could not be used and what is assumed.
+// Without --rig: photos whose lenses their lines name (EXIF).
+LoadedHanging hanging_without_rig(const HangingOptions& options);
+
+// True when one of the files is a photo that names its lens.
+bool any_names_lens(const std::vector<std::filesystem::path>& files);
+
+// What was found of all tags: on standard error what could not be used and what is assumed. Nothing
+// without a rig when no photo names its lens; what lenses say is added to `hanging`.
 Result<std::optional<HungTags>> check_hanging(const char* command, const Survey& survey,
-                                              const std::optional<LoadedHanging>& hanging,
+                                              std::optional<LoadedHanging>& hanging,
                                               const EachFile& files);
 
 // One line a checked tag, for people.

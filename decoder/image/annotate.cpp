@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "decoder/image/codecs.hpp"
+#include "decoder/image/exif.hpp"
 #include "decoder/image/heif.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/jpeg.hpp"

@@ -28,6 +28,9 @@ struct Libheif {
   decltype(&::heif_image_handle_release) handle_release = nullptr;
   decltype(&::heif_image_handle_get_width) handle_width = nullptr;
   decltype(&::heif_image_handle_get_height) handle_height = nullptr;
+  decltype(&::heif_image_handle_get_list_of_metadata_block_IDs) metadata_ids = nullptr;
+  decltype(&::heif_image_handle_get_metadata_size) metadata_size = nullptr;
+  decltype(&::heif_image_handle_get_metadata) metadata = nullptr;
   decltype(&::heif_decoding_options_alloc) options_alloc = nullptr;
   decltype(&::heif_decoding_options_free) options_free = nullptr;
   decltype(&::heif_decode_image) decode = nullptr;
@@ -48,22 +51,26 @@ Result<Libheif> load_libheif() {
   void* library = dlopen("libheif.so.1", RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr) return fail(std::string("libheif is missing: ") + dlerror());
   Libheif heif;
-  const bool whole = find(library, "heif_context_alloc", heif.context_alloc) &&
-                     find(library, "heif_context_free", heif.context_free) &&
-                     find(library, "heif_context_set_max_decoding_threads", heif.set_max_threads) &&
-                     find(library, "heif_context_read_from_memory_without_copy", heif.read) &&
-                     find(library, "heif_context_get_primary_image_handle", heif.primary_image) &&
-                     find(library, "heif_image_handle_release", heif.handle_release) &&
-                     find(library, "heif_image_handle_get_width", heif.handle_width) &&
-                     find(library, "heif_image_handle_get_height", heif.handle_height) &&
-                     find(library, "heif_decoding_options_alloc", heif.options_alloc) &&
-                     find(library, "heif_decoding_options_free", heif.options_free) &&
-                     find(library, "heif_decode_image", heif.decode) &&
-                     find(library, "heif_image_release", heif.image_release) &&
-                     find(library, "heif_image_get_width", heif.width) &&
-                     find(library, "heif_image_get_height", heif.height) &&
-                     find(library, "heif_image_get_bits_per_pixel_range", heif.bits) &&
-                     find(library, "heif_image_get_plane_readonly", heif.plane);
+  const bool whole =
+      find(library, "heif_context_alloc", heif.context_alloc) &&
+      find(library, "heif_context_free", heif.context_free) &&
+      find(library, "heif_context_set_max_decoding_threads", heif.set_max_threads) &&
+      find(library, "heif_context_read_from_memory_without_copy", heif.read) &&
+      find(library, "heif_context_get_primary_image_handle", heif.primary_image) &&
+      find(library, "heif_image_handle_release", heif.handle_release) &&
+      find(library, "heif_image_handle_get_width", heif.handle_width) &&
+      find(library, "heif_image_handle_get_height", heif.handle_height) &&
+      find(library, "heif_image_handle_get_list_of_metadata_block_IDs", heif.metadata_ids) &&
+      find(library, "heif_image_handle_get_metadata_size", heif.metadata_size) &&
+      find(library, "heif_image_handle_get_metadata", heif.metadata) &&
+      find(library, "heif_decoding_options_alloc", heif.options_alloc) &&
+      find(library, "heif_decoding_options_free", heif.options_free) &&
+      find(library, "heif_decode_image", heif.decode) &&
+      find(library, "heif_image_release", heif.image_release) &&
+      find(library, "heif_image_get_width", heif.width) &&
+      find(library, "heif_image_get_height", heif.height) &&
+      find(library, "heif_image_get_bits_per_pixel_range", heif.bits) &&
+      find(library, "heif_image_get_plane_readonly", heif.plane);
   if (!whole) return fail("libheif is older than version 1.13");
   return heif;
 }
@@ -94,27 +101,40 @@ bool too_large(int width, int height, double most_pixels) {
   return static_cast<double>(width) * height > most_pixels;
 }
 
+// The primary image of a file, not yet decoded. Refers to the file's bytes.
+struct Primary {
+  std::shared_ptr<heif_context> context;
+  std::shared_ptr<heif_image_handle> handle;
+};
+
+Result<Primary> primary_of(const Libheif& heif, std::string_view bytes) {
+  Primary primary{{heif.context_alloc(), heif.context_free}, {}};
+  heif.set_max_threads(primary.context.get(), 0);  // files are read side by side
+  heif_error error = heif.read(primary.context.get(), bytes.data(), bytes.size(), nullptr);
+  if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
+  heif_image_handle* handle = nullptr;
+  error = heif.primary_image(primary.context.get(), &handle);
+  if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
+  primary.handle = {handle, heif.handle_release};
+  return primary;
+}
+
 // The primary image in the colours asked for, before any turning and cropping: as stored.
 Result<Decoded> decode(std::string_view bytes, double most_pixels, heif_colorspace colours,
                        heif_chroma chroma) {
   const Result<Libheif>& library = libheif();
   if (!library) return tl::unexpected(library.error());
   const Libheif& heif = *library;
-  const std::shared_ptr<heif_context> context(heif.context_alloc(), heif.context_free);
-  heif.set_max_threads(context.get(), 0);  // files are read side by side
-  heif_error error = heif.read(context.get(), bytes.data(), bytes.size(), nullptr);
-  if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
-  heif_image_handle* primary = nullptr;
-  error = heif.primary_image(context.get(), &primary);
-  if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
-  const std::shared_ptr<heif_image_handle> handle(primary, heif.handle_release);
-  if (too_large(heif.handle_width(primary), heif.handle_height(primary), most_pixels)) {
+  const Result<Primary> primary = primary_of(heif, bytes);
+  if (!primary) return tl::unexpected(primary.error());
+  heif_image_handle* handle = primary->handle.get();
+  if (too_large(heif.handle_width(handle), heif.handle_height(handle), most_pixels)) {
     return fail("it has too many pixels");
   }
   const std::shared_ptr<heif_decoding_options> options(heif.options_alloc(), heif.options_free);
   options->ignore_transformations = 1;
   heif_image* image = nullptr;
-  error = heif.decode(primary, &image, colours, chroma, options.get());
+  const heif_error error = heif.decode(handle, &image, colours, chroma, options.get());
   if (error.code != heif_error_Ok) return tl::unexpected(in_words(error));
   return Decoded{&heif, std::shared_ptr<heif_image>(image, heif.image_release)};
 }
@@ -230,6 +250,21 @@ std::optional<int> heif_orientation(std::string_view bytes) {
   }
   if (!is_said) return std::nullopt;
   return exif_number(is_mirrored, quarters);
+}
+
+// ISO/IEC 23008-12, A.2.1: four bytes that say how far behind them the TIFF structure begins.
+std::string heif_exif(std::string_view bytes) {
+  const Result<Libheif>& heif = libheif();
+  if (!heif) return {};
+  const Result<Primary> primary = primary_of(*heif, bytes);
+  if (!primary) return {};
+  heif_item_id id = 0;
+  heif_image_handle* handle = primary->handle.get();
+  if (heif->metadata_ids(handle, "Exif", &id, 1) != 1) return {};
+  std::string block(heif->metadata_size(handle, id), '\0');
+  if (block.size() < 4 || heif->metadata(handle, id, block.data()).code != heif_error_Ok) return {};
+  const std::size_t begin = std::size_t{4} + number(block, 0, 4);
+  return begin < block.size() ? block.substr(begin) : std::string();
 }
 
 Result<GrayImage> decode_heif(std::string_view bytes, double most_pixels) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "decoder/image/gray.hpp"
@@ -25,6 +26,9 @@ inline constexpr const char* kFramesOfVideo =
 // Which way up the primary image is to be shown, as EXIF counts (1 to 8), by its rotation and
 // mirroring (ISO/IEC 23008-12, 6.5.10 and 6.5.12); nothing where the file says neither.
 std::optional<int> heif_orientation(std::string_view bytes);
+
+// The TIFF structure of the primary image's EXIF; empty where there is none.
+std::string heif_exif(std::string_view bytes);
 
 // The luma of the primary image as stored, by libheif, which is loaded when the first file needs
 // it. Fails, with the library's words, where it gives up, and before memory is taken for more than

@@ -4,39 +4,12 @@
 #include <algorithm>
 #include <cctype>
 
-#include "decoder/image/heif.hpp"
+#include "decoder/image/bytes.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 using namespace std::string_view_literals;
-
-// Bytes as numbers; reading beyond the end gives 0 and is remembered.
-class Bytes {
- public:
-  explicit Bytes(std::string_view bytes, bool big_endian = false)
-      : bytes_(bytes), big_endian_(big_endian) {}
-
-  std::uint32_t number(std::size_t offset, std::size_t size) {
-    if (offset > bytes_.size() || bytes_.size() - offset < size) {
-      beyond_ = true;
-      return 0;
-    }
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t at = offset + (big_endian_ ? i : size - 1 - i);
-      value = value << 8U | static_cast<unsigned char>(bytes_[at]);
-    }
-    return value;
-  }
-
-  bool beyond() const { return beyond_; }
-
- private:
-  std::string_view bytes_;
-  bool big_endian_;
-  bool beyond_ = false;
-};
 
 std::optional<ImageHeader> header_of(const Bytes& bytes, std::uint32_t width, std::uint32_t height,
                                      bool complete = true) {
@@ -141,21 +114,6 @@ std::optional<ImageHeader> read_bmp(std::string_view text) {
   return header_of(bytes, bytes.number(18, 4), rows);
 }
 
-// TIFF 6.0, section 2: the first directory's Orientation (274), a SHORT.
-std::optional<int> orientation_in_tiff(std::string_view text) {
-  if (text.size() < 8) return std::nullopt;
-  Bytes bytes(text, text.front() == 'M');
-  const std::size_t directory = bytes.number(4, 4);
-  const std::uint32_t count = bytes.number(directory, 2);
-  for (std::uint32_t i = 0; i < count && !bytes.beyond(); ++i) {
-    const std::size_t entry = directory + 2 + std::size_t{12} * i;
-    if (bytes.number(entry, 2) != 274) continue;
-    const std::uint32_t value = bytes.number(entry + 8, 2);
-    return value >= 1 && value <= 8 ? std::optional(static_cast<int>(value)) : std::nullopt;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::optional<ImageHeader> read_image_header(std::string_view bytes) {
@@ -169,27 +127,6 @@ std::optional<ImageHeader> read_image_header(std::string_view bytes) {
     return read_pnm(bytes);
   }
   if (bytes.starts_with("BM"sv)) return read_bmp(bytes);
-  return std::nullopt;
-}
-
-std::optional<int> shown_orientation(std::string_view bytes) {
-  return is_heif(bytes) ? heif_orientation(bytes) : exif_orientation(bytes);
-}
-
-std::optional<int> exif_orientation(std::string_view bytes) {
-  if (!bytes.starts_with("\xFF\xD8\xFF"sv)) return std::nullopt;
-  // The first APP1 segment with EXIF stands before the frame, behind other APP segments at most.
-  for (std::size_t at = 2; at + 4 < bytes.size() && bytes[at] == '\xFF';) {
-    const auto marker = static_cast<unsigned char>(bytes[at + 1]);
-    if (marker < 0xE0 || marker > 0xEF) return std::nullopt;
-    const std::size_t length = Bytes(bytes, true).number(at + 2, 2);
-    if (length < 2) return std::nullopt;
-    const std::string_view segment = bytes.substr(at + 4, length - 2);
-    if (marker == 0xE1 && segment.starts_with("Exif\0\0"sv)) {
-      return orientation_in_tiff(segment.substr(6));
-    }
-    at += 2 + length;
-  }
   return std::nullopt;
 }
 

@@ -18,11 +18,4 @@ struct ImageHeader {
 // for headers cut short. Decoders allocate what a header asks for, so it is read first.
 std::optional<ImageHeader> read_image_header(std::string_view bytes);
 
-// Which way up a JPEG is to be shown, 1 (as stored) to 8 (EXIF, CIPA DC-008, tag Orientation);
-// nothing for all others and where it is not said.
-std::optional<int> exif_orientation(std::string_view bytes);
-
-// The same of any format that says it: JPEG by its EXIF, HEIF by its own properties.
-std::optional<int> shown_orientation(std::string_view bytes);
-
 }  // namespace tagsmith::detail

@@ -91,6 +91,29 @@ SightedPlate sighted_plate(const PlacedTag& tag, const Survey& survey) {
   return plate;
 }
 
+namespace {
+
+// The covariance of corners in an image that is warped smoothly: over distances that are small
+// against the image, points are moved alike.
+CornerCovariance covariance_of_warp(const Sighting& sighting, const Camera& camera, double warp) {
+  constexpr double kAlike = 0.3;  // of the distance from the centre to a corner of the image
+  const Eigen::Vector2d center(camera.cx, camera.cy);
+  const double radius = std::hypot(camera.width, camera.height) / 2;
+  CornerCovariance covariance = CornerCovariance::Zero();
+  for (Eigen::Index i = 0; i < 8; i += 2) {
+    for (Eigen::Index j = 0; j < 8; j += 2) {
+      const Eigen::Vector2d a = (sighting.pixels.segment<2>(i) - center) / radius;
+      const Eigen::Vector2d b = (sighting.pixels.segment<2>(j) - center) / radius;
+      const double grown = std::pow(a.norm() * b.norm(), 3);
+      const double alike = std::exp(-(a - b).squaredNorm() / (2 * kAlike * kAlike));
+      covariance.block<2, 2>(i, j) = warp * warp * grown * alike * Eigen::Matrix2d::Identity();
+    }
+  }
+  return covariance;
+}
+
+}  // namespace
+
 Sighting sighting_of(const SeenCorners& seen, const Rig& rig, std::size_t camera,
                      std::size_t plate) {
   Sighting sighting;
@@ -101,8 +124,16 @@ Sighting sighting_of(const SeenCorners& seen, const Rig& rig, std::size_t camera
         seen.corners[i].y;
   }
   sighting.covariance = seen.covariance;
-  const double edge = rig.cameras[camera].calibration_sigma.edge;
-  if (edge > 0) sighting.by_edges = edge * by_outward_edges(sighting.pixels);
+  const Camera& by = rig.cameras[camera].camera;
+  const CalibrationSigma& sigma = rig.cameras[camera].calibration_sigma;
+  if (sigma.edge > 0) sighting.by_edges = sigma.edge * by_outward_edges(sighting.pixels);
+  if (sigma.warp > 0) sighting.covariance += covariance_of_warp(sighting, by, sigma.warp);
+  for (Eigen::Index row = 0; row < 8; ++row) {
+    const bool is_u = row % 2 == 0;
+    const double from_center = sighting.pixels[row] - (is_u ? by.cx : by.cy);
+    sighting.by_drift.row(row) << sigma.focal_drift * from_center, is_u ? sigma.center_drift : 0,
+        is_u ? 0 : sigma.center_drift;
+  }
   return sighting;
 }
 

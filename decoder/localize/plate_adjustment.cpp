@@ -27,6 +27,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using PlateVector = Eigen::Matrix<double, 7, 1>;
 
 constexpr Index kPlateCount = 7;        // parameters of a plate: shift, turn, size
+constexpr Index kDrifts = 3;            // of a picture: focal length, principal point
 constexpr double kFreeSigma = 10;       // metres and radians, of a plate that hangs anywhere
 constexpr double kFreeSize = 0.3;       // relative, of a frame of any size
 constexpr double kExactSize = 1e-6;     // so small that it is none, and large enough to invert
@@ -418,6 +419,7 @@ class Network {
     VectorXd residual(count);
     MatrixXd by_pose = MatrixXd::Zero(count, 6);
     MatrixXd by_rest = MatrixXd::Zero(count, calibration + state.calibration.size());
+    MatrixXd by_drift = MatrixXd::Zero(count, kDrifts * static_cast<Index>(layout_.places.size()));
     Index row = 0;
     for (const Sighting& sighting : station.sightings) {
       const auto rows = rows_of(state, frame, sighting);
@@ -437,13 +439,23 @@ class Network {
         by_rest.block<kSightingRows, 1>(row, calibration + column) =
             rows->by_calibration.col(static_cast<Index>(i));
       }
+      by_drift.block<kSightingRows, kDrifts>(row, kDrifts * static_cast<Index>(sighting.camera)) =
+          sighting.by_drift;
       const Eigen::LLT<CornerCovariance> root(sighting.covariance_with_edges());
       if (root.info() != Eigen::Success) return std::nullopt;
       const auto whiten = [&](auto&& block) { root.matrixL().solveInPlace(block); };
       whiten(residual.segment<kSightingRows>(row));
       whiten(by_pose.middleRows<kSightingRows>(row));
       whiten(by_rest.middleRows<kSightingRows>(row));
+      whiten(by_drift.middleRows<kSightingRows>(row));
       row += kSightingRows;
+    }
+    if (!by_drift.isZero()) {
+      const MatrixXd unit = MatrixXd::Identity(count, count);
+      const Eigen::LLT<MatrixXd> root(unit + by_drift * by_drift.transpose());
+      root.matrixL().solveInPlace(residual);
+      root.matrixL().solveInPlace(by_pose);
+      root.matrixL().solveInPlace(by_rest);
     }
     result.chi_square = residual.squaredNorm();
     Vector6 by_prior = Vector6::Zero();

@@ -9,8 +9,6 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "decoder/localize/plate_search.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
@@ -28,8 +26,11 @@ constexpr double kOfFault = 7 + kClearlyBetter;
 Rig any_calibration(Rig rig) {
   for (RigCamera& camera : rig.cameras) {
     CalibrationSigma& sigma = camera.calibration_sigma;
-    sigma = {std::max(sigma.position, 0.03), std::max(sigma.angle, radians(5)),
-             std::max(sigma.focal, 0.1), std::max(sigma.center, 20.0)};
+    sigma.position = std::max(sigma.position, 0.03);
+    sigma.angle = std::max(sigma.angle, radians(5));
+    sigma.focal = std::max(sigma.focal, 0.1);
+    sigma.center = std::max(sigma.center, 20.0);
+    if (sigma.radial > 0) sigma.radial = std::max(sigma.radial, 0.2);
   }
   return rig;
 }
@@ -458,9 +459,7 @@ class Judge {
 
 double farthest_corner(const SightedPlate& plate, const PlateOffset& offset) {
   const Eigen::Matrix3d& rotation = plate.world_from_plate.rotation;
-  const double angle = offset.turn.norm();
-  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
-  if (angle > 0) turned = Eigen::AngleAxisd(angle, offset.turn / angle).toRotationMatrix();
+  const Eigen::Matrix3d turned = rotation_of(offset.turn);
   double farthest = 0;
   for (const double x : {0.0, plate.length}) {
     for (const double y : {0.0, plate.height}) {

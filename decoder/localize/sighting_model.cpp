@@ -14,7 +14,7 @@ using CalibrationVector = Eigen::Matrix<double, kCalibrationCount, 1>;
 CalibrationVector sigmas_of(const CalibrationSigma& sigma) {
   CalibrationVector sigmas;
   sigmas << sigma.position, sigma.position, sigma.position, sigma.angle, sigma.angle, sigma.angle,
-      sigma.focal, sigma.center, sigma.center;
+      sigma.focal, sigma.center, sigma.center, sigma.radial;
   return sigmas;
 }
 
@@ -56,6 +56,7 @@ CalibratedCamera calibrated(const RigCamera& camera, const CalibrationLayout& la
   result.camera.fy *= 1 + errors[6];
   result.camera.cx += errors[7];
   result.camera.cy += errors[8];
+  result.camera.distortion[0] += errors[9];
   return result;
 }
 

@@ -39,14 +39,18 @@ struct Sighting {
   // in a position's covariance, but it does not weigh them.
   Eigen::Matrix<double, 8, 1> by_edges = Eigen::Matrix<double, 8, 1>::Zero();
 
+  // How they move when the focal length and each coordinate of the principal point are off by one
+  // standard deviation of the camera's drift, the same for all sightings of one picture.
+  Eigen::Matrix<double, 8, 3> by_drift = Eigen::Matrix<double, 8, 3>::Zero();
+
   CornerCovariance covariance_with_edges() const {
     return covariance + by_edges * by_edges.transpose();
   }
 };
 
 // A camera's calibration errors: its mounting (shift in vehicle axes, turn), the relative change of
-// its focal lengths, its principal point.
-inline constexpr Eigen::Index kCalibrationCount = 9;
+// its focal lengths, its principal point, the first coefficient of its distortion.
+inline constexpr Eigen::Index kCalibrationCount = 10;
 inline constexpr Eigen::Index kSightingRows = 8;
 
 // Which of the rig's calibration parameters are uncertain, and their standard deviations.

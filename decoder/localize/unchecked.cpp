@@ -124,18 +124,9 @@ Rows by_size(const SightedPlate& plate, const SightingRows& seen) {
 }
 
 // By the focal length (relative), the principal point, and k1.
-Rows by_lens(const Camera& camera, const SightingRows& seen) {
-  Rows rows(kSightingRows, 4);
-  rows.leftCols<3>() = seen.by_calibration.rightCols<3>();
-  for (Index corner = 0; corner < kSightingRows / 2; ++corner) {
-    const double x = (seen.predicted[2 * corner] - camera.cx) / camera.fx;
-    const double y = (seen.predicted[2 * corner + 1] - camera.cy) / camera.fy;
-    const double r2 = x * x + y * y;
-    rows(2 * corner, 3) = camera.fx * x * r2;
-    rows(2 * corner + 1, 3) = camera.fy * y * r2;
-  }
+Rows by_lens(const SightingRows& seen) {
   const Eigen::Vector4d gross(kShare, kCenter, kCenter, kBent);
-  return rows * gross.asDiagonal();
+  return seen.by_calibration.rightCols<4>() * gross.asDiagonal();
 }
 
 Rows by_mounting(const SightingRows& seen) {
@@ -182,12 +173,11 @@ void Effects::add_cameras() {
       return is_other(seen) ? Rows::Zero(kSightingRows, 6) : by_mounting(seen.rows);
     });
     add(Unchecked::Kind::lens, cameras[i].name, 4, [&](const SeenRows& seen) -> Rows {
-      return is_other(seen) ? Rows::Zero(kSightingRows, 4) : by_lens(cameras[i].camera, seen.rows);
+      return is_other(seen) ? Rows::Zero(kSightingRows, 4) : by_lens(seen.rows);
     });
   }
-  add(Unchecked::Kind::all_lenses, "", 4, [&](const SeenRows& seen) -> Rows {
-    return by_lens(cameras[seen.camera].camera, seen.rows);
-  });
+  add(Unchecked::Kind::all_lenses, "", 4,
+      [&](const SeenRows& seen) -> Rows { return by_lens(seen.rows); });
 }
 
 void Effects::add_ranges_and_height() {

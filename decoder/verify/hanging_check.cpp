@@ -47,8 +47,12 @@ std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const Verifi
   const std::string name = file.file.string();
   const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
   if (!origin) {
-    note = name +
-           ": which camera of the rig took it is not known; where its tags hang was not checked";
+    const bool might_tell = !setup.by_lenses || std::ranges::count_if(file.tags, tells) > 1;
+    if (might_tell) {
+      note = fmt::format("{}: {}; where its tags hang was not checked", name,
+                         setup.by_lenses ? "does not name its camera and lens (EXIF)"
+                                         : "which camera of the rig took it is not known");
+    }
     return std::nullopt;
   }
   const RigCamera& camera = setup.rig.cameras[origin->camera];
@@ -211,8 +215,9 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
 void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTags& hung,
                    VerifiedFile& file) {
   if (!file.is_photo() || file.revision != hung.revision) return;
-  forget_hanging(file);
   const std::optional<PhotoOrigin> origin = setup.cameras.origin_of(file.file);
+  if (setup.by_lenses && !origin) return;
+  forget_hanging(file);
   for (VerifiedTag& tag : file.tags) {
     const HungTag* here = tells(tag) ? find_hung(hung, origin, tag.tag) : nullptr;
     if (here != nullptr) judge_place(*here, tag);

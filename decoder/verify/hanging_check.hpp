@@ -19,6 +19,7 @@ struct HangingSetup {
   Rig rig;
   PhotoCameras cameras;
   double tolerance = kHangTolerance;  // metres
+  bool by_lenses = false;             // the rig is that of hanging_by_lenses
 };
 
 // Calls back with the result of every file, in the same order each time.

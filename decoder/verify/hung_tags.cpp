@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "decoder/calibrate/drive_fit.hpp"
 #include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/attitude_scatter.hpp"
+#include "decoder/verify/photo_cameras.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -370,12 +372,19 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
                          double tolerance) {
   HungTags result;
   result.revision = survey_revision(survey);
-  if (const auto suspicion = suspect_rig(rows_of(survey, rig, sighted), survey, rig)) {
+  const auto suspicion =
+      stands_level(rig) ? suspect_rig(rows_of(survey, rig, sighted), survey, rig) : std::nullopt;
+  if (suspicion) {
     result.nothing_fits = true;
     result.rig_doubt = describe(*suspicion, rig);
     return result;
   }
   AdjustmentProblem problem = problem_for(survey, rig, sighted);
+  Rig by_plates;  // outlives the problem
+  if (!stands_level(rig)) {
+    by_plates = calibrated_by_plates(problem);
+    problem.rig = &by_plates;
+  }
   take_scatter(survey, problem);
   const Consensus consensus = find_consensus(problem, tolerance);
   result.nothing_fits = consensus.nothing_fits;

@@ -50,7 +50,7 @@ PhotoCameras PhotoCameras::by_run(const Rig& rig, const Run& run) {
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
       const auto seen = row.cameras.find(rig.cameras[i].name);
       if (seen == row.cameras.end() || seen->second.image.empty()) continue;
-      result.run_[absolute_name(seen->second.image)] = {i, "row " + row.id};
+      result.known_[absolute_name(seen->second.image)] = {i, "row " + row.id};
     }
   }
   return result;
@@ -78,10 +78,14 @@ PhotoCameras PhotoCameras::by_names(const Rig& rig) {
   return result;
 }
 
+void PhotoCameras::add(const fs::path& photo, std::size_t camera) {
+  known_[absolute_name(photo)] = {camera, photo.string()};
+}
+
 std::optional<PhotoOrigin> PhotoCameras::origin_of(const fs::path& photo) const {
   if (only_) return PhotoOrigin{*only_, photo.string()};
-  const auto in_run = run_.find(absolute_name(photo));
-  if (in_run != run_.end()) return in_run->second;
+  const auto known = known_.find(absolute_name(photo));
+  if (known != known_.end()) return known->second;
   const std::string stem = lower_case(photo.stem().string());
   std::optional<PhotoOrigin> origin;
   std::size_t longest = 0;

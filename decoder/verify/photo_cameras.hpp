@@ -36,13 +36,16 @@ class PhotoCameras {
   // are else the same were taken together.
   static PhotoCameras by_names(const Rig& rig);
 
+  // Adds a photo that a camera of the rig took by itself.
+  void add(const std::filesystem::path& photo, std::size_t camera);
+
   // Nothing when it cannot be told.
   std::optional<PhotoOrigin> origin_of(const std::filesystem::path& photo) const;
 
  private:
-  std::map<std::string, std::size_t> cameras_;        // by name, when names tell
-  std::optional<std::size_t> only_;                   // the camera of all photos
-  std::map<std::filesystem::path, PhotoOrigin> run_;  // by absolute path
+  std::map<std::string, std::size_t> cameras_;          // by name, when names tell
+  std::optional<std::size_t> only_;                     // the camera of all photos
+  std::map<std::filesystem::path, PhotoOrigin> known_;  // by absolute path
 };
 
 }  // namespace tagsmith::detail

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "decoder/grade/symbol_grade.hpp"
+#include "decoder/image/exif.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/verify/hung_tags.hpp"
@@ -95,6 +96,7 @@ struct VerifiedFile {
   int width = 0;           // of a photo, pixels; 0 for print files
   int height = 0;
   std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = it is not noted
+  std::optional<PhotoLens> lens{};   // of a photo (EXIF)
   std::vector<VerifiedTag> tags{};
   std::vector<std::string> findings{};  // on the file as a whole, in words
   std::set<std::string> rules{};        // of these findings

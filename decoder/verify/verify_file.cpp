@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "decoder/image/image_header.hpp"
+#include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/crop_tags.hpp"
@@ -128,6 +128,7 @@ Result<VerifiedFile> verify_photo(const Task& task) {
   file.width = image.width;
   file.height = image.height;
   file.orientation = shown_orientation(task.input.bytes);
+  file.lens = photo_lens(task.input.bytes);
   PictureEvidence evidence{request.survey, image, request.also};
   evidence.is_photo = true;
   evidence.orientation = file.orientation;

@@ -128,6 +128,12 @@ Json to_json(const VerifiedTag& tag) {
   return object;
 }
 
+Json lens_of(const PhotoLens& lens) {
+  Json object{{"name", lens.camera}, {"focal_35_mm", lens.focal_35_mm}};
+  if (lens.focal_mm > 0) object["focal_mm"] = lens.focal_mm;
+  return object;
+}
+
 Json to_json(const VerifiedFile& file) {
   Json tags = Json::array();
   for (const VerifiedTag& tag : file.tags) tags.push_back(to_json(tag));
@@ -142,6 +148,7 @@ Json to_json(const VerifiedFile& file) {
     object["height"] = file.height;
   }
   if (file.orientation) object["orientation"] = *file.orientation;
+  if (file.lens) object["camera"] = lens_of(*file.lens);
   if (!file.tags.empty()) object["up"] = to_string(file.up);
   if (!file.notes.empty()) object["notes"] = file.notes;
   if (!file.picture.file.empty()) object["picture"] = file.picture.file;
@@ -333,6 +340,15 @@ int size_from(const json& object, const char* key) {
   return static_cast<int>(std::min(kMost, get<std::uint64_t>(object, key)));
 }
 
+// Nothing of an object that no photo could say.
+std::optional<PhotoLens> lens_from(const json& object) {
+  PhotoLens lens{get<std::string>(object, "name"), get(object, "focal_mm", 0.0),
+                 get(object, "focal_35_mm", 0.0)};
+  constexpr double kMost = 1e5;  // millimetres
+  const bool is_sound = !lens.camera.empty() && lens.focal_35_mm > 0 && lens.focal_35_mm < kMost;
+  return is_sound ? std::optional(lens) : std::nullopt;
+}
+
 VerifiedFile file_from(const json& object) {
   VerifiedFile file{object.at("file").get<std::string>()};
   file.sha256 = get<std::string>(object, "sha256");
@@ -342,6 +358,7 @@ VerifiedFile file_from(const json& object) {
   file.height = size_from(object, "height");
   const int orientation = get(object, "orientation", 0);
   if (orientation >= 1 && orientation <= 8) file.orientation = orientation;
+  if (object.contains("camera")) file.lens = lens_from(object["camera"]);
   for (const json& tag : object.at("tags").get_ref<const json::array_t&>()) {
     file.tags.push_back(tag_from(tag));
   }

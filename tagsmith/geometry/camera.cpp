@@ -189,6 +189,17 @@ Matrix2d distortion_derivative(const Camera& camera, const RadialCurve& curve,
   return by_ideal;
 }
 
+// How far the distortion moves the point a unit of its first coefficient.
+Vector2d by_first_coefficient(const Camera& camera, const RadialCurve& curve,
+                              const Vector2d& ideal) {
+  const double r2 = ideal.squaredNorm();
+  if (camera.lens == LensModel::perspective) {
+    return (curve.is_ratio ? r2 / value_at(curve.denominator, r2) : r2) * ideal;
+  }
+  const double r = std::sqrt(r2);
+  return r > 0 ? Vector2d(std::pow(std::atan(r), 3) / r * ideal) : Vector2d(0, 0);
+}
+
 bool in_reach(const Camera& camera, const RadialCurve& curve, const Vector2d& ideal) {
   const double r = ideal.norm();
   const double q = camera.lens == LensModel::fisheye ? std::atan(r) : r;
@@ -295,11 +306,14 @@ std::optional<Projection> project_with_derivative(const Camera& camera,
   const double z = point_in_camera.z();
   const Vector2d ideal = point_in_camera.head<2>() / z;
   Matrix2d by_ideal = Vector2d(camera.fx, camera.fy).asDiagonal();
-  if (!is_rectilinear(camera)) {
-    by_ideal = by_ideal * distortion_derivative(camera, radial_curve(camera), ideal);
-  }
   Projection projection;
   projection.pixel = *pixel;
+  projection.by_k1 = ideal.squaredNorm() * (by_ideal * ideal);
+  if (!is_rectilinear(camera)) {
+    const RadialCurve curve = radial_curve(camera);
+    projection.by_k1 = by_ideal * by_first_coefficient(camera, curve, ideal);
+    by_ideal = by_ideal * distortion_derivative(camera, curve, ideal);
+  }
   projection.by_point.leftCols<2>() = by_ideal / z;
   projection.by_point.col(2) = -(by_ideal * ideal) / z;
   return projection;

@@ -53,10 +53,11 @@ std::optional<Eigen::Vector2d> project(const Camera& camera,
 // side.
 double reach(const Camera& camera);
 
-// A pixel and how it moves with the point.
+// A pixel and how it moves with the point and the lens.
 struct Projection {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  // d(pixel)/d(point_in_camera), pixels a metre
+  Eigen::Vector2d by_k1;                 // d(pixel)/d(distortion[0])
 };
 
 // As project.

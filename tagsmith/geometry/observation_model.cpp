@@ -74,7 +74,7 @@ std::optional<ObservedPoint> observe_point(const Camera& camera, const Pose& veh
       -by_world_point * world_from_plate.rotation * cross_matrix(point_in_plate);
   observed.by_mounting << -by_vehicle_point, projection->by_point * cross_matrix(in_camera);
   observed.by_intrinsics << observed.pixel - Eigen::Vector2d(camera.cx, camera.cy),
-      Eigen::Matrix2d::Identity();
+      Eigen::Matrix2d::Identity(), projection->by_k1;
   return observed;
 }
 

@@ -50,7 +50,7 @@ struct ObservedPoint {
   Eigen::Matrix<double, 2, 6> by_vehicle;     // x, y, z, heading, pitch, roll
   Eigen::Matrix<double, 2, 6> by_plate;       // shift in world axes; rotation about P, plate axes
   Eigen::Matrix<double, 2, 6> by_mounting;    // of the camera: shift in vehicle axes; rotation
-  Eigen::Matrix<double, 2, 3> by_intrinsics;  // relative change of the focal lengths; cx, cy
+  Eigen::Matrix<double, 2, 4> by_intrinsics;  // relative change of the focal lengths; cx, cy; k1
 };
 
 // Where a camera sees a point of a plate, be it in the image or beside it. Nothing for a point that

@@ -72,7 +72,7 @@ CornerRows corner_rows(const Survey& survey, const Rig& rig, const VehicleFrame&
     rows.by_calibration.middleRows<2>(row - 2) << sigma.position * point->by_mounting.leftCols<3>(),
         sigma.angle * point->by_mounting.rightCols<3>(),
         sigma.focal * point->by_intrinsics.leftCols<1>(),
-        sigma.center * point->by_intrinsics.rightCols<2>();
+        sigma.center * point->by_intrinsics.middleCols<2>(1);
   }
   if (all_seen) rows.by_plate.rightCols<1>() = sigma.edge * by_outward_edges(pixels);
   return rows;

@@ -25,6 +25,14 @@ struct CalibrationSigma {
   // Of how far sharpening and a tone curve move the edges of a frame in its image, all outward or
   // all inward, pixels.
   double edge = 0;
+  double radial = 0;  // of the first coefficient of its distortion
+  // Of what autofocus and stabilisation change from picture to picture: the focal lengths
+  // (relative) and each coordinate of the principal point (pixels).
+  double focal_drift = 0;
+  double center_drift = 0;
+  // Of what no coefficient of its distortion describes: pixels in the image's corners, less towards
+  // the centre by the third power of the distance.
+  double warp = 0;
 };
 
 // Vehicle frame: origin O, x forward, y left, z up (REP-103).

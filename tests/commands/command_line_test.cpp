@@ -147,7 +147,8 @@ TEST_CASE("help says what an option is when it is not given") {
   CHECK(help.find("(default: 3)") != std::string::npos);
   CHECK(run_tagsmith("help read").out.find("(default: fallback)") != std::string::npos);
   CHECK(run_tagsmith("help simulate").out.find("(default: 0.7)") != std::string::npos);
-  CHECK(run_tagsmith("help verify").out.find("(default: 10; with --rig)") != std::string::npos);
+  CHECK(run_tagsmith("help verify").out.find("(default: 10)") != std::string::npos);
+  CHECK(run_tagsmith("help plan").out.find("(with --optimise)") != std::string::npos);
 }
 
 TEST_CASE("man pages hold every option, and no line of text is taken for a request") {

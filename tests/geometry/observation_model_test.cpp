@@ -134,6 +134,8 @@ TEST_CASE("the derivatives of a pixel are those that differences show") {
                 numeric(setup, [](Setup& s, double h) { s.camera.cx += h; }));
     check_equal(at.by_intrinsics.col(2),
                 numeric(setup, [](Setup& s, double h) { s.camera.cy += h; }));
+    check_equal(at.by_intrinsics.col(3),
+                numeric(setup, [](Setup& s, double h) { s.camera.distortion[0] += h; }));
   }
 }
 

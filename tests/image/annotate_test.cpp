@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/image_header.hpp"
+#include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/upright.hpp"
 #include "tests/support/exif_jpeg.hpp"

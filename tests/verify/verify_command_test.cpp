@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "decoder/image/load.hpp"
@@ -438,6 +439,35 @@ TEST_CASE("copies of photos are annotated, upright, in the format of the source"
   CHECK(copies[1].filename().string().starts_with("side-"));
   CHECK(size_of(copies[1]) == std::pair(960, 1280));
   CHECK(*read_file(copies[0]) != jpeg);
+}
+
+TEST_CASE("photos that name their lens tell where tags hang without a rig") {
+  const TemporaryFolder folder;
+  for (const int photo : {3, 4, 5, 6}) {
+    const std::string name = fmt::format("curved_{:02}_right.jpg", photo);
+    const std::string jpeg = *read_file("surveys/curved/photos/" + name);
+    REQUIRE(write_file(folder.path() / name, with_lens(jpeg, "Phone 7", 43)).has_value());
+  }
+  const std::string lines = (folder.path() / "lines.jsonl").string();
+  const ProgramOutput output = run_tagsmith("verify --json surveys/curved/survey.yaml '" +
+                                            folder.path().string() + "' > '" + lines + "'");
+  CHECK(output.err.find("no rig given") != std::string::npos);
+  const std::vector<json> files = json_lines(*read_file(lines));
+  REQUIRE(files.size() == 5);
+  const json camera{{"name", "Maker Phone 7"}, {"focal_35_mm", 43.0}, {"focal_mm", 5.43}};
+  CHECK(files[0]["camera"] == camera);
+  int checked = 0;
+  for (const json& tag : files[4]["summary"]["hanging"]) {
+    if (tag["verdict"] == "unchecked") continue;
+    CHECK(tag["verdict"] == "fits");
+    ++checked;
+  }
+  CHECK(checked >= 3);
+  // What the lines say of it is kept by report.
+  const ProgramOutput report =
+      run_tagsmith("report --json surveys/curved/survey.yaml '" + lines + "'");
+  CHECK(report.err.find("no rig given") == std::string::npos);
+  CHECK(json_lines(report.out).at(0)["summary"]["completeness"]["placement_checked"] == checked);
 }
 
 TEST_CASE("with a rig, tags that hang elsewhere than surveyed are found and told what to do") {

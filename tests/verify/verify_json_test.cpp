@@ -19,6 +19,7 @@ VerifiedFile photo() {
   file.width = 1280;
   file.height = 960;
   file.orientation = 6;
+  file.lens = PhotoLens{"Maker Phone 7", 5.43, 26};
   file.up = UpSource::camera;
   file.notes = {"damaged"};
   file.picture.file = "a-whole.png";
