@@ -40,6 +40,8 @@ struct AdjustmentProblem {
   double frame_sigma = 0;  // relative, of the size that all frames have in common; 0 = exact
   // Which parameters of the cameras are uncertain; nothing = as the rig's sigmas have it.
   std::optional<CalibrationLayout> calibration{};
+  // Places of the survey whose plates no picture shows: there a second copy of another may hang.
+  std::vector<SightedPlate> unseen{};
 };
 
 // What is not taken from the survey and the template of a plate.

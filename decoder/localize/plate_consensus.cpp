@@ -61,14 +61,51 @@ class Judge {
   Judge& operator=(const Judge&) = delete;
 
   Consensus run() {
+    judge_all();
+    for (const PlateCopy& copy : found_.copies) take_copy(copy);
+    for (PlateCheck& check : result_.plates) {
+      for (std::size_t& rival : check.rivals) rival = original_plate(rival);
+    }
+    for (LeftOutStation& station : result_.left_out) {
+      for (LeftOutStation::Suspect& suspect : station.suspects) {
+        suspect.plate = original_plate(suspect.plate);
+      }
+    }
     result_.plates.resize(original_.plates.size());
+    return std::move(result_);
+  }
+
+ private:
+  // Of a copy, what it says that it is.
+  std::size_t original_plate(std::size_t plate) const {
+    const auto copy = std::ranges::find(found_.copies, plate, &PlateCopy::plate);
+    return copy == found_.copies.end() ? plate : copy->of;
+  }
+
+  // Several photos of one camera, or one that shows the copy, cannot have been mixed up.
+  void take_copy(const PlateCopy& copy) {
+    FoundCopy found{copy.of, copy.place, {}, false};
+    bool by_one_camera = false;
+    for (const Station& station : found_.problem.stations) {
+      if (!shows(station, copy.plate)) continue;
+      found.stations.push_back(station.name);
+      by_one_camera = by_one_camera || is_of_one_camera(station);
+    }
+    if (found.stations.empty() || result_.nothing_fits) return;
+    const bool fits = result_.plates[copy.plate].verdict == HangVerdict::fits;
+    found.certain = fits && (by_one_camera || found.stations.size() > 1);
+    result_.copies.push_back(std::move(found));
+  }
+
+  void judge_all() {
+    result_.plates.resize(found_.problem.plates.size());
     std::set<std::string> told;
     for (const Station& station : found_.left_out) {
       if (told.insert(station.name).second) result_.left_out.push_back(suspected(station));
     }
     if (!found_.adjustment) {
       result_.nothing_fits = !found_.problem.stations.empty();
-      return std::move(result_);
+      return;
     }
     take_fitting();
     int accused = 0;
@@ -82,10 +119,8 @@ class Judge {
       result_.nothing_fits = true;
       for (PlateCheck& check : result_.plates) check = PlateCheck{};
     }
-    return std::move(result_);
   }
 
- private:
   std::set<std::size_t> seen_with(std::size_t plate) const {
     std::set<std::size_t> others;
     for (const Station& station : found_.problem.stations) {
@@ -136,6 +171,10 @@ class Judge {
 
   // True when the plate is off, or doubtful.
   bool accuse(std::size_t plate) {
+    if (plate >= original_.plates.size()) {  // a copy is judged as such
+      if (found_.accuses(plate)) result_.plates[plate].verdict = HangVerdict::doubtful;
+      return false;
+    }
     if (found_.swapped_with[plate] && result_.plates[plate].offset) {
       result_.plates[plate].swapped_with = found_.swapped_with[plate];
       judge(plate);
@@ -322,6 +361,7 @@ class Judge {
       near.freed[i] = PlateFreedom::none;
       near.swapped_with[i].reset();
     }
+    std::erase_if(near.copies, [&](const PlateCopy& copy) { return !seen.contains(copy.plate); });
     near.adjustment = adjust_plates(near.problem, near.freed);
     return near;
   }
@@ -372,7 +412,7 @@ class Judge {
     if (!explains_as_well(others, near)) return HangDoubt::none;
     HangDoubt doubt =
         others.left_out.size() > near.left_out.size() ? HangDoubt::row : HangDoubt::rest;
-    for (std::size_t i = 0; i < result_.plates.size(); ++i) {
+    for (std::size_t i = 0; i < original_.plates.size(); ++i) {
       if (others.freed[i] == PlateFreedom::none || found_.accuses(i)) continue;
       const auto rival = rival_by(others, i);
       if (!rival) continue;

@@ -58,8 +58,17 @@ struct LeftOutStation {
   bool fits_apart = false;        // the pictures of each camera by themselves fit
 };
 
+// A second copy of a plate in the place of one that no picture shows.
+struct FoundCopy {
+  std::size_t plate = 0;  // what it says that it is
+  std::string place;      // the plate whose place it has
+  std::vector<std::string> stations;
+  bool certain = false;  // else pictures that were not taken together would explain it, too
+};
+
 struct Consensus {
   std::vector<PlateCheck> plates;
+  std::vector<FoundCopy> copies;
   std::vector<LeftOutStation> left_out;
   // More than half of the plates disagree, or another calibration explains three plates and more:
   // the rig, the template or the survey is not that of these pictures. No plate is accused then.

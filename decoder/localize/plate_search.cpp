@@ -31,6 +31,7 @@ class Search {
   }
 
   PlateExplanation run() {
+    take_copies_apart();
     exchange_swapped();
     while (take_out_gross()) drop_stations();
     take_out_worst();
@@ -54,14 +55,85 @@ class Search {
       for (std::size_t i = 0; i < sightings.size(); ++i) {
         for (std::size_t j = i + 1; j < sightings.size(); ++j) {
           if (sightings[i].plate == sightings[j].plate) continue;
-          const double apart = std::min(mismatch(found_.problem, sightings[i], sightings[j]),
-                                        mismatch(found_.problem, sightings[j], sightings[i]));
-          pairs.push_back({s, sightings[i].plate, sightings[j].plate, apart < kGross});
+          pairs.push_back(
+              {s, sightings[i].plate, sightings[j].plate, agree(sightings[i], sightings[j])});
         }
       }
     }
     return pairs;
   }
+
+  // --- second copies ---
+
+  bool agree(const Sighting& a, const Sighting& b) const {
+    return std::min(mismatch(found_.problem, a, b), mismatch(found_.problem, b, a)) < kGross;
+  }
+
+  // Whether a sighting of the station, taken for one of this plate, agrees with more of the other
+  // plates there than it contradicts.
+  bool agrees_with_most(const Station& station, const Sighting& seen, std::size_t plate) const {
+    Sighting taken = seen;
+    taken.plate = plate;
+    int more = 0;
+    for (const Sighting& other : station.sightings) {
+      if (other.plate != seen.plate) more += agree(taken, other) ? 1 : -1;
+    }
+    return more > 0;
+  }
+
+  // The plate's number when it hangs in a place whose own plate is not seen; such a one is added
+  // when there is none.
+  std::size_t copy_in(std::size_t of, const SightedPlate& place) {
+    const auto known = std::ranges::find_if(found_.copies, [&](const PlateCopy& copy) {
+      return copy.of == of && copy.place == place.name;
+    });
+    if (known != found_.copies.end()) return known->plate;
+    const std::size_t plate = found_.problem.plates.size();
+    found_.problem.plates.push_back(place);
+    found_.problem.plates.back().name = found_.problem.plates[of].name;
+    found_.freed.push_back(PlateFreedom::none);
+    found_.swapped_with.emplace_back();
+    found_.copies.push_back({plate, of, place.name});
+    return plate;
+  }
+
+  // The place in which this sighting agrees with most others of its station; null when there is
+  // none.
+  const SightedPlate* place_that_agrees(const Station& station, const Sighting& seen) {
+    for (const SightedPlate& place : found_.problem.unseen) {
+      found_.problem.plates.push_back(place);
+      const bool agrees = agrees_with_most(station, seen, found_.problem.plates.size() - 1);
+      found_.problem.plates.pop_back();
+      if (agrees) return &place;
+    }
+    return nullptr;
+  }
+
+  // Plates that some station shows in agreement with most others there.
+  std::set<std::size_t> plates_in_place() const {
+    std::set<std::size_t> in_place;
+    for (const Station& station : found_.problem.stations) {
+      for (const Sighting& seen : station.sightings) {
+        if (agrees_with_most(station, seen, seen.plate)) in_place.insert(seen.plate);
+      }
+    }
+    return in_place;
+  }
+
+  void take_copies_apart() {
+    if (found_.problem.unseen.empty()) return;
+    const std::set<std::size_t> in_place = plates_in_place();
+    for (Station& station : found_.problem.stations) {
+      for (Sighting& seen : station.sightings) {
+        if (seen.plate == given_.plate || !in_place.contains(seen.plate)) continue;
+        if (agrees_with_most(station, seen, seen.plate)) continue;
+        const SightedPlate* place = place_that_agrees(station, seen);
+        if (place != nullptr) seen.plate = copy_in(seen.plate, *place);
+      }
+    }
+  }
+
+  // --- exchanged plates ---
 
   void exchange(std::size_t a, std::size_t b) {
     std::swap(found_.problem.plates[a].world_from_plate, found_.problem.plates[b].world_from_plate);
@@ -300,7 +372,7 @@ std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
 }
 
 int faults_of(const PlateExplanation& explanation) {
-  int faults = static_cast<int>(explanation.left_out.size());
+  int faults = static_cast<int>(explanation.left_out.size() + explanation.copies.size());
   for (std::size_t i = 0; i < explanation.freed.size(); ++i) {
     faults += explanation.accuses(i) ? 1 : 0;
   }

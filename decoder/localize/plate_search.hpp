@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "decoder/localize/plate_adjustment.hpp"
@@ -30,10 +31,20 @@ std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
                                     const std::vector<PlateFreedom>& freed,
                                     const Adjustment& adjustment, std::size_t plate);
 
+// A second copy of a plate in the place of one that no picture shows.
+struct PlateCopy {
+  std::size_t plate = 0;  // of the explanation's problem: the copy
+  std::size_t of = 0;     // what it says that it is
+  std::string place;      // the plate whose place it has
+};
+
 struct PlateExplanation {
-  AdjustmentProblem problem;  // without the stations left out, exchanged plates being exchanged
+  // Without the stations left out, exchanged plates being exchanged; second copies are plates of
+  // their own behind the others.
+  AdjustmentProblem problem;
   std::vector<PlateFreedom> freed;  // any, of the plates that contradict the rest
   std::vector<std::optional<std::size_t>> swapped_with;
+  std::vector<PlateCopy> copies;
   std::vector<Station> left_out;         // stations that fit no place of the cameras
   std::optional<Adjustment> adjustment;  // nothing when the fit does not converge
 
@@ -42,7 +53,7 @@ struct PlateExplanation {
   }
 };
 
-// Plates taken out or exchanged, stations left out.
+// Plates taken out, exchanged or there twice, stations left out.
 int faults_of(const PlateExplanation& explanation);
 
 // How badly it explains the pictures: chi-square beyond its expectation, up to a constant that all
@@ -61,9 +72,11 @@ struct Given {
   bool stations = false;             // all pictures of a station were taken together
 };
 
-// Exchanges pairs of plates that contradict the rest and in each other's place do not; then takes
-// out the plate that contradicts the others most, or leaves out a station that fits nothing, until
-// those left agree. Of a station left out the pictures of each camera are still used by themselves.
+// Takes sightings of a plate that contradict the rest, while others of it do not, for those of a
+// second copy where that agrees with all. Exchanges pairs of plates that contradict the rest and in
+// each other's place do not; then takes out the plate that contradicts the others most, or leaves
+// out a station that fits nothing, until those left agree. Of a station left out the pictures of
+// each camera are still used by themselves.
 PlateExplanation explain(AdjustmentProblem problem, const Given& given = {});
 
 }  // namespace tagsmith::detail

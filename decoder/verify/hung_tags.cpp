@@ -41,8 +41,8 @@ AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
   AdjustmentProblem problem;
   problem.rig = &rig;
   for (const PlacedTag& tag : survey.tags) {
-    if (std::ranges::find(sighted, tag.name, &SightedTag::tag) == sighted.end()) continue;
-    problem.plates.push_back(plate_for(survey, tag));
+    const bool is_seen = std::ranges::find(sighted, tag.name, &SightedTag::tag) != sighted.end();
+    (is_seen ? problem.plates : problem.unseen).push_back(plate_for(survey, tag));
   }
   std::map<std::string, std::size_t> plates;
   for (std::size_t i = 0; i < problem.plates.size(); ++i) plates[problem.plates[i].name] = i;
@@ -78,8 +78,10 @@ std::vector<Observation> rows_of(const Survey& survey, const Rig& rig,
 void take_scatter(const Survey& survey, AdjustmentProblem& problem) {
   if (survey.angle_sigma > 0 && survey.states_angle_sigma) return;
   const double sigma = std::max(attitude_scatter(problem), kLeastAngleSigma);
-  for (SightedPlate& plate : problem.plates) {
-    plate.survey_variance.tail<3>().setConstant(sigma * sigma);
+  for (auto* plates : {&problem.plates, &problem.unseen}) {
+    for (SightedPlate& plate : *plates) {
+      plate.survey_variance.tail<3>().setConstant(sigma * sigma);
+    }
   }
 }
 
@@ -361,6 +363,22 @@ UnplacedTags unplaced_tags(const Survey& survey, const AdjustmentProblem& proble
   return unplaced;
 }
 
+// What to do about a second copy, in each of the stations that show it.
+void add_copy(const AdjustmentProblem& problem, const FoundCopy& copy, HungTags& hung) {
+  HungTag tag;
+  tag.tag = problem.plates[copy.plate].name;
+  tag.verdict = copy.certain ? HangVerdict::off : HangVerdict::doubtful;
+  tag.rule = "second-copy";
+  tag.message = fmt::format(
+      "a second copy of {0} hangs in the place of {1}: take it down and hang {1} there{2}", tag.tag,
+      copy.place, copy.certain ? "" : uncertainty(HangDoubt::row));
+  for (const std::string& station : copy.stations) {
+    auto known = std::ranges::find(hung.unplaced, station, &UnplacedTags::station);
+    if (known == hung.unplaced.end()) known = hung.unplaced.insert(known, {station, {}});
+    known->tags.push_back(tag);
+  }
+}
+
 }  // namespace
 
 std::string to_string(HangVerdict verdict) {
@@ -399,6 +417,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   for (const LeftOutStation& station : consensus.left_out) {
     result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
   }
+  for (const FoundCopy& copy : consensus.copies) add_copy(problem, copy, result);
   return result;
 }
 

@@ -46,11 +46,12 @@ struct HungTag {
   std::string message;              // what is wrong; of what is off, what to do
 };
 
-// Pictures taken together that fit no place of the cameras: a finding on each of their tags, in
-// these pictures, wherever else these tags hang.
+// What holds of tags in the pictures of one station, wherever else these tags hang: that the
+// pictures fit no place of the cameras (doubtful, rule `no-common-place`, each of their tags), or
+// that the tag there is a second copy (off or doubtful, rule `second-copy`).
 struct UnplacedTags {
   std::string station;
-  std::vector<HungTag> tags;  // doubtful, rule `no-common-place`
+  std::vector<HungTag> tags;
 };
 
 struct HungTags {

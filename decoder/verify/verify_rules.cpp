@@ -86,6 +86,10 @@ constexpr std::array kRules{
     VerifyRule{"other-survey", "a tag of another survey that was given, or a print from one",
                "The plate hangs in the wrong drive: hang it where its own setting-out list says. A "
                "print file is to be verified against the survey it was printed from."},
+    VerifyRule{"second-copy",
+               "a tag in the place of another, while the tag itself hangs in its own",
+               "Take the second copy down and hang the tag that belongs there; until then vehicles "
+               "are told a wrong position."},
     VerifyRule{"stale", "a print from another state of the survey",
                "Print the tag again; do not hang the old plate."},
     VerifyRule{"swapped", "tags that hang in each other's place, or in that of a third",

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
+#include <map>
 #include <numbers>
 #include <random>
 #include <set>
@@ -72,6 +73,7 @@ struct World {
   std::vector<Camera> phones;       // by row: the lens as it was then; empty = the rig's cameras
   std::set<std::size_t> wrong;      // tags of which something is wrong
   std::set<std::size_t> exchanged;  // of these, in another's place, and that in theirs
+  std::map<std::size_t, std::size_t> copies;  // a second copy hangs in the place of another
   std::pair<std::size_t, std::size_t>
       mixed;  // rows whose photos of the second camera are exchanged
 };
@@ -195,6 +197,7 @@ void copy(World& world, Random& random) {
   const std::size_t other = other_tag(world, random);
   world.wrong.insert(other);
   world.plates[other].tag = one;
+  world.copies[one] = other;
 }
 
 void exchange_and_copy(World& world, Random& random) {
@@ -332,6 +335,11 @@ void count_offset(const World& world, std::size_t tag, const Measured3& offset, 
 // True when some copy of the plate hangs where the tag is said to, or is of another size and so
 // said.
 bool is_so(const World& world, std::size_t tag, const HungTag& said) {
+  if (said.rule == "second-copy") {
+    const auto copy = world.copies.find(tag);
+    return copy != world.copies.end() &&
+           said.message.find(world.survey.tags[copy->second].name) != std::string::npos;
+  }
   if (said.offset.sigma.isZero()) return world.exchanged.contains(tag);
   const Pose& surveyed = world.survey.tags[tag].world_from_plate;
   for (const Plate& plate : world.plates) {
@@ -351,8 +359,12 @@ void count(const World& world, const HungTags& found, const std::string& what, T
   ++tally.worlds;
   bool told = found.nothing_fits || !found.unplaced.empty();
   std::set<std::string> in_unplaced;
+  std::map<std::string, HungTag> copies;
   for (const UnplacedTags& photos : found.unplaced) {
-    for (const HungTag& tag : photos.tags) in_unplaced.insert(tag.tag);
+    for (const HungTag& tag : photos.tags) {
+      in_unplaced.insert(tag.tag);
+      if (tag.verdict == HangVerdict::off) copies[tag.tag] = tag;
+    }
   }
   if (world.wrong.empty()) {
     for (const UnplacedTags& photos : found.unplaced) {
@@ -360,7 +372,9 @@ void count(const World& world, const HungTags& found, const std::string& what, T
     }
   }
   tally.nothing_fits += found.nothing_fits ? 1 : 0;
-  for (const HungTag& tag : found.tags) {
+  for (const HungTag& judged : found.tags) {
+    const auto copy = copies.find(judged.tag);
+    const HungTag& tag = copy == copies.end() ? judged : copy->second;
     const auto index =
         static_cast<std::size_t>(find_tag(world.survey, tag.tag) - world.survey.tags.data());
     const bool off = tag.verdict == HangVerdict::off;

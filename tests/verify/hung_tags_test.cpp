@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 #include <regex>
+#include <set>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -291,6 +292,30 @@ TEST_CASE("photos that no place of the cameras explains are findings of their ta
   CHECK(findings_of(photos[0]).empty());
   CHECK(photos[1].tags[0].status == TagStatus::doubtful);
   CHECK(rules_of(photos[1]) == std::set<std::string>{"no-common-place"});
+}
+
+TEST_CASE("a second copy in the place of a tag that nobody saw is told where it is seen") {
+  const Corridor corridor;
+  std::vector<SightedTag> sighted = corridor.seen();
+  std::string station;
+  for (SightedTag& tag : sighted) {
+    if (tag.tag != "004R") continue;
+    CHECK(station.empty());  // one alone shows it
+    station = tag.station;
+    tag.tag = "000R";
+  }
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, sighted);
+  for (const HungTag& tag : result.tags) CHECK(tag.verdict == HangVerdict::fits);
+  REQUIRE(result.unplaced.size() == 1);
+  CHECK(result.unplaced[0].station == station);
+  REQUIRE(result.unplaced[0].tags.size() == 1);
+  const HungTag& copy = result.unplaced[0].tags[0];
+  CHECK(copy.tag == "000R");
+  CHECK(copy.rule == "second-copy");
+  CHECK(copy.message.starts_with("a second copy of 000R hangs in the place of 004R: take it down"));
+  // Rows of two cameras, one of which shows it, may have been mixed up.
+  CHECK(copy.verdict == HangVerdict::doubtful);
+  CHECK(copy.message.find("Not certain: photos that were not taken together") != std::string::npos);
 }
 
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
