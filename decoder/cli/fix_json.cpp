@@ -160,11 +160,17 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 }
 
 std::string summary_json_line(std::span<const FixSummary> summaries,
-                              const std::vector<std::string>& assumed,
-                              const std::optional<RigSuspicion>& suspicion, const Rig& rig) {
+                              const std::vector<std::string>& assumed, const RunFindings& findings,
+                              const Rig& rig) {
   Json values = summary_values(summaries.front());
   values["assumed"] = assumed;
-  if (suspicion) values["rig_suspicion"] = suspicion_json(*suspicion, rig);
+  if (findings.suspicion) values["rig_suspicion"] = suspicion_json(*findings.suspicion, rig);
+  for (const SetAside& tag : findings.aside) {
+    values["set_aside"].push_back({{"tag", tag.tag},
+                                   {"rule", tag.rule},
+                                   {"message", tag.message},
+                                   {"rows", tag.rows.size()}});
+  }
   if (summaries.size() > 1) values["paper"] = summary_values(summaries[1]);
   return text_of({{"summary", std::move(values)}});
 }

@@ -12,6 +12,7 @@
 
 #include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/fix.hpp"
+#include "decoder/verify/set_aside.hpp"
 #include "tagsmith/survey/run.hpp"
 
 namespace tagsmith::detail {
@@ -22,10 +23,16 @@ std::vector<std::pair<std::string, Eigen::Matrix3d>> parts_of(const ErrorBudget&
 // `explain` adds the error budget and every corner's residual.
 std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool explain);
 
+// What all rows of a run show together.
+struct RunFindings {
+  std::optional<RigSuspicion> suspicion;
+  std::vector<SetAside> aside;
+};
+
 // The summary of a run by the first method, and of each other under its name; `assumed`: what
-// survey and rig leave unsaid (assumptions.hpp); `suspicion` is of this rig.
+// survey and rig leave unsaid (assumptions.hpp); the suspicion is of this rig.
 std::string summary_json_line(std::span<const FixSummary> summaries,
-                              const std::vector<std::string>& assumed,
-                              const std::optional<RigSuspicion>& suspicion, const Rig& rig);
+                              const std::vector<std::string>& assumed, const RunFindings& findings,
+                              const Rig& rig);
 
 }  // namespace tagsmith::detail

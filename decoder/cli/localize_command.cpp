@@ -97,25 +97,50 @@ ReaderChoice reader_for(const LocalizeOptions& options) {
 // The fixes of all measurements by each method asked for, the one to rely on first.
 using Located = std::vector<std::vector<Fix>>;
 
-// What was seen of each measurement comes back in `rows`.
-Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
-                     std::vector<Observation>& rows) {
+std::vector<Observation> observe_all(const LocalizeInput& input, const LocalizeOptions& options) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   const ReaderChoice reader = reader_for(options);
-  std::vector<LocalizationMethod> methods;
-  if (options.method != "paper") methods.emplace_back(localize_jointly);
-  if (options.method != "joint") methods.emplace_back(localize_by_paper);
-  Located located(methods.size(), std::vector<Fix>(measurements.size()));
-  rows.resize(measurements.size());
+  std::vector<Observation> rows(measurements.size());
   ProgressBar progress("measurements", measurements.size());
   run_in_order(measurements.size(), options.jobs, [&](std::size_t i) -> Delivery {
     rows[i] = observe(measurements[i], input.surveys, input.rig, reader);
-    for (std::size_t m = 0; m < methods.size(); ++m) {
-      located[m][i] = methods[m](rows[i], input.surveys, input.rig);
-    }
     return [&progress] { progress.advance([] {}); };
   });
+  return rows;
+}
+
+std::vector<Fix> locate_all(const std::vector<Observation>& rows, LocalizationMethod method,
+                            const LocalizeInput& input, int jobs) {
+  std::vector<Fix> fixes(rows.size());
+  run_in_order(rows.size(), jobs, [&](std::size_t i) -> Delivery {
+    fixes[i] = method(rows[i], input.surveys, input.rig);
+    return [] {};
+  });
+  return fixes;
+}
+
+// The paper's method has no run: it takes every row as it was seen.
+Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
+                     std::vector<Observation> rows, std::vector<SetAside>& aside) {
+  std::optional<std::vector<Fix>> by_paper;
+  if (options.method != "joint") {
+    by_paper = locate_all(rows, localize_by_paper, input, options.jobs);
+  }
+  Located located;
+  if (options.method != "paper") {
+    aside = set_aside_misplaced(rows, input.surveys, input.rig);
+    located.push_back(locate_all(rows, localize_jointly, input, options.jobs));
+  }
+  if (by_paper) located.push_back(std::move(*by_paper));
   return located;
+}
+
+// What is wrong with tags that the run shows to hang elsewhere, once each.
+void tell_set_aside(const std::vector<SetAside>& aside) {
+  for (const SetAside& tag : aside) {
+    to_stderr("{}: set aside in {} row{}: {}\n", kName, tag.rows.size(),
+              tag.rows.size() == 1 ? "" : "s", tag.message);
+  }
 }
 
 // Whether a value of the rig explains what the rows of the survey that is seen most contradict.
@@ -150,7 +175,7 @@ std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> live_met
 // --- JSON ---
 
 void print_json(const Located& located, const LocalizeInput& input, bool explain,
-                const std::optional<RigSuspicion>& suspicion) {
+                const RunFindings& findings) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     for (const std::vector<Fix>& fixes : located) {
@@ -161,7 +186,7 @@ void print_json(const Located& located, const LocalizeInput& input, bool explain
   for (const std::vector<Fix>& fixes : located) {
     summaries.push_back(summarize(fixes, measurements));
   }
-  to_stdout("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig), suspicion,
+  to_stdout("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig), findings,
                                       input.rig));
 }
 
@@ -388,10 +413,12 @@ int run_localize(const LocalizeOptions& options) {
       return report_failure(kName, usable.error());
     }
   }
-  std::vector<Observation> rows;
-  Located located = localize_all(*input, options, rows);
+  std::vector<Observation> rows = observe_all(*input, options);
   const std::optional<RigSuspicion> suspicion =
-      options.method == "paper" ? std::nullopt : suspicion_of(std::move(rows), *input);
+      options.method == "paper" ? std::nullopt : suspicion_of(rows, *input);
+  std::vector<SetAside> aside;
+  Located located = localize_all(*input, options, std::move(rows), aside);
+  tell_set_aside(aside);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
     if (!smoothed) return report_failure(kName, smoothed.error());
@@ -410,7 +437,7 @@ int run_localize(const LocalizeOptions& options) {
     if (!written) return report_failure(kName, written.error());
   }
   if (options.json) {
-    print_json(located, *input, options.explain, suspicion);
+    print_json(located, *input, options.explain, {suspicion, aside});
   } else {
     print_tables(located, *input, options.explain);
     if (suspicion) to_stdout("the rig is in doubt: {}\n", describe(*suspicion, input->rig));

@@ -383,6 +383,33 @@ TEST_CASE("the help has an example") {
         std::string::npos);
 }
 
+TEST_CASE("a tag that the run shows to hang elsewhere is set aside in all rows") {
+  const TemporaryFolder folder;
+  std::string survey = contents("surveys/corridor/survey.yaml");
+  survey.insert(survey.find("\ncode:"),
+                "\nplaced:\n  - { tag: 001L, side: left, p: [1.9, 0.8, 0.43], "
+                "digits: \"01900080040\" }\n");
+  const std::string file = file_with(folder.path() / "survey.yaml", survey);
+  const std::string command =
+      "localize '" + file + "' --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  const ProgramOutput words = run_tagsmith(command);
+  CHECK(words.exit_code == 0);
+  CHECK(words.err.find("set aside in 1 row: 001L hangs 30 mm from its surveyed place") !=
+        std::string::npos);
+  const std::vector<json> lines = json_lines(run_tagsmith(command + " --json").out);
+  REQUIRE(lines.back()["summary"].contains("set_aside"));
+  const json& aside = lines.back()["summary"]["set_aside"];
+  REQUIRE(aside.size() == 1);
+  CHECK(aside[0]["tag"] == "001L");
+  CHECK(aside[0]["rule"] == "moved");
+  CHECK(aside[0]["rows"] == 1);
+  for (const json& line : lines) {
+    if (!line.contains("id")) continue;
+    CHECK(std::ranges::find(line["tags"], "001L") == line["tags"].end());
+    CHECK(line["error_plane"].get<double>() < 0.002);
+  }
+}
+
 TEST_CASE("a rig that all rows contradict in the same way is told with the value they expect") {
   const TemporaryFolder folder;
   std::string rig = contents("surveys/corridor/rig.yaml");
