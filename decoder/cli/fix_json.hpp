@@ -26,7 +26,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 // What all rows of a run show together.
 struct RunFindings {
   std::optional<RigSuspicion> suspicion;
-  std::vector<SetAside> aside;
+  RunCheck checked;
 };
 
 // The summary of a run by the first method, and of each other under its name; `assumed`: what

@@ -121,23 +121,24 @@ std::vector<Fix> locate_all(const std::vector<Observation>& rows, LocalizationMe
 
 // The paper's method has no run: it takes every row as it was seen.
 Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
-                     std::vector<Observation> rows, std::vector<SetAside>& aside) {
+                     std::vector<Observation> rows, RunCheck& checked) {
   std::optional<std::vector<Fix>> by_paper;
   if (options.method != "joint") {
     by_paper = locate_all(rows, localize_by_paper, input, options.jobs);
   }
   Located located;
   if (options.method != "paper") {
-    aside = set_aside_misplaced(rows, input.surveys, input.rig);
+    checked = set_aside_misplaced(rows, input.surveys, input.rig);
     located.push_back(locate_all(rows, localize_jointly, input, options.jobs));
   }
   if (by_paper) located.push_back(std::move(*by_paper));
   return located;
 }
 
-// What is wrong with tags that the run shows to hang elsewhere, once each.
-void tell_set_aside(const std::vector<SetAside>& aside) {
-  for (const SetAside& tag : aside) {
+// What is wrong with tags that the run shows to hang elsewhere, and with rows, once each.
+void tell(const RunCheck& checked) {
+  for (const std::string& words : checked.mixed) to_stderr("{}: {}\n", kName, words);
+  for (const SetAside& tag : checked.aside) {
     to_stderr("{}: set aside in {} row{}: {}\n", kName, tag.rows.size(),
               tag.rows.size() == 1 ? "" : "s", tag.message);
   }
@@ -416,9 +417,9 @@ int run_localize(const LocalizeOptions& options) {
   std::vector<Observation> rows = observe_all(*input, options);
   const std::optional<RigSuspicion> suspicion =
       options.method == "paper" ? std::nullopt : suspicion_of(rows, *input);
-  std::vector<SetAside> aside;
-  Located located = localize_all(*input, options, std::move(rows), aside);
-  tell_set_aside(aside);
+  RunCheck checked;
+  Located located = localize_all(*input, options, std::move(rows), checked);
+  tell(checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
     if (!smoothed) return report_failure(kName, smoothed.error());
@@ -437,7 +438,7 @@ int run_localize(const LocalizeOptions& options) {
     if (!written) return report_failure(kName, written.error());
   }
   if (options.json) {
-    print_json(located, *input, options.explain, {suspicion, aside});
+    print_json(located, *input, options.explain, {suspicion, checked});
   } else {
     print_tables(located, *input, options.explain);
     if (suspicion) to_stdout("the rig is in doubt: {}\n", describe(*suspicion, input->rig));

@@ -63,6 +63,7 @@ class Judge {
   Consensus run() {
     judge_all();
     for (const PlateCopy& copy : found_.copies) take_copy(copy);
+    if (!result_.nothing_fits) result_.mixed = found_.mixed;
     for (PlateCheck& check : result_.plates) {
       for (std::size_t& rival : check.rivals) rival = original_plate(rival);
     }
@@ -361,6 +362,11 @@ class Judge {
       near.freed[i] = PlateFreedom::none;
       near.swapped_with[i].reset();
     }
+    std::erase_if(near.mixed, [&](const MixedStations& mixed) {
+      return std::ranges::none_of(near.problem.stations, [&](const Station& station) {
+        return station.name == mixed.one || station.name == mixed.other;
+      });
+    });
     std::erase_if(near.copies, [&](const PlateCopy& copy) { return !seen.contains(copy.plate); });
     near.adjustment = adjust_plates(near.problem, near.freed);
     return near;

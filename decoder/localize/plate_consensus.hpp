@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/localize/plate_search.hpp"
 
 namespace tagsmith::detail {
 
@@ -69,6 +70,7 @@ struct FoundCopy {
 struct Consensus {
   std::vector<PlateCheck> plates;
   std::vector<FoundCopy> copies;
+  std::vector<MixedStations> mixed;  // every other verdict is by their pictures put right
   std::vector<LeftOutStation> left_out;
   // More than half of the plates disagree, or another calibration explains three plates and more:
   // the rig, the template or the survey is not that of these pictures. No plate is accused then.

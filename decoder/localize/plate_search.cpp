@@ -33,6 +33,7 @@ class Search {
   PlateExplanation run() {
     take_copies_apart();
     exchange_swapped();
+    exchange_mixed();
     while (take_out_gross()) drop_stations();
     take_out_worst();
     return std::move(found_);
@@ -178,6 +179,66 @@ class Search {
         exchange(a, b);
         found_.swapped_with[a] = b;
         found_.swapped_with[b] = a;
+      }
+    }
+  }
+
+  // --- pictures of two stations, mixed up ---
+
+  bool agrees(const Station& station) const {
+    for (const Sighting& a : station.sightings) {
+      for (const Sighting& b : station.sightings) {
+        if (a.plate < b.plate && !agree(a, b)) return false;
+      }
+    }
+    return true;
+  }
+
+  static bool shows_by(const Station& station, std::size_t camera) {
+    return std::ranges::find(station.sightings, camera, &Sighting::camera) !=
+           station.sightings.end();
+  }
+
+  // The stations with each other's pictures of the camera.
+  static std::pair<Station, Station> exchanged(Station one, Station other, std::size_t camera) {
+    std::vector<Sighting> to_other;
+    std::ranges::copy_if(one.sightings, std::back_inserter(to_other),
+                         [&](const Sighting& seen) { return seen.camera == camera; });
+    std::erase_if(one.sightings, [&](const Sighting& seen) { return seen.camera == camera; });
+    std::ranges::copy_if(other.sightings, std::back_inserter(one.sightings),
+                         [&](const Sighting& seen) { return seen.camera == camera; });
+    std::erase_if(other.sightings, [&](const Sighting& seen) { return seen.camera == camera; });
+    std::ranges::copy(to_other, std::back_inserter(other.sightings));
+    return {std::move(one), std::move(other)};
+  }
+
+  // True when the two agree within themselves by each other's pictures of a camera.
+  bool unmix(Station& one, Station& other) {
+    for (std::size_t camera = 0; camera < found_.problem.rig->cameras.size(); ++camera) {
+      if (!shows_by(one, camera) || !shows_by(other, camera)) continue;
+      auto [a, b] = exchanged(one, other, camera);
+      if (!agrees(a) || !agrees(b)) continue;
+      found_.mixed.push_back({one.name, other.name, camera});
+      one = std::move(a);
+      other = std::move(b);
+      return true;
+    }
+    return false;
+  }
+
+  void exchange_mixed() {
+    constexpr std::size_t kMost = 24;  // stations that contradict themselves; as with plates
+    if (given_.stations) return;
+    std::vector<Station*> odd;
+    for (Station& station : found_.problem.stations) {
+      if (!agrees(station)) odd.push_back(&station);
+    }
+    if (odd.size() > kMost) return;
+    for (std::size_t i = 0; i < odd.size(); ++i) {
+      for (std::size_t j = i + 1; j < odd.size(); ++j) {
+        if (!unmix(*odd[i], *odd[j])) continue;
+        odd.erase(odd.begin() + static_cast<std::ptrdiff_t>(j));
+        break;
       }
     }
   }
@@ -372,7 +433,8 @@ std::vector<std::size_t> neighbours(const AdjustmentProblem& problem,
 }
 
 int faults_of(const PlateExplanation& explanation) {
-  int faults = static_cast<int>(explanation.left_out.size() + explanation.copies.size());
+  int faults = static_cast<int>(explanation.left_out.size() + explanation.copies.size() +
+                                explanation.mixed.size());
   for (std::size_t i = 0; i < explanation.freed.size(); ++i) {
     faults += explanation.accuses(i) ? 1 : 0;
   }

@@ -38,6 +38,13 @@ struct PlateCopy {
   std::string place;      // the plate whose place it has
 };
 
+// Two stations that have each other's pictures of one camera.
+struct MixedStations {
+  std::string one;
+  std::string other;
+  std::size_t camera = 0;
+};
+
 struct PlateExplanation {
   // Without the stations left out, exchanged plates being exchanged; second copies are plates of
   // their own behind the others.
@@ -45,6 +52,7 @@ struct PlateExplanation {
   std::vector<PlateFreedom> freed;  // any, of the plates that contradict the rest
   std::vector<std::optional<std::size_t>> swapped_with;
   std::vector<PlateCopy> copies;
+  std::vector<MixedStations> mixed;      // in the problem each has its own pictures
   std::vector<Station> left_out;         // stations that fit no place of the cameras
   std::optional<Adjustment> adjustment;  // nothing when the fit does not converge
 
@@ -53,7 +61,7 @@ struct PlateExplanation {
   }
 };
 
-// Plates taken out, exchanged or there twice, stations left out.
+// Plates taken out, exchanged or there twice, stations mixed up or left out.
 int faults_of(const PlateExplanation& explanation);
 
 // How badly it explains the pictures: chi-square beyond its expectation, up to a constant that all
@@ -73,10 +81,10 @@ struct Given {
 };
 
 // Takes sightings of a plate that contradict the rest, while others of it do not, for those of a
-// second copy where that agrees with all. Exchanges pairs of plates that contradict the rest and in
-// each other's place do not; then takes out the plate that contradicts the others most, or leaves
-// out a station that fits nothing, until those left agree. Of a station left out the pictures of
-// each camera are still used by themselves.
+// second copy where that agrees with most. Exchanges pairs of plates, and pictures of two stations,
+// that contradict the rest as they are and not when they are exchanged; then takes out the plate
+// that contradicts the others most, or leaves out a station that fits nothing, until those left
+// agree. Of a station left out the pictures of each camera are still used by themselves.
 PlateExplanation explain(AdjustmentProblem problem, const Given& given = {});
 
 }  // namespace tagsmith::detail

@@ -32,7 +32,14 @@ void set_finding(VerifiedTag& tag, Finding finding) {
   static_cast<Finding&>(tag) = std::move(finding);
 }
 
+constexpr const char* kMixedPhotos = "mixed-photos";
+
 void forget_hanging(VerifiedFile& file) {
+  if (file.rules.erase(kMixedPhotos) > 0) {
+    std::erase_if(file.findings, [](const std::string& words) {
+      return words.find(" are mixed up: ") != std::string::npos;
+    });
+  }
   for (VerifiedTag& tag : file.tags) {
     const bool is_of_hanging = tag.hung && (tag.hung->verdict == HangVerdict::off ||
                                             tag.hung->verdict == HangVerdict::doubtful);
@@ -161,6 +168,16 @@ void judge_up(const Survey& survey, const HangingSetup& setup, VerifiedFile& fil
   }
 }
 
+// A photo of a station that was mixed up with another.
+void judge_station(const HangingSetup& setup, const HungTags& hung,
+                   const std::optional<PhotoOrigin>& origin, VerifiedFile& file) {
+  for (const MixedStations& mixed : hung.mixed) {
+    const bool is_of_it =
+        origin && (origin->station == mixed.one || origin->station == mixed.other);
+    if (is_of_it) file.add_finding(kMixedPhotos, in_words(mixed, setup.rig));
+  }
+}
+
 // Adds those that were seen, but never together with another; in the survey's order.
 void add_unchecked(const Survey& survey, const std::set<std::string>& seen,
                    std::vector<HungTag>& tags) {
@@ -201,6 +218,7 @@ Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
   HungTags hung = check_hung_tags(survey, setup.rig, pick.taken(), setup.tolerance);
   add_unchecked(survey, seen, hung.tags);
   hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
+  for (const MixedStations& mixed : hung.mixed) hung.notes.push_back(in_words(mixed, setup.rig));
   if (!hung.rig_doubt.empty()) {
     hung.notes.push_back("the rig is in doubt, and no tag was judged by where it hangs: " +
                          hung.rig_doubt);
@@ -222,6 +240,7 @@ void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTa
     const HungTag* here = tells(tag) ? find_hung(hung, origin, tag.tag) : nullptr;
     if (here != nullptr) judge_place(*here, tag);
   }
+  judge_station(setup, hung, origin, file);
   judge_up(survey, setup, file);
 }
 

@@ -386,6 +386,13 @@ std::string to_string(HangVerdict verdict) {
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
+std::string in_words(const MixedStations& mixed, const Rig& rig) {
+  return fmt::format(
+      "{} and {} are mixed up: each has the other's photo of camera {}, or of all its other "
+      "cameras",
+      mixed.one, mixed.other, rig.cameras[mixed.camera].name);
+}
+
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance) {
   HungTags result;
@@ -418,6 +425,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
     result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
   }
   for (const FoundCopy& copy : consensus.copies) add_copy(problem, copy, result);
+  result.mixed = consensus.mixed;
   return result;
 }
 

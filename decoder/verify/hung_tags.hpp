@@ -57,7 +57,8 @@ struct UnplacedTags {
 struct HungTags {
   std::vector<HungTag> tags;  // of the survey that were seen, in its order
   std::vector<UnplacedTags> unplaced;
-  std::vector<std::string> notes;    // on pictures that could not be used
+  std::vector<MixedStations> mixed{};  // the others are judged by their pictures put right
+  std::vector<std::string> notes;      // on pictures that could not be used
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
   bool nothing_fits = false;         // rig, survey and pictures do not belong together
   std::string rig_doubt{};           // which value of the rig is why (rig_suspicion.hpp), or empty
@@ -69,6 +70,10 @@ struct HungTags {
 // the pictures.
 inline constexpr double kLeastSurveySigma = 0.001;        // metres
 inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degrees
+
+// "row 3 and row 7 are mixed up: ...": which of a station's cameras has the other's photos cannot
+// be told.
+std::string in_words(const MixedStations& mixed, const Rig& rig);
 
 // find_consensus of the sighted tags, in words. Sightings of tags that the survey does not have are
 // passed over. Where the pictures contradict the rig in one and the same way (suspect_rig), no tag

@@ -47,11 +47,11 @@ void take_out(std::vector<Observation>& rows, std::span<const std::size_t> of, S
 
 }  // namespace
 
-std::vector<SetAside> set_aside_misplaced(std::vector<Observation>& rows,
-                                          const std::vector<Survey>& surveys, const Rig& rig) {
+RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
+                             const Rig& rig) {
   std::vector<std::size_t> all(rows.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  std::vector<SetAside> result;
+  RunCheck result;
   for (std::size_t survey = 0; survey < surveys.size(); ++survey) {
     const HungTags hung = check_rows(rows, surveys, survey, rig);
     if (hung.nothing_fits) continue;
@@ -59,8 +59,14 @@ std::vector<SetAside> set_aside_misplaced(std::vector<Observation>& rows,
       if (tag.verdict != HangVerdict::off) return;
       SetAside aside{survey, tag.tag, tag.rule, tag.message, {}};
       take_out(rows, of, aside);
-      if (!aside.rows.empty()) result.push_back(std::move(aside));
+      if (!aside.rows.empty()) result.aside.push_back(std::move(aside));
     };
+    for (MixedStations mixed : hung.mixed) {
+      for (std::string* name : {&mixed.one, &mixed.other}) {
+        *name = "row " + rows[std::stoul(*name)].id;
+      }
+      result.mixed.push_back(in_words(mixed, rig));
+    }
     for (const UnplacedTags& station : hung.unplaced) {
       const std::size_t row = std::stoul(station.station);
       for (const HungTag& tag : station.tags) add(tag, {&row, 1});

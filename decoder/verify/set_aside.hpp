@@ -22,10 +22,15 @@ struct SetAside {
   std::vector<std::size_t> rows;  // in which it is set aside, by index
 };
 
+struct RunCheck {
+  std::vector<SetAside> aside;
+  std::vector<std::string> mixed;  // rows that have each other's photos, in words
+};
+
 // What check_hung_tags is certain of, survey by survey; what it calls doubtful stays. Takes these
 // tags out of the rows, with a fault in each that says so. Nothing where the rig itself is in
 // doubt.
-std::vector<SetAside> set_aside_misplaced(std::vector<Observation>& rows,
-                                          const std::vector<Survey>& surveys, const Rig& rig);
+RunCheck set_aside_misplaced(std::vector<Observation>& rows, const std::vector<Survey>& surveys,
+                             const Rig& rig);
 
 }  // namespace tagsmith::detail

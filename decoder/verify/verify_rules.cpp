@@ -59,6 +59,10 @@ constexpr std::array kRules{
                "mirroring switched off. It still reads, but every position from it is wrong."},
     VerifyRule{"missing-in-file", "a print file without a tag that belongs in it",
                "Print the file again."},
+    VerifyRule{
+        "mixed-photos", "photos of two moments that were mixed up",
+        "Correct the run, or the names of the files: each of the two has the other's photo of "
+        "one camera. Where its tags hang was judged as if that were put right."},
     VerifyRule{"moved", "a tag that does not hang where the survey has it",
                "Hang it where the setting-out list says, as the message tells: facing the wall, up "
                "being where the other tags in view have it. Or, when it stays, write its measured "

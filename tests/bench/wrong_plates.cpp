@@ -357,7 +357,7 @@ bool is_so(const World& world, std::size_t tag, const HungTag& said) {
 // What is wrong of it goes to standard error, with the world.
 void count(const World& world, const HungTags& found, const std::string& what, Tally& tally) {
   ++tally.worlds;
-  bool told = found.nothing_fits || !found.unplaced.empty();
+  bool told = found.nothing_fits || !found.unplaced.empty() || !found.mixed.empty();
   std::set<std::string> in_unplaced;
   std::map<std::string, HungTag> copies;
   for (const UnplacedTags& photos : found.unplaced) {

@@ -318,6 +318,43 @@ TEST_CASE("a second copy in the place of a tag that nobody saw is told where it 
   CHECK(copy.message.find("Not certain: photos that were not taken together") != std::string::npos);
 }
 
+TEST_CASE("rows that have each other's photos of a camera are told, and no tag is accused") {
+  const Corridor corridor;
+  std::vector<SightedTag> sighted = corridor.seen();
+  const std::string one = std::to_string(-0.5);
+  const std::string other = std::to_string(1.1);
+  for (SightedTag& tag : sighted) {
+    if (tag.camera == 0 || tag.station == std::to_string(0.3)) continue;
+    tag.station = tag.station == one ? other : one;
+  }
+  const HungTags result = check_hung_tags(corridor.survey, corridor.rig, sighted);
+  for (const HungTag& tag : result.tags) CHECK(tag.rule == "");
+  CHECK(result.unplaced.empty());
+  REQUIRE(result.mixed.size() == 1);
+  CHECK(
+      in_words(result.mixed[0], corridor.rig) ==
+      one + " and " + other +
+          " are mixed up: each has the other's photo of camera left, or of all its other cameras");
+  // Both rows' photos say so, and no longer when they are judged anew.
+  VerifiedFile photo = photo_of("001R", corridor.survey);
+  photo.file = fs::current_path() / "a.jpg";
+  Run run;
+  run.measurements.resize(1);
+  run.measurements[0].id = "x";
+  run.measurements[0].cameras[corridor.rig.cameras[0].name].image = photo.file;
+  const HangingSetup setup{corridor.rig, PhotoCameras::by_run(corridor.rig, run)};
+  HungTags hung;
+  hung.revision = survey_revision(corridor.survey);
+  hung.mixed = {{"row x", "row y", 0}};
+  judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(rules_of(photo) == std::set<std::string>{"mixed-photos"});
+  judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(findings_of(photo).size() == 1);
+  hung.mixed.clear();
+  judge_hanging(corridor.survey, setup, hung, photo);
+  CHECK(findings_of(photo).empty());
+}
+
 TEST_CASE("tags that hang as surveyed are measured and have no finding") {
   const Corridor corridor;
   const HungTag tag = corridor.judged("001L");
