@@ -11,6 +11,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "tagsmith/geometry/covariance.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -181,8 +183,7 @@ class Adjuster {
       if (!problem_.sightings[i].used) continue;
       const SightingNormal& normal = normals_[i];
       const std::vector<Index> columns = columns_of(problem_.sightings[i].board);
-      const Eigen::LDLT<SightingMatrix> solver(damped(normal.own, damping));
-      const MatrixXd solved = solver.solve(normal.cross);
+      const MatrixXd solved = solve_symmetric(damped(normal.own, damping), normal.cross);
       const MatrixXd own_part = normal.cross.transpose() * solved;
       const VectorXd gradient = normal.shared_gradient - solved.transpose() * normal.own_gradient;
       for (std::size_t r = 0; r < columns.size(); ++r) {
@@ -205,8 +206,8 @@ class Adjuster {
       const auto [system, right] = reduced(damping);
       const VectorXd scale = system.diagonal().cwiseSqrt().cwiseInverse();
       if (!scale.allFinite()) return std::nullopt;
-      const Eigen::LDLT<MatrixXd> solver(scale.asDiagonal() * system * scale.asDiagonal());
-      step = scale.asDiagonal() * solver.solve(VectorXd(scale.asDiagonal() * right));
+      const MatrixXd scaled = scale.asDiagonal() * system * scale.asDiagonal();
+      step = scale.cwiseProduct(solve_symmetric(scaled, scale.cwiseProduct(right)).col(0));
       if (!step.allFinite()) return std::nullopt;
     }
     CalibrationState next = state;
@@ -372,8 +373,8 @@ class Adjuster {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       shared[static_cast<Index>(i)] = step[columns[i]];
     }
-    const OwnVector own = Eigen::LDLT<SightingMatrix>(damped(normal.own, damping))
-                              .solve(-normal.own_gradient - normal.cross * shared);
+    const OwnVector own =
+        solve_symmetric(damped(normal.own, damping), -normal.own_gradient - normal.cross * shared);
     next.camera_from_middle.translation += own.head<3>();
     next.camera_from_middle.rotation =
         rotation_of(own.segment<3>(3)) * next.camera_from_middle.rotation;
@@ -419,8 +420,7 @@ std::pair<double, double> own_focal(const Adjuster& adjuster, const CalibrationP
     square += by_focal.squaredNorm();
     gradient += by_focal.dot(rows->residual);
   }
-  const Eigen::LDLT<SightingMatrix> solver(adjuster.normals()[index].own);
-  const OwnVector solved = solver.solve(cross);
+  const OwnVector solved = solve_symmetric(adjuster.normals()[index].own, cross);
   const double left = square - cross.dot(solved);
   if (!(left > 1e-9 * square)) return {0, 0};
   return {-(gradient - solved.dot(own_gradient)) / left, 1 / std::sqrt(left)};
@@ -558,10 +558,9 @@ std::optional<CalibrationPrecision> precision_of(const CalibrationProblem& probl
   for (std::size_t i = 0; i < problem.sightings.size(); ++i) {
     const std::vector<Index> columns = adjuster.columns_of(problem.sightings[i].board);
     const SightingNormal& normal = adjuster.normals()[i];
-    const Eigen::LDLT<SightingMatrix> solver(normal.own);
-    const MatrixXd by_shared = solver.solve(normal.cross);
-    SightingMatrix own = solver.solve(SightingMatrix::Identity());
-    own += by_shared * (*shared)(columns, columns) * by_shared.transpose();
+    const MatrixXd by_shared = solve_symmetric(normal.own, normal.cross);
+    SightingMatrix own = solve_symmetric(normal.own, SightingMatrix::Identity());
+    own += propagated(by_shared, (*shared)(columns, columns));
     precision.sightings.push_back(own);
     const std::pair<double, double> focal = own_focal(adjuster, problem, state, i);
     precision.focal_change.push_back(focal.first);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -49,10 +49,9 @@ std::optional<double> ray_sigma_px(const CameraCalibration& calibration, const V
     }
     const auto by = by_parameters(form.camera, *ray);
     const Vector2d off = *seen - pixel;
-    total += form.weight * (by * form.covariance * by.transpose() + off * off.transpose());
+    total += form.weight * (propagated(by, form.covariance) + off * off.transpose());
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(total, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
+  return std::sqrt(std::max(0.0, principal_axes(total).values[1]));
 }
 
 double RayGrid::worst_sigma_px() const {

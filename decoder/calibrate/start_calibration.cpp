@@ -7,8 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
+
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -63,8 +66,7 @@ Matrix3d homography_of(const std::vector<PlanePoint>& points, double size) {
       rows << across * on_plane.x(), across * on_plane.y(), across;
       normal += rows.transpose() * rows / (off + kFine);
     }
-    const Eigen::SelfAdjointEigenSolver<Matrix9> solver(normal);
-    const Eigen::Matrix<double, 9, 1> least = solver.eigenvectors().col(0);
+    const Eigen::Matrix<double, 9, 1> least = principal_axes(normal).vectors.col(0);
     h = Eigen::Map<const Matrix3d>(least.data());
   }
   h.leftCols<2>() /= size;

@@ -10,10 +10,10 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include "decoder/paper/published.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
 namespace tagsmith::detail {
@@ -95,9 +95,9 @@ double magnification(const Survey& survey, const std::vector<Mark>& marks) {
 // --- plan ---
 
 Ellipse ellipse_of(const Vector2d& centre, const Matrix2d& covariance, double factor) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> axes(covariance);
-  const Vector2d sigmas = axes.eigenvalues().cwiseMax(0).cwiseSqrt();
-  const Vector2d first = axes.eigenvectors().col(0);
+  const PrincipalAxes axes = principal_axes(covariance);
+  const Vector2d sigmas = axes.values.cwiseMax(0).cwiseSqrt();
+  const Vector2d first = axes.vectors.col(0);
   Ellipse ellipse;
   ellipse.at = centre;
   ellipse.semi_axes = factor * kEllipse95 * sigmas;

@@ -153,7 +153,7 @@ class Linearisation {
       }
       const SightedPlate& plate = problem_.plates[group.plate];
       const Eigen::Matrix<double, 6, 1> variance = plate.survey_variance + plate.coding_variance;
-      covariance.noalias() += by_plate * variance.asDiagonal() * by_plate.transpose();
+      covariance += propagated_variances(by_plate, variance);
       const Eigen::LLT<MatrixXd> root(covariance);
       if (root.info() != Eigen::Success) return false;
       group.root = root.matrixL();
@@ -246,7 +246,7 @@ PlateRows plate_rows(const JointFit& fit, std::size_t index) {
   const auto size = kSightingRows * static_cast<Index>(group.sightings.size());
   PlateRows rows{fit.rows.residual.segment(group.begin, size),
                  fit.rows.jacobian.middleRows(group.begin, size), MatrixXd::Identity(size, size)};
-  rows.left.noalias() -= rows.jacobian * fit.covariance * rows.jacobian.transpose();
+  rows.left -= propagated(rows.jacobian, fit.covariance);
   return rows;
 }
 
@@ -288,21 +288,18 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
   MatrixXd jacobian(kSightingRows, fit.covariance.cols());
   place_columns(layout, *rows, sighting.camera, jacobian);
   const Eigen::Matrix<double, 6, 1> variance = variance_of(plate);
-  const Eigen::Matrix<double, kSightingRows, 3> by_shift = rows->by_plate.leftCols<3>();
-  const Eigen::Matrix<double, kSightingRows, 3> by_turn = rows->by_plate.rightCols<3>();
-  const Eigen::Matrix<double, kSightingRows, 1> residual = rows->predicted - sighting.pixels;
-  CornerCovariance spread = sighting.covariance_with_edges();
-  spread.noalias() += jacobian * fit.covariance * jacobian.transpose();
-  spread.noalias() += by_turn * variance.tail<3>().asDiagonal() * by_turn.transpose();
-  const Eigen::LDLT<CornerCovariance> solver(spread);
-  const Eigen::Matrix3d information = by_shift.transpose() * solver.solve(by_shift);
+  const MatrixXd by_shift = rows->by_plate.leftCols<3>();
+  const VectorXd residual = rows->predicted - sighting.pixels;
+  MatrixXd spread = sighting.covariance_with_edges();
+  spread += propagated(jacobian, fit.covariance);
+  spread += propagated_variances(rows->by_plate.rightCols<3>(), variance.tail<3>());
+  const MatrixXd weighed = solve_symmetric(spread, by_shift);
   Disagreement result;
-  const Eigen::Matrix3d of_shift = information.inverse();
-  result.shift = -of_shift * by_shift.transpose() * solver.solve(residual);
+  const Eigen::Matrix3d of_shift = Eigen::Matrix3d(by_shift.transpose() * weighed).inverse();
+  result.shift = -(of_shift * Vector3d(weighed.transpose() * residual));
   const Eigen::Matrix3d expected = of_shift + Eigen::Matrix3d(variance.head<3>().asDiagonal());
   result.shift_chi_square = squared_mahalanobis(result.shift, expected);
-  const CornerCovariance all =
-      spread + by_shift * variance.head<3>().asDiagonal() * by_shift.transpose();
+  const MatrixXd all = spread + propagated_variances(by_shift, variance.head<3>());
   result.chi_square = squared_mahalanobis(residual, all);
   result.degrees_of_freedom = kSightingRows;
   return result;
@@ -311,7 +308,7 @@ std::optional<Disagreement> disagreement(const JointProblem& problem, const Join
 Vector3d position_shift_without(const JointFit& fit, std::size_t index) {
   const PlateRows rows = plate_rows(fit, index);
   return fit.covariance.topRows<3>() * rows.jacobian.transpose() *
-         rows.left.ldlt().solve(rows.residual);
+         VectorXd(solve_symmetric(rows.left, rows.residual));
 }
 
 Disagreement disagreement_within(const JointProblem& problem, const JointFit& fit,
@@ -332,7 +329,7 @@ Disagreement disagreement_within(const JointProblem& problem, const JointFit& fi
   const Eigen::Matrix3d information = by_shift.transpose() * left * by_shift;
   const Vector3d score = by_shift.transpose() * residual;
   Disagreement result;
-  result.shift = -information.ldlt().solve(score);
+  result.shift = -solve_symmetric(information, score);
   result.shift_chi_square = -score.dot(result.shift);
   result.chi_square = squared_mahalanobis(residual, left);
   result.degrees_of_freedom = static_cast<int>(size);
@@ -360,8 +357,7 @@ std::optional<Eigen::Matrix<double, 8, 1>> predicted_pixels(const JointProblem& 
 
 VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
   const WhitenedRows& rows = fit.rows;
-  const Eigen::Matrix<double, kVehicleCount, Eigen::Dynamic> gain =
-      fit.covariance.topRows<kVehicleCount>() * rows.jacobian.transpose();
+  const MatrixXd gain = fit.covariance.topRows(kVehicleCount) * rows.jacobian.transpose();
   const CalibrationLayout layout = calibration_layout(*problem.rig);
   const VehicleFrame frame = vehicle_frame(fit.state.vehicle);
   VehicleBudget budget;
@@ -373,24 +369,23 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
                                    .triangularView<Eigen::Upper>()
                                    .solve(gain.middleCols(group.begin, size).transpose())
                                    .transpose();
-    Eigen::Matrix<double, kVehicleCount, 6> by_plate;
-    by_plate.setZero();
+    MatrixXd by_plate = MatrixXd::Zero(kVehicleCount, 6);
     Index column = 0;
     for (const std::size_t index : group.sightings) {
       const Sighting& sighting = problem.sightings[index];
-      const auto own = by_pixels.middleCols<kSightingRows>(column);
-      budget.pixels += own * sighting.covariance * own.transpose();
+      const MatrixXd own = by_pixels.middleCols(column, kSightingRows);
+      budget.pixels += propagated(own, sighting.covariance);
       const Eigen::Matrix<double, kVehicleCount, 1> by_edges = own * sighting.by_edges;
       budget.edges += by_edges * by_edges.transpose();
       const auto seen = rows_of(problem, layout, fit.state, frame, sighting);
-      if (seen) by_plate += own * seen->by_plate;
+      if (seen) by_plate += own * MatrixXd(seen->by_plate);
       column += kSightingRows;
     }
-    budget.survey += by_plate * plate.survey_variance.asDiagonal() * by_plate.transpose();
-    budget.coding += by_plate * plate.coding_variance.asDiagonal() * by_plate.transpose();
+    budget.survey += propagated_variances(by_plate, plate.survey_variance);
+    budget.coding += propagated_variances(by_plate, plate.coding_variance);
   }
   const auto part = [&](Index begin, Index end) -> VehicleCovariance {
-    const auto own = gain.middleCols(begin, end - begin);
+    const MatrixXd own = gain.middleCols(begin, end - begin);
     return own * own.transpose();
   };
   budget.ranges = part(rows.ranges_begin, rows.vehicle_begin);

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/covariance.hpp"
 
@@ -72,8 +70,7 @@ MotionEstimate predicted(const MotionEstimate& estimate, double dt, const Motion
   const MotionCovariance transition = transition_over(dt);
   MotionEstimate later;
   later.mean = transition * estimate.mean;
-  later.covariance =
-      transition * estimate.covariance * transition.transpose() + noise_over(dt, motion);
+  later.covariance = propagated(transition, estimate.covariance) + noise_over(dt, motion);
   return later;
 }
 
@@ -110,13 +107,12 @@ MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measu
   update.agrees = update.distance2 <= kGate;
   const PlaceCovariance innovation = spread + own;
   const Eigen::Matrix<double, 8, 4> gain =
-      innovation.ldlt().solve(predicted.covariance.topRows<4>()).transpose();
+      solve_symmetric(innovation, predicted.covariance.topRows<4>()).transpose();
   update.estimate.mean += gain * missing;
   // Joseph's form keeps it positive.
   MotionCovariance rest = MotionCovariance::Identity();
   rest.leftCols<4>() -= gain;
-  update.estimate.covariance =
-      rest * predicted.covariance * rest.transpose() + gain * own * gain.transpose();
+  update.estimate.covariance = propagated(rest, predicted.covariance) + propagated(gain, own);
   return update;
 }
 

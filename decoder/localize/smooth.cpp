@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
@@ -126,14 +125,13 @@ std::vector<MotionEstimate> smoothed(const Track& track) {
   for (std::size_t i = track.steps.size() - 1; i-- > 0;) {
     const Step& step = track.steps[i];
     const Step& next = track.steps[i + 1];
-    const MotionCovariance gain = next.predicted.covariance.ldlt()
-                                      .solve(next.transition * step.filtered.covariance)
-                                      .transpose();
+    const MotionCovariance gain =
+        solve_symmetric(next.predicted.covariance, next.transition * step.filtered.covariance)
+            .transpose();
     const MotionEstimate& later = estimates[i + 1];
     estimates[i].mean = step.filtered.mean + gain * (later.mean - next.predicted.mean);
     estimates[i].covariance =
-        step.filtered.covariance +
-        gain * (later.covariance - next.predicted.covariance) * gain.transpose();
+        step.filtered.covariance + propagated(gain, later.covariance - next.predicted.covariance);
   }
   return estimates;
 }

@@ -6,10 +6,8 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -204,7 +202,7 @@ Reach reach_of(const JointFit& fit, const MatrixXd& effect, double unnoticed) {
   cost /= unnoticed;
   cost.diagonal().array() += 1;  // no parameter beyond a gross mistake
   const MatrixXd moves = gain.topRows<3>();
-  const Eigen::Matrix3d spread = moves * cost.ldlt().solve(moves.transpose());
+  const Eigen::Matrix3d spread = moves * solve_symmetric(cost, moves.transpose());
   const Vector3d metres = spread.diagonal().cwiseMax(0).cwiseSqrt();
   const Vector3d sigmas = fit.covariance.diagonal().head<3>().cwiseSqrt();
   return {metres.cwiseQuotient(sigmas).maxCoeff(), metres.maxCoeff()};

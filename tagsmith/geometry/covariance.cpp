@@ -15,6 +15,26 @@ double squared_mahalanobis(const Eigen::Ref<const Eigen::VectorXd>& residual,
   return residual.dot(weighed);
 }
 
+Eigen::MatrixXd solve_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
+                                const Eigen::Ref<const Eigen::MatrixXd>& right) {
+  return Eigen::LDLT<Eigen::MatrixXd>(matrix).solve(right);
+}
+
+Eigen::MatrixXd propagated(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                           const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  return jacobian * covariance * jacobian.transpose();
+}
+
+Eigen::MatrixXd propagated_variances(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                     const Eigen::Ref<const Eigen::VectorXd>& variances) {
+  return jacobian * variances.asDiagonal() * jacobian.transpose();
+}
+
+PrincipalAxes principal_axes(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
 double worst_sigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, axes.eigenvalues().maxCoeff()));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a covariance says of a vector.
+// What a covariance says of a vector, and how covariances pass on. These are functions of matrices
+// of any size, so that Eigen's solvers and products are compiled here alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +11,26 @@ namespace tagsmith::detail {
 // freedom where C is r's covariance. C: symmetric, positive definite, of r's size.
 double squared_mahalanobis(const Eigen::Ref<const Eigen::VectorXd>& residual,
                            const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+// X with matrix X = right. matrix: symmetric, semidefinite.
+Eigen::MatrixXd solve_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
+                                const Eigen::Ref<const Eigen::MatrixXd>& right);
+
+// J C J^T: the covariance of J v where C is that of v.
+Eigen::MatrixXd propagated(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                           const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+// The same where the components of v are independent.
+Eigen::MatrixXd propagated_variances(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                     const Eigen::Ref<const Eigen::VectorXd>& variances);
+
+// Of a symmetric matrix, the least eigenvalue first; the vectors are columns of length 1.
+struct PrincipalAxes {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+
+PrincipalAxes principal_axes(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
 // The standard deviation in the direction where it is greatest.
 double worst_sigma(const Eigen::Matrix3d& covariance);
