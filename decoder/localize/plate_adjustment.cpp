@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -25,6 +26,7 @@ using Eigen::VectorXd;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using PlateVector = Eigen::Matrix<double, 7, 1>;
+using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr Index kPlateCount = 7;        // parameters of a plate: shift, turn, size
 constexpr Index kDrifts = 3;            // of a picture: focal length, principal point
@@ -196,6 +198,111 @@ struct ReducedStation {
   double chi_square = 0;
 };
 
+// The sum of the stations' normal equations: a block for each two plates seen together, and dense
+// columns of the calibration, so that it grows with the plates and not with the stations.
+class NormalBlocks {
+ public:
+  NormalBlocks(Index of_plates, Index uncertain)
+      : by_calibration_(MatrixXd::Zero(of_plates + uncertain, uncertain)) {}
+
+  void add(const ReducedStation& station) {
+    const MatrixXd& from = station.information;
+    const Index uncertain = by_calibration_.cols();
+    const auto count = static_cast<Index>(station.plates.size());
+    for (Index i = 0; i < count; ++i) {
+      const std::size_t plate = station.plates[static_cast<std::size_t>(i)];
+      for (Index j = 0; j < count; ++j) {
+        const std::size_t other = station.plates[static_cast<std::size_t>(j)];
+        if (other > plate) continue;
+        auto [block, is_new] = by_plates_.try_emplace({plate, other});
+        if (is_new) block->second.setZero();
+        block->second += from.block<kPlateCount, kPlateCount>(kPlateCount * i, kPlateCount * j);
+      }
+      by_calibration_.middleRows(kPlateCount * static_cast<Index>(plate), kPlateCount) +=
+          from.block(kPlateCount * i, kPlateCount * count, kPlateCount, uncertain);
+    }
+    by_calibration_.bottomRows(uncertain) += from.bottomRightCorner(uncertain, uncertain);
+  }
+
+  // Of the lower triangle.
+  std::vector<Eigen::Triplet<double>> entries() const {
+    std::vector<Eigen::Triplet<double>> all;
+    const auto add = [&all](Index row, Index column, double value) {
+      if (column <= row) all.emplace_back(row, column, value);
+    };
+    for (const auto& [plates, block] : by_plates_) {
+      const Index row = kPlateCount * static_cast<Index>(plates.first);
+      const Index column = kPlateCount * static_cast<Index>(plates.second);
+      for (Index i = 0; i < kPlateCount; ++i) {
+        for (Index j = 0; j < kPlateCount; ++j) add(row + i, column + j, block(i, j));
+      }
+    }
+    const Index of_plates = by_calibration_.rows() - by_calibration_.cols();
+    for (Index i = 0; i < by_calibration_.rows(); ++i) {
+      for (Index j = 0; j < by_calibration_.cols(); ++j) {
+        // Above the diagonal what is of plates is the mirror image of what is below.
+        const Index column = of_plates + j;
+        i < of_plates ? add(column, i, by_calibration_(i, j))
+                      : add(i, column, by_calibration_(i, j));
+      }
+    }
+    return all;
+  }
+
+ private:
+  std::map<std::pair<std::size_t, std::size_t>, Eigen::Matrix<double, 7, 7>> by_plates_;
+  MatrixXd by_calibration_;
+};
+
+// Of the inverse of L D L^T those elements where L has some, which takes about as long as the
+// factorisation (Erisman and Tinney 1975, "On computing certain elements of the inverse of a sparse
+// matrix"). L is unit lower triangular, its diagonal not stored, its columns sorted.
+class SelectedInverse {
+ public:
+  SelectedInverse(SparseMatrix lower, const VectorXd& pivots)
+      : inverse_(std::move(lower)), diagonal_(pivots.cwiseInverse()) {
+    inverse_.makeCompressed();
+    VectorXd sums = VectorXd::Zero(inverse_.rows());
+    VectorXd factors = VectorXd::Zero(inverse_.rows());  // the column's, 0 elsewhere
+    for (Index column = inverse_.cols(); column-- > 0;) invert(column, factors, sums);
+  }
+
+  // Where neither L nor its transpose has an element, 0.
+  double at(Index row, Index column) const {
+    if (row == column) return diagonal_[row];
+    return inverse_.coeff(std::max(row, column), std::min(row, column));
+  }
+
+ private:
+  using Element = SparseMatrix::InnerIterator;
+
+  // The columns behind this one are those of the inverse already. `factors` and `sums` are scratch,
+  // `factors` zero before and after.
+  void invert(Index column, VectorXd& factors, VectorXd& sums) {
+    for (Element own(inverse_, column); own; ++own) {
+      factors[own.row()] = own.value();
+      sums[own.row()] = 0;
+    }
+    for (Element own(inverse_, column); own; ++own) {
+      const Index row = own.row();
+      sums[row] += own.value() * diagonal_[row];
+      // Of rows outside the column the sums are not used, and the factors are zero.
+      for (Element other(inverse_, row); other; ++other) {
+        sums[other.row()] += own.value() * other.value();
+        sums[row] += factors[other.row()] * other.value();
+      }
+    }
+    for (Element own(inverse_, column); own; ++own) {
+      diagonal_[column] += own.value() * sums[own.row()];
+      factors[own.row()] = 0;
+      own.valueRef() = -sums[own.row()];
+    }
+  }
+
+  SparseMatrix inverse_;
+  VectorXd diagonal_;
+};
+
 class Network {
  public:
   Network(const AdjustmentProblem& problem, const std::vector<PlateFreedom>& freed,
@@ -225,22 +332,20 @@ class Network {
 
   bool linearise(const AdjustmentState& state) {
     stations_.clear();
-    std::vector<Eigen::Triplet<double>> entries;
+    NormalBlocks blocks(of_plates(), size() - of_plates());
     gradient_ = VectorXd::Zero(size());
     for (std::size_t s = 0; s < problem_.stations.size(); ++s) {
       auto station = reduced(state, s, true);
       if (!station) return false;
       const std::vector<Index> columns = columns_of(*station);
       for (std::size_t i = 0; i < columns.size(); ++i) {
-        const auto row = static_cast<Index>(i);
-        gradient_[columns[i]] += station->gradient[row];
-        for (std::size_t j = 0; j < columns.size(); ++j) {
-          entries.emplace_back(columns[i], columns[j],
-                               station->information(row, static_cast<Index>(j)));
-        }
+        gradient_[columns[i]] += station->gradient[static_cast<Index>(i)];
       }
+      blocks.add(*station);
+      station->information.resize(0, 0);  // of many stations these are most of the memory
       stations_.push_back(std::move(*station));
     }
+    std::vector<Eigen::Triplet<double>> entries = blocks.entries();
     add_priors(state, entries);
     information_.resize(size(), size());
     information_.setFromTriplets(entries.begin(), entries.end());
@@ -275,12 +380,21 @@ class Network {
 
   VectorXd full_step() const { return -solver_.solve(gradient_); }
 
-  // Of a plate's parameters, everything else taken along.
+  // The inverse of the last linearisation, for covariance_of.
+  void invert() {
+    inverse_.emplace(SparseMatrix(solver_.matrixL().nestedExpression()), solver_.vectorD());
+  }
+
+  // Of a plate's parameters, everything else taken along. The plate is in a station.
   Eigen::Matrix<double, 7, 7> covariance_of(std::size_t plate) const {
-    MatrixXd unit = MatrixXd::Zero(size(), kPlateCount);
-    unit.middleRows<kPlateCount>(column_of(plate)).setIdentity();
-    const MatrixXd solved = solver_.solve(unit);
-    return solved.middleRows<kPlateCount>(column_of(plate));
+    Eigen::Matrix<double, 7, 7> covariance;
+    const auto& place = solver_.permutationP().indices();
+    for (Index i = 0; i < kPlateCount; ++i) {
+      for (Index j = 0; j < kPlateCount; ++j) {
+        covariance(i, j) = inverse_->at(place[column_of(plate) + i], place[column_of(plate) + j]);
+      }
+    }
+    return covariance;
   }
 
   // Of the calibration's errors and of the mean heading, pitch and roll of all vehicles.
@@ -498,8 +612,9 @@ class Network {
   std::vector<PlateVector> variances_;
   std::vector<ReducedStation> stations_;
   VectorXd gradient_;
-  Eigen::SparseMatrix<double> information_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  SparseMatrix information_;
+  Eigen::SimplicialLDLT<SparseMatrix> solver_;
+  std::optional<SelectedInverse> inverse_;
 };
 
 // --- what comes of it ---
@@ -587,6 +702,7 @@ std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
   AdjustmentState state = start_state(problem, freed, idle);
   Network network(problem, freed, std::move(idle));
   if (!converge(network, state)) return std::nullopt;
+  network.invert();
   Adjustment result;
   result.world_from_plate = state.world_from_plate;
   result.chi_square = network.chi_square(state);
