@@ -101,7 +101,8 @@ CalibrationLayout layout_for(const std::vector<ParameterSigmas>& sigmas) {
   return layout;
 }
 
-// The cameras as the adjustment has them.
+}  // namespace
+
 Rig fitted_rig(Rig rig, const CalibrationLayout& layout, const Eigen::VectorXd& calibration) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     RigCamera& camera = rig.cameras[c];
@@ -111,8 +112,6 @@ Rig fitted_rig(Rig rig, const CalibrationLayout& layout, const Eigen::VectorXd& 
   }
   return rig;
 }
-
-}  // namespace
 
 Drive drive_of(std::span<const Observation> rows, const Survey& survey, const Rig& rig) {
   Drive drive;

@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/as_built.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "decoder/calibrate/drive_fit.hpp"
+#include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/localize/plate_search.hpp"
+#include "tagsmith/base/chi_square.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/covariance.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Matrix3d;
+
+// How far tags that are no control may hang from the survey. It is divided out of the result, and
+// keeps the adjustment regular.
+constexpr double kLooseSigma = 0.5;  // metres
+constexpr double kLooseAngle = radians(10);
+
+// --- what was seen ---
+
+struct Site {
+  Drive drive;
+  std::vector<bool> is_control;       // by plate
+  std::vector<bool> is_elsewhere;     // by plate: so far off that the search starts from its photos
+  std::vector<std::string> excluded;  // by plate: why nothing of it is used; empty = it is
+  std::vector<LeftOutSighting> left_out;
+};
+
+void set_variance(SightedPlate& plate, double sigma, double angle_sigma) {
+  plate.survey_variance.head<3>().setConstant(sigma * sigma);
+  plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
+}
+
+SightedPlate plate_for(const Survey& survey, const PlacedTag& tag, bool is_control) {
+  SightedPlate plate = sighted_plate(tag, survey);
+  if (is_control) {
+    set_variance(plate, std::max(tag.sigma, kLeastSurveySigma),
+                 std::max(survey.angle_sigma, kLeastAngleSigma));
+  } else {
+    set_variance(plate, kLooseSigma, kLooseAngle);
+  }
+  return plate;
+}
+
+Site site_of(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
+             std::span<const std::string> control) {
+  std::set<std::string_view> seen;
+  for (const SightedTag& tag : sighted) seen.insert(tag.tag);
+  Site site;
+  std::map<std::string_view, std::size_t> plates;
+  for (const PlacedTag& tag : survey.tags) {
+    if (!seen.contains(tag.name)) continue;
+    plates.emplace(tag.name, plates.size());
+    site.is_control.push_back(std::ranges::find(control, tag.name) != control.end());
+    site.drive.plates.push_back(plate_for(survey, tag, site.is_control.back()));
+  }
+  std::map<std::string_view, std::size_t> stations;
+  for (const SightedTag& tag : sighted) {
+    const auto plate = plates.find(tag.tag);
+    if (plate == plates.end()) continue;
+    const auto [station, is_new] = stations.emplace(tag.station, stations.size());
+    if (is_new) site.drive.stations.push_back({tag.station, {}, {}});
+    site.drive.stations[station->second].sightings.push_back(
+        sighting_of(tag.seen, rig, tag.camera, plate->second));
+  }
+  site.drive.rows.resize(site.drive.stations.size());
+  site.is_elsewhere.resize(plates.size());
+  site.excluded.resize(plates.size());
+  return site;
+}
+
+// --- which stations are used ---
+
+// Leaves out sightings, and stations that show nothing any more. `is_out`: of a station and the
+// number of a sighting in it.
+template <class IsOut>
+void leave_out(Drive& drive, const IsOut& is_out) {
+  for (std::size_t s = 0; s < drive.stations.size(); ++s) {
+    std::vector<Sighting> kept;
+    for (std::size_t i = 0; i < drive.stations[s].sightings.size(); ++i) {
+      if (!is_out(s, i)) kept.push_back(drive.stations[s].sightings[i]);
+    }
+    drive.stations[s].sightings = std::move(kept);
+  }
+  std::erase_if(drive.stations, [](const Station& station) { return station.sightings.empty(); });
+  drive.rows.resize(drive.stations.size());
+}
+
+// By plate, the first plate of all that a chain of stations ties it to.
+std::vector<std::size_t> chains(const Drive& drive) {
+  std::vector<std::size_t> parent(drive.plates.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto root_of = [&parent](std::size_t plate) {
+    while (parent[plate] != plate) plate = parent[plate] = parent[parent[plate]];
+    return plate;
+  };
+  for (const Station& station : drive.stations) {
+    const std::size_t first = root_of(station.sightings.front().plate);
+    for (const Sighting& sighting : station.sightings) parent[root_of(sighting.plate)] = first;
+  }
+  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = root_of(i);
+  return parent;
+}
+
+// Leaves out stations that show one plate alone and those that no chain ties to a control plate,
+// and says so of the plates that are then seen no more.
+void keep_tied(Site& site) {
+  Drive& drive = site.drive;
+  leave_out(drive, [&](std::size_t s, std::size_t) {
+    return plates_of(drive.stations[s]).size() < 2;
+  });
+  const std::vector<std::size_t> chain = chains(drive);
+  std::set<std::size_t> held;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (site.is_control[i]) held.insert(chain[i]);
+  }
+  std::vector<bool> is_seen(chain.size());
+  for (const Station& station : drive.stations) {
+    for (const Sighting& sighting : station.sightings) is_seen[sighting.plate] = true;
+  }
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    if (!site.excluded[i].empty()) continue;
+    if (!is_seen[i]) {
+      const bool contradicts =
+          std::ranges::find(site.left_out, drive.plates[i].name, &LeftOutSighting::tag) !=
+          site.left_out.end();
+      site.excluded[i] = contradicts ? "its photos contradict those of the other tags"
+                                     : "it was never seen together with another tag";
+    } else if (!held.contains(chain[i])) {
+      site.excluded[i] = "no chain of photos ties it to a control tag";
+    }
+  }
+  leave_out(drive, [&](std::size_t s, std::size_t i) {
+    return !held.contains(chain[drive.stations[s].sightings[i].plate]);
+  });
+}
+
+// --- gross errors, before anything is adjusted ---
+
+// Two sightings of one station, and whether both plates may hang about where the survey has them.
+struct Pairing {
+  std::size_t station = 0;
+  std::array<std::size_t, 2> sightings{};
+  std::array<std::size_t, 2> plates{};
+  bool agrees = false;
+};
+
+std::vector<Pairing> pairings_of(const AdjustmentProblem& problem) {
+  constexpr double kAlike = 0.5;  // diagonals of a frame: beyond, the fit may start wrong
+  std::vector<Pairing> all;
+  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
+    const std::vector<Sighting>& seen = problem.stations[s].sightings;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (seen[i].plate == seen[j].plate) continue;
+        const bool agrees = mismatch(problem, seen[i], seen[j]) < kAlike ||
+                            mismatch(problem, seen[j], seen[i]) < kAlike;
+        all.push_back({s, {i, j}, {seen[i].plate, seen[j].plate}, agrees});
+      }
+    }
+  }
+  return all;
+}
+
+// Marks the plates that agree with less than half of those that they were seen with, the worst
+// first.
+void mark_elsewhere(const std::vector<Pairing>& pairings, std::vector<bool>& is_elsewhere) {
+  struct Votes {
+    double agree = 0;
+    double all = 0;
+  };
+  while (true) {
+    std::vector<Votes> votes(is_elsewhere.size());
+    for (const Pairing& pairing : pairings) {
+      if (is_elsewhere[pairing.plates[0]] || is_elsewhere[pairing.plates[1]]) continue;
+      for (const std::size_t plate : pairing.plates) {
+        votes[plate].all += 1;
+        if (pairing.agrees) votes[plate].agree += 1;
+      }
+    }
+    const auto worst = std::ranges::max_element(
+        votes, {}, [](const Votes& of) { return of.all - 2 * of.agree; });
+    if (worst == votes.end() || worst->all <= 2 * worst->agree) return;
+    is_elsewhere[static_cast<std::size_t>(worst - votes.begin())] = true;
+  }
+}
+
+// The survey's places serve as a start but for plates that hang elsewhere; sightings that no other
+// of their station supports are left out. A control plate that hangs elsewhere is none.
+void find_gross_errors(const Rig& rig, Site& site) {
+  const AdjustmentProblem problem{&rig, site.drive.plates, site.drive.stations};
+  const std::vector<Pairing> pairings = pairings_of(problem);
+  mark_elsewhere(pairings, site.is_elsewhere);
+  for (std::size_t i = 0; i < site.is_control.size(); ++i) {
+    if (!site.is_control[i] || !site.is_elsewhere[i]) continue;
+    site.is_control[i] = false;
+    set_variance(site.drive.plates[i], kLooseSigma, kLooseAngle);
+  }
+  std::map<std::pair<std::size_t, std::size_t>, bool> is_supported;
+  for (const Pairing& pairing : pairings) {
+    if (site.is_elsewhere[pairing.plates[0]] || site.is_elsewhere[pairing.plates[1]]) continue;
+    for (const std::size_t sighting : pairing.sightings) {
+      bool& supported = is_supported[{pairing.station, sighting}];
+      supported = supported || pairing.agrees;
+    }
+  }
+  leave_out(site.drive, [&](std::size_t s, std::size_t i) {
+    const auto found = is_supported.find({s, i});
+    if (found == is_supported.end() || found->second) return false;
+    const Station& station = problem.stations[s];
+    site.left_out.push_back({station.name, problem.plates[station.sightings[i].plate].name});
+    return true;
+  });
+}
+
+// --- the adjustment ---
+
+std::optional<Adjustment> adjust(const Rig& rig, const Site& site) {
+  std::vector<PlateFreedom> freed;
+  for (const bool is_elsewhere : site.is_elsewhere) {
+    freed.push_back(is_elsewhere ? PlateFreedom::place : PlateFreedom::none);
+  }
+  return adjust_plates({&rig, site.drive.plates, site.drive.stations}, freed);
+}
+
+// The next adjustment starts from here.
+void take_places(const Adjustment& adjustment, Site& site) {
+  for (std::size_t i = 0; i < site.drive.plates.size(); ++i) {
+    if (site.is_control[i] || !adjustment.offsets[i]) continue;
+    site.drive.plates[i].world_from_plate = adjustment.world_from_plate[i];
+    site.is_elsewhere[i] = false;
+  }
+}
+
+std::multiset<std::pair<std::string, std::size_t>> sightings_of(const Drive& drive) {
+  std::multiset<std::pair<std::string, std::size_t>> all;
+  for (const Station& station : drive.stations) {
+    for (const Sighting& sighting : station.sightings) all.emplace(station.name, sighting.plate);
+  }
+  return all;
+}
+
+// Leaves out what the adjustment contradicts. False when that is nothing.
+bool leave_out_wrong(const Rig& rig, const Adjustment& adjustment, Site& site) {
+  const CalibrationLayout layout = calibration_layout(rig);
+  const DriveFit fit{fitted_rig(rig, layout, adjustment.calibration), layout, adjustment};
+  auto before = sightings_of(site.drive);
+  const std::size_t count = before.size();
+  leave_out_worst(fit, site.drive, usual_excess(fit, site.drive));
+  for (const auto& kept : sightings_of(site.drive)) before.erase(before.find(kept));
+  for (const auto& [station, plate] : before) {
+    site.left_out.push_back({station, site.drive.plates[plate].name});
+  }
+  if (before.empty()) return false;
+  keep_tied(site);
+  return count > 0;
+}
+
+// When the plates that hang elsewhere find no place.
+void give_up_elsewhere(Site& site) {
+  for (std::size_t i = 0; i < site.is_elsewhere.size(); ++i) {
+    if (site.is_elsewhere[i]) site.excluded[i] = "its photos contradict those of the other tags";
+  }
+  leave_out(site.drive, [&](std::size_t s, std::size_t i) {
+    return site.is_elsewhere[site.drive.stations[s].sightings[i].plate];
+  });
+  keep_tied(site);
+}
+
+std::optional<Adjustment> adjust_robustly(const Rig& rig, Site& site) {
+  constexpr int kMostRounds = 6;
+  std::optional<Adjustment> adjustment = adjust(rig, site);
+  if (!adjustment) {
+    give_up_elsewhere(site);
+    adjustment = adjust(rig, site);
+  }
+  for (int round = 0; adjustment && round < kMostRounds; ++round) {
+    take_places(*adjustment, site);
+    if (!leave_out_wrong(rig, *adjustment, site)) break;
+    adjustment = adjust(rig, site);
+  }
+  return adjustment;
+}
+
+// --- what comes of it ---
+
+// Eight coordinates of a sighting, less six of each vehicle and of each plate that is no control.
+int degrees_of_freedom(const Site& site) {
+  std::set<std::size_t> loose;
+  int degrees = 0;
+  for (const Station& station : site.drive.stations) {
+    degrees += static_cast<int>(8 * station.sightings.size()) - 6;
+    for (const Sighting& sighting : station.sightings) {
+      if (!site.is_control[sighting.plate]) loose.insert(sighting.plate);
+    }
+  }
+  return degrees - 6 * static_cast<int>(loose.size());
+}
+
+void raise_sigmas(double factor, Drive& drive) {
+  for (Station& station : drive.stations) {
+    for (Sighting& sighting : station.sightings) {
+      sighting.covariance *= factor * factor;
+      sighting.by_edges *= factor;
+      sighting.by_drift *= factor;
+    }
+  }
+}
+
+std::string contradiction(const AsBuiltTag& tag) {
+  return fmt::format("is a control tag, but hangs {:.0f} mm from where the survey has it",
+                     1e3 * tag.shift.norm());
+}
+
+void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surveyed,
+          AsBuiltTag& tag) {
+  tag.world_from_plate = plate.world_from_plate;
+  tag.world_from_plate.translation += offset.shift;
+  tag.world_from_plate.rotation *= rotation_of(offset.turn);
+  tag.covariance = offset.covariance;
+  tag.shift = tag.world_from_plate.translation - surveyed.translation;
+}
+
+AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::size_t plate,
+                        const PlacedTag& surveyed, bool was_control) {
+  constexpr double kFarthest = 4;      // normal deviations of a control tag that hangs as surveyed
+  constexpr double kMostSigma = 0.05;  // metres: beyond, a place is not told
+  AsBuiltTag tag;
+  tag.tag = surveyed.name;
+  tag.reason = site.excluded[plate];
+  if (!tag.reason.empty() || !adjustment.offsets[plate]) return tag;
+  const PlateOffset& offset = *adjustment.offsets[plate];
+  fill(site.drive.plates[plate], offset, surveyed.world_from_plate, tag);
+  const double sigma = worst_sigma(Matrix3d(offset.covariance.topLeftCorner<3, 3>()));
+  const bool fits = offset.shift_chi_square < chi_square_limit(3, kFarthest);
+  if (was_control && site.is_control[plate] && fits) {
+    tag.status = AsBuiltStatus::control;
+  } else if (was_control) {
+    tag.status = AsBuiltStatus::contradicted;
+    tag.reason = contradiction(tag);
+  } else if (sigma > kMostSigma) {
+    tag.reason = fmt::format("the photos tell its place to {:.2f} m only", sigma);
+  } else {
+    tag.status = AsBuiltStatus::adjusted;
+  }
+  return tag;
+}
+
+AsBuiltSurvey as_built_survey(const Survey& survey, const Site& site, const Adjustment& adjustment,
+                              std::span<const std::string> control) {
+  AsBuiltSurvey result;
+  for (std::size_t i = 0; i < site.drive.plates.size(); ++i) {
+    const PlacedTag& tag = *find_tag(survey, std::string_view(site.drive.plates[i].name));
+    const bool was_control = std::ranges::find(control, tag.name) != control.end();
+    result.tags.push_back(as_built_tag(site, adjustment, i, tag, was_control));
+  }
+  for (const Station& station : site.drive.stations) {
+    result.sightings += station.sightings.size();
+    for (const std::size_t plate : plates_of(station)) ++result.tags[plate].stations;
+  }
+  result.stations = site.drive.stations.size();
+  result.left_out = site.left_out;
+  result.chi_square = adjustment.chi_square;
+  result.degrees_of_freedom = degrees_of_freedom(site);
+  return result;
+}
+
+}  // namespace
+
+std::string to_string(AsBuiltStatus status) {
+  constexpr std::array<const char*, 4> kNames{"control", "contradicted", "adjusted",
+                                              "undetermined"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
+                                      std::span<const SightedTag> sighted,
+                                      std::span<const std::string> control) {
+  Site site = site_of(survey, rig, sighted, control);
+  keep_tied(site);
+  if (site.drive.stations.empty()) {
+    return fail(
+        "no control tag was seen together with another tag: name control tags that the photos "
+        "show");
+  }
+  find_gross_errors(rig, site);
+  keep_tied(site);
+  std::optional<Adjustment> adjustment = adjust_robustly(rig, site);
+  if (!adjustment || site.drive.stations.empty()) {
+    return fail(
+        "the photos, the survey and the rig do not fit together: is it the right rig, and is the "
+        "survey right to half a metre?");
+  }
+  const double excess = adjustment->chi_square / std::max(1, degrees_of_freedom(site));
+  const double factor = std::sqrt(std::max(1.0, excess));
+  if (factor > 1) {
+    raise_sigmas(factor, site.drive);
+    if (auto weighted = adjust(rig, site)) adjustment = std::move(weighted);
+  }
+  AsBuiltSurvey result = as_built_survey(survey, site, *adjustment, control);
+  result.sigma_factor = factor;
+  return result;
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The as-built survey: all pictures of a drive in one adjustment, held by control tags.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "decoder/verify/hung_tags.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+enum class AsBuiltStatus {
+  control,       // hangs as surveyed, within the survey's sigma
+  contradicted,  // a control tag that does not hang where the survey has it
+  adjusted,      // its place follows from the control tags
+  undetermined,  // nothing ties it to a control tag
+};
+
+// "control", "contradicted", "adjusted" or "undetermined".
+std::string to_string(AsBuiltStatus status);
+
+// A tag of the survey that was seen. An undetermined one has a reason and no numbers.
+struct AsBuiltTag {
+  std::string tag;
+  AsBuiltStatus status = AsBuiltStatus::undetermined;
+  std::string reason;  // in words, of undetermined and contradicted tags
+  int stations = 0;    // whose pictures of it were used
+  // Where it hangs; of a control tag, where the pictures and all other tags say that it does.
+  Pose world_from_plate;
+  // Of P in world axes, metres, then of the turn about the plate's own axes, radians.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of P from its surveyed place, world axes
+};
+
+struct LeftOutSighting {
+  std::string station;
+  std::string tag;
+};
+
+struct AsBuiltSurvey {
+  std::vector<AsBuiltTag> tags;  // those seen, in the survey's order
+  std::size_t stations = 0;      // used: places from which two tags and more were seen
+  std::size_t sightings = 0;     // used: pictures of a tag
+  std::vector<LeftOutSighting> left_out;  // contradict the rest
+  double chi_square = 0;                  // of all corners
+  int degrees_of_freedom = 0;
+  double sigma_factor = 1;  // by which the corners' stated sigmas were raised, 1 = not
+};
+
+// Adjusts the places of all tags, of all vehicles and the rig's calibration at once. Control tags
+// hang as surveyed within the survey's sigma (at least kLeastSurveySigma); all others hang where
+// the pictures say. Of the rig the uncertainty that it states is counted. `control`: names of tags
+// of the survey. Fails when none of them was seen, or when the adjustment does not converge.
+Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
+                                      std::span<const SightedTag> sighted,
+                                      std::span<const std::string> control);
+
+}  // namespace tagsmith::detail
