@@ -118,9 +118,8 @@ std::vector<std::size_t> chains(const Drive& drive) {
 // and says so of the plates that are then seen no more.
 void keep_tied(Site& site) {
   Drive& drive = site.drive;
-  leave_out(drive, [&](std::size_t s, std::size_t) {
-    return plates_of(drive.stations[s]).size() < 2;
-  });
+  leave_out(drive,
+            [&](std::size_t s, std::size_t) { return plates_of(drive.stations[s]).size() < 2; });
   const std::vector<std::size_t> chain = chains(drive);
   std::set<std::size_t> held;
   for (std::size_t i = 0; i < chain.size(); ++i) {
@@ -133,9 +132,8 @@ void keep_tied(Site& site) {
   for (std::size_t i = 0; i < chain.size(); ++i) {
     if (!site.excluded[i].empty()) continue;
     if (!is_seen[i]) {
-      const bool contradicts =
-          std::ranges::find(site.left_out, drive.plates[i].name, &LeftOutSighting::tag) !=
-          site.left_out.end();
+      const bool contradicts = std::ranges::find(site.left_out, drive.plates[i].name,
+                                                 &LeftOutSighting::tag) != site.left_out.end();
       site.excluded[i] = contradicts ? "its photos contradict those of the other tags"
                                      : "it was never seen together with another tag";
     } else if (!held.contains(chain[i])) {
@@ -174,31 +172,30 @@ std::vector<Pairing> pairings_of(const AdjustmentProblem& problem) {
   return all;
 }
 
-// Marks the plates that agree with less than half of those that they were seen with, the worst
+// With how many others something agrees, less with how many it does not.
+struct Votes {
+  int balance = 0;
+  void add(bool agrees) { balance += agrees ? 1 : -1; }
+};
+
+// Marks the plates that disagree with more than half of those that they were seen with, the worst
 // first.
 void mark_elsewhere(const std::vector<Pairing>& pairings, std::vector<bool>& is_elsewhere) {
-  struct Votes {
-    double agree = 0;
-    double all = 0;
-  };
   while (true) {
     std::vector<Votes> votes(is_elsewhere.size());
     for (const Pairing& pairing : pairings) {
       if (is_elsewhere[pairing.plates[0]] || is_elsewhere[pairing.plates[1]]) continue;
-      for (const std::size_t plate : pairing.plates) {
-        votes[plate].all += 1;
-        if (pairing.agrees) votes[plate].agree += 1;
-      }
+      for (const std::size_t plate : pairing.plates) votes[plate].add(pairing.agrees);
     }
-    const auto worst = std::ranges::max_element(
-        votes, {}, [](const Votes& of) { return of.all - 2 * of.agree; });
-    if (worst == votes.end() || worst->all <= 2 * worst->agree) return;
+    const auto worst = std::ranges::min_element(votes, {}, &Votes::balance);
+    if (worst == votes.end() || worst->balance >= 0) return;
     is_elsewhere[static_cast<std::size_t>(worst - votes.begin())] = true;
   }
 }
 
-// The survey's places serve as a start but for plates that hang elsewhere; sightings that no other
-// of their station supports are left out. A control plate that hangs elsewhere is none.
+// The survey's places serve as a start but for plates that hang elsewhere; sightings that
+// disagree with most others of their station are left out. A control plate that hangs elsewhere is
+// none.
 void find_gross_errors(const Rig& rig, Site& site) {
   const AdjustmentProblem problem{&rig, site.drive.plates, site.drive.stations};
   const std::vector<Pairing> pairings = pairings_of(problem);
@@ -208,17 +205,16 @@ void find_gross_errors(const Rig& rig, Site& site) {
     site.is_control[i] = false;
     set_variance(site.drive.plates[i], kLooseSigma, kLooseAngle);
   }
-  std::map<std::pair<std::size_t, std::size_t>, bool> is_supported;
+  std::map<std::pair<std::size_t, std::size_t>, Votes> votes;  // by station and sighting
   for (const Pairing& pairing : pairings) {
     if (site.is_elsewhere[pairing.plates[0]] || site.is_elsewhere[pairing.plates[1]]) continue;
     for (const std::size_t sighting : pairing.sightings) {
-      bool& supported = is_supported[{pairing.station, sighting}];
-      supported = supported || pairing.agrees;
+      votes[{pairing.station, sighting}].add(pairing.agrees);
     }
   }
   leave_out(site.drive, [&](std::size_t s, std::size_t i) {
-    const auto found = is_supported.find({s, i});
-    if (found == is_supported.end() || found->second) return false;
+    const auto found = votes.find({s, i});
+    if (found == votes.end() || found->second.balance >= 0) return false;
     const Station& station = problem.stations[s];
     site.left_out.push_back({station.name, problem.plates[station.sightings[i].plate].name});
     return true;

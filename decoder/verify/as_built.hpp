@@ -46,9 +46,9 @@ struct LeftOutSighting {
 };
 
 struct AsBuiltSurvey {
-  std::vector<AsBuiltTag> tags;  // those seen, in the survey's order
-  std::size_t stations = 0;      // used: places from which two tags and more were seen
-  std::size_t sightings = 0;     // used: pictures of a tag
+  std::vector<AsBuiltTag> tags;           // those seen, in the survey's order
+  std::size_t stations = 0;               // used: places from which two tags and more were seen
+  std::size_t sightings = 0;              // used: pictures of a tag
   std::vector<LeftOutSighting> left_out;  // contradict the rest
   double chi_square = 0;                  // of all corners
   int degrees_of_freedom = 0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_adjust [PLATES] [PHOTOS] [SEED]: the as-built survey of a simulated drive. Plates hang 20 mm
-// from the survey and are turned by 0.3 degrees (standard deviations); a control tag of 2 mm hangs
-// on either wall every 20 m; corners have a noise of 0.1 pixels, and one sighting in a thousand is
-// of another tag. Errors, what they should be by the stated covariances, time and memory.
+// bench_adjust [PLATES] [PHOTOS] [SEED]: the as-built survey of a simulated drive. Plates hang 20
+// mm from the survey and are turned by 0.3 degrees (standard deviations); a control tag of 2 mm
+// hangs on either wall every 20 m; corners have a noise of 0.1 pixels, and one sighting in a
+// thousand is of another tag. Errors, what they should be by the stated covariances, time and
+// memory.
 #include <chrono>
 #include <cstdlib>
 
@@ -23,7 +24,8 @@ double megabytes() {
 
 void add_misread(AsBuiltDrive& drive, Draws& draws) {
   for (SightedTag& tag : drive.sighted) {
-    if (draws.chance(0.001)) tag.tag = drive.survey.tags[draws.index(drive.hung.size())].name;
+    if (draws.chance(std::getenv("MIS") ? std::atof(std::getenv("MIS")) : 0.001))
+      tag.tag = drive.survey.tags[draws.index(drive.hung.size())].name;
   }
 }
 

@@ -22,8 +22,8 @@ namespace tagsmith::detail::test {
 
 struct AsBuiltDrive {
   Survey survey;
-  Rig rig;                   // as its file states it
-  std::vector<Pose> hung;    // where the tags truly hang, by the survey's tags
+  Rig rig;                 // as its file states it
+  std::vector<Pose> hung;  // where the tags truly hang, by the survey's tags
   std::vector<std::string> control;
   std::vector<SightedTag> sighted;
 };
@@ -31,11 +31,11 @@ struct AsBuiltDrive {
 struct AsBuiltDriveOptions {
   int pairs = 50;
   int stations = 200;
-  double control_every = 20;        // metres: a control tag on either wall
-  double control_sigma = 0.002;     // metres
-  double displaced = 0.02;          // metres, of all others
-  double turned = radians(0.3);     // of all
-  double noise = 0.1;               // pixels
+  double control_every = 20;     // metres: a control tag on either wall
+  double control_sigma = 0.002;  // metres
+  double displaced = 0.02;       // metres, of all others
+  double turned = radians(0.3);  // of all
+  double noise = 0.1;            // pixels
 };
 
 // Plates of 0.4 m, 0.8 m apart, on the walls of a straight drive 1.9 m wide.
@@ -142,10 +142,9 @@ inline AsBuiltErrors errors_of(const AsBuiltDrive& drive, const AsBuiltSurvey& f
   AsBuiltErrors errors;
   for (const AsBuiltTag& tag : found.tags) {
     if (tag.status != AsBuiltStatus::adjusted) continue;
-    const auto index = static_cast<std::size_t>(
-        find_tag(drive.survey, std::string_view(tag.tag)) - drive.survey.tags.data());
-    const Eigen::Vector3d off =
-        tag.world_from_plate.translation - drive.hung[index].translation;
+    const auto index = static_cast<std::size_t>(find_tag(drive.survey, std::string_view(tag.tag)) -
+                                                drive.survey.tags.data());
+    const Eigen::Vector3d off = tag.world_from_plate.translation - drive.hung[index].translation;
     errors.distances.push_back(off.norm());
     errors.nees += squared_mahalanobis(off, tag.covariance.topLeftCorner<3, 3>()) / 3;
   }
