@@ -47,7 +47,8 @@ inline constexpr double kFreeFocal = 0.3;   // relative
 Eigen::Matrix3d likely_attitude(const Survey& survey, const Rig& rig, const Drive& drive,
                                 std::size_t camera);
 
-// The rig with its cameras as an adjustment has them: `calibration`, errors of the layout's parameters.
+// The rig with its cameras as an adjustment has them: `calibration`, errors of the layout's
+// parameters.
 Rig fitted_rig(Rig rig, const CalibrationLayout& layout, const Eigen::VectorXd& calibration);
 
 struct DriveFit {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/commands.hpp"
 
+#include "decoder/cli/adjust_command.hpp"
 #include "decoder/cli/calibrate_command.hpp"
 #include "decoder/cli/demo_command.hpp"
 #include "decoder/cli/localize_command.hpp"
@@ -22,11 +23,12 @@ namespace tagsmith::detail {
 
 std::vector<Command> all_commands() {
   return {
-      new_command(),      validate_command(),  draw_command(),
-      plan_command(),     export_command(),    print_command(prove_pages),
-      board_command(),    calibrate_command(), diff_command(),
-      read_command(),     verify_command(),    report_command(),
-      localize_command(), simulate_command(),  demo_command(),
+      new_command(),    validate_command(),  draw_command(),
+      plan_command(),   export_command(),    print_command(prove_pages),
+      board_command(),  calibrate_command(), diff_command(),
+      read_command(),   verify_command(),    report_command(),
+      adjust_command(), localize_command(),  simulate_command(),
+      demo_command(),
   };
 }
 

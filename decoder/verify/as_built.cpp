@@ -253,7 +253,6 @@ bool leave_out_wrong(const Rig& rig, const Adjustment& adjustment, Site& site) {
   const CalibrationLayout layout = calibration_layout(rig);
   const DriveFit fit{fitted_rig(rig, layout, adjustment.calibration), layout, adjustment};
   auto before = sightings_of(site.drive);
-  const std::size_t count = before.size();
   leave_out_worst(fit, site.drive, usual_excess(fit, site.drive));
   for (const auto& kept : sightings_of(site.drive)) before.erase(before.find(kept));
   for (const auto& [station, plate] : before) {
@@ -261,7 +260,7 @@ bool leave_out_wrong(const Rig& rig, const Adjustment& adjustment, Site& site) {
   }
   if (before.empty()) return false;
   keep_tied(site);
-  return count > 0;
+  return true;
 }
 
 // When the plates that hang elsewhere find no place.
@@ -283,8 +282,8 @@ std::optional<Adjustment> adjust_robustly(const Rig& rig, Site& site) {
     adjustment = adjust(rig, site);
   }
   for (int round = 0; adjustment && round < kMostRounds; ++round) {
-    take_places(*adjustment, site);
     if (!leave_out_wrong(rig, *adjustment, site)) break;
+    take_places(*adjustment, site);
     adjustment = adjust(rig, site);
   }
   return adjustment;
@@ -329,6 +328,13 @@ void fill(const SightedPlate& plate, const PlateOffset& offset, const Pose& surv
   tag.shift = tag.world_from_plate.translation - surveyed.translation;
 }
 
+// Of a control tag of which the photos tell nothing by themselves.
+void take_survey(const SightedPlate& plate, AsBuiltTag& tag) {
+  tag.world_from_plate = plate.world_from_plate;
+  tag.covariance = plate.survey_variance.asDiagonal();
+  tag.shift.setZero();
+}
+
 AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::size_t plate,
                         const PlacedTag& surveyed, bool was_control) {
   constexpr double kFarthest = 4;      // normal deviations of a control tag that hangs as surveyed
@@ -343,6 +349,7 @@ AsBuiltTag as_built_tag(const Site& site, const Adjustment& adjustment, std::siz
   const bool fits = offset.shift_chi_square < chi_square_limit(3, kFarthest);
   if (was_control && site.is_control[plate] && fits) {
     tag.status = AsBuiltStatus::control;
+    if (sigma > kMostSigma) take_survey(site.drive.plates[plate], tag);
   } else if (was_control) {
     tag.status = AsBuiltStatus::contradicted;
     tag.reason = contradiction(tag);
@@ -384,6 +391,10 @@ std::string to_string(AsBuiltStatus status) {
 Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
                                       std::span<const SightedTag> sighted,
                                       std::span<const std::string> control) {
+  constexpr double kLeastExcess = 1.05;  // of chi-square: less makes no difference
+  constexpr const char* kNoFit =
+      "the photos, the survey and the rig do not fit together: is it the right rig, and is the "
+      "survey right to half a metre?";
   Site site = site_of(survey, rig, sighted, control);
   keep_tied(site);
   if (site.drive.stations.empty()) {
@@ -395,15 +406,14 @@ Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
   keep_tied(site);
   std::optional<Adjustment> adjustment = adjust_robustly(rig, site);
   if (!adjustment || site.drive.stations.empty()) {
-    return fail(
-        "the photos, the survey and the rig do not fit together: is it the right rig, and is the "
-        "survey right to half a metre?");
+    return fail(kNoFit);
   }
   const double excess = adjustment->chi_square / std::max(1, degrees_of_freedom(site));
-  const double factor = std::sqrt(std::max(1.0, excess));
+  const double factor = excess > kLeastExcess ? std::sqrt(excess) : 1;
   if (factor > 1) {
     raise_sigmas(factor, site.drive);
-    if (auto weighted = adjust(rig, site)) adjustment = std::move(weighted);
+    adjustment = adjust(rig, site);
+    if (!adjustment) return fail(kNoFit);
   }
   AsBuiltSurvey result = as_built_survey(survey, site, *adjustment, control);
   result.sigma_factor = factor;

@@ -33,7 +33,8 @@ struct AsBuiltTag {
   AsBuiltStatus status = AsBuiltStatus::undetermined;
   std::string reason;  // in words, of undetermined and contradicted tags
   int stations = 0;    // whose pictures of it were used
-  // Where it hangs; of a control tag, where the pictures and all other tags say that it does.
+  // Where it hangs; of a control tag, where the pictures and all other tags say that it does, and
+  // where they say nothing, as surveyed.
   Pose world_from_plate;
   // Of P in world axes, metres, then of the turn about the plate's own axes, radians.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();

@@ -90,21 +90,6 @@ std::vector<SightedTag> sighted_tags(const Survey& survey, const HangingSetup& s
   return sighted;
 }
 
-// Those of every photo, once each, with the note on a photo that could not be used.
-Result<void> for_each_sighted(
-    const Survey& survey, const HangingSetup& setup, const EachFile& files,
-    const std::function<void(const std::vector<SightedTag>&, const std::string&)>& take) {
-  const std::string revision = survey_revision(survey);
-  std::unordered_set<std::size_t> known;
-  return files([&](const VerifiedFile& file) {
-    if (!file.is_photo() || file.revision != revision) return;
-    if (!known.insert(std::hash<std::string>{}(identity_of(file))).second) return;
-    std::string note;
-    const std::vector<SightedTag> sighted = sighted_tags(survey, setup, file, note);
-    take(sighted, note);
-  });
-}
-
 const HungTag* find_in(const std::vector<HungTag>& tags, const std::string& name) {
   const auto found = std::ranges::find(tags, name, &HungTag::tag);
   return found == tags.end() ? nullptr : &*found;
@@ -193,6 +178,20 @@ void add_unchecked(const Survey& survey, const std::set<std::string>& seen,
 }
 
 }  // namespace
+
+Result<void> for_each_sighted(
+    const Survey& survey, const HangingSetup& setup, const EachFile& files,
+    const std::function<void(const std::vector<SightedTag>&, const std::string&)>& take) {
+  const std::string revision = survey_revision(survey);
+  std::unordered_set<std::size_t> known;
+  return files([&](const VerifiedFile& file) {
+    if (!file.is_photo() || file.revision != revision) return;
+    if (!known.insert(std::hash<std::string>{}(identity_of(file))).second) return;
+    std::string note;
+    const std::vector<SightedTag> sighted = sighted_tags(survey, setup, file, note);
+    take(sighted, note);
+  });
+}
 
 Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
                                const EachFile& files) {

@@ -25,6 +25,13 @@ struct HangingSetup {
 // Calls back with the result of every file, in the same order each time.
 using EachFile = std::function<Result<void>(const std::function<void(const VerifiedFile&)>&)>;
 
+// Calls `take` with the tags of every photo that tell where they hang, and with the note on a photo
+// that could not be used. A file counts once, and only if it was verified against this state of the
+// survey.
+Result<void> for_each_sighted(
+    const Survey& survey, const HangingSetup& setup, const EachFile& files,
+    const std::function<void(const std::vector<SightedTag>&, const std::string&)>& take);
+
 // The deviations of all tags in order that were seen by known cameras. Goes over the files twice,
 // so that an archive need not be in memory: first to choose stations (SightingPick), then to take
 // their tags. A file counts once, and only if it was verified against this state of the survey.

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <functional>
 #include <optional>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/yaml_document.hpp"
@@ -17,6 +20,14 @@ struct Replacement {
   std::size_t length = 0;
   std::string text;
 };
+
+// The later places first, so that the earlier ones hold.
+std::string replaced(std::string_view text, std::vector<Replacement> all) {
+  std::ranges::stable_sort(all, std::greater<>{}, &Replacement::begin);
+  std::string edited(text);
+  for (const Replacement& one : all) edited.replace(one.begin, one.length, one.text);
+  return edited;
+}
 
 const YamlKey* key_at(const YamlNode& map, std::string_view key) {
   const auto found = std::ranges::find(map.keys, key, &YamlKey::text);
@@ -216,6 +227,88 @@ Result<std::string> key_removed(std::string_view text, const std::vector<std::st
   return fail("the key `" + key + "` cannot be removed from the file as it is laid out");
 }
 
+// --- lists ---
+
+// Where in the text a value begins and ends: a scalar, quoted or not, or a list in brackets.
+std::optional<Replacement> value_place(std::string_view text, const YamlNode& value) {
+  if (value.kind == YamlNode::Kind::scalar && !value.quoted) {
+    const auto at = offset_of(text, value.place, value.text);
+    return at ? std::optional(Replacement{*at, value.text.size(), ""}) : std::nullopt;
+  }
+  const bool is_list = value.kind == YamlNode::Kind::sequence && value.flow;
+  if (!is_list && !value.quoted) return std::nullopt;
+  for (const char* opening : {"[", "\"", "'"}) {
+    const auto at = offset_of(text, value.place, opening);
+    if (!at || is_list != (*opening == '[')) continue;
+    const std::size_t end = is_list ? closing_bracket(text, *at + 1) + 1 : end_of_quotes(text, *at);
+    return Replacement{*at, end - *at, ""};
+  }
+  return std::nullopt;
+}
+
+// Where a map's last entry ends: in brackets with its value, else with its lines.
+std::optional<std::size_t> end_of_map(std::string_view text, const YamlNode& map) {
+  if (map.kind != YamlNode::Kind::map || map.keys.empty()) return std::nullopt;
+  const auto key = offset_of(text, map.keys.back().place, map.keys.back().text);
+  if (!key) return std::nullopt;
+  if (!map.flow) {
+    return end_of_block_entry(text, *key, map.items.back(), map.keys.back().place);
+  }
+  const auto value = value_place(text, map.items.back());
+  return value ? std::optional(value->begin + value->length) : std::nullopt;
+}
+
+Result<void> add_item_edit(std::string_view text, const YamlNode& map, const YamlItemEdit& edit,
+                           std::vector<Replacement>& all) {
+  const std::string failure = fmt::format(
+      "the entry on line {} cannot be changed as it is laid out: write it on one line, as {{ tag: "
+      "000L, side: left, p: [0, 0, 0] }}",
+      map.place.line);
+  const auto end = end_of_map(text, map);
+  if (!end) return fail(failure);
+  const std::string indent(static_cast<std::size_t>(map.keys.front().place.column - 1), ' ');
+  std::string added;
+  for (const auto& [key, value] : edit.values) {
+    const YamlNode* old = value_at(map, key);
+    if (old == nullptr) {
+      added += map.flow ? fmt::format(", {}: {}", key, value)
+                        : fmt::format("{}{}: {}\n", indent, key, value);
+      continue;
+    }
+    auto place = value_place(text, *old);
+    if (!place) return fail(failure);
+    place->text = value;
+    all.push_back(std::move(*place));
+  }
+  const bool lacks_line_end = !map.flow && !added.empty() && text[*end - 1] != '\n';
+  all.push_back({*end, 0, (lacks_line_end ? "\n" : "") + added});
+  return {};
+}
+
+// Behind the last item of a list, in its manner; at the end of the text where there is no list.
+Result<Replacement> items_appended(std::string_view text, const YamlNode* list,
+                                   const std::string& name,
+                                   const std::vector<std::string>& appended) {
+  std::string lines;
+  if (list == nullptr) {
+    for (const std::string& item : appended) lines += "  - " + item + "\n";
+    const bool ends_line = text.empty() || text.back() == '\n';
+    return Replacement{text.size(), 0, (ends_line ? "" : "\n") + name + ":\n" + lines};
+  }
+  auto end = list->items.empty() ? std::nullopt : end_of_map(text, list->items.back());
+  if (!end || list->flow) {
+    return fail("the list `" + name +
+                "` cannot be added to: write its items on lines of their own, after dashes, or "
+                "remove it where it is empty");
+  }
+  if (list->items.back().flow) end = next_line(text, closing_bracket(text, *end));
+  const auto first = offset_of(text, list->items.back().place, "");
+  const std::size_t line = text.rfind('\n', *first) + 1;  // npos + 1 = 0
+  const std::string indent(text.find('-', line) - line, ' ');
+  for (const std::string& item : appended) lines += indent + "- " + item + "\n";
+  return Replacement{*end, 0, (text[*end - 1] == '\n' ? "" : "\n") + lines};
+}
+
 }  // namespace
 
 Result<std::string> remove_yaml_keys(std::string_view text, const std::vector<std::string>& path,
@@ -237,10 +330,28 @@ Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>
     if (!some) return fail(some.error().message);
     all.insert(all.end(), some->begin(), some->end());
   }
-  std::ranges::stable_sort(all, std::greater<>{}, &Replacement::begin);
-  std::string edited(text);
-  for (const Replacement& one : all) edited.replace(one.begin, one.length, one.text);
-  return edited;
+  return replaced(text, std::move(all));
+}
+
+Result<std::string> edit_yaml_list(std::string_view text, const std::string& list,
+                                   const std::vector<YamlItemEdit>& edits,
+                                   const std::vector<std::string>& appended) {
+  FindingLog log("edited");
+  const std::optional<YamlNode> root = parse_yaml(text, log);
+  if (!root) return fail(to_string(log.sorted(), true));
+  const YamlNode* items = value_at(*root, list);
+  std::vector<Replacement> all;
+  // First: where it meets an entry's end, that entry's new keys come before it.
+  if (!appended.empty()) {
+    auto added = items_appended(text, items, list, appended);
+    if (!added) return fail(added.error().message);
+    all.push_back(std::move(*added));
+  }
+  for (const YamlItemEdit& edit : edits) {
+    const auto changed = add_item_edit(text, items->items[edit.item], edit, all);
+    if (!changed) return fail(changed.error().message);
+  }
+  return replaced(text, std::move(all));
 }
 
 }  // namespace tagsmith::detail

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
@@ -28,5 +29,19 @@ Result<std::string> edit_yaml(std::string_view text, const std::vector<YamlEdit>
 // is no YAML, the map is missing, or a key cannot be cut out without changing anything else.
 Result<std::string> remove_yaml_keys(std::string_view text, const std::vector<std::string>& path,
                                      const std::vector<std::string>& keys);
+
+// Keys of one item, a map, of a list.
+struct YamlItemEdit {
+  std::size_t item = 0;
+  std::vector<std::pair<std::string, std::string>> values;  // key and value, as YAML text
+};
+
+// The text with these values in the items of the list at its top (keys that an item has not are put
+// behind its last), and these maps, as YAML text, behind the last item; a list that is missing is
+// put at the end. Comments stay where they are. Fails when a list or value cannot be changed as it
+// is laid out.
+Result<std::string> edit_yaml_list(std::string_view text, const std::string& list,
+                                   const std::vector<YamlItemEdit>& edits,
+                                   const std::vector<std::string>& appended);
 
 }  // namespace tagsmith::detail

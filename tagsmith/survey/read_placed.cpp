@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/read_placed.hpp"
 
-#include <algorithm>
-#include <chrono>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/edit_placed.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
 namespace tagsmith::detail {
@@ -72,20 +71,7 @@ std::optional<TagName> read_tag_name(const MapReader& map) {
 // A day as ISO 8601 writes it, 2026-03-31; empty when absent or faulty.
 std::string read_date(const YamlNode* node, const std::string& name, FindingLog& log) {
   const std::optional<std::string> text = read_text(node, name, log);
-  if (!text) return {};
-  constexpr std::string_view kShape = "dddd-dd-dd";
-  const bool shaped = std::ranges::equal(*text, kShape, [](char c, char shape) {
-    return shape == 'd' ? c >= '0' && c <= '9' : c == shape;
-  });
-  if (shaped) {
-    const auto number = [&](std::size_t at, std::size_t size) {
-      return static_cast<unsigned>(std::stoi(text->substr(at, size)));
-    };
-    const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(number(0, 4))) /
-                                          std::chrono::month(number(5, 2)) /
-                                          std::chrono::day(number(8, 2)));
-    if (day.ok()) return *text;
-  }
+  if (!text || is_day(*text)) return text.value_or("");
   log.error(node->place, "bad-date",
             name + " is `" + text->substr(0, 60) + "`, expected a day as 2026-03-31");
   return {};
@@ -105,9 +91,10 @@ std::optional<PlateAttitude> read_attitude(const MapReader& map) {
 std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::string& label,
                                              const std::optional<CheckDigit>& check,
                                              FindingLog& log) {
-  const MapReader map(
-      &node, label,
-      {"tag", "side", "p", "digits", "sigma", "date", "design", "facing", "tilt", "roll"}, log);
+  const MapReader map(&node, label,
+                      {"tag", "side", "p", "digits", "sigma", "date", "design", "control", "facing",
+                       "tilt", "roll"},
+                      log);
   if (!map.is_map()) return std::nullopt;
   const auto name = read_tag_name(map);
   const auto p =
@@ -117,6 +104,7 @@ std::optional<PlacedEntry> read_placed_entry(const YamlNode& node, const std::st
   entry.sigma = map.number_if_there("sigma", between(0, kWorstSigma, "m"));
   entry.date = read_date(map.find("date"), map.name_of("date"), log);
   entry.design_in_grid = read_point(map.find("design"), map.name_of("design"), kFarthest, log);
+  entry.control = read_bool(map.find("control"), map.name_of("control"), log).value_or(false);
   entry.attitude = read_attitude(map);
   const bool digits_fit = !map.has("digits") || entry.digits.has_value();
   if (!name || !p || !digits_fit) return std::nullopt;

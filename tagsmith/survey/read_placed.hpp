@@ -21,6 +21,7 @@ struct PlacedEntry {
   std::optional<double> sigma;
   std::string date;
   std::optional<Eigen::Vector3d> design_in_grid;
+  bool control = false;
   std::optional<PlateAttitude> attitude;
   Place place;
 };

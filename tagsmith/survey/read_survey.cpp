@@ -186,6 +186,7 @@ PlacedTag as_built(const Survey& survey, const PlacedEntry& entry) {
   tag.sigma = entry.sigma.value_or(survey.sigma);
   tag.date = entry.date;
   tag.design_in_grid = entry.design_in_grid;
+  tag.control = entry.control;
   const bool regular = survey.series && tag.pair < survey.series->pairs;
   if (!tag.design_in_grid && regular) {
     tag.design_in_grid = place_in_series(survey, tag.pair, tag.side).p_in_grid;

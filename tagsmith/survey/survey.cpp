@@ -86,6 +86,17 @@ Eigen::Matrix3d plate_rotation(double facing, double tilt, double roll) {
                        .toRotationMatrix();
 }
 
+PlateAttitude attitude_of(const Grid& grid, const Pose& world_from_plate) {
+  const double facing = facing_of(world_from_plate);
+  PlateAttitude attitude;
+  attitude.facing = grid_heading_from_world(grid, facing);
+  attitude.tilt = std::asin(std::clamp(world_from_plate.rotation(2, 2), -1.0, 1.0));
+  const Eigen::Matrix3d roll =
+      plate_rotation(facing, attitude.tilt).transpose() * world_from_plate.rotation;
+  attitude.roll = std::atan2(roll(1, 0), roll(0, 0));
+  return attitude;
+}
+
 double facing_of(const Pose& world_from_plate) {
   constexpr double kLying = 1e-6;
   const Eigen::Vector3d out = -world_from_plate.rotation.col(2);

@@ -60,6 +60,7 @@ struct PlacedTag {
   Pose world_from_plate;  // plate frame: origin P, x right, y down, z into the wall
   double chainage = 0;    // of corner P
   bool surveyed = false;  // from `placed` (as-built), not from the regular series
+  bool control = false;   // surveyed so well that an adjustment of the others is held by it
   double sigma = 0;       // standard deviation of a coordinate of P, metres
   std::string date;       // of the measurement, as 2026-03-31; empty = not given
   std::optional<Eigen::Vector3d> design_in_grid;  // P as designed, where `placed` moved it
@@ -98,6 +99,9 @@ double pair_width(const Tunnel& tunnel, const PlacedTag& left, const PlacedTag& 
 // the wall over the plate's length about its frame's middle.
 Pose plate_on_wall(const Tunnel& tunnel, const TagTemplate& tag, Side side,
                    const Eigen::Vector3d& p_in_world);
+
+// What a placed tag says of a plate that stands so: plate_rotation's angles, `facing` in the grid.
+PlateAttitude attitude_of(const Grid& grid, const Pose& world_from_plate);
 
 // The rotation world_from_plate of a plate whose face looks to `facing` (world heading).
 Eigen::Matrix3d plate_rotation(double facing, double tilt = 0, double roll = 0);

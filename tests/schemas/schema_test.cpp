@@ -39,7 +39,7 @@ const Json& good_survey() {
     "code": { "check_digit": "gs1", "resolution": [0.01, 0.01, 0.01], "digits": [4, 4, 3],
       "origin": [0.5, 0.5, -1.5] },
     "placed": [ { "tag": "004L", "side": "left", "p": [8.5, 25.5, 1.4], "digits": "000000000017",
-      "sigma": 0.002, "date": "2026-03-31", "design": [8.5, 25.4, 1.4] } ] })");
+      "sigma": 0.002, "date": "2026-03-31", "design": [8.5, 25.4, 1.4], "control": true } ] })");
   return survey;
 }
 

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/adjust_command.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/cli/file_list.hpp"
+#include "decoder/cli/report_files.hpp"
+#include "decoder/cli/verify_hanging.hpp"
+#include "decoder/verify/as_built.hpp"
+#include "decoder/verify/verify_file.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
+#include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/edit_placed.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kName = "adjust";
+constexpr const char* kNotes = R"(Example:
+  tagsmith verify --json mine/survey.yaml --rig mine/rig.yaml --run run.csv > run.jsonl
+  tagsmith adjust mine/survey.yaml --rig mine/rig.yaml --run run.csv run.jsonl -o as-built.yaml
+
+All photos are adjusted at once. The control tags hold them: those with `control: true` in `placed`,
+or those of --control, within the survey's sigma. FILE: output of `verify --json` (.jsonl), which
+takes the place of the photos; or photos, or folders of them. Without FILE the photos of the run.
+Exit: 0 every tag seen has its place, 1 one is not determined, or a control tag does not hang where
+the survey has it (then nothing is written), 2 a file could not be read.)";
+
+struct Options {
+  std::string survey;
+  std::vector<std::string> files;
+  HangingOptions hanging;
+  std::vector<std::string> control;
+  std::string output;
+  std::string date;
+  bool json = false;
+  int jobs = 0;
+};
+
+struct Input {
+  Survey survey;
+  HangingSetup setup;
+  std::vector<fs::path> lines;  // output of verify
+  std::vector<fs::path> photos;
+  std::vector<std::string> control;
+};
+
+// --- input ---
+
+bool holds_lines(const std::string& file) {
+  const std::string extension = fs::path(file).extension().string();
+  return extension == ".jsonl" || extension == ".json" || extension == ".ndjson";
+}
+
+Result<std::vector<std::string>> control_tags(const Options& options, const Survey& survey) {
+  for (const std::string& name : options.control) {
+    if (find_tag(survey, std::string_view(name)) != nullptr) continue;
+    return fail(
+        fmt::format("--control {}: {} has no tag of this name", name, survey.file.string()));
+  }
+  if (!options.control.empty()) return options.control;
+  std::vector<std::string> names;
+  for (const PlacedTag& tag : survey.tags) {
+    if (tag.control) names.push_back(tag.name);
+  }
+  if (!names.empty()) return names;
+  return fail(survey.file.string() +
+              ": has no control tag: write `control: true` at the tags in `placed` that were "
+              "surveyed best, or name them with --control");
+}
+
+Result<Input> load(const Options& options) {
+  if (!options.date.empty() && !is_day(options.date)) {
+    return fail("--date " + options.date + ": expected a day as 2026-03-31");
+  }
+  Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return fail(survey.error().message);
+  CommandFiles files;
+  Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
+  if (!hanging) return fail(hanging.error().message);
+  Result<std::vector<std::string>> control = control_tags(options, *survey);
+  if (!control) return fail(control.error().message);
+  Input input{std::move(*survey), std::move((*hanging)->setup), {}, {}, std::move(*control)};
+  std::vector<std::string> photos;
+  for (const std::string& file : options.files) {
+    if (holds_lines(file)) {
+      input.lines.emplace_back(file);
+    } else {
+      photos.push_back(file);
+    }
+  }
+  if (options.files.empty()) photos = (*hanging)->photos;
+  if (photos.empty() && input.lines.empty()) {
+    return fail("FILE is required: output of `verify --json`, photos, or --run");
+  }
+  const Result<FileList> list = list_files(photos, image_extensions(), std::cin);
+  if (!list) return fail(list.error().message);
+  input.photos = list->files;
+  files.reads(input.survey);
+  for (const fs::path& file : input.lines) files.reads(file, "the lines");
+  for (const fs::path& file : input.photos) files.reads(file, "a photo");
+  files.writes(options.output, "--output");
+  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
+  return input;
+}
+
+// All photos, read and compared with the survey.
+Result<std::vector<VerifiedFile>> verify_photos(const Input& input, int jobs) {
+  VerifyRequest request{input.survey};
+  request.rig = &input.setup.rig;
+  request.cameras = &input.setup.cameras;
+  const std::string revision = survey_revision(input.survey);
+  std::vector<VerifiedFile> files(input.photos.size());
+  std::string failure;
+  ProgressBar progress("photos", files.size());
+  run_in_order(files.size(), jobs, [&](std::size_t i) -> Delivery {
+    auto verified = std::make_shared<Result<VerifiedFile>>(verify_file(request, input.photos[i]));
+    return [&, i, verified] {
+      if (*verified) {
+        files[i] = std::move(**verified);
+        files[i].revision = revision;
+      } else if (failure.empty()) {
+        failure = verified->error().message;
+      }
+      progress.advance([] {});
+    };
+  });
+  if (!failure.empty()) return fail(failure);
+  return files;
+}
+
+// How many files of what the lines say are photos, and how many of these of another survey.
+struct Told {
+  std::size_t photos = 0;
+  std::size_t others = 0;
+};
+
+Result<Told> read_lines(const Input& input, const std::function<void(const VerifiedFile&)>& take) {
+  const std::string revision = survey_revision(input.survey);
+  Told told;
+  for (const fs::path& path : input.lines) {
+    const Result<VerifyLineCounts> counts = read_verify_lines(path, [&](const VerifiedFile& file) {
+      if (!file.is_photo()) return;
+      ++told.photos;
+      if (file.revision != revision) ++told.others;
+      take(file);
+    });
+    if (!counts) return fail(counts.error().message);
+    if (counts->files == 0) {
+      return fail(path.string() + ": has no line of `verify --json`");
+    }
+    tell_broken_lines(path.string(), *counts);
+  }
+  if (told.photos > 0 && told.others == told.photos) {
+    return fail(fmt::format(
+        "{}: all {} photos were verified against another state of the survey {}: verify them again",
+        input.lines.front().string(), told.photos, input.survey.file.string()));
+  }
+  return told;
+}
+
+Result<std::vector<SightedTag>> sighted_tags(const Input& input, int jobs) {
+  const Result<std::vector<VerifiedFile>> photos = verify_photos(input, jobs);
+  if (!photos) return fail(photos.error().message);
+  std::vector<SightedTag> all;
+  std::vector<std::string> notes;
+  Told told;
+  const EachFile files = [&](const auto& take) -> Result<void> {
+    for (const VerifiedFile& file : *photos) take(file);
+    const Result<Told> read = read_lines(input, take);
+    if (!read) return fail(read.error().message);
+    told = *read;
+    return {};
+  };
+  const auto taken = for_each_sighted(input.survey, input.setup, files,
+                                      [&](const auto& tags, const std::string& note) {
+                                        all.insert(all.end(), tags.begin(), tags.end());
+                                        if (!note.empty()) notes.push_back(note);
+                                      });
+  if (!taken) return fail(taken.error().message);
+  if (told.others > 0) {
+    to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
+              kName, told.others);
+  }
+  constexpr std::size_t kMostNotes = 20;
+  for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {
+    to_stderr("{}: {}\n", kName, notes[i]);
+  }
+  return all;
+}
+
+// --- what is printed ---
+
+// World axes become the grid's.
+Matrix3d in_grid(const Grid& grid, const Matrix3d& covariance) {
+  Matrix3d axes;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    axes.col(i) =
+        grid_from_world(grid, Vector3d::Unit(i)) - grid_from_world(grid, Vector3d::Zero());
+  }
+  return axes * covariance * axes.transpose();
+}
+
+bool has_place(const AsBuiltTag& tag) { return tag.status != AsBuiltStatus::undetermined; }
+
+// To the micrometre; what rounds to zero has no sign.
+Vector3d p_in_grid(const Survey& survey, const AsBuiltTag& tag) {
+  const Vector3d p = grid_from_world(survey.grid, tag.world_from_plate.translation);
+  return p.unaryExpr([](double value) { return std::round(1e6 * value) / 1e6 + 0.0; });
+}
+
+Vector3d sigma_in_grid(const Survey& survey, const AsBuiltTag& tag) {
+  const Matrix3d covariance = tag.covariance.topLeftCorner<3, 3>();
+  return in_grid(survey.grid, covariance).diagonal().cwiseMax(0).cwiseSqrt();
+}
+
+// Of a coordinate of P, whichever.
+double mean_sigma(const AsBuiltTag& tag) {
+  return std::sqrt(std::max(0.0, tag.covariance.topLeftCorner<3, 3>().trace()) / 3);
+}
+
+std::size_t count_of(const AsBuiltSurvey& found, AsBuiltStatus status) {
+  return static_cast<std::size_t>(std::ranges::count(found.tags, status, &AsBuiltTag::status));
+}
+
+std::vector<std::string> not_seen(const Survey& survey, const AsBuiltSurvey& found) {
+  std::vector<std::string> names;
+  for (const PlacedTag& tag : survey.tags) {
+    if (std::ranges::find(found.tags, tag.name, &AsBuiltTag::tag) == found.tags.end()) {
+      names.push_back(tag.name);
+    }
+  }
+  return names;
+}
+
+void print_words(const Survey& survey, const AsBuiltSurvey& found) {
+  to_stdout("     tag          x          y          z  sigma, mm  moved, mm  seen\n");
+  for (const AsBuiltTag& tag : found.tags) {
+    if (!has_place(tag)) continue;
+    const Vector3d p = p_in_grid(survey, tag);
+    const auto shown = [](double value) { return std::round(1e4 * value) / 1e4 + 0.0; };
+    to_stdout("{:>8} {:10.4f} {:10.4f} {:10.4f} {:10.1f} {:10.1f} {:5}{}\n", tag.tag, shown(p.x()),
+              shown(p.y()), shown(p.z()), 1e3 * mean_sigma(tag), 1e3 * tag.shift.norm(),
+              tag.stations, tag.status == AsBuiltStatus::control ? "  control" : "");
+  }
+  for (const AsBuiltTag& tag : found.tags) {
+    if (!tag.reason.empty()) to_stdout("{} {}: {}\n", tag.tag, to_string(tag.status), tag.reason);
+  }
+  for (const LeftOutSighting& out : found.left_out) {
+    to_stdout("left out: {} at {} contradicts the rest\n", out.tag, out.station);
+  }
+  const std::vector<std::string> unseen = not_seen(survey, found);
+  if (!unseen.empty()) to_stdout("not seen: {}\n", fmt::join(unseen, " "));
+  to_stdout(
+      "{} tags adjusted to {} control tags, {} not determined; {} pictures of tags from {} places; "
+      "residuals {:.2f} times what was stated\n",
+      count_of(found, AsBuiltStatus::adjusted), count_of(found, AsBuiltStatus::control),
+      count_of(found, AsBuiltStatus::undetermined), found.sightings, found.stations,
+      found.sigma_factor);
+}
+
+Json numbers(const auto& values) { return std::vector<double>(values.begin(), values.end()); }
+
+Json tag_json(const Survey& survey, const AsBuiltTag& tag) {
+  Json line{{"tag", tag.tag}, {"status", to_string(tag.status)}, {"stations", tag.stations}};
+  if (!tag.reason.empty()) line["reason"] = tag.reason;
+  if (!has_place(tag)) return line;
+  const PlateAttitude attitude = attitude_of(survey.grid, tag.world_from_plate);
+  const Vector3d turned = tag.covariance.diagonal().tail<3>().cwiseMax(0).cwiseSqrt();
+  const Matrix3d covariance = in_grid(survey.grid, tag.covariance.topLeftCorner<3, 3>());
+  const Vector3d surveyed = find_tag(survey, std::string_view(tag.tag))->p_in_grid;
+  line["p"] = numbers(p_in_grid(survey, tag));
+  line["sigma"] = numbers(sigma_in_grid(survey, tag));
+  line["covariance"] = numbers(covariance.reshaped());
+  line["moved"] = numbers(Vector3d(p_in_grid(survey, tag) - surveyed));
+  line["facing_deg"] = std::fmod(degrees(attitude.facing.value_or(0)) + 360, 360);
+  line["tilt_deg"] = degrees(attitude.tilt);
+  line["roll_deg"] = degrees(attitude.roll);
+  // About the plate's own axes: right, down, into the wall.
+  line["sigma_deg"] = {{"facing", degrees(turned.y())},
+                       {"tilt", degrees(turned.x())},
+                       {"roll", degrees(turned.z())}};
+  return line;
+}
+
+void print_json(const Survey& survey, const AsBuiltSurvey& found) {
+  for (const AsBuiltTag& tag : found.tags) to_stdout("{}\n", json_text(tag_json(survey, tag)));
+  Json left_out = Json::array();
+  for (const LeftOutSighting& out : found.left_out) {
+    left_out.push_back({{"station", out.station}, {"tag", out.tag}});
+  }
+  Json summary{{"adjusted", count_of(found, AsBuiltStatus::adjusted)},
+               {"control", count_of(found, AsBuiltStatus::control)},
+               {"contradicted", count_of(found, AsBuiltStatus::contradicted)},
+               {"undetermined", count_of(found, AsBuiltStatus::undetermined)},
+               {"not_seen", not_seen(survey, found)},
+               {"stations", found.stations},
+               {"sightings", found.sightings},
+               {"left_out", std::move(left_out)},
+               {"chi_square", found.chi_square},
+               {"degrees_of_freedom", found.degrees_of_freedom},
+               {"sigma_factor", found.sigma_factor}};
+  to_stdout("{}\n", json_text({{"summary", std::move(summary)}}));
+}
+
+// --- the survey that is written ---
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  return fmt::format("{:%Y-%m-%d}", fmt::localtime(now));
+}
+
+Result<void> write_survey(const Options& options, const Survey& survey,
+                          const AsBuiltSurvey& found) {
+  const Result<std::string> text = read_file(options.survey);
+  if (!text) return fail(text.error().message);
+  std::vector<AsBuiltPlace> places;
+  for (const AsBuiltTag& tag : found.tags) {
+    if (tag.status != AsBuiltStatus::adjusted) continue;
+    places.push_back({tag.tag, p_in_grid(survey, tag),
+                      attitude_of(survey.grid, tag.world_from_plate), mean_sigma(tag),
+                      options.date.empty() ? today() : options.date});
+  }
+  const Result<std::string> changed = survey_with_places(*text, survey, places);
+  if (!changed) return fail(options.survey + ": " + changed.error().message);
+  const SurveyReading reading = read_survey_text(options.output, *changed);
+  if (!reading.survey) {
+    return fail(options.survey +
+                ": the places cannot be written into it: " + to_string(reading.diagnostics, true));
+  }
+  return write_file(options.output, *changed);
+}
+
+Result<int> run(const Options& options) {
+  const Result<Input> input = load(options);
+  if (!input) return fail(input.error().message);
+  const Result<std::vector<SightedTag>> sighted = sighted_tags(*input, options.jobs);
+  if (!sighted) return fail(sighted.error().message);
+  print_assumptions(kName, assumptions({&input->survey, 1}, input->setup.rig));
+  const Result<AsBuiltSurvey> found =
+      adjust_as_built(input->survey, input->setup.rig, *sighted, input->control);
+  if (!found) return fail(options.survey + ": " + found.error().message);
+  options.json ? print_json(input->survey, *found) : print_words(input->survey, *found);
+  if (count_of(*found, AsBuiltStatus::contradicted) > 0) {
+    if (!options.output.empty()) {
+      to_stderr(
+          "{}: {} was not written: survey the contradicted control tags again, or leave "
+          "them out of the control tags\n",
+          kName, options.output);
+    }
+    return kExitFindings;
+  }
+  if (!options.output.empty()) {
+    const auto written = write_survey(options, input->survey, *found);
+    if (!written) return fail(written.error().message);
+  }
+  return count_of(*found, AsBuiltStatus::undetermined) > 0 ? kExitFindings : kExitOk;
+}
+
+}  // namespace
+
+Command adjust_command() {
+  auto options = std::make_shared<Options>();
+  Command command{
+      .name = kName,
+      .summary = "Find where every tag hangs, by all photos of a drive and some control tags",
+      .options = {survey_argument(&options->survey, "The survey"),
+                  {.names = "FILE",
+                   .target = &options->files,
+                   .help =
+                       "Output of `verify --json` (.jsonl), photos, folders of photos, or - for "
+                       "a list of photos on standard input",
+                   .kind = ValueKind::file},
+                  {.names = "--control",
+                   .target = &options->control,
+                   .help = "Tags that hang as surveyed, instead of those with `control: true`",
+                   .placeholder = "TAG,...",
+                   .kind = ValueKind::tag,
+                   .by_commas = true},
+                  file_option("-o,--output", &options->output,
+                              "Survey to write, with the places found and all comments"),
+                  {.names = "--date",
+                   .target = &options->date,
+                   .help = "Day of the photos, written with the places (default: today)",
+                   .placeholder = "YYYY-MM-DD"},
+                  json_flag(options->json, "One JSON object a tag, then the summary"),
+                  jobs_option(options->jobs, "Photos read at once")},
+      .notes = kNotes,
+      .run =
+          [options] {
+            const Result<int> code = run(*options);
+            return code ? *code : report_failure(kName, code.error());
+          },
+  };
+  for (CommandOption& option : hanging_options(options->hanging)) {
+    if (option.names == "--tolerance") continue;
+    option.required = option.names == "--rig";
+    command.options.push_back(std::move(option));
+  }
+  return command;
+}
+
+}  // namespace tagsmith::detail

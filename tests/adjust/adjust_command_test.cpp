@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tagsmith adjust` as its users run it, on the shipped corridor.
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tests/schemas/schema_judge.hpp"
+#include "tests/support/contents.hpp"
+#include "tests/support/json_lines.hpp"
+#include "tests/support/program.hpp"
+
+namespace fs = std::filesystem;
+
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
+using nlohmann::json;
+
+namespace {
+
+const std::string kRig = " --rig surveys/corridor/rig.yaml";
+const std::string kRun = " --run surveys/corridor/run.csv";
+
+bool has(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
+// A copy of the corridor's survey in which 002L is said to hang 30 mm too high. The pictures tie
+// 001L, 001R, 002L and 002R together.
+struct MovedCorridor {
+  TemporaryFolder folder;
+  std::string survey = (folder.path() / "survey.yaml").string();
+  std::string output = (folder.path() / "as-built.yaml").string();
+
+  MovedCorridor() {
+    REQUIRE(write_file(
+        survey, contents("surveys/corridor/survey.yaml") +
+                    "placed:\n"
+                    "  # by the total station\n"
+                    "  - { tag: 001L, side: left, p: [1.9, 0.8, 0.4], control: true }  # prism 1\n"
+                    "  - { tag: 001R, side: right, p: [0, 1.143, 0.4], control: true }\n"
+                    "  - { tag: 002R, side: right, p: [0, 1.943, 0.4], control: true }\n"
+                    "  - { tag: 002L, side: left, p: [1.9, 1.6, 0.43], digits: \"01900160040\" }"
+                    "  # by tape\n"));
+  }
+
+  ProgramOutput run(const std::string& arguments) const {
+    return run_tagsmith("adjust " + survey + kRig + " " + arguments);
+  }
+};
+
+json line_of(const std::string& text, const std::string& tag) {
+  for (const json& line : json_lines(text)) {
+    if (line.value("tag", "") == tag) return line;
+  }
+  FAIL("no line of " << tag);
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a run puts a tag in its place, in a survey that keeps its comments") {
+  const MovedCorridor corridor;
+  const ProgramOutput output =
+      corridor.run(kRun + " --json --date 2026-03-31 -o " + corridor.output);
+  CHECK_MESSAGE(output.exit_code == 1, output.err);  // other tags are in no chain
+  const json moved = line_of(output.out, "002L");
+  CHECK(moved["status"] == "adjusted");
+  CHECK(std::abs(moved["p"][2].get<double>() - 0.4) < 3 * moved["sigma"][2].get<double>());
+  CHECK(moved["sigma"][2].get<double>() < 0.01);
+  CHECK(line_of(output.out, "001L")["status"] == "control");
+  CHECK(line_of(output.out, "000L")["reason"] == "no chain of photos ties it to a control tag");
+
+  const std::string written = contents(corridor.output);
+  CHECK(has(written, "  # by the total station\n"));
+  CHECK(has(written, "p: [1.9, 0.8, 0.4], control: true }  # prism 1\n"));
+  CHECK(has(written, "digits: \"01900160040\", sigma: 0.00"));
+  CHECK(has(written, "date: 2026-03-31"));
+  CHECK(has(written, "}  # by tape\n"));
+  CHECK(run_tagsmith("validate " + corridor.output).exit_code == 0);
+  const auto survey = load_survey(corridor.output);
+  REQUIRE(survey);
+  const PlacedTag& tag = *find_tag(*survey, std::string_view("002L"));
+  CHECK(std::abs(tag.p_in_grid.z() - 0.4) < 3 * tag.sigma + 0.001);
+}
+
+TEST_CASE("lines of verify take the place of the photos") {
+  const MovedCorridor corridor;
+  const ProgramOutput by_photos = corridor.run(kRun + " --json");
+  const ProgramOutput verified = run_tagsmith("verify --json " + corridor.survey + kRig + kRun);
+  const fs::path lines = corridor.folder.path() / "lines.jsonl";
+  REQUIRE(write_file(lines, verified.out));
+  const ProgramOutput by_lines = corridor.run(kRun + " --json " + lines.string());
+  CHECK(by_lines.exit_code == 1);
+  const json a = line_of(by_photos.out, "002L");
+  const json b = line_of(by_lines.out, "002L");
+  CHECK(a["p"][2].get<double>() == doctest::Approx(b["p"][2].get<double>()).epsilon(1e-4));
+  // In words.
+  const ProgramOutput words = corridor.run(kRun + " " + lines.string());
+  CHECK(has(words.out, "1 tags adjusted to 3 control tags"));
+  CHECK(has(words.out, "000L undetermined: no chain of photos ties it to a control tag"));
+}
+
+TEST_CASE("--control names other control tags, and a contradicted one stops the writing") {
+  const MovedCorridor corridor;
+  const ProgramOutput all = corridor.run(
+      kRun + " --control 000L,001L,002L,003L,005L,006L,004L,001R,002R -o " + corridor.output);
+  CHECK(all.exit_code == 1);
+  CHECK(has(all.out, "contradicted: is a control tag, but hangs "));
+  CHECK_MESSAGE(has(all.err, "was not written"), all.err);
+  CHECK_FALSE(fs::exists(corridor.output));
+  const ProgramOutput determined =
+      corridor.run(kRun + " --control 000L,001L,001R,002R,003L,005L,006L -o " + corridor.output);
+  CHECK_MESSAGE(determined.exit_code == 0, determined.out);
+  CHECK(run_tagsmith("validate " + corridor.output).exit_code == 0);
+}
+
+TEST_CASE("wrong use is refused with its remedy") {
+  const MovedCorridor corridor;
+  const auto refused = [&](const std::string& arguments, const std::string& words) {
+    CAPTURE(arguments);
+    const ProgramOutput output = run_tagsmith("adjust " + arguments + " -o " + corridor.output);
+    CHECK(output.exit_code == 2);
+    CHECK_MESSAGE(has(output.err, words), output.err);
+    CHECK_FALSE(fs::exists(corridor.output));
+  };
+  const std::string shipped = "surveys/corridor/survey.yaml" + kRig;
+  refused(shipped + kRun, "has no control tag: write `control: true`");
+  refused(shipped + kRun + " --control 099L", "--control 099L: ");
+  refused(shipped + kRun + " --control 004L", "no control tag was seen together");
+  refused(shipped + " --control 001L", "FILE is required");
+  refused(shipped + kRun + " --control 001L --date 31.3.2026", "--date");
+  refused("surveys/corridor/survey.yaml --control 001L" + kRun, "--rig");
+  const fs::path lines = corridor.folder.path() / "lines.jsonl";
+  REQUIRE(write_file(lines, run_tagsmith("verify --json " + corridor.survey + kRig + kRun).out));
+  refused(shipped + kRun + " --control 001L " + lines.string(),
+          "verified against another state of the survey");
+  const fs::path other = corridor.folder.path() / "other.jsonl";
+  REQUIRE(write_file(other, "{}\n"));
+  refused(shipped + kRun + " --control 001L " + other.string(), "has no line of `verify --json`");
+}
+
+TEST_CASE("adjust prints what its schema says") {
+  const MovedCorridor corridor;
+  SchemaJudge judge(schema_json("output/adjust"));
+  for (const char* control : {"001L", "001L,001R,002L,002R"}) {
+    const ProgramOutput output = corridor.run(kRun + " --json --control " + control);
+    for (json line : json_lines(output.out)) {
+      CHECK_MESSAGE(judge.accepts(line), line.dump() << "\n" << judge.objections(line));
+      line["colour"] = 1;
+      CHECK_FALSE(judge.accepts(line));
+    }
+  }
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/verify/as_built.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/quantile.hpp"
+#include "tests/support/as_built_drive.hpp"
+
+namespace tagsmith::detail::test {
+namespace {
+
+const AsBuiltTag& tag_of(const AsBuiltSurvey& found, const std::string& name) {
+  const auto tag = std::ranges::find(found.tags, name, &AsBuiltTag::tag);
+  REQUIRE(tag != found.tags.end());
+  return *tag;
+}
+
+// A short drive between two pairs of control tags.
+AsBuiltDrive short_drive(Draws& draws) {
+  AsBuiltDriveOptions options;
+  options.pairs = 11;
+  options.stations = 40;
+  options.control_every = 8;
+  return as_built_drive(options, draws);
+}
+
+std::size_t index_of(const AsBuiltDrive& drive, std::string_view name) {
+  return static_cast<std::size_t>(find_tag(drive.survey, name) - drive.survey.tags.data());
+}
+
+}  // namespace
+
+TEST_CASE("tags hang within 3 mm of where they are found, and as surely as is stated") {
+  // Between control tags errors are alike: only many draws tell whether they are as stated.
+  std::vector<double> distances;
+  double nees = 0;
+  constexpr int kDraws = 12;
+  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+    CAPTURE(seed);
+    Draws draws(seed);
+    AsBuiltDriveOptions options;
+    options.pairs = 51;
+    options.stations = 150;
+    const AsBuiltDrive drive = as_built_drive(options, draws);
+    const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
+    REQUIRE_MESSAGE(found, found.error().message);
+    const AsBuiltErrors errors = errors_of(drive, *found);
+    CHECK(errors.distances.size() == 96);
+    distances.insert(distances.end(), errors.distances.begin(), errors.distances.end());
+    nees += errors.nees / kDraws;
+    CHECK(found->sigma_factor < 1.05);
+  }
+  CHECK(quantile(distances, 0.95) < 0.0035);
+  CHECK(nees > 0.6);
+  CHECK(nees < 1.5);
+}
+
+TEST_CASE("a tag in another place and a misread tag spoil nothing") {
+  Draws draws(3);
+  AsBuiltDrive drive = short_drive(draws);
+  // 004L and 005L hang in each other's place: their photos say the other's name.
+  for (SightedTag& tag : drive.sighted) {
+    if (tag.tag == "004L" || tag.tag == "005L") tag.tag = tag.tag == "004L" ? "005L" : "004L";
+  }
+  std::swap(drive.hung[index_of(drive, "004L")], drive.hung[index_of(drive, "005L")]);
+  drive.sighted[drive.sighted.size() / 2].tag = "000R";
+  const std::string station = drive.sighted[drive.sighted.size() / 2].station;
+  const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
+  REQUIRE_MESSAGE(found, found.error().message);
+  const AsBuiltErrors errors = errors_of(drive, *found);
+  CHECK(errors.distances.size() == 18);
+  CHECK(std::ranges::max(errors.distances) < 0.006);
+  CHECK(std::ranges::any_of(found->left_out, [&](const LeftOutSighting& out) {
+    return out.tag == "000R" && out.station == station;
+  }));
+}
+
+TEST_CASE("what nothing ties to a control tag is named") {
+  Draws draws(4);
+  AsBuiltDrive drive = short_drive(draws);
+  // Photos of 009L and 010L by themselves, of 008R in no chain, of all others as they are.
+  std::erase_if(drive.sighted, [](const SightedTag& tag) {
+    return tag.tag == "010L" || tag.tag == "010R" || tag.tag == "009R" || tag.tag == "009L";
+  });
+  const auto corners = drive.sighted.front().seen;
+  drive.sighted.push_back({"alone", 0, "009L", corners});
+  drive.sighted.push_back({"apart", 0, "009R", corners});
+  drive.sighted.push_back({"apart", 1, "010R", corners});
+  const std::vector<std::string> control{"000L", "000R"};
+  const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, control);
+  REQUIRE_MESSAGE(found, found.error().message);
+  CHECK(tag_of(*found, "009L").reason == "it was never seen together with another tag");
+  CHECK(tag_of(*found, "009R").reason == "no chain of photos ties it to a control tag");
+  CHECK(tag_of(*found, "009R").status == AsBuiltStatus::undetermined);
+  CHECK(tag_of(*found, "000L").status == AsBuiltStatus::control);
+  CHECK(tag_of(*found, "003L").status == AsBuiltStatus::adjusted);
+}
+
+TEST_CASE("a control tag that does not hang as surveyed is contradicted") {
+  for (const double shift : {0.03, 2.0}) {
+    CAPTURE(shift);
+    Draws draws(5);
+    AsBuiltDriveOptions options;
+    options.pairs = 31;
+    options.stations = 120;
+    options.control_every = 4;
+    AsBuiltDrive drive = as_built_drive(options, draws);
+    for (PlacedTag& tag : drive.survey.tags) {
+      if (tag.name == "015L") tag.world_from_plate.translation.y() += shift;
+    }
+    const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
+    REQUIRE_MESSAGE(found, found.error().message);
+    const AsBuiltTag& wrong = tag_of(*found, "015L");
+    CHECK(wrong.status == AsBuiltStatus::contradicted);
+    CHECK(wrong.shift.y() == doctest::Approx(-shift).epsilon(0.3));
+    CHECK(tag_of(*found, "000L").status == AsBuiltStatus::control);
+  }
+}
+
+TEST_CASE("without control tags in the photos nothing is adjusted") {
+  Draws draws(6);
+  const AsBuiltDrive drive = short_drive(draws);
+  CHECK_FALSE(adjust_as_built(drive.survey, drive.rig, drive.sighted, {}));
+  CHECK_FALSE(adjust_as_built(drive.survey, drive.rig, {}, drive.control));
+}
+
+}  // namespace tagsmith::detail::test
