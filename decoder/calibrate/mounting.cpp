@@ -122,6 +122,8 @@ Matrix3d angles_by_turn(const Pose& vehicle_from_camera) {
 
 // Holds the parameter that the drive tells least of, if a tape or a protractor tells it better.
 bool hold_worst(const DriveFit& fitted, Held& held) {
+  constexpr double kAlike =
+      1 + 1e-3;  // of two that are told alike, the first: not as rounding has it
   const CalibrationSigma by_hand = usual_calibration(IntrinsicsSource::numbers, 0);
   double worst = 1;
   bool* to_hold = nullptr;
@@ -130,7 +132,7 @@ bool hold_worst(const DriveFit& fitted, Held& held) {
     for (std::size_t i = 0; i < kMounting; ++i) {
       const double share =
           sigma[static_cast<Index>(i)] / (i < 3 ? by_hand.position : by_hand.angle);
-      if (held[camera][i] || share <= worst) continue;
+      if (held[camera][i] || share <= kAlike * worst) continue;
       worst = share;
       to_hold = &held[camera][i];
     }

@@ -388,6 +388,7 @@ std::string to_string(AsBuiltStatus status) {
   return kNames[static_cast<std::size_t>(status)];
 }
 
+// Why: docs/decisions/0023-as-built-survey.md.
 Result<AsBuiltSurvey> adjust_as_built(const Survey& survey, const Rig& rig,
                                       std::span<const SightedTag> sighted,
                                       std::span<const std::string> control) {

@@ -30,17 +30,17 @@ std::size_t index_of(const AsBuiltDrive& drive, std::string_view name) {
 
 }  // namespace
 
-TEST_CASE("tags hang within 3 mm of where they are found, and as surely as is stated") {
+TEST_CASE("tags hang within 3.5 mm of where they are found, and as surely as is stated") {
   // Between control tags errors are alike: only many draws tell whether they are as stated.
   std::vector<double> distances;
   double nees = 0;
-  constexpr int kDraws = 12;
+  constexpr int kDraws = 8;
   for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
     CAPTURE(seed);
     Draws draws(seed);
     AsBuiltDriveOptions options;
     options.pairs = 51;
-    options.stations = 150;
+    options.stations = 500;
     const AsBuiltDrive drive = as_built_drive(options, draws);
     const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
     REQUIRE_MESSAGE(found, found.error().message);
@@ -51,8 +51,8 @@ TEST_CASE("tags hang within 3 mm of where they are found, and as surely as is st
     CHECK(found->sigma_factor < 1.05);
   }
   CHECK(quantile(distances, 0.95) < 0.0035);
-  CHECK(nees > 0.6);
-  CHECK(nees < 1.5);
+  CHECK(nees > 0.8);
+  CHECK(nees < 1.25);
 }
 
 TEST_CASE("a tag in another place and a misread tag spoil nothing") {

@@ -60,7 +60,7 @@ TEST_CASE("entries are changed as they are laid out, and their comments stay") {
                            "  - tag: 009L  # on lines\n"
                            "    side: left\n"
                            "    p: [1.9, 7.2, 0.4]   # P\n"
-                           "    digits: \"019000720401\"\n"
+                           "    digits: \"019000720403\"\n"
                            "  - { tag: 000R, side: right, p: [0, 0.343, 0.4], control: true }\n"
                            "# the end";
   AsBuiltPlace ninth = place_of("009L", 0.41);
@@ -75,7 +75,7 @@ TEST_CASE("entries are changed as they are laid out, and their comments stay") {
         "  - tag: 009L  # on lines\n"
         "    side: left\n"
         "    p: [1.9000, 7.2100, 0.4100]   # P\n"
-        "    digits: \"019000720401\"\n"
+        "    digits: \"019000720403\"\n"
         "    sigma: 0.0012\n"
         "    date: 2026-03-31\n"
         "    facing: 269.500\n"

@@ -4,8 +4,8 @@
 // hangs on either wall every 20 m; corners have a noise of 0.1 pixels, and one sighting in a
 // thousand is of another tag. Errors, what they should be by the stated covariances, time and
 // memory.
-#include <chrono>
 #include <cstdlib>
+#include <ctime>
 
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -16,6 +16,8 @@
 namespace tagsmith::detail::test {
 namespace {
 
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 double megabytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -24,8 +26,7 @@ double megabytes() {
 
 void add_misread(AsBuiltDrive& drive, Draws& draws) {
   for (SightedTag& tag : drive.sighted) {
-    if (draws.chance(std::getenv("MIS") ? std::atof(std::getenv("MIS")) : 0.001))
-      tag.tag = drive.survey.tags[draws.index(drive.hung.size())].name;
+    if (draws.chance(0.001)) tag.tag = drive.survey.tags[draws.index(drive.hung.size())].name;
   }
 }
 
@@ -37,9 +38,9 @@ int run(int plates, int photos, std::uint64_t seed) {
   AsBuiltDrive drive = as_built_drive(options, draws);
   add_misread(drive, draws);
   const double before = megabytes();
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processor_seconds();
   const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  const double taken = processor_seconds() - start;
   if (!found) {
     fmt::print(stderr, "{}\n", found.error().message);
     return 1;
@@ -50,10 +51,10 @@ int run(int plates, int photos, std::uint64_t seed) {
       "{} plates, {} control; {} photos of {} tags, {} left out\n"
       "{} places adjusted: median {:.2f} mm, 95 % {:.2f} mm, most {:.2f} mm; NEES {:.2f}; "
       "sigma factor {:.3f}\n"
-      "{:.1f} s, {:.0f} MB ({:.0f} MB of these the input)\n",
+      "{:.1f} s of one processor, {:.0f} MB ({:.0f} MB of these the input)\n",
       plates, drive.control.size(), photos, drive.sighted.size(), found->left_out.size(),
-      errors.distances.size(), of(0.5), of(0.95), of(1), errors.nees, found->sigma_factor,
-      taken.count(), megabytes(), before);
+      errors.distances.size(), of(0.5), of(0.95), of(1), errors.nees, found->sigma_factor, taken,
+      megabytes(), before);
   return 0;
 }
 

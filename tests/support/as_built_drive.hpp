@@ -31,7 +31,7 @@ struct AsBuiltDrive {
 struct AsBuiltDriveOptions {
   int pairs = 50;
   int stations = 200;
-  double control_every = 20;     // metres: a control tag on either wall
+  double control_every = 20;     // metres, and at the end: a control tag on either wall
   double control_sigma = 0.002;  // metres
   double displaced = 0.02;       // metres, of all others
   double turned = radians(0.3);  // of all
@@ -121,7 +121,7 @@ inline AsBuiltDrive as_built_drive(const AsBuiltDriveOptions& options, Draws& dr
   AsBuiltDrive drive{long_survey(options), wide_rig(), {}, {}, {}};
   const int every = static_cast<int>(std::lround(options.control_every / 0.8));
   for (const PlacedTag& tag : drive.survey.tags) {
-    const bool is_control = tag.pair % every == 0;
+    const bool is_control = tag.pair % every == 0 || tag.pair == options.pairs - 1;
     if (is_control) drive.control.push_back(tag.name);
     Pose pose = tag.world_from_plate;
     pose.translation += draws.normals(is_control ? options.control_sigma : options.displaced);
