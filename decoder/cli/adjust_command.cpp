@@ -48,8 +48,9 @@ constexpr const char* kNotes = R"(Example:
 All photos are adjusted at once. The control tags hold them: those with `control: true` in `placed`,
 or those of --control, within the survey's sigma. FILE: output of `verify --json` (.jsonl), which
 takes the place of the photos; or photos, or folders of them. Without FILE the photos of the run.
-Exit: 0 every tag seen has its place, 1 one is not determined, or a control tag does not hang where
-the survey has it (then nothing is written), 2 a file could not be read.)";
+Exit: 0 every tag seen has its place, 1 one is not determined, or nothing was written because a
+control tag does not hang where the survey has it, the photos contradict each other or the rig, 2 a
+file could not be read.)";
 
 struct Options {
   std::string survey;
@@ -356,23 +357,45 @@ Result<void> write_survey(const Options& options, const Survey& survey,
   return write_file(options.output, *changed);
 }
 
+// Why the places must not be relied on; nothing where they may.
+std::optional<std::string> reason_not_to_write(const AsBuiltSurvey& found,
+                                               const std::vector<std::string>& control) {
+  constexpr std::size_t kMostLeftOut = 10;  // one in so many sightings: more are no chance
+  if (count_of(found, AsBuiltStatus::contradicted) > 0) {
+    return "survey the contradicted control tags again, or leave them out of the control tags";
+  }
+  const bool loses_control = std::ranges::any_of(found.left_out, [&](const auto& sighting) {
+    const auto tag = std::ranges::find(found.tags, sighting.tag, &AsBuiltTag::tag);
+    return tag != found.tags.end() && tag->status == AsBuiltStatus::undetermined &&
+           std::ranges::find(control, sighting.tag) != control.end();
+  });
+  constexpr double kMostFactor = 5;  // of the corners' stated sigmas, which differ by camera
+  if (found.sigma_factor > kMostFactor || loses_control ||
+      kMostLeftOut * found.left_out.size() > found.sightings) {
+    return "too many photos contradict each other, or a control tag: are rig, run and survey those "
+           "of these photos?";
+  }
+  return std::nullopt;
+}
+
 Result<int> run(const Options& options) {
   const Result<Input> input = load(options);
   if (!input) return fail(input.error().message);
   const Result<std::vector<SightedTag>> sighted = sighted_tags(*input, options.jobs);
   if (!sighted) return fail(sighted.error().message);
   print_assumptions(kName, assumptions({&input->survey, 1}, input->setup.rig));
+  if (const auto doubt = rig_doubt(input->survey, input->setup.rig, *sighted)) {
+    to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kName, *doubt);
+    return kExitFindings;
+  }
   const Result<AsBuiltSurvey> found =
       adjust_as_built(input->survey, input->setup.rig, *sighted, input->control);
   if (!found) return fail(options.survey + ": " + found.error().message);
   options.json ? print_json(input->survey, *found) : print_words(input->survey, *found);
-  if (count_of(*found, AsBuiltStatus::contradicted) > 0) {
-    if (!options.output.empty()) {
-      to_stderr(
-          "{}: {} was not written: survey the contradicted control tags again, or leave "
-          "them out of the control tags\n",
-          kName, options.output);
-    }
+  if (const auto reason = reason_not_to_write(*found, input->control)) {
+    const std::string what = options.output.empty() ? "do not rely on these places"
+                                                    : options.output + " was not written";
+    to_stderr("{}: {}: {}\n", kName, what, *reason);
     return kExitFindings;
   }
   if (!options.output.empty()) {

@@ -386,6 +386,13 @@ std::string to_string(HangVerdict verdict) {
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
+std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
+                                     std::span<const SightedTag> sighted) {
+  if (!stands_level(rig)) return std::nullopt;
+  const auto suspicion = suspect_rig(rows_of(survey, rig, sighted), survey, rig);
+  return suspicion ? std::optional(describe(*suspicion, rig)) : std::nullopt;
+}
+
 std::string in_words(const MixedStations& mixed, const Rig& rig) {
   return fmt::format(
       "{} and {} are mixed up: each has the other's photo of camera {}, or of all its other "
@@ -397,11 +404,9 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
                          double tolerance) {
   HungTags result;
   result.revision = survey_revision(survey);
-  const auto suspicion =
-      stands_level(rig) ? suspect_rig(rows_of(survey, rig, sighted), survey, rig) : std::nullopt;
-  if (suspicion) {
+  if (auto doubt = rig_doubt(survey, rig, sighted)) {
     result.nothing_fits = true;
-    result.rig_doubt = describe(*suspicion, rig);
+    result.rig_doubt = std::move(*doubt);
     return result;
   }
   AdjustmentProblem problem = problem_for(survey, rig, sighted);

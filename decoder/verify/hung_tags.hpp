@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -74,6 +75,11 @@ inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degre
 // "row 3 and row 7 are mixed up: ...": which of a station's cameras has the other's photos cannot
 // be told.
 std::string in_words(const MixedStations& mixed, const Rig& rig);
+
+// Which value of the rig explains that the pictures contradict it in one and the same way
+// (suspect_rig), in words; nothing where none does, and of cameras held by hand.
+std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
+                                     std::span<const SightedTag> sighted);
 
 // find_consensus of the sighted tags, in words. Sightings of tags that the survey does not have are
 // passed over. Where the pictures contradict the rig in one and the same way (suspect_rig), no tag

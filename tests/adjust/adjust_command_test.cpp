@@ -154,3 +154,21 @@ TEST_CASE("adjust prints what its schema says") {
     }
   }
 }
+
+TEST_CASE("a wrong rig adjusts nothing, and is told") {
+  const TemporaryFolder folder;
+  std::string rig = contents("surveys/corridor/rig.yaml");
+  const std::string right = "alpha: 35, side: left";
+  rig.replace(rig.find(right), right.size(), "alpha: 40, side: left");
+  const std::string file = (folder.path() / "rig.yaml").string();
+  REQUIRE(write_file(file, rig).has_value());
+  const std::string written = (folder.path() / "as-built.yaml").string();
+  const ProgramOutput output = run_tagsmith(
+      "adjust surveys/corridor/survey.yaml --rig '" + file +
+      "' --run surveys/corridor/run.csv --control 000L,000R,007L,007R -o '" + written + "'");
+  CHECK(output.exit_code == 1);
+  CHECK(output.out.empty());
+  CHECK(output.err.find("the rig is in doubt, and nothing was adjusted: ") != std::string::npos);
+  CHECK(output.err.find("left: alpha 35.0") != std::string::npos);
+  CHECK(!std::filesystem::exists(written));
+}
