@@ -30,6 +30,17 @@ Eigen::MatrixXd propagated_variances(const Eigen::Ref<const Eigen::MatrixXd>& ja
   return jacobian * variances.asDiagonal() * jacobian.transpose();
 }
 
+bool whiten(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+  if (root.info() != Eigen::Success) return false;
+  root.matrixL().solveInPlace(rows);
+  return true;
+}
+
+Eigen::MatrixXd gram(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+  return rows.transpose() * rows;
+}
+
 PrincipalAxes principal_axes(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   return {solver.eigenvalues(), solver.eigenvectors()};

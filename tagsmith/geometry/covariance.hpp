@@ -24,6 +24,14 @@ Eigen::MatrixXd propagated(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
 Eigen::MatrixXd propagated_variances(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                                      const Eigen::Ref<const Eigen::VectorXd>& variances);
 
+// Multiplies rows whose errors have this covariance by L^-1, where the covariance is L L^T: their
+// errors then are independent, of variance 1. False, with the rows as they were, where the
+// covariance is not positive definite.
+bool whiten(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
+
+// rows^T rows: the normal matrix of whitened rows.
+Eigen::MatrixXd gram(const Eigen::Ref<const Eigen::MatrixXd>& rows);
+
 // Of a symmetric matrix, the least eigenvalue first; the vectors are columns of length 1.
 struct PrincipalAxes {
   Eigen::VectorXd values;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where an adjustment of plates starts: vehicles placed by the plates that hang as surveyed, freed
+// plates by those vehicles.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "decoder/localize/plate_adjustment.hpp"
+
+namespace tagsmith::detail {
+
+bool hangs_anywhere(PlateFreedom freedom);
+
+struct AdjustmentStart {
+  std::vector<Pose> world_from_plate;
+  std::vector<std::optional<VehiclePose>> vehicles;  // by station; none where it cannot be placed
+};
+
+// Vehicles from the plates that hang as surveyed, freed plates from those vehicles, and so on.
+// `freed`, one a plate. A plate that no placed vehicle shows starts where it was surveyed.
+AdjustmentStart start_of(const AdjustmentProblem& problem, const std::vector<PlateFreedom>& freed);
+
+}  // namespace tagsmith::detail
