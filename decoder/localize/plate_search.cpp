@@ -22,6 +22,14 @@ constexpr double kStationGate = 6;  // of pictures' corners, whose noise has hea
 constexpr double kGross = 0.5;      // frame diagonals: beyond, no linear test is needed
 constexpr std::size_t kMostRivals = 6;
 
+bool fit_together(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b) {
+  return mismatch(problem, a, b) < kGross || mismatch(problem, b, a) < kGross;
+}
+
+bool shows(const SightedPair& pair, std::size_t plate) {
+  return pair.plates[0] == plate || pair.plates[1] == plate;
+}
+
 class Search {
  public:
   Search(AdjustmentProblem problem, const Given& given) : given_(given) {
@@ -40,34 +48,10 @@ class Search {
   }
 
  private:
-  // --- gross disagreement ---
-
-  struct Pair {
-    std::size_t station = 0;
-    std::size_t a = 0;
-    std::size_t b = 0;
-    bool agrees = true;
-  };
-
-  std::vector<Pair> compare_pairs() const {
-    std::vector<Pair> pairs;
-    for (std::size_t s = 0; s < found_.problem.stations.size(); ++s) {
-      const std::vector<Sighting>& sightings = found_.problem.stations[s].sightings;
-      for (std::size_t i = 0; i < sightings.size(); ++i) {
-        for (std::size_t j = i + 1; j < sightings.size(); ++j) {
-          if (sightings[i].plate == sightings[j].plate) continue;
-          pairs.push_back(
-              {s, sightings[i].plate, sightings[j].plate, agree(sightings[i], sightings[j])});
-        }
-      }
-    }
-    return pairs;
-  }
-
   // --- second copies ---
 
   bool agree(const Sighting& a, const Sighting& b) const {
-    return std::min(mismatch(found_.problem, a, b), mismatch(found_.problem, b, a)) < kGross;
+    return fit_together(found_.problem, a, b);
   }
 
   // Whether a sighting of the station, taken for one of this plate, agrees with more of the other
@@ -141,24 +125,22 @@ class Search {
   }
 
   // Of the pairs of this plate with a third one, those that agree, or contradict each other.
-  static std::ptrdiff_t count(const std::vector<Pair>& pairs, bool agree, std::size_t plate,
+  static std::ptrdiff_t count(const std::vector<SightedPair>& pairs, bool agree, std::size_t plate,
                               std::size_t partner) {
-    return std::ranges::count_if(pairs, [&](const Pair& pair) {
-      const bool with_third =
-          (pair.a == plate && pair.b != partner) || (pair.b == plate && pair.a != partner);
-      return with_third && pair.agrees == agree;
+    return std::ranges::count_if(pairs, [&](const SightedPair& pair) {
+      return shows(pair, plate) && !shows(pair, partner) && pair.agrees == agree;
     });
   }
 
   // True when third plates contradict both, which in each other's place agree with all.
   bool are_swapped(std::size_t a, std::size_t b) {
-    const std::vector<Pair> before = compare_pairs();
+    const std::vector<SightedPair> before = compare_pairs(found_.problem);
     if (count(before, false, a, b) == 0 || count(before, false, b, a) == 0) return false;
     exchange(a, b);
-    const std::vector<Pair> after = compare_pairs();
+    const std::vector<SightedPair> after = compare_pairs(found_.problem);
     exchange(a, b);
-    const auto contradicts = [&](const Pair& pair) {
-      return !pair.agrees && (pair.a == a || pair.a == b || pair.b == a || pair.b == b);
+    const auto contradicts = [&](const SightedPair& pair) {
+      return !pair.agrees && (shows(pair, a) || shows(pair, b));
     };
     return count(after, true, a, b) > 0 && count(after, true, b, a) > 0 &&
            std::ranges::none_of(after, contradicts);
@@ -167,8 +149,8 @@ class Search {
   void exchange_swapped() {
     constexpr std::size_t kMost = 24;  // contradicted plates; with more, no swap is at fault
     std::set<std::size_t> contradicted;
-    for (const Pair& pair : compare_pairs()) {
-      if (!pair.agrees) contradicted.insert({pair.a, pair.b});
+    for (const SightedPair& pair : compare_pairs(found_.problem)) {
+      if (!pair.agrees) contradicted.insert(pair.plates.begin(), pair.plates.end());
     }
     if (contradicted.size() > kMost) return;
     for (const std::size_t a : contradicted) {
@@ -246,13 +228,13 @@ class Search {
   // Takes out plates that contradict more others than they agree with; when there is none, a
   // station whose pictures contradict each other. True when there are such stations.
   bool take_out_gross() {
-    std::vector<Pair> pairs = compare_pairs();
+    std::vector<SightedPair> pairs = compare_pairs(found_.problem);
     for (;;) {
       std::map<std::size_t, int> agreed;
       std::map<std::size_t, int> contradicted;
       std::map<std::size_t, int> by_station;
-      for (const Pair& pair : pairs) {
-        for (const std::size_t plate : {pair.a, pair.b}) {
+      for (const SightedPair& pair : pairs) {
+        for (const std::size_t plate : pair.plates) {
           ++(pair.agrees ? agreed : contradicted)[plate];
         }
         if (!pair.agrees) ++by_station[pair.station];
@@ -264,13 +246,13 @@ class Search {
       if (weight(*plate) > 0 || given_.stations) {
         const std::size_t worst = plate->first;
         found_.freed[worst] = PlateFreedom::any;
-        std::erase_if(pairs, [&](const Pair& pair) { return pair.a == worst || pair.b == worst; });
+        std::erase_if(pairs, [&](const SightedPair& pair) { return shows(pair, worst); });
         continue;
       }
       const auto station =
           std::ranges::max_element(by_station, {}, [](const auto& entry) { return entry.second; });
       const std::size_t left_out = station->first;
-      std::erase_if(pairs, [&](const Pair& pair) { return pair.station == left_out; });
+      std::erase_if(pairs, [&](const SightedPair& pair) { return pair.station == left_out; });
       dropped_.insert(left_out);
     }
     return !dropped_.empty();
@@ -393,6 +375,21 @@ std::set<std::size_t> plates_of(const Station& station) {
   std::set<std::size_t> plates;
   for (const Sighting& sighting : station.sightings) plates.insert(sighting.plate);
   return plates;
+}
+
+std::vector<SightedPair> compare_pairs(const AdjustmentProblem& problem) {
+  std::vector<SightedPair> pairs;
+  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
+    const std::vector<Sighting>& seen = problem.stations[s].sightings;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      for (std::size_t j = i + 1; j < seen.size(); ++j) {
+        if (seen[i].plate == seen[j].plate) continue;
+        pairs.push_back(
+            {s, {i, j}, {seen[i].plate, seen[j].plate}, fit_together(problem, seen[i], seen[j])});
+      }
+    }
+  }
+  return pairs;
 }
 
 // What is left of all six when the turn alone is counted belongs to the shift: of two tags that

@@ -2,6 +2,7 @@
 // The search for what explains pictures of plates that do not all hang as surveyed.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <set>
@@ -15,6 +16,17 @@ namespace tagsmith::detail {
 inline constexpr double kClearlyBetter = 12;  // of chi-square: odds of 400
 
 std::set<std::size_t> plates_of(const Station& station);
+
+// Two sightings of one station that show different plates.
+struct SightedPair {
+  std::size_t station = 0;
+  std::array<std::size_t, 2> sightings{};  // of the station
+  std::array<std::size_t, 2> plates{};
+  bool agrees = true;  // both may hang about where the problem has them
+};
+
+// All pairs that the problem's stations show.
+std::vector<SightedPair> compare_pairs(const AdjustmentProblem& problem);
 
 // How far a plate that should hang as surveyed is from that, beyond chance: more than 1 is seldom
 // so (once in 400).

@@ -38,46 +38,30 @@ struct Site {
   std::vector<LeftOutSighting> left_out;
 };
 
-void set_variance(SightedPlate& plate, double sigma, double angle_sigma) {
-  plate.survey_variance.head<3>().setConstant(sigma * sigma);
-  plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
-}
-
-SightedPlate plate_for(const Survey& survey, const PlacedTag& tag, bool is_control) {
-  SightedPlate plate = sighted_plate(tag, survey);
+// Control hangs as surveyed, all else about there.
+void set_freedom(const Survey& survey, bool is_control, SightedPlate& plate) {
   if (is_control) {
-    set_variance(plate, std::max(tag.sigma, kLeastSurveySigma),
-                 std::max(survey.angle_sigma, kLeastAngleSigma));
+    const double sigma = find_tag(survey, std::string_view(plate.name))->sigma;
+    set_survey_sigma(plate, std::max(sigma, kLeastSurveySigma),
+                     std::max(survey.angle_sigma, kLeastAngleSigma));
   } else {
-    set_variance(plate, kLooseSigma, kLooseAngle);
+    set_survey_sigma(plate, kLooseSigma, kLooseAngle);
   }
-  return plate;
 }
 
 Site site_of(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
              std::span<const std::string> control) {
-  std::set<std::string_view> seen;
-  for (const SightedTag& tag : sighted) seen.insert(tag.tag);
+  AdjustmentProblem problem = problem_for(survey, rig, sighted);
   Site site;
-  std::map<std::string_view, std::size_t> plates;
-  for (const PlacedTag& tag : survey.tags) {
-    if (!seen.contains(tag.name)) continue;
-    plates.emplace(tag.name, plates.size());
-    site.is_control.push_back(std::ranges::find(control, tag.name) != control.end());
-    site.drive.plates.push_back(plate_for(survey, tag, site.is_control.back()));
+  for (SightedPlate& plate : problem.plates) {
+    site.is_control.push_back(std::ranges::find(control, plate.name) != control.end());
+    set_freedom(survey, site.is_control.back(), plate);
   }
-  std::map<std::string_view, std::size_t> stations;
-  for (const SightedTag& tag : sighted) {
-    const auto plate = plates.find(tag.tag);
-    if (plate == plates.end()) continue;
-    const auto [station, is_new] = stations.emplace(tag.station, stations.size());
-    if (is_new) site.drive.stations.push_back({tag.station, {}, {}});
-    site.drive.stations[station->second].sightings.push_back(
-        sighting_of(tag.seen, rig, tag.camera, plate->second));
-  }
-  site.drive.rows.resize(site.drive.stations.size());
-  site.is_elsewhere.resize(plates.size());
-  site.excluded.resize(plates.size());
+  site.drive.rows.resize(problem.stations.size());
+  site.drive.plates = std::move(problem.plates);
+  site.drive.stations = std::move(problem.stations);
+  site.is_elsewhere.resize(site.drive.plates.size());
+  site.excluded.resize(site.drive.plates.size());
   return site;
 }
 
@@ -147,31 +131,6 @@ void keep_tied(Site& site) {
 
 // --- gross errors, before anything is adjusted ---
 
-// Two sightings of one station, and whether both plates may hang about where the survey has them.
-struct Pairing {
-  std::size_t station = 0;
-  std::array<std::size_t, 2> sightings{};
-  std::array<std::size_t, 2> plates{};
-  bool agrees = false;
-};
-
-std::vector<Pairing> pairings_of(const AdjustmentProblem& problem) {
-  constexpr double kAlike = 0.5;  // diagonals of a frame: beyond, the fit may start wrong
-  std::vector<Pairing> all;
-  for (std::size_t s = 0; s < problem.stations.size(); ++s) {
-    const std::vector<Sighting>& seen = problem.stations[s].sightings;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        if (seen[i].plate == seen[j].plate) continue;
-        const bool agrees = mismatch(problem, seen[i], seen[j]) < kAlike ||
-                            mismatch(problem, seen[j], seen[i]) < kAlike;
-        all.push_back({s, {i, j}, {seen[i].plate, seen[j].plate}, agrees});
-      }
-    }
-  }
-  return all;
-}
-
 // With how many others something agrees, less with how many it does not.
 struct Votes {
   int balance = 0;
@@ -180,12 +139,12 @@ struct Votes {
 
 // Marks the plates that disagree with more than half of those that they were seen with, the worst
 // first.
-void mark_elsewhere(const std::vector<Pairing>& pairings, std::vector<bool>& is_elsewhere) {
+void mark_elsewhere(const std::vector<SightedPair>& pairs, std::vector<bool>& is_elsewhere) {
   while (true) {
     std::vector<Votes> votes(is_elsewhere.size());
-    for (const Pairing& pairing : pairings) {
-      if (is_elsewhere[pairing.plates[0]] || is_elsewhere[pairing.plates[1]]) continue;
-      for (const std::size_t plate : pairing.plates) votes[plate].add(pairing.agrees);
+    for (const SightedPair& pair : pairs) {
+      if (is_elsewhere[pair.plates[0]] || is_elsewhere[pair.plates[1]]) continue;
+      for (const std::size_t plate : pair.plates) votes[plate].add(pair.agrees);
     }
     const auto worst = std::ranges::min_element(votes, {}, &Votes::balance);
     if (worst == votes.end() || worst->balance >= 0) return;
@@ -198,18 +157,18 @@ void mark_elsewhere(const std::vector<Pairing>& pairings, std::vector<bool>& is_
 // none.
 void find_gross_errors(const Rig& rig, Site& site) {
   const AdjustmentProblem problem{&rig, site.drive.plates, site.drive.stations};
-  const std::vector<Pairing> pairings = pairings_of(problem);
-  mark_elsewhere(pairings, site.is_elsewhere);
+  const std::vector<SightedPair> pairs = compare_pairs(problem);
+  mark_elsewhere(pairs, site.is_elsewhere);
   for (std::size_t i = 0; i < site.is_control.size(); ++i) {
     if (!site.is_control[i] || !site.is_elsewhere[i]) continue;
     site.is_control[i] = false;
-    set_variance(site.drive.plates[i], kLooseSigma, kLooseAngle);
+    set_survey_sigma(site.drive.plates[i], kLooseSigma, kLooseAngle);
   }
   std::map<std::pair<std::size_t, std::size_t>, Votes> votes;  // by station and sighting
-  for (const Pairing& pairing : pairings) {
-    if (site.is_elsewhere[pairing.plates[0]] || site.is_elsewhere[pairing.plates[1]]) continue;
-    for (const std::size_t sighting : pairing.sightings) {
-      votes[{pairing.station, sighting}].add(pairing.agrees);
+  for (const SightedPair& pair : pairs) {
+    if (site.is_elsewhere[pair.plates[0]] || site.is_elsewhere[pair.plates[1]]) continue;
+    for (const std::size_t sighting : pair.sightings) {
+      votes[{pair.station, sighting}].add(pair.agrees);
     }
   }
   leave_out(site.drive, [&](std::size_t s, std::size_t i) {

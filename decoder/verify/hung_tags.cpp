@@ -8,6 +8,8 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,33 +31,8 @@ SightedPlate plate_for(const Survey& survey, const PlacedTag& tag) {
   SightedPlate plate = sighted_plate(tag, survey);
   const double sigma =
       std::max({survey.states_sigma ? survey.sigma : 0, tag.sigma, kLeastSurveySigma});
-  const double angle_sigma = std::max(survey.angle_sigma, kLeastAngleSigma);
-  plate.survey_variance.head<3>().setConstant(sigma * sigma);
-  plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
+  set_survey_sigma(plate, sigma, std::max(survey.angle_sigma, kLeastAngleSigma));
   return plate;
-}
-
-// Plates are the survey's tags that were seen, in its order.
-AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
-                              std::span<const SightedTag> sighted) {
-  AdjustmentProblem problem;
-  problem.rig = &rig;
-  for (const PlacedTag& tag : survey.tags) {
-    const bool is_seen = std::ranges::find(sighted, tag.name, &SightedTag::tag) != sighted.end();
-    (is_seen ? problem.plates : problem.unseen).push_back(plate_for(survey, tag));
-  }
-  std::map<std::string, std::size_t> plates;
-  for (std::size_t i = 0; i < problem.plates.size(); ++i) plates[problem.plates[i].name] = i;
-  std::map<std::string, std::size_t> stations;
-  for (const SightedTag& seen : sighted) {
-    const auto plate = plates.find(seen.tag);
-    if (plate == plates.end()) continue;
-    const auto [station, is_new] = stations.emplace(seen.station, problem.stations.size());
-    if (is_new) problem.stations.push_back({seen.station, {}});
-    problem.stations[station->second].sightings.push_back(
-        sighting_of(seen.seen, rig, seen.camera, plate->second));
-  }
-  return problem;
 }
 
 // The stations as rows of a run.
@@ -384,6 +361,34 @@ void add_copy(const AdjustmentProblem& problem, const FoundCopy& copy, HungTags&
 std::string to_string(HangVerdict verdict) {
   constexpr std::array<const char*, 4> kNames{"unchecked", "fits", "off", "doubtful"};
   return kNames[static_cast<std::size_t>(verdict)];
+}
+
+AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
+                              std::span<const SightedTag> sighted) {
+  std::set<std::string_view> seen;
+  for (const SightedTag& tag : sighted) seen.insert(tag.tag);
+  AdjustmentProblem problem;
+  problem.rig = &rig;
+  for (const PlacedTag& tag : survey.tags) {
+    (seen.contains(tag.name) ? problem.plates : problem.unseen).push_back(plate_for(survey, tag));
+  }
+  std::map<std::string, std::size_t> plates;
+  for (std::size_t i = 0; i < problem.plates.size(); ++i) plates[problem.plates[i].name] = i;
+  std::map<std::string, std::size_t> stations;
+  for (const SightedTag& tag : sighted) {
+    const auto plate = plates.find(tag.tag);
+    if (plate == plates.end()) continue;
+    const auto [station, is_new] = stations.emplace(tag.station, problem.stations.size());
+    if (is_new) problem.stations.push_back({tag.station, {}});
+    problem.stations[station->second].sightings.push_back(
+        sighting_of(tag.seen, rig, tag.camera, plate->second));
+  }
+  return problem;
+}
+
+void set_survey_sigma(SightedPlate& plate, double sigma, double angle_sigma) {
+  plate.survey_variance.head<3>().setConstant(sigma * sigma);
+  plate.survey_variance.tail<3>().setConstant(angle_sigma * angle_sigma);
 }
 
 std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,

@@ -72,6 +72,15 @@ struct HungTags {
 inline constexpr double kLeastSurveySigma = 0.001;        // metres
 inline constexpr double kLeastAngleSigma = 0.0008726646;  // radians: 0.05 degrees
 
+// The sightings by station. Plates are the survey's tags that were seen, in its order, each to hang
+// within what the survey states, or the least standard deviations; the others are `unseen`.
+// Sightings of tags that the survey does not have are passed over.
+AdjustmentProblem problem_for(const Survey& survey, const Rig& rig,
+                              std::span<const SightedTag> sighted);
+
+// How far a plate may hang from its surveyed place: metres and radians, of each axis.
+void set_survey_sigma(SightedPlate& plate, double sigma, double angle_sigma);
+
 // "row 3 and row 7 are mixed up: ...": which of a station's cameras has the other's photos cannot
 // be told.
 std::string in_words(const MixedStations& mixed, const Rig& rig);
