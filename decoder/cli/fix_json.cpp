@@ -165,6 +165,7 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
   Json values = summary_values(summaries.front());
   values["assumed"] = assumed;
   if (findings.suspicion) values["rig_suspicion"] = suspicion_json(*findings.suspicion, rig);
+  if (!findings.another_drive.empty()) values["another_drive"] = findings.another_drive;
   if (!findings.checked.mixed.empty()) values["mixed_rows"] = findings.checked.mixed;
   for (const SetAside& tag : findings.checked.aside) {
     values["set_aside"].push_back({{"tag", tag.tag},

@@ -27,6 +27,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
 struct RunFindings {
   std::optional<RigSuspicion> suspicion;
   RunCheck checked;
+  std::string another_drive{};  // why the photos show none of the surveys' tags; empty = they do
 };
 
 // The summary of a run by the first method, and of each other under its name; `assumed`: what

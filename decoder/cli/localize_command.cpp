@@ -25,6 +25,7 @@
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
+#include "decoder/localize/other_drive.hpp"
 #include "decoder/localize/paper_method.hpp"
 #include "decoder/localize/residual_picture.hpp"
 #include "decoder/localize/smooth.hpp"
@@ -157,6 +158,8 @@ std::optional<RigSuspicion> suspicion_of(std::vector<Observation> rows,
   }
   return suspect_rig(rows, input.surveys[survey], input.rig);
 }
+
+bool shows_no_tag(const Observation& row) { return row.tags.empty(); }
 
 // How single measurements are located while the vehicle drives.
 std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> live_method(
@@ -415,11 +418,13 @@ int run_localize(const LocalizeOptions& options) {
     }
   }
   std::vector<Observation> rows = observe_all(*input, options);
-  const std::optional<RigSuspicion> suspicion =
-      options.method == "paper" ? std::nullopt : suspicion_of(rows, *input);
-  RunCheck checked;
-  Located located = localize_all(*input, options, std::move(rows), checked);
-  tell(checked);
+  RunFindings findings;
+  if (options.method != "paper") findings.suspicion = suspicion_of(rows, *input);
+  if (!options.unsurveyed && std::ranges::all_of(rows, shows_no_tag)) {
+    findings.another_drive = other_drive_in_words(input->run.measurements, input->surveys);
+  }
+  Located located = localize_all(*input, options, std::move(rows), findings.checked);
+  tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
     if (!smoothed) return report_failure(kName, smoothed.error());
@@ -438,10 +443,13 @@ int run_localize(const LocalizeOptions& options) {
     if (!written) return report_failure(kName, written.error());
   }
   if (options.json) {
-    print_json(located, *input, options.explain, {suspicion, checked});
+    print_json(located, *input, options.explain, findings);
   } else {
     print_tables(located, *input, options.explain);
-    if (suspicion) to_stdout("the rig is in doubt: {}\n", describe(*suspicion, input->rig));
+    if (!findings.another_drive.empty()) to_stdout("{}\n", findings.another_drive);
+    if (findings.suspicion) {
+      to_stdout("the rig is in doubt: {}\n", describe(*findings.suspicion, input->rig));
+    }
   }
   const auto is_located = [](const Fix& fix) { return fix.position_in_grid.has_value(); };
   return std::ranges::all_of(fixes, is_located) ? kExitOk : kExitFindings;

@@ -3,54 +3,14 @@
 // every picture and to the survey, each weighted by its covariance.
 #pragma once
 
-#include <cstddef>
-#include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "decoder/localize/sighting_model.hpp"
-#include "tagsmith/survey/rig.hpp"
+#include "decoder/localize/adjustment_problem.hpp"
 
 namespace tagsmith::detail {
-
-// What is known of a vehicle's pose besides what its cameras see.
-struct VehiclePrior {
-  VehiclePose mean;
-  // In the order of vehicle_parameter, metres and radians; infinite = nothing is known.
-  Eigen::Matrix<double, 6, 1> sigma =
-      Eigen::Matrix<double, 6, 1>::Constant(std::numeric_limits<double>::infinity());
-};
-
-// What a rig's cameras saw at one moment, from one place.
-struct Station {
-  std::string name;
-  std::vector<Sighting> sightings;
-  std::optional<VehiclePrior> prior{};
-};
-
-// The rig must outlive the problem. A plate's survey_variance says how far it may hang from its
-// surveyed place.
-struct AdjustmentProblem {
-  const Rig* rig = nullptr;
-  std::vector<SightedPlate> plates;
-  std::vector<Station> stations;
-  double frame_sigma = 0;  // relative, of the size that all frames have in common; 0 = exact
-  // Which parameters of the cameras are uncertain; nothing = as the rig's sigmas have it.
-  std::optional<CalibrationLayout> calibration{};
-  // Places of the survey whose plates no picture shows: there a second copy of another may hang.
-  std::vector<SightedPlate> unseen{};
-};
-
-// What is not taken from the survey and the template of a plate.
-enum class PlateFreedom {
-  none,   // it hangs as surveyed, within the survey's variance
-  size,   // so it does, and its frame is of any size about its middle
-  place,  // it hangs anywhere
-  any,    // it hangs anywhere and is of any size
-};
 
 // Where the pictures and all other plates say that a plate hangs, less where the survey has it. Its
 // own surveyed place has no part in it.
@@ -88,11 +48,6 @@ struct Adjustment {
 // nothing: its chi-square is 0. Nothing when the fit does not converge.
 std::optional<Adjustment> adjust_plates(const AdjustmentProblem& problem,
                                         const std::vector<PlateFreedom>& freed);
-
-// How far the corners of b are from where a's picture says that they are when both hang as
-// surveyed, in frame diagonals of b; of the poses that a allows, the better. Infinite when a allows
-// none.
-double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b);
 
 // What one sighting says of where the vehicle is, were its plate where it is said to be.
 struct SinglePose {

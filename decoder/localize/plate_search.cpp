@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "decoder/localize/joint_model.hpp"
+#include "decoder/localize/plate_start.hpp"
 #include "tagsmith/base/chi_square.hpp"
 
 namespace tagsmith::detail {

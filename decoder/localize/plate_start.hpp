@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "decoder/localize/plate_adjustment.hpp"
+#include "decoder/localize/adjustment_problem.hpp"
 
 namespace tagsmith::detail {
 
@@ -20,5 +20,10 @@ struct AdjustmentStart {
 // Vehicles from the plates that hang as surveyed, freed plates from those vehicles, and so on.
 // `freed`, one a plate. A plate that no placed vehicle shows starts where it was surveyed.
 AdjustmentStart start_of(const AdjustmentProblem& problem, const std::vector<PlateFreedom>& freed);
+
+// How far the corners of b are from where a's picture says that they are when both hang as
+// surveyed, in frame diagonals of b; of the poses that a allows, the better. Infinite when a allows
+// none.
+double mismatch(const AdjustmentProblem& problem, const Sighting& a, const Sighting& b);
 
 }  // namespace tagsmith::detail

@@ -43,31 +43,36 @@ std::string difference_in_words(const Digits& found, const Digits& expected) {
   return parts.empty() ? "no digit" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
+// "; nearest is 002R 000001940408, which differs in digit 3 (...)" where a few wrong digits explain
+// the code; else nothing.
 std::string nearest_in_words(const Survey& survey, const Digits& digits) {
+  constexpr int kMostWrong = 3;  // digits: in codes of twelve, more are another code
   const PlacedTag* nearest = nearest_tag(survey, digits);
-  if (nearest == nullptr) return "the survey has no tags";
-  return fmt::format("nearest is {} {}, which differs in {}", nearest->name,
+  if (nearest == nullptr || differing_digits(nearest->digits, digits) > kMostWrong) return {};
+  return fmt::format("; nearest is {} {}, which differs in {}", nearest->name,
                      to_string(nearest->digits), difference_in_words(digits, nearest->digits));
 }
 
-// A code that breaks the survey's check digit.
+// A code that breaks the survey's check digit. One that is right by the other scheme and that no
+// tag of the survey is near to is a tag of another survey.
 Finding wrong_check_digit(const PictureEvidence& evidence, const TagEvidence& seen) {
   const Digits& digits = *seen.tag.digits;
   const CheckDigit scheme = evidence.survey.code.check;
   const CheckDigit other = scheme == CheckDigit::gs1 ? CheckDigit::sum10 : CheckDigit::gs1;
   const bool other_holds = has_check_digit(other, digits);
-  std::string message =
-      fmt::format("{} ends with check digit {}, expected {} ({}); {}", to_string(digits),
-                  digits.back(), check_digit(scheme, std::span(digits).first<11>()),
-                  to_string(scheme), nearest_in_words(evidence.survey, digits));
-  if (other_holds) {
-    message += fmt::format("; it is right by {}", to_string(other));
-    if (seen.tag.tag.empty()) {
-      message +=
-          ", so it may be a tag of another survey that uses that: give it with --also to be told";
-    }
+  const std::string nearest = nearest_in_words(evidence.survey, digits);
+  if (other_holds && seen.tag.tag.empty() && nearest.empty()) {
+    return {
+        TagStatus::unknown, "not-in-survey",
+        fmt::format("{} is not in survey {}, and right by {} where its codes are by {}",
+                    to_string(digits), evidence.survey.name, to_string(other), to_string(scheme))};
   }
-  return {TagStatus::misprinted, other_holds ? "check-scheme" : "check-digit", std::move(message)};
+  const std::string also_right =
+      other_holds ? fmt::format("; it is right by {}", to_string(other)) : "";
+  return {TagStatus::misprinted, other_holds ? "check-scheme" : "check-digit",
+          fmt::format("{} ends with check digit {}, expected {} ({}){}{}", to_string(digits),
+                      digits.back(), check_digit(scheme, std::span(digits).first<11>()),
+                      to_string(scheme), nearest, also_right)};
 }
 
 // True when the outline, were it larger by a quarter of its size on every side, would leave the
@@ -165,7 +170,7 @@ std::optional<Finding> find_stranger(const PictureEvidence& evidence, const TagE
                                seen.tag.tag, to_string(digits))};
   }
   return Finding{TagStatus::unknown, "not-in-survey",
-                 fmt::format("{} is not in survey {}; {}", to_string(digits), survey.name,
+                 fmt::format("{} is not in survey {}{}", to_string(digits), survey.name,
                              nearest_in_words(survey, digits))};
 }
 

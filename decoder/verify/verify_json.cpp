@@ -219,6 +219,7 @@ void add_completeness(const Survey& survey, const VerifyMerge& merged, Json& sum
       {"unseen", unseen},
       {"by_tag", tags}};
   summary["placement"] = placement_checked(covered);
+  if (!covered.another_drive.empty()) summary["another_drive"] = covered.another_drive;
 }
 
 Json notes_json(const VerifyMerge& merged) {

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "decoder/localize/other_drive.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -62,6 +64,10 @@ void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
   if (tag.status == TagStatus::cut_off) return;
   count_noted_up(merged.noted_up, file.up, tag);
   const bool in_order = tag.status == TagStatus::ok;
+  if (!tag.tag.empty()) ++merged.own_tags;
+  if (tag.status == TagStatus::unknown && tag.tag.empty() && tag.digits) {
+    merged.other_codes.insert(to_string(*tag.digits));
+  }
   if (in_order || !tag.tag.empty()) {
     TagRecord& record = merged.tags[tag.tag];
     ++(in_order ? record.seen : record.faults);
@@ -250,14 +256,17 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
     ++result.left_tags;
     result.left_seen += seen;
   }
+  if (merged.own_tags == 0) {
+    result.another_drive = other_drive_in_words({survey.name}, merged.other_codes);
+  }
   add_unseen(survey, merged, Side::left, result.unseen);
   add_unseen(survey, merged, Side::right, result.unseen);
   return result;
 }
 
 std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged) {
-  std::vector<std::string> words{placement_in_words(covered), up_in_words(covered),
-                                 noted_up_in_words(merged.noted_up)};
+  std::vector<std::string> words{covered.another_drive, placement_in_words(covered),
+                                 up_in_words(covered), noted_up_in_words(merged.noted_up)};
   std::erase(words, "");
   return words;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -83,6 +84,8 @@ struct VerifyMerge {
   std::vector<NoteRecord> notes;
   std::size_t note_count = 0;
   NotedUp noted_up;
+  std::size_t own_tags = 0;                 // seen, whatever is wrong with them
+  std::set<std::string> other_codes;        // of tags that are none of the survey's, read well
   std::unordered_set<std::uint64_t> known;  // of file and content
 };
 
@@ -141,6 +144,7 @@ struct Completeness {
   std::size_t placement_checked = 0;             // judged for where they hang
   std::vector<std::string> placement_unchecked;  // seen in order in a photo and not judged
   std::vector<UnseenStretch> unseen;             // along the drive, the left wall first
+  std::string another_drive;                     // that all codes are of others, in words, or empty
 
   double share() const {
     return tags == 0 ? 1 : static_cast<double>(seen) / static_cast<double>(tags);
@@ -152,7 +156,8 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged);
 // Whether tags in photos were judged for where they hang: "checked", "partly" or "not_checked".
 std::string placement_checked(const Completeness& covered);
 
-// What was not checked, in words: where tags hang, and whether they hang upside down.
+// What to know before all else, in words: that the photos are of another drive; and what was not
+// checked: where tags hang, and whether they hang upside down.
 std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged);
 
 // "left 12.40 to 18.20 m: 3 tags, 004L to 006L".

@@ -410,6 +410,19 @@ TEST_CASE("a tag that the run shows to hang elsewhere is set aside in all rows")
   }
 }
 
+TEST_CASE("photos of another drive than the survey's are told as such") {
+  const auto summary_of = [](const std::string& survey) {
+    const ProgramOutput output =
+        run_tagsmith("localize --json surveys/" + survey +
+                     "/survey.yaml --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv");
+    return json_lines(output.out).back().at("summary");
+  };
+  const json other = summary_of("curved");
+  CHECK(other.at("located") == 0);
+  CHECK(other.contains("another_drive"));
+  CHECK_FALSE(summary_of("corridor").contains("another_drive"));
+}
+
 TEST_CASE("a rig that all rows contradict in the same way is told with the value they expect") {
   const TemporaryFolder folder;
   std::string rig = contents("surveys/corridor/rig.yaml");

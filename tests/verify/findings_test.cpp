@@ -48,8 +48,10 @@ TEST_CASE("a reading becomes a finding against the survey") {
        "000L",
        "019000000408 ends with check digit 8, expected 4 (sum10); nearest is 000L 019000000404, "
        "which differs in digit 12 (found 8, expected 4)"},
-      {"a strange code with the other check digit", "123456789012", TagStatus::misprinted, "",
-       "123456789012 ends with check digit 2, expected 6 (sum10)"},
+      {"a strange code that neither check digit fits", "123456789013", TagStatus::misprinted, "",
+       "123456789013 ends with check digit 3, expected 6 (sum10)"},
+      {"a strange code with the other check digit", "123456789012", TagStatus::unknown, "",
+       "123456789012 is not in survey little, and right by gs1"},
   };
   for (const Case& one : cases) {
     CAPTURE(one.name);
@@ -132,7 +134,7 @@ TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   good.tags = check_tags(survey, {{reading_of("019000000404")}, {}});
   VerifiedFile bad{"bad.jpg"};
   bad.tags = check_tags(survey, {{reading_of("000000340401"), reading_of("000000340401", 600),
-                                  reading_of("123456789012"), reading_of("019001600401")},
+                                  reading_of("123456789013"), reading_of("019001600401")},
                                  {{RejectionReason::guard_pattern, rectangle(50, 20)}}});
   VerifyMerge merged;
   merge("", good, merged);

@@ -182,7 +182,7 @@ TEST_CASE("a print from another survey is told as that, not as stale") {
   CHECK(words_of(line) == "it was printed from survey curved, expected corridor (manifest.json)");
   CHECK(!line.contains("stale"));
   CHECK(std::ranges::count(line["rules"], "other-survey") == 1);
-  CHECK(line["tags"][0]["rule"] == "check-scheme");
+  CHECK(line["tags"][0]["rule"] == "not-in-survey");
 }
 
 TEST_CASE("a damaged photo is read, with a note that names the file and not on standard error") {

@@ -718,6 +718,24 @@ TEST_CASE("a tag of another survey that was given is named") {
   }
 }
 
+TEST_CASE("photos that show codes of other surveys alone are told to be of another drive") {
+  const std::string curved = "surveys/curved/photos/curved_0";
+  const auto summary_of = [](const std::string& photos) {
+    const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " " + photos);
+    CHECK(output.exit_code == 1);
+    return json_lines(output.out).back().at("summary");
+  };
+  const json foreign = summary_of(curved + "1_left.jpg " + curved + "2_left.jpg");
+  CHECK(foreign.contains("another_drive"));
+  CHECK(foreign.at("unknown") == 2);
+  CHECK(foreign.at("misprinted") == 0);  // though one code is right by the other check digit alone
+  // One strange code may be a misprint, and one tag of the survey shows that it is the right one.
+  CHECK_FALSE(summary_of(curved + "1_left.jpg").contains("another_drive"));
+  const json mixed = summary_of(curved + "1_left.jpg " + curved + "2_left.jpg " + kPhotos +
+                                "/corridor_01_left.jpg");
+  CHECK_FALSE(mixed.contains("another_drive"));
+}
+
 TEST_CASE("two runs are merged into a report, and a third skips what they did") {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
