@@ -45,6 +45,7 @@ void forget_hanging(VerifiedFile& file) {
                                             tag.hung->verdict == HangVerdict::doubtful);
     if (is_of_hanging) set_finding(tag, {});
     tag.hung.reset();
+    tag.in_place_of.clear();
   }
 }
 
@@ -71,14 +72,25 @@ std::optional<PhotoOrigin> usable_origin(const HangingSetup& setup, const Verifi
   return std::nullopt;
 }
 
-// The photo's tags that tell where they hang, by its camera.
+bool is_stranger(const VerifiedTag& tag) {
+  return tag.digits && tag.tag.empty() &&
+         (tag.status == TagStatus::unknown || tag.status == TagStatus::misprinted);
+}
+
+// The photo's tags that tell where they hang, by its camera, and those that the survey does not
+// have.
 std::vector<SightedTag> sighted_tags(const Survey& survey, const HangingSetup& setup,
                                      VerifiedFile file, std::string& note) {
   std::vector<SightedTag> sighted;
   forget_hanging(file);
-  if (std::ranges::none_of(file.tags, tells)) return sighted;
+  const auto counts = [](const VerifiedTag& tag) { return tells(tag) || is_stranger(tag); };
+  if (std::ranges::none_of(file.tags, counts)) return sighted;
   const std::optional<PhotoOrigin> origin = usable_origin(setup, file, note);
   for (const VerifiedTag& tag : file.tags) {
+    if (origin && is_stranger(tag)) {
+      sighted.push_back({origin->station, origin->camera, to_string(*tag.digits),
+                         seen_corners(tag.corners, tag.corner_covariance)});
+    }
     if (!origin || !tells(tag) || !tag.digits ||
         find_tag(survey, std::string_view(tag.tag)) == nullptr ||
         std::ranges::count(file.tags, tag.tag, &VerifiedTag::tag) > 1) {
@@ -163,6 +175,15 @@ void judge_station(const HangingSetup& setup, const HungTags& hung,
   }
 }
 
+void judge_stranger(const HungTags& hung, const std::optional<PhotoOrigin>& origin,
+                    VerifiedTag& tag) {
+  if (!origin || !is_stranger(tag)) return;
+  const auto known = std::ranges::find_if(hung.strangers, [&](const Stranger& stranger) {
+    return stranger.station == origin->station && stranger.code == to_string(*tag.digits);
+  });
+  if (known != hung.strangers.end()) tag.in_place_of = known->place;
+}
+
 // Adds those that were seen, but never together with another; in the survey's order.
 void add_unchecked(const Survey& survey, const std::set<std::string>& seen,
                    std::vector<HungTag>& tags) {
@@ -238,6 +259,7 @@ void judge_hanging(const Survey& survey, const HangingSetup& setup, const HungTa
   for (VerifiedTag& tag : file.tags) {
     const HungTag* here = tells(tag) ? find_hung(hung, origin, tag.tag) : nullptr;
     if (here != nullptr) judge_place(*here, tag);
+    judge_stranger(hung, origin, tag);
   }
   judge_station(setup, hung, origin, file);
   judge_up(survey, setup, file);

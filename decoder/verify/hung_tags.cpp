@@ -17,9 +17,11 @@
 #include "decoder/calibrate/drive_fit.hpp"
 #include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/localize/attitude_scatter.hpp"
+#include "decoder/localize/plate_start.hpp"
 #include "decoder/verify/photo_cameras.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
+#include "tagsmith/survey/edit_placed.hpp"
 #include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
@@ -156,6 +158,15 @@ std::string frame_of(const FrameScale& scale) {
       100 * scale.share, 100 * scale.least);
 }
 
+// The plate's entry in `placed`, were it to stay where it hangs.
+std::string entry_of(const Survey& survey, const PlacedTag& tag, const Pose& pose,
+                     const PlateOffset& offset) {
+  const Eigen::Matrix3d of_shift = offset.covariance.topLeftCorner<3, 3>();
+  return placed_entry(
+      survey, {tag.name, grid_from_world(survey.grid, pose.translation),
+               attitude_of(survey.grid, pose), std::sqrt(std::max(0.0, of_shift.trace() / 3)), ""});
+}
+
 // Names what is wrong with a plate that is off.
 void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCheck& check,
                   HungTag& tag) {
@@ -192,6 +203,9 @@ void name_mistake(const Survey& survey, const SightedPlate& plate, const PlateCh
     tag.rule = "moved";
     tag.message = fmt::format("{} hangs {} from its surveyed place: {}", tag.tag,
                               millimetres(farthest_corner(plate, *check.offset)), instruction(tag));
+    if (check.verdict == HangVerdict::off) {
+      tag.placed = entry_of(survey, surveyed, pose, *check.offset);
+    }
   }
 }
 
@@ -340,6 +354,45 @@ UnplacedTags unplaced_tags(const Survey& survey, const AdjustmentProblem& proble
   return unplaced;
 }
 
+// The unseen plate in whose place a plate hangs, by the plates of its station that hang as
+// surveyed; null where most of them know of none.
+const SightedPlate* place_by_neighbours(const AdjustmentProblem& problem, const Station& station,
+                                        Sighting stranger, const std::vector<bool>& fits) {
+  constexpr double kNear = 0.3;  // frame diagonals
+  AdjustmentProblem asked{problem.rig, problem.plates, {}};
+  asked.plates.emplace_back();
+  stranger.plate = problem.plates.size();
+  for (const SightedPlate& place : problem.unseen) {
+    asked.plates.back() = place;
+    int agreed = 0;
+    for (const Sighting& seen : station.sightings) {
+      if (!fits[seen.plate]) continue;
+      agreed += mismatch(asked, seen, stranger) < kNear ? 1 : -1;
+    }
+    if (agreed > 0) return &place;
+  }
+  return nullptr;
+}
+
+std::vector<Stranger> find_strangers(const Survey& survey, const AdjustmentProblem& problem,
+                                     std::span<const SightedTag> sighted,
+                                     const std::vector<HungTag>& tags) {
+  std::vector<bool> fits;
+  for (const HungTag& tag : tags) {
+    fits.push_back(tag.verdict == HangVerdict::fits || tag.verdict == HangVerdict::unchecked);
+  }
+  std::vector<Stranger> strangers;
+  for (const SightedTag& tag : sighted) {
+    if (find_tag(survey, std::string_view(tag.tag)) != nullptr) continue;
+    const auto station = std::ranges::find(problem.stations, tag.station, &Station::name);
+    if (station == problem.stations.end()) continue;
+    const SightedPlate* place = place_by_neighbours(
+        problem, *station, sighting_of(tag.seen, *problem.rig, tag.camera, 0), fits);
+    if (place != nullptr) strangers.push_back({tag.station, tag.tag, place->name});
+  }
+  return strangers;
+}
+
 // What to do about a second copy, in each of the stations that show it.
 void add_copy(const AdjustmentProblem& problem, const FoundCopy& copy, HungTags& hung) {
   HungTag tag;
@@ -431,6 +484,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
   name_doubts(problem, consensus, result.tags);
+  result.strangers = find_strangers(survey, problem, sighted, result.tags);
   for (const LeftOutStation& station : consensus.left_out) {
     result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
   }

@@ -21,7 +21,8 @@ namespace tagsmith::detail {
 // "unchecked", "fits", "off" or "doubtful".
 std::string to_string(HangVerdict verdict);
 
-// A tag of the survey in a picture. Pictures with one station name were taken together.
+// A tag in a picture: its name in the survey, or of a code that the survey does not have its
+// digits. Pictures with one station name were taken together.
 struct SightedTag {
   std::string station;
   std::size_t camera = 0;  // of the rig
@@ -45,6 +46,16 @@ struct HungTag {
   std::vector<std::string> rivals;  // of a doubtful tag
   std::string rule;                 // docs/verify-rules.md; empty when nothing is wrong
   std::string message;              // what is wrong; of what is off, what to do
+  // Of a moved tag: its entry in the survey's `placed`, were it to stay.
+  std::string placed{};
+};
+
+// A plate whose code is not in the survey, where a tag of the survey should hang that no photo
+// shows.
+struct Stranger {
+  std::string station;
+  std::string code;
+  std::string place;  // that tag
 };
 
 // What holds of tags in the pictures of one station, wherever else these tags hang: that the
@@ -58,6 +69,7 @@ struct UnplacedTags {
 struct HungTags {
   std::vector<HungTag> tags;  // of the survey that were seen, in its order
   std::vector<UnplacedTags> unplaced;
+  std::vector<Stranger> strangers{};
   std::vector<MixedStations> mixed{};  // the others are judged by their pictures put right
   std::vector<std::string> notes;      // on pictures that could not be used
   std::vector<std::string> assumed;  // what survey and rig leave unsaid; plates' tilt is estimated
@@ -90,9 +102,9 @@ std::string in_words(const MixedStations& mixed, const Rig& rig);
 std::optional<std::string> rig_doubt(const Survey& survey, const Rig& rig,
                                      std::span<const SightedTag> sighted);
 
-// find_consensus of the sighted tags, in words. Sightings of tags that the survey does not have are
-// passed over. Where the pictures contradict the rig in one and the same way (suspect_rig), no tag
-// is judged.
+// find_consensus of the sighted tags, in words. Sightings of codes that the survey does not have
+// judge none; where they hang is judged by those that fit. Where the pictures contradict the rig in
+// one and the same way (suspect_rig), no tag is judged.
 HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const SightedTag> sighted,
                          double tolerance = kHangTolerance);
 

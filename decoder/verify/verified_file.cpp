@@ -19,8 +19,18 @@ std::string to_string(UpSource source) {
   return kNames[static_cast<std::size_t>(source)];
 }
 
-std::string in_words(const Finding& finding) {
-  return to_string(finding.status) + ": " + finding.message;
+std::string in_words(const VerifiedTag& tag) {
+  return to_string(tag.status) + ": " + message_of(tag);
+}
+
+std::string message_of(const VerifiedTag& tag) {
+  if (!tag.in_place_of.empty()) {
+    return fmt::format("{}; it hangs where {} should, which no photo shows: hang {} there",
+                       tag.message, tag.in_place_of, tag.in_place_of);
+  }
+  if (!tag.hung || tag.hung->placed.empty()) return tag.message;
+  return fmt::format("{}; or, when it stays, write it into the survey's `placed`: - {}",
+                     tag.message, tag.hung->placed);
 }
 
 void VerifiedFile::add_finding(std::string_view rule, std::string words) {

@@ -63,9 +63,6 @@ struct Finding {
   bool is_fault() const { return status != TagStatus::ok && status != TagStatus::cut_off; }
 };
 
-// "misprinted: 000L is white on black, ..."
-std::string in_words(const Finding& finding);
-
 // What shows a fault to people: a tag and its surroundings, or a photo or page without any tag.
 struct FaultPicture {
   std::optional<GrayImage> image{};  // until it is saved
@@ -86,6 +83,8 @@ struct VerifiedTag : Finding {
   FaultPicture picture{};
   CornerCovariance corner_covariance = CornerCovariance::Zero();  // pixels^2; zero = not estimated
   std::optional<HungTag> hung{};                                  // where it hangs, by all photos
+  // Of a tag that the survey does not have: the tag in whose place it hangs, by all photos.
+  std::string in_place_of{};
 };
 
 struct VerifiedFile {
@@ -108,6 +107,12 @@ struct VerifiedFile {
   bool is_photo() const { return width > 0; }
   void add_finding(std::string_view rule, std::string words);
 };
+
+// "unknown: 001001920601 is not in survey corridor; it hangs where 003R should, ..."
+std::string in_words(const VerifiedTag& tag);
+
+// The same without the status; empty when nothing is wrong.
+std::string message_of(const VerifiedTag& tag);
 
 // All that is wrong, in words: with the file, then with each tag. Empty = all is well.
 std::vector<std::string> findings_of(const VerifiedFile& file);

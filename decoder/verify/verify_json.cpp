@@ -61,6 +61,7 @@ void add_grade(const VerifiedTag& tag, Json& object) {
 Json hanging_of(const HungTag& hung) {
   Json object{{"verdict", to_string(hung.verdict)}, {"stations", hung.stations}};
   if (!hung.rivals.empty()) object["rivals"] = hung.rivals;
+  if (!hung.placed.empty()) object["placed"] = hung.placed;
   const bool measured = hung.verdict != HangVerdict::unchecked && hung.offset.sigma.norm() > 0;
   if (!measured) return object;
   const auto triple = [](const Eigen::Vector3d& values, double unit, int decimals) {
@@ -125,6 +126,7 @@ Json to_json(const VerifiedTag& tag) {
   if (const VerifyRule* rule = find_verify_rule(tag.rule)) object["remedy"] = rule->remedy;
   if (!tag.picture.file.empty()) object["crop"] = tag.picture.file;
   if (tag.hung) object["hanging"] = hanging_of(*tag.hung);
+  if (!tag.in_place_of.empty()) object["in_place_of"] = tag.in_place_of;
   return object;
 }
 
@@ -303,6 +305,7 @@ HungTag hung_from(const json& object, const VerifiedTag& tag) {
   hung.verdict = value_of(4, get<std::string>(object, "verdict"), HangVerdict::unchecked);
   hung.stations = get(object, "stations", 0);
   hung.rivals = get<std::vector<std::string>>(object, "rivals");
+  hung.placed = get<std::string>(object, "placed");
   const auto triple = [&](const char* key, double unit) {
     const auto values = get(object, key, std::array<double, 3>{});
     return Eigen::Vector3d(unit * Eigen::Vector3d(values.data()));
@@ -325,6 +328,7 @@ VerifiedTag tag_from(const json& object) {
   }
   tag.module_px = get(object, "module_px", 0.0);
   tag.confidence = get(object, "confidence", 0.0);
+  tag.in_place_of = get<std::string>(object, "in_place_of");
   tag.page = get(object, "page", 0);
   if (object.contains("corner_covariance")) {
     tag.corner_covariance = covariance_from(object["corner_covariance"]);

@@ -26,7 +26,7 @@ void add_fault(VerifyMerge& merged, FaultRecord fault) {
 
 // The corners begin anywhere: where the fault is in the photo, not how it stands.
 FaultRecord fault_of(const VerifiedFile& file, VerifiedTag& tag) {
-  FaultRecord fault{file.file.string(), tag.tag, tag.rule, tag.message, std::move(tag.picture)};
+  FaultRecord fault{file.file.string(), tag.tag, tag.rule, message_of(tag), std::move(tag.picture)};
   fault.sha256 = file.sha256;
   fault.orientation = file.orientation.value_or(1);
   if (file.is_photo()) fault.corners = tag.corners;

@@ -34,12 +34,15 @@ std::string point_text(const Eigen::Vector3d& p) {
 
 Values measured_values(const AsBuiltPlace& place) {
   constexpr double kLeastSigma = 1e-4;  // metres: what is written of a coordinate
-  return {{"p", point_text(place.p_in_grid)},
-          {"sigma", rounded(std::max(place.sigma, kLeastSigma), 4)},
-          {"date", place.date},
-          {"facing", rounded(std::fmod(degrees(place.attitude.facing.value_or(0)) + 360, 360), 3)},
-          {"tilt", rounded(degrees(place.attitude.tilt), 3)},
-          {"roll", rounded(degrees(place.attitude.roll), 3)}};
+  Values values{{"p", point_text(place.p_in_grid)},
+                {"sigma", rounded(std::max(place.sigma, kLeastSigma), 4)}};
+  if (!place.date.empty()) values.emplace_back("date", place.date);
+  const Values attitude{
+      {"facing", rounded(std::fmod(degrees(place.attitude.facing.value_or(0)) + 360, 360), 3)},
+      {"tilt", rounded(degrees(place.attitude.tilt), 3)},
+      {"roll", rounded(degrees(place.attitude.roll), 3)}};
+  values.insert(values.end(), attitude.begin(), attitude.end());
+  return values;
 }
 
 std::string digits_text(const PlacedTag& tag) { return '"' + to_string(tag.digits) + '"'; }
@@ -55,15 +58,6 @@ YamlItemEdit changed_entry(std::size_t item, const YamlNode& entry, const Placed
   return edit;
 }
 
-std::string new_entry(const PlacedTag& tag, const AsBuiltPlace& place) {
-  Values values{{"tag", tag.name}, {"side", to_string(tag.side)}};
-  std::ranges::move(measured_values(place), std::back_inserter(values));
-  values.emplace_back("digits", digits_text(tag));
-  std::vector<std::string> words;
-  for (const auto& [key, value] : values) words.push_back(key + ": " + value);
-  return fmt::format("{{ {} }}", fmt::join(words, ", "));
-}
-
 // The entries of `placed` by the names of their tags.
 std::map<std::string, std::size_t> entries_of(const YamlNode* placed) {
   std::map<std::string, std::size_t> entries;
@@ -75,6 +69,16 @@ std::map<std::string, std::size_t> entries_of(const YamlNode* placed) {
 }
 
 }  // namespace
+
+std::string placed_entry(const Survey& survey, const AsBuiltPlace& place) {
+  const PlacedTag& tag = *find_tag(survey, std::string_view(place.tag));
+  Values values{{"tag", tag.name}, {"side", to_string(tag.side)}};
+  std::ranges::move(measured_values(place), std::back_inserter(values));
+  values.emplace_back("digits", digits_text(tag));
+  std::vector<std::string> words;
+  for (const auto& [key, value] : values) words.push_back(key + ": " + value);
+  return fmt::format("{{ {} }}", fmt::join(words, ", "));
+}
 
 bool is_day(std::string_view text) {
   constexpr std::string_view kShape = "dddd-dd-dd";
@@ -104,7 +108,7 @@ Result<std::string> survey_with_places(std::string_view text, const Survey& surv
     const PlacedTag& tag = *find_tag(survey, std::string_view(place.tag));
     const auto entry = entries.find(place.tag);
     if (entry == entries.end()) {
-      added.push_back(new_entry(tag, place));
+      added.push_back(placed_entry(survey, place));
     } else {
       edits.push_back(changed_entry(entry->second, placed->items[entry->second], tag, place));
     }

@@ -16,7 +16,9 @@
 
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/hanging_check.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 #include "tests/support/wide_corridor.hpp"
 
@@ -121,6 +123,59 @@ TEST_CASE("what is off is told as who faces the wall has to mend it") {
       CHECK(tag.message ==
             std::string(name) + " hangs 30 mm from its surveyed place: " + c.instruction);
     }
+  }
+}
+
+TEST_CASE("a moved tag that is to stay has an entry for the survey, by which it hangs right") {
+  Corridor corridor;
+  Pose& pose = corridor.at("001L");
+  pose.translation += pose.rotation * Vector3d(0.03, -0.02, 0.01);
+  pose.rotation *= turned(radians(4), Vector3d::UnitY());
+  const HungTag tag = corridor.judged("001L");
+  REQUIRE_FALSE(tag.placed.empty());
+  const std::string text = *read_file("surveys/corridor/survey.yaml");
+  const SurveyReading reading = read_survey_text("surveys/corridor/as_built.yaml",
+                                                 text + "placed:\n  - " + tag.placed + "\n");
+  REQUIRE_MESSAGE(reading.survey, to_string(reading.diagnostics, true));
+  const PlacedTag& placed = *find_tag(*reading.survey, std::string_view("001L"));
+  CHECK((placed.world_from_plate.translation - pose.translation).norm() < 1e-3);
+  CHECK(angle_between(placed.world_from_plate.rotation, pose.rotation) < radians(0.1));
+  CHECK(placed.digits == find_tag(corridor.survey, std::string_view("001L"))->digits);
+  corridor.survey = *reading.survey;
+  CHECK(corridor.judged("001L").verdict == HangVerdict::fits);
+}
+
+TEST_CASE("a strange code is linked to the place where it hangs when no photo shows its tag") {
+  const std::string code = "123456789012";
+  Corridor corridor;
+  std::vector<SightedTag> sighted = corridor.seen();
+  const auto strangers_of = [&] {
+    return check_hung_tags(corridor.survey, corridor.rig, sighted).strangers;
+  };
+  CHECK(strangers_of().empty());
+  // One more plate than the survey has, where none should hang.
+  const SightedTag known = sighted.front();
+  sighted.push_back(known);
+  sighted.back().tag = code;
+  for (PixelPoint& corner : sighted.back().seen.corners) corner.y -= 300;
+  CHECK(strangers_of().empty());
+  // Where the tag hangs that bears the code, but it is seen there, too.
+  sighted.back() = known;
+  sighted.back().tag = code;
+  CHECK(strangers_of().empty());
+  sighted.pop_back();
+  std::size_t count = 0;
+  for (SightedTag& tag : sighted) {
+    if (tag.tag != "001R") continue;
+    tag.tag = code;
+    ++count;
+  }
+  const std::vector<Stranger> strangers = strangers_of();
+  REQUIRE(count > 0);
+  CHECK(strangers.size() == count);
+  for (const Stranger& stranger : strangers) {
+    CHECK(stranger.code == code);
+    CHECK(stranger.place == "001R");
   }
 }
 

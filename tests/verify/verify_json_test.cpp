@@ -42,6 +42,11 @@ VerifiedFile photo() {
   moved.grade_reason = "too far";
   moved.picture.file = "a-1.png";
   moved.hung = HungTag{"001L", HangVerdict::off, 1, {}, {}, {"000L"}, "", ""};
+  moved.hung->placed = "{ tag: 001L, side: left }";
+  VerifiedTag& stranger = file.tags.emplace_back();
+  static_cast<Finding&>(stranger) = {TagStatus::unknown, "not-in-survey", "strange"};
+  stranger.digits = parse_digits("123456789012");
+  stranger.in_place_of = "001R";
   return file;
 }
 
