@@ -20,6 +20,7 @@
 #include "decoder/verify/as_built.hpp"
 #include "decoder/verify/verify_file.hpp"
 #include "decoder/verify/verify_json.hpp"
+#include "tagsmith/base/date.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
@@ -96,7 +97,7 @@ Result<std::vector<std::string>> control_tags(const Options& options, const Surv
 }
 
 Result<Input> load(const Options& options) {
-  if (!options.date.empty() && !is_day(options.date)) {
+  if (!options.date.empty() && !parse_day(options.date)) {
     return fail("--date " + options.date + ": expected a day as 2026-03-31");
   }
   Result<Survey> survey = load_survey(options.survey);

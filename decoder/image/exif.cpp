@@ -8,6 +8,7 @@
 
 #include "decoder/image/bytes.hpp"
 #include "decoder/image/heif.hpp"
+#include "tagsmith/base/date.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -20,6 +21,8 @@ enum Tag : std::uint32_t {
   kModel = 272,
   kOrientation = 274,
   kExifDirectory = 34665,
+  kDateTimeOriginal = 36867,
+  kOffsetTimeOriginal = 36881,
   kFocalLength = 37386,
   kFocalLengthIn35mmFilm = 41989,
 };
@@ -51,6 +54,12 @@ class Tiff {
     const double numerator = bytes_.number(at, 4);
     const double denominator = bytes_.number(at + 4, 4);
     return denominator > 0 && !bytes_.beyond() ? numerator / denominator : 0;
+  }
+
+  // The tag's text in this directory; empty when it has none.
+  std::string text(std::size_t directory, Tag tag) {
+    const auto at = entry(directory, tag);
+    return at ? text_at(*at) : std::string();
   }
 
   // Its text up to the first 0, of printable ASCII, without spaces at the ends.
@@ -117,10 +126,27 @@ std::optional<PhotoLens> photo_lens(std::string_view bytes) {
   if (const auto focal = tiff.entry(directory, kFocalLength)) {
     lens.focal_mm = tiff.rational_at(*focal);
   }
-  const auto maker = tiff.entry(first, kMake);
-  const std::string by = maker ? tiff.text_at(*maker) : "";
+  const std::string by = tiff.text(first, kMake);
   if (!by.empty() && !lens.camera.starts_with(by)) lens.camera = by + " " + lens.camera;
   return lens;
+}
+
+std::optional<std::string> photo_moment(std::string_view bytes) {
+  const std::string of_heif = is_heif(bytes) ? heif_exif(bytes) : "";
+  Tiff tiff(of_heif.empty() ? exif_of_jpeg(bytes) : of_heif);
+  const auto more = tiff.entry(tiff.first_directory(), kExifDirectory);
+  if (!more) return std::nullopt;
+  const std::size_t directory = tiff.offset_at(*more);
+  // "2026:03:31 14:05:09"
+  std::string moment = tiff.text(directory, kDateTimeOriginal);
+  if (moment.size() < 11 || moment[4] != ':' || moment[7] != ':' || moment[10] != ' ') {
+    return std::nullopt;
+  }
+  moment[4] = moment[7] = '-';
+  moment[10] = 'T';
+  if (!is_moment(moment) || moment.starts_with("0000")) return std::nullopt;
+  const std::string with_offset = moment + tiff.text(directory, kOffsetTimeOriginal);
+  return is_moment(with_offset) ? with_offset : moment;
 }
 
 }  // namespace tagsmith::detail

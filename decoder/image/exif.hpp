@@ -27,4 +27,8 @@ struct PhotoLens {
 // Of a JPEG or HEIF; nothing where the model or the equivalent focal length is not said.
 std::optional<PhotoLens> photo_lens(std::string_view bytes);
 
+// When a JPEG or HEIF was taken by its camera's clock, as 2026-03-31T14:05:09 with the offset from
+// universal time where the camera notes one (+02:00); nothing where it is not said, or is no time.
+std::optional<std::string> photo_moment(std::string_view bytes);
+
 }  // namespace tagsmith::detail

@@ -50,7 +50,7 @@ PhotoCameras PhotoCameras::by_run(const Rig& rig, const Run& run) {
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
       const auto seen = row.cameras.find(rig.cameras[i].name);
       if (seen == row.cameras.end() || seen->second.image.empty()) continue;
-      result.known_[absolute_name(seen->second.image)] = {i, "row " + row.id};
+      result.known_[absolute_name(seen->second.image)] = {i, "row " + row.id, row.time};
     }
   }
   return result;

@@ -15,8 +15,9 @@
 namespace tagsmith::detail {
 
 struct PhotoOrigin {
-  std::size_t camera = 0;  // of the rig
-  std::string station;     // the same for photos of one moment
+  std::size_t camera = 0;        // of the rig
+  std::string station;           // the same for photos of one moment
+  std::optional<double> time{};  // of the run, seconds
 };
 
 // True when a rig's stance tells its pictures' up: it stands level on its wheels, its roll's and

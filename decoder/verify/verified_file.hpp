@@ -96,6 +96,7 @@ struct VerifiedFile {
   int height = 0;
   std::optional<int> orientation{};  // of a photo (EXIF, 1 to 8); nothing = it is not noted
   std::optional<PhotoLens> lens{};   // of a photo (EXIF)
+  std::string taken{};               // when a photo was taken (date.hpp); empty = not known
   std::vector<VerifiedTag> tags{};
   std::vector<std::string> findings{};  // on the file as a whole, in words
   std::set<std::string> rules{};        // of these findings

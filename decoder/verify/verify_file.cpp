@@ -19,6 +19,7 @@
 #include "decoder/verify/grade_tags.hpp"
 #include "decoder/verify/hanging.hpp"
 #include "decoder/verify/rasterize.hpp"
+#include "tagsmith/base/date.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {
@@ -106,6 +107,14 @@ const Camera* camera_of(const VerifyRequest& request, const std::filesystem::pat
   return camera.width == image.width && camera.height == image.height ? &camera : nullptr;
 }
 
+// When the photo was taken: by its camera, else by the run. A file's own date is that of a copy.
+std::string moment_of(const Task& task) {
+  if (const auto noted = photo_moment(task.input.bytes)) return *noted;
+  const PhotoCameras* cameras = task.request.cameras;
+  const auto origin = cameras == nullptr ? std::nullopt : cameras->origin_of(task.input.path);
+  return origin && origin->time ? unix_moment(*origin->time).value_or("") : "";
+}
+
 // Which way is up in a photo. A rig on its wheels knows better than the camera, and is asked when
 // all photos are read.
 void find_up(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFile& file) {
@@ -129,6 +138,7 @@ Result<VerifiedFile> verify_photo(const Task& task) {
   file.height = image.height;
   file.orientation = shown_orientation(task.input.bytes);
   file.lens = photo_lens(task.input.bytes);
+  file.taken = moment_of(task);
   PictureEvidence evidence{request.survey, image, request.also};
   evidence.is_photo = true;
   evidence.orientation = file.orientation;

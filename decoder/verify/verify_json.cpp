@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/verify/verify_rules.hpp"
+#include "tagsmith/base/date.hpp"
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -151,6 +152,7 @@ Json to_json(const VerifiedFile& file) {
   }
   if (file.orientation) object["orientation"] = *file.orientation;
   if (file.lens) object["camera"] = lens_of(*file.lens);
+  if (!file.taken.empty()) object["taken"] = file.taken;
   if (!file.tags.empty()) object["up"] = to_string(file.up);
   if (!file.notes.empty()) object["notes"] = file.notes;
   if (!file.picture.file.empty()) object["picture"] = file.picture.file;
@@ -364,6 +366,8 @@ VerifiedFile file_from(const json& object) {
   const int orientation = get(object, "orientation", 0);
   if (orientation >= 1 && orientation <= 8) file.orientation = orientation;
   if (object.contains("camera")) file.lens = lens_from(object["camera"]);
+  file.taken = get<std::string>(object, "taken");
+  if (!is_moment(file.taken)) file.taken.clear();
   for (const json& tag : object.at("tags").get_ref<const json::array_t&>()) {
     file.tags.push_back(tag_from(tag));
   }

@@ -2,7 +2,6 @@
 #include "tagsmith/survey/edit_placed.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -78,21 +77,6 @@ std::string placed_entry(const Survey& survey, const AsBuiltPlace& place) {
   std::vector<std::string> words;
   for (const auto& [key, value] : values) words.push_back(key + ": " + value);
   return fmt::format("{{ {} }}", fmt::join(words, ", "));
-}
-
-bool is_day(std::string_view text) {
-  constexpr std::string_view kShape = "dddd-dd-dd";
-  const bool shaped = std::ranges::equal(text, kShape, [](char c, char shape) {
-    return shape == 'd' ? c >= '0' && c <= '9' : c == shape;
-  });
-  if (!shaped) return false;
-  const auto number = [&](std::size_t at, std::size_t size) {
-    return static_cast<unsigned>(std::stoi(std::string(text.substr(at, size))));
-  };
-  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(number(0, 4))) /
-                                        std::chrono::month(number(5, 2)) /
-                                        std::chrono::day(number(8, 2)));
-  return day.ok();
 }
 
 Result<std::string> survey_with_places(std::string_view text, const Survey& survey,

@@ -13,9 +13,6 @@
 
 namespace tagsmith::detail {
 
-// True of a day as ISO 8601 writes it, 2026-03-31.
-bool is_day(std::string_view text);
-
 // Where a tag hangs as measured.
 struct AsBuiltPlace {
   std::string tag;  // of the survey

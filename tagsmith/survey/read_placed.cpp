@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tagsmith/base/date.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/edit_placed.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
 namespace tagsmith::detail {
@@ -71,7 +71,7 @@ std::optional<TagName> read_tag_name(const MapReader& map) {
 // A day as ISO 8601 writes it, 2026-03-31; empty when absent or faulty.
 std::string read_date(const YamlNode* node, const std::string& name, FindingLog& log) {
   const std::optional<std::string> text = read_text(node, name, log);
-  if (!text || is_day(*text)) return text.value_or("");
+  if (!text || parse_day(*text)) return text.value_or("");
   log.error(node->place, "bad-date",
             name + " is `" + text->substr(0, 60) + "`, expected a day as 2026-03-31");
   return {};

@@ -52,4 +52,23 @@ inline std::string with_lens(const std::string& jpeg, const std::string& model,
          static_cast<char>(length & 0xFF) + exif + jpeg.substr(2);
 }
 
+// The JPEG with an EXIF segment that says when it was taken, as "2026:03:31 14:05:09", and the
+// offset from universal time unless that is empty (tags 34665, 36867, 36881).
+inline std::string with_moment(const std::string& jpeg, const std::string& moment,
+                               const std::string& offset = "") {
+  const auto entry = [](std::size_t tag, std::size_t type, std::size_t count, std::size_t value) {
+    return little_endian(tag, 2) + little_endian(type, 2) + little_endian(count, 4) +
+           little_endian(value, 4);
+  };
+  constexpr std::size_t kExif = 8 + 2 + 12 + 4;
+  constexpr std::size_t kTexts = kExif + 2 + 2 * 12 + 4;
+  const std::string exif =
+      std::string("Exif\0\0II*\0\x08\0\0\0\x01\0", 16) + entry(34665, 4, 1, kExif) +
+      little_endian(0, 4) + std::string("\x02\0", 2) + entry(36867, 2, moment.size() + 1, kTexts) +
+      entry(36881, 2, offset.size() + 1, kTexts + moment.size() + 1) + little_endian(0, 4) +
+      moment + std::string(1, '\0') + offset + std::string(1, '\0');
+  return jpeg.substr(0, 2) + "\xFF\xE1" + static_cast<char>((exif.size() + 2) >> 8U) +
+         static_cast<char>((exif.size() + 2) & 0xFFU) + exif + jpeg.substr(2);
+}
+
 }  // namespace tagsmith::detail::test

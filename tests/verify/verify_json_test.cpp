@@ -20,6 +20,7 @@ VerifiedFile photo() {
   file.height = 960;
   file.orientation = 6;
   file.lens = PhotoLens{"Maker Phone 7", 5.43, 26};
+  file.taken = "2026-03-31T14:05:09+02:00";
   file.up = UpSource::camera;
   file.notes = {"damaged"};
   file.picture.file = "a-whole.png";
