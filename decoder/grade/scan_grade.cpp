@@ -152,9 +152,10 @@ double grade_of(double value, const std::array<double, 4>& limits) {
 }
 
 double defects_grade(double defects) {
-  constexpr std::array kLimits{-0.15, -0.20, -0.25, -0.30};
-  if (defects > 0.30) return std::max(0.0, 1 - (defects - 0.30) / 0.05);
-  return grade_of(-defects, kLimits);
+  std::array<double, 4> limits = grade_limits(GradeParameter::defects);
+  if (defects > limits[3]) return std::max(0.0, 1 - (defects - limits[3]) / 0.05);
+  for (double& limit : limits) limit = -limit;
+  return grade_of(-defects, limits);
 }
 
 double pass(bool passed) { return passed ? 4 : 0; }
@@ -164,16 +165,19 @@ void set_grades(const GradeOptions& options, ScanGrade& scan) {
   const auto set = [&](GradeParameter parameter, double grade) {
     scan.grades[static_cast<std::size_t>(parameter)] = grade;
   };
+  const auto graded = [&](GradeParameter parameter) {
+    return grade_of(*value_of(p, parameter), grade_limits(parameter));
+  };
   set(GradeParameter::decode, pass(p.digits.has_value()));
   set(GradeParameter::minimum_reflectance,
       pass(p.least_reflectance <= 0.5 * p.greatest_reflectance));
-  set(GradeParameter::modulation, grade_of(p.modulation, {0.70, 0.60, 0.50, 0.40}));
+  set(GradeParameter::modulation, graded(GradeParameter::modulation));
   set(GradeParameter::defects, defects_grade(p.defects));
-  set(GradeParameter::decodability, grade_of(p.decodability, {0.62, 0.50, 0.37, 0.25}));
+  set(GradeParameter::decodability, graded(GradeParameter::decodability));
   constexpr double kMeasuring = 0.5;  // modules by which the ends of a quiet zone are uncertain
   set(GradeParameter::quiet_zone, pass(p.quiet_zone >= kQuietZoneModules - kMeasuring));
   if (options.absolute) {
-    set(GradeParameter::symbol_contrast, grade_of(p.symbol_contrast, {0.70, 0.55, 0.40, 0.20}));
+    set(GradeParameter::symbol_contrast, graded(GradeParameter::symbol_contrast));
     set(GradeParameter::minimum_edge_contrast, pass(p.minimum_edge_contrast >= 0.15));
   }
   scan.grade = 4;
@@ -198,6 +202,21 @@ std::optional<double> value_of(const ScanParameters& scan, GradeParameter parame
       std::nullopt,    scan.symbol_contrast, scan.least_reflectance, scan.minimum_edge_contrast,
       scan.modulation, scan.defects,         scan.decodability,      scan.quiet_zone};
   return values[static_cast<std::size_t>(parameter)];
+}
+
+std::array<double, 4> grade_limits(GradeParameter parameter) {
+  switch (parameter) {
+    case GradeParameter::symbol_contrast:
+      return {0.70, 0.55, 0.40, 0.20};
+    case GradeParameter::modulation:
+      return {0.70, 0.60, 0.50, 0.40};
+    case GradeParameter::defects:
+      return {0.15, 0.20, 0.25, 0.30};
+    case GradeParameter::decodability:
+      return {0.62, 0.50, 0.37, 0.25};
+    default:
+      return {};
+  }
 }
 
 ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& options) {

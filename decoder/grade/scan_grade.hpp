@@ -41,6 +41,10 @@ struct ScanParameters {
 // What was measured of the parameter; nothing of `decode`, which is no number.
 std::optional<double> value_of(const ScanParameters& scan, GradeParameter parameter);
 
+// Of contrast, modulation and decodability the least values for the grades 4, 3, 2 and 1, of
+// defects the greatest (ISO/IEC 15416, 5.4); zeros of the others, which are passed or failed.
+std::array<double, 4> grade_limits(GradeParameter parameter);
+
 struct GradeOptions {
   // Whether reflectances are true ones, by white and black references in the picture. If not, the
   // parameters that need them (symbol contrast, the edge contrast's 15 %) are left out.
