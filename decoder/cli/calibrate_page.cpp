@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "decoder/cli/calibrate_drawing.hpp"
+#include "decoder/cli/web_page.hpp"
 #include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/geometry/angle.hpp"
@@ -128,13 +129,7 @@ std::string table(const char* head, const std::string& rows) {
 std::string calibration_page(const BoardCalibration& result) {
   const CameraCalibration& calibration = result.calibration;
   const std::string title = "Calibration of " + markup_text(result.camera_name);
-  std::string page =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      // The page can load nothing, whatever the names in it say.
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-      "style-src 'unsafe-inline'\">\n<title>" +
-      title + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<h1>" + title + "</h1>\n";
+  std::string page = page_head(title, kStyle, false) + "<h1>" + title + "</h1>\n";
   page += fmt::format("<p class=\"verdict {}\">{}</p>\n", to_string(result.assessment.trust),
                       verdict_words(result.assessment.trust));
   page += findings_text(result);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "decoder/cli/report_files.hpp"
+#include "decoder/cli/web_page.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/printable.hpp"
@@ -18,77 +19,6 @@ namespace tagsmith::detail {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr const char* kStyle = R"css(
-:root { color-scheme: light dark; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; --paper: #fff;
-  --card: #f6f8fa; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #6b7580; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e6e9ec; --grey: #9aa4ae; --line: #3a424b; --paper: #14181c; --card: #1d2329;
-    --ok: #46c06c; --poor: #f0a040; --faulty: #ff6b6b; --unseen: #9aa4ae; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink);
-  background: var(--paper); font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.35rem; margin: 0 0 4px; overflow-wrap: anywhere; }
-h2 { font-size: 1.05rem; margin: 28px 0 8px; }
-p { margin: 0 0 8px; }
-.known { margin-top: 8px; overflow-wrap: anywhere; }
-.sub { color: var(--grey); font-size: .9rem; }
-.counts { display: flex; flex-wrap: wrap; gap: 8px; margin: 12px 0; }
-.counts button { font: inherit; color: inherit; background: var(--card); cursor: pointer;
-  border: 1px solid var(--line); border-radius: 8px; padding: 8px 14px; min-height: 44px; }
-.counts button[aria-pressed=true] { border-color: currentColor; box-shadow: inset 0 0 0 1px; }
-.counts b { font-size: 1.25rem; margin-right: 6px; }
-:focus-visible { outline: 3px solid #4c8dff; outline-offset: 2px; }
-.cover { display: grid; grid-template-columns: max-content 1fr max-content; gap: 4px 10px;
-  align-items: center; max-width: 560px; }
-progress { width: 100%; accent-color: var(--ok); }
-summary { cursor: pointer; padding: 8px 0; }
-ul { margin: 8px 0; padding-left: 20px; }
-.map { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px; margin: 0 0 8px; }
-.map svg { display: block; width: 100%; min-width: 720px; height: auto; }
-.wall { fill: none; stroke: var(--ink); stroke-width: 1.5; }
-.axis { fill: none; stroke: var(--grey); stroke-width: .8; stroke-dasharray: 10 3 2 3; }
-.tick { stroke: var(--grey); }
-svg text { font: 11px system-ui, "DejaVu Sans", sans-serif; fill: var(--grey); }
-.tag { cursor: pointer; }
-.tag circle, .tag path { fill: currentColor; stroke: var(--paper); stroke-width: 1.5; }
-.tag.unseen circle { fill: var(--paper); stroke: currentColor; stroke-width: 2; }
-.tag text { fill: currentColor; }
-label { display: block; margin: 16px 0 4px; }
-input { font: inherit; color: inherit; background: var(--paper); border: 1px solid var(--grey);
-  border-radius: 8px; padding: 10px; width: 100%; max-width: 420px; }
-.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 320px), 1fr));
-  gap: 12px; }
-.card { background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: 12px;
-  content-visibility: auto; contain-intrinsic-size: auto 260px; overflow-wrap: anywhere; }
-.card h3 { font-size: 1rem; margin: 0 0 6px; color: var(--faulty); }
-.card p { font-size: .9rem; }
-.crop { display: block; width: 100%; border: 0; padding: 0; margin: 0 0 8px; background: none;
-  cursor: zoom-in; }
-.crop img { display: block; width: 100%; max-height: 220px; object-fit: contain;
-  background: #80808022; }
-.crop[aria-expanded=true] { cursor: zoom-out; } .crop[aria-expanded=true] img { max-height: none; }
-.wide { grid-column: 1 / -1; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: 6px 10px 6px 0; border-top: 1px solid var(--line);
-  font-size: .9rem; vertical-align: top; }
-th { white-space: nowrap; }
-.ok { color: var(--ok); } .poor { color: var(--poor); } .faulty { color: var(--faulty); }
-.unseen { color: var(--unseen); }
-[hidden] { display: none !important; }
-@media (max-width: 560px) { .more { display: none; } th, td { padding-right: 6px; } }
-@media print {
-  :root { color-scheme: light; --ink: #000; --grey: #444; --line: #bbb; --paper: #fff;
-    --card: #fff; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #666; }
-  body { max-width: none; padding: 0; font-size: 11pt; }
-  .screen { display: none; }
-  h2 { break-after: avoid; }
-  .map, .scroll { overflow: visible; } .map svg { min-width: 0; }
-  .cards { grid-template-columns: repeat(3, 1fr); gap: 8px; } .crop img { max-height: 34mm; }
-  .card { content-visibility: visible; padding: 8px; } .card h3 { font-size: 10pt; }
-  .card p { font-size: 8pt; margin: 0 0 4px; } .card, tr, .map { break-inside: avoid; } }
-)css";
 
 constexpr const char* kScript = R"js(
 'use strict';
@@ -392,13 +322,7 @@ std::string heading(const Survey& survey, const VerifyMerge& merged) {
 
 std::string report_page(const Survey& survey, const VerifyMerge& merged) {
   const Completeness covered = completeness_of(survey, merged);
-  return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         // The page can load nothing, whatever the names in it say.
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src "
-         "data:; "
-         "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n<title>Verification of " +
-         markup_text(survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n" +
+  return page_head("Verification of " + markup_text(survey.name), report_style(), true) +
          heading(survey, merged) + count_buttons(covered) + "<h2>Completeness</h2>\n" +
          completeness_text(covered, merged) + "<h2>Tunnel from above</h2>\n" +
          map_of(survey, merged) +

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What web pages have in common that need nothing but themselves.
+#pragma once
+
+#include <string>
+
+namespace tagsmith::detail {
+
+// All up to the begun body. `title` is markup. The page can load nothing, whatever the names in it
+// say, and runs scripts only if it has one.
+std::string page_head(const std::string& title, const std::string& style, bool has_script);
+
+// Of pages that report tags: headings, tables, cards, the colours of what tags are.
+const char* report_style();
+
+}  // namespace tagsmith::detail
