@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "decoder/cli/report_files.hpp"
+#include "decoder/cli/report_ledger.hpp"
 #include "decoder/cli/verify_hanging.hpp"
 #include "decoder/verify/verify_json.hpp"
 #include "decoder/verify/verify_merge.hpp"
@@ -30,13 +31,18 @@ constexpr const char* kNotes = R"(Example:
 Lines of several runs are merged; a file that is in two of them counts once. With --rig, or by
 photos that name their lens (EXIF, as phones do) where no line says it yet, tags that are seen
 together are checked for where they hang, by all photos of all runs at once.
-Exit: 0 every tag was seen and nothing is wrong, 1 otherwise, 2 a file could not be read.)";
+
+With --ledger the lines are entered in it, and the report is of all photos that it has: what to print
+again, clean, rehang and look for, what its trend will need when, and what was mended.
+Exit: 0 every tag was seen and nothing is wrong, 1 otherwise (with --ledger: 0 nothing is to be done
+now, 1 something is), 2 a file could not be read.)";
 
 struct Options {
   std::string survey;
   std::vector<std::string> files;
   ReportFiles report;
   HangingOptions hanging;
+  std::string ledger;  // empty = of these lines alone
   bool json = false;
 };
 
@@ -103,6 +109,11 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
 }
 
 Result<int> run(const Options& options) {
+  if (!options.ledger.empty()) {
+    return report_ledger(
+        {options.survey, options.files, options.ledger, options.report.html, options.json});
+  }
+  if (options.files.empty()) return fail("FILE.jsonl is required, or --ledger");
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
   CommandFiles files;
@@ -148,8 +159,10 @@ Command report_command() {
                   {.names = "FILE.jsonl",
                    .target = &options->files,
                    .help = "Output of `verify --json`",
-                   .kind = ValueKind::json_lines,
-                   .required = true},
+                   .kind = ValueKind::json_lines},
+                  ledger_option(options->ledger,
+                                "Report what this file has of all photos; FILE.jsonl are entered "
+                                "in it before"),
                   json_flag(options->json, "Print the summary as one JSON object")},
       .notes = kNotes,
       .run =
@@ -160,6 +173,10 @@ Command report_command() {
   };
   std::ranges::move(report_options(options->report), std::back_inserter(command.options));
   std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));
+  for (CommandOption& option : command.options) {
+    const std::string& name = option.names;
+    if (name == "--pdf" || name == "--csv" || name == "--rig") option.excludes = {"--ledger"};
+  }
   return command;
 }
 

@@ -20,6 +20,7 @@
 
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/report_files.hpp"
+#include "decoder/cli/report_ledger.hpp"
 #include "decoder/cli/verify_annotate.hpp"
 #include "decoder/cli/verify_hanging.hpp"
 #include "decoder/image/load.hpp"
@@ -61,6 +62,7 @@ struct Options {
   std::string crops;     // folder; empty = none are saved
   std::string annotate;  // folder; empty = none are made
   std::string resume;    // earlier output; empty = none
+  std::string ledger;    // empty = none is kept
   ReportFiles report;
   bool complete = false;
   bool json = false;
@@ -298,11 +300,18 @@ struct Job {
   const Options& options;
   const VerifyRequest& request;
   std::optional<LoadedHanging>& hanging;
+  LedgerWriter& ledger;
   std::string revision;
   // Lines say where tags hang, which takes all files together. But those of a run that can be
   // resumed are printed when they are known: then the summary says it.
   bool prints_late = hanging && !(options.json && !options.resume.empty());
 };
+
+// What is known of the file, all that other files say of it included.
+void take(const Job& job, VerifiedFile file, Outcome& outcome) {
+  tell_failure(job.ledger.add(file), outcome);
+  merge(job.revision, std::move(file), outcome.merged);
+}
 
 void deliver(const Job& job, VerifiedOne& one, Outcome& outcome) {
   if (one.problem) tell_failure(tl::unexpected(*one.problem), outcome);
@@ -316,7 +325,7 @@ void deliver(const Job& job, VerifiedOne& one, Outcome& outcome) {
   if (job.hanging) {
     outcome.waiting.push_back(std::move(one.file));
   } else {
-    merge(job.revision, std::move(one.file), outcome.merged);
+    take(job, std::move(one.file), outcome);
   }
 }
 
@@ -334,7 +343,7 @@ Result<void> judge_waiting(const Job& job, Outcome& outcome) {
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, file);
     tell_failure(save_late_pictures(job.options, file), outcome);
     if (job.prints_late) print(job.options, file);
-    merge(job.revision, std::move(file), outcome.merged);
+    take(job, std::move(file), outcome);
   }
   return {};
 }
@@ -344,7 +353,7 @@ Result<void> add_skipped(const Job& job, Outcome& outcome) {
   return read_resumed(job.options, job.revision, [&](VerifiedFile line) {
     if (outcome.skipped.erase(line.sha256) == 0) return;
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, line);
-    merge(job.revision, std::move(line), outcome.merged);
+    take(job, std::move(line), outcome);
   });
 }
 
@@ -368,6 +377,8 @@ Result<Outcome> verify_all(const Job& job, const std::vector<fs::path>& files) {
   for (const auto& step : {judge_waiting, add_skipped}) {
     if (auto done = step(job, outcome); !done) return fail(done.error().message);
   }
+  tell_failure(job.ledger.flush(), outcome);
+  job.ledger.print_tally();
   sort_faults(outcome.merged);
   if (options.report.shows_pictures()) {
     load_pictures(outcome.merged, {options.resume}, *options.named);
@@ -406,6 +417,7 @@ void add_files(const Options& options, const Survey& survey, const std::vector<S
     }
   }
   add_report_files(options.report, files);
+  add_ledger_files(options.ledger, files);
   files.writes_into(options.crops, "--crops");
   files.writes_into(options.annotate, "--annotate");
 }
@@ -431,6 +443,8 @@ Result<int> run(Options options) {
   if (const auto ready = prepare_to_append(options.resume); !ready) {
     return fail(ready.error().message);
   }
+  Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey->name);
+  if (!ledger) return fail(ledger.error().message);
   ManifestCache manifests;
   VerifyRequest request{*survey, *also, options.wants_crops()};
   request.manifests = &manifests;
@@ -443,7 +457,7 @@ Result<int> run(Options options) {
   }
   options.hangs_late = hanging->has_value();
   const Result<Outcome> outcome =
-      verify_all({options, request, *hanging, survey_revision(*survey)}, list->files);
+      verify_all({options, request, *hanging, *ledger, survey_revision(*survey)}, list->files);
   if (!outcome) return fail(outcome.error().message);
   const VerifyMerge& merged = outcome->merged;
   print_summary(options, *survey, *outcome, list->skipped);
@@ -483,6 +497,9 @@ Command verify_command() {
                            "survey",
                    .placeholder = "FILE.jsonl",
                    .kind = ValueKind::json_lines},
+                  ledger_option(options->ledger,
+                                "Add what the photos show of each plate to this history, for "
+                                "`report --ledger`"),
                   folder_option("--crops", &options->crops,
                                 "Folder for a picture of every faulty tag"),
                   folder_option(

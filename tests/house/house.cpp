@@ -12,15 +12,13 @@
 namespace tagsmith::detail::house {
 namespace {
 
-constexpr std::array<std::string_view, 23> kLayers{
-    "tagsmith/base",       "tagsmith/geometry", "tagsmith/symbology",
-    "tagsmith/tag",        "tagsmith/survey",   "tagsmith/placement",
-    "tagsmith/paper_plan", "tagsmith/render",   "tagsmith/cli",
-    "decoder/image",       "decoder/simulate",  "decoder/feature_frame",
-    "decoder/scan",        "decoder/reader",    "decoder/paper",
-    "decoder/localize",    "decoder/calibrate", "decoder/grade",
-    "decoder/verify",      "decoder/api",       "decoder/python",
-    "decoder/cli",         "main.cpp",
+constexpr std::array<std::string_view, 24> kLayers{
+    "tagsmith/base",     "tagsmith/geometry",  "tagsmith/symbology",  "tagsmith/tag",
+    "tagsmith/survey",   "tagsmith/placement", "tagsmith/paper_plan", "tagsmith/render",
+    "tagsmith/cli",      "decoder/image",      "decoder/simulate",    "decoder/feature_frame",
+    "decoder/scan",      "decoder/reader",     "decoder/paper",       "decoder/localize",
+    "decoder/calibrate", "decoder/grade",      "decoder/verify",      "decoder/ledger",
+    "decoder/api",       "decoder/python",     "decoder/cli",         "main.cpp",
 };
 
 constexpr std::array<std::string_view, 6> kTopFolders{"decoder",  "docs",      "surveys",
@@ -34,7 +32,7 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 19> kThirdParty{{
+constexpr std::array<ThirdParty, 20> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
@@ -43,6 +41,7 @@ constexpr std::array<ThirdParty, 19> kThirdParty{{
     {"libpng", "png\\.h", "tagsmith/render", true},
     {"libjpeg", "jpeglib\\.h", "decoder/image", true},
     {"libheif", "libheif/heif\\.h", "decoder/image", true},
+    {"SQLite", "sqlite3\\.h", "decoder/ledger", true},
     {"CLI11", "CLI/.*", "tagsmith/cli", true},
     {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",
      "decoder/(image|simulate|feature_frame|reader|paper|localize|grade)", true},

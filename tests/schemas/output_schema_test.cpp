@@ -12,6 +12,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tests/schemas/schema_judge.hpp"
+#include "tests/support/exif_jpeg.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -68,7 +69,7 @@ TEST_CASE("every key of the outputs is described") {
       FAIL_CHECK(name << ": " << key);
     }
   }
-  CHECK(names.size() == 16);
+  CHECK(names.size() == 17);
 }
 
 TEST_CASE("read, verify and report print what their schemas say") {
@@ -95,6 +96,35 @@ TEST_CASE("read, verify and report print what their schemas say") {
                                      "surveys/corridor/photos " +
                                      print + crops)
                             .out);
+}
+
+TEST_CASE("report prints of a ledger what its schema says") {
+  const TemporaryFolder folder;
+  const std::string ledger = " --ledger " + (folder.path() / "mine.db").string();
+  const std::string report = "report --json " + kSurvey + ledger;
+  run_tagsmith("verify " + kSurvey + kRig + kRun + ledger);
+  check_lines("ledger", run_tagsmith(report).out);
+  // A trend, by a photo that is near enough to be graded.
+  const std::string photo = read_file("surveys/corridor/photos/corridor_03_right.jpg").value();
+  for (const char* day : {"01", "02", "03"}) {
+    const std::string moment = "2026:03:" + std::string(day) + " 10:00:00";
+    REQUIRE(write_file(folder.path() / "photos" / (std::string(day) + "_right.jpg"),
+                       with_moment(photo, moment)));
+  }
+  const std::string photos = (folder.path() / "photos").string();
+  const std::string lines = run_tagsmith("verify --json " + kSurvey + " " + photos + ledger).out;
+  CHECK(run_tagsmith(report).out.find("not_before") != std::string::npos);
+  check_lines("ledger", run_tagsmith(report).out);
+  // The same plate, said to hang elsewhere on the last day.
+  std::string moved = lines;
+  const std::size_t at = moved.rfind("\"status\":\"ok\",\"digits\"");
+  REQUIRE(at != std::string::npos);
+  moved.replace(at, 13, "\"rule\":\"moved\",\"message\":\"raise it\",\"status\":\"misplaced\"");
+  REQUIRE(write_file(folder.path() / "lines.jsonl", moved));
+  const std::string again =
+      run_tagsmith(report + " " + (folder.path() / "lines.jsonl").string()).out;
+  CHECK(again.find("\"rehang\":[\"") != std::string::npos);
+  check_lines("ledger", again);
 }
 
 TEST_CASE("localize, calibrate and simulate print what their schemas say") {

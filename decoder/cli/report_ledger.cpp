@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/cli/report_ledger.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/cli/report_files.hpp"
+#include "decoder/verify/verify_json.hpp"
+#include "tagsmith/base/date.hpp"
+#include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/common_options.hpp"
+#include "tagsmith/cli/console.hpp"
+#include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/survey/read_survey.hpp"
+#include "tagsmith/survey/revision.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// What is to be done now.
+constexpr std::array kNow{PlateAction::reprint, PlateAction::clean, PlateAction::rehang,
+                          PlateAction::look};
+
+double rounded(double value) { return std::round(1e4 * value) / 1e4; }
+
+Json to_json(const std::optional<Day>& day) { return day ? Json(to_text(*day)) : Json(); }
+
+Json to_json(const PlateDue& due) {
+  constexpr double kYear = 365.25;
+  return {{"parameter", to_string(due.parameter)},
+          {"value", rounded(due.trend.at(due.trend.last))},
+          {"limit", due.limit},
+          {"slope_per_year", rounded(kYear * due.trend.slope)},
+          {"scatter", rounded(due.trend.scatter)},
+          {"not_before", to_text(due.not_before)},
+          {"expected", to_json(due.expected)},
+          {"not_after", to_json(due.not_after)}};
+}
+
+Json to_json(const PlateQuality& day) {
+  Json object{{"date", to_text(day.day)},
+              {"grade", rounded(day.grade)},
+              {"module_px", rounded(day.module_px)}};
+  for (std::size_t i = 0; i < day.values.size(); ++i) {
+    if (day.values[i]) object[to_string(kWearParameters[i])] = rounded(*day.values[i]);
+  }
+  return object;
+}
+
+Json to_json(const MendedFault& fault) {
+  return {{"tag", fault.tag},
+          {"rule", fault.rule.empty() ? Json() : Json(fault.rule)},
+          {"last_found", to_text(fault.last_found)},
+          {"in_order", to_text(fault.in_order)}};
+}
+
+Json to_json(const PlateState& plate) {
+  Json object{{"tag", plate.tag}, {"action", to_string(plate.action)}};
+  if (!plate.reason.empty()) object["reason"] = plate.reason;
+  if (plate.cure) object["cure"] = to_string(*plate.cure);
+  object["last_seen"] = to_json(plate.last_seen);
+  object["photos"] = plate.photos;
+  object["undated"] = plate.undated;
+  if (plate.offset_mm) {
+    Json offset = Json::array();
+    for (const double value : *plate.offset_mm) offset.push_back(rounded(value));
+    object["offset_mm"] = std::move(offset);
+  }
+  object["due"] = plate.due ? to_json(*plate.due) : Json();
+  Json series = Json::array();
+  for (const PlateQuality& day : plate.series) series.push_back(to_json(day));
+  object["series"] = std::move(series);
+  return object;
+}
+
+std::string report_line(const Survey& survey, const LedgerReport& report) {
+  Json object{{"survey", survey.name},
+              {"revision", survey_revision(survey)},
+              {"photos", report.photos.photos},
+              {"undated", report.photos.undated},
+              {"newest", to_json(report.newest)}};
+  for (std::size_t i = 0; i < kPlateActions; ++i) {
+    const auto action = static_cast<PlateAction>(i);
+    if (action != PlateAction::none) {
+      object[to_string(action)] = plates_to(action, survey, report);
+    }
+  }
+  Json mended = Json::array();
+  for (const MendedFault& fault : report.mended) mended.push_back(to_json(fault));
+  object["mended"] = std::move(mended);
+  Json plates = Json::array();
+  for (const PlateState& plate : report.plates) plates.push_back(to_json(plate));
+  object["plates"] = std::move(plates);
+  return json_text({{"ledger", object}});
+}
+
+void print_in_words(const Survey& survey, const LedgerReport& report) {
+  to_stdout("{} photos of {}{}\n", report.photos.photos, survey.name,
+            report.newest ? ", the newest of " + to_text(*report.newest) : "");
+  if (report.photos.undated > 0) {
+    to_stdout("{} of them say no date, and are in no trend\n", report.photos.undated);
+  }
+  std::size_t without = 0;
+  for (const PlateState& plate : report.plates) {
+    if (plate.action == PlateAction::plan) {
+      to_stdout("{} by {}: {} ({})\n", to_string(*plate.cure), due_in_words(plate), plate.tag,
+                plate.reason);
+    } else if (plate.action < PlateAction::plan) {
+      to_stdout("{} now: {} ({})\n", to_string(plate.action), plate.tag, plate.reason);
+    }
+    if (!plate.due && plate.action != PlateAction::unseen) ++without;
+  }
+  for (const MendedFault& fault : report.mended) {
+    to_stdout("mended on {}: {} ({} until {})\n", to_text(fault.in_order), fault.tag,
+              fault.rule.empty() ? "low grade" : fault.rule, to_text(fault.last_found));
+  }
+  if (without > 0) {
+    to_stdout("no trend yet: {} tags, {} days with a grade are needed\n", without, kLeastTrendDays);
+  }
+  const auto unseen = plates_to(PlateAction::unseen, survey, report);
+  if (!unseen.empty()) to_stdout("in no photo with a date: {}\n", fmt::join(unseen, " "));
+  const std::string print = print_command_for(survey, report);
+  if (!print.empty()) to_stdout("print again: {}\n", print);
+}
+
+Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
+  Result<LedgerWriter> ledger = LedgerWriter::open(options.ledger, survey.name);
+  if (!ledger) return tl::unexpected(ledger.error());
+  for (const std::string& lines : options.lines) {
+    Result<void> entered;
+    const auto counts = read_verify_lines(lines, [&](VerifiedFile file) {
+      if (entered) entered = ledger->add(std::move(file));
+    });
+    if (!counts) return tl::unexpected(counts.error());
+    if (!entered) return entered;
+    if (counts->files == 0 && counts->broken > 1) {
+      return fail(
+          fmt::format("{}: none of its {} lines is of `verify --json`", lines, counts->broken));
+    }
+    tell_broken_lines(lines, *counts);
+  }
+  if (auto written = ledger->flush(); !written) return written;
+  ledger->print_tally();
+  return {};
+}
+
+}  // namespace
+
+CommandOption ledger_option(std::string& ledger, const std::string& help) {
+  return file_option("--ledger", &ledger, help);
+}
+
+void add_ledger_files(const std::string& ledger, CommandFiles& files) {
+  files.writes(ledger, "--ledger");
+  if (!ledger.empty()) files.writes(ledger + "-journal", "the journal of --ledger");
+}
+
+Result<LedgerWriter> LedgerWriter::open(const std::string& path, const std::string& survey) {
+  LedgerWriter writer;
+  writer.path_ = path;
+  writer.survey_ = survey;
+  if (path.empty()) return writer;
+  Result<Ledger> ledger = Ledger::open_to_write(path);
+  if (!ledger) return tl::unexpected(ledger.error());
+  writer.ledger_ = std::move(*ledger);
+  return writer;
+}
+
+Result<void> LedgerWriter::add(VerifiedFile file) {
+  constexpr std::size_t kMostWaiting = 500;
+  constexpr std::chrono::seconds kLongest{1};
+  if (!ledger_) return {};
+  waiting_.push_back(std::move(file));
+  const bool is_time = std::chrono::steady_clock::now() - flushed_ > kLongest;
+  return is_time || waiting_.size() >= kMostWaiting ? flush() : Result<void>{};
+}
+
+Result<void> LedgerWriter::flush() {
+  if (!ledger_ || waiting_.empty()) return {};
+  const Result<LedgerTally> entered = ledger_->enter(survey_, waiting_);
+  waiting_.clear();
+  flushed_ = std::chrono::steady_clock::now();
+  if (!entered) {
+    ledger_.reset();
+    return tl::unexpected(entered.error());
+  }
+  tally_.added += entered->added;
+  tally_.replaced += entered->replaced;
+  tally_.known += entered->known;
+  tally_.undated += entered->undated;
+  return {};
+}
+
+void LedgerWriter::print_tally() const {
+  if (path_.empty()) return;
+  to_stderr("{}: {} photos added, {} replaced, {} known\n", path_, tally_.added, tally_.replaced,
+            tally_.known);
+  if (tally_.undated > 0) {
+    to_stderr("{}: {} of these say no date (EXIF, or `time` of the run): they are in no trend\n",
+              path_, tally_.undated);
+  }
+}
+
+std::string due_in_words(const PlateState& plate) {
+  if (!plate.due) return "no trend yet";
+  const PlateDue& due = *plate.due;
+  if (due.is_past) return "passed";
+  if (!due.expected) return "not before " + to_text(due.not_before);
+  return fmt::format("{} ({} {})", to_text(*due.expected), to_text(due.not_before),
+                     due.not_after ? "to " + to_text(*due.not_after) : "or later");
+}
+
+std::string print_command_for(const Survey& survey, const LedgerReport& report) {
+  const std::vector<std::string> tags = plates_to(PlateAction::reprint, survey, report);
+  if (tags.empty()) return {};
+  return fmt::format("tagsmith print {} --tags {}", survey.file.string(), fmt::join(tags, ","));
+}
+
+Result<int> report_ledger(const LedgerOptions& options) {
+  const Result<Survey> survey = load_survey(options.survey);
+  if (!survey) return tl::unexpected(survey.error());
+  CommandFiles files;
+  files.reads(*survey);
+  for (const std::string& lines : options.lines) files.reads(lines, "the lines");
+  add_ledger_files(options.ledger, files);
+  files.writes(options.html, "--html");
+  if (const auto usable = files.check(); !usable) return tl::unexpected(usable.error());
+  if (!options.lines.empty()) {
+    if (auto entered = enter_lines(options, *survey); !entered) {
+      return tl::unexpected(entered.error());
+    }
+  }
+  const Result<Ledger> ledger = Ledger::open_to_read(options.ledger);
+  if (!ledger) return tl::unexpected(ledger.error());
+  const Result<LedgerReport> report = make_ledger_report(*survey, *ledger);
+  if (!report) return tl::unexpected(report.error());
+  if (!options.html.empty()) {
+    const auto written = publish_files({{options.html, ledger_page(*survey, *report)}});
+    if (!written) return tl::unexpected(written.error());
+  }
+  if (options.json) {
+    to_stdout("{}\n", report_line(*survey, *report));
+  } else {
+    print_in_words(*survey, *report);
+  }
+  const bool is_well = std::ranges::all_of(
+      kNow, [&](PlateAction action) { return plates_to(action, *survey, *report).empty(); });
+  return is_well ? kExitOk : kExitFindings;
+}
+
+}  // namespace tagsmith::detail

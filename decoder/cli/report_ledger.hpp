@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// `report --ledger`: what to do about which plate, by all photos that were ever entered.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/ledger/ledger.hpp"
+#include "decoder/ledger/ledger_report.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/cli/command.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+class CommandFiles;
+
+struct LedgerOptions {
+  std::string survey;
+  std::vector<std::string> lines;  // of `verify --json`, entered before
+  std::string ledger;
+  std::string html;  // empty = no page
+  bool json = false;
+};
+
+// --ledger FILE.
+CommandOption ledger_option(std::string& ledger, const std::string& help);
+
+// Names the ledger and what SQLite writes beside it as outputs of the command.
+void add_ledger_files(const std::string& ledger, CommandFiles& files);
+
+// Enters photos as they come, those of a second in one transaction: each takes some twenty
+// milliseconds until it is on the disk. What a killed run did not enter is entered by the next one.
+class LedgerWriter {
+ public:
+  // Without a ledger where `path` is empty.
+  static Result<LedgerWriter> open(const std::string& path, const std::string& survey);
+
+  // The first failure is returned once, and ends the writing.
+  Result<void> add(VerifiedFile file);
+  Result<void> flush();
+
+  // On standard error, what was entered.
+  void print_tally() const;
+
+ private:
+  std::string path_;
+  std::string survey_;
+  std::optional<Ledger> ledger_;
+  std::vector<VerifiedFile> waiting_;
+  std::chrono::steady_clock::time_point flushed_ = std::chrono::steady_clock::now();
+  LedgerTally tally_;
+};
+
+// The exit code: 1 when something is to be done now.
+Result<int> report_ledger(const LedgerOptions& options);
+
+// The page for who looks after the tags, which needs nothing else.
+std::string ledger_page(const Survey& survey, const LedgerReport& report);
+
+// "2027-05-01 (2027-03-12 to 2027-08-20)", "not before 2027-03-12", or "no trend yet".
+std::string due_in_words(const PlateState& plate);
+
+// The command that prints the plates which are to be reprinted; empty when there are none.
+std::string print_command_for(const Survey& survey, const LedgerReport& report);
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ledger: what photos showed of each plate, run after run, in one SQLite file
+// (docs/formats.md).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "decoder/verify/verified_file.hpp"
+#include "tagsmith/base/result.hpp"
+
+struct sqlite3;
+
+namespace tagsmith::detail {
+
+// What wear and dirt change of a symbol, in the order of the ledger's columns.
+inline constexpr std::array kWearParameters{GradeParameter::symbol_contrast,
+                                            GradeParameter::modulation,
+                                            GradeParameter::decodability, GradeParameter::defects};
+using WearValues = std::array<std::optional<double>, kWearParameters.size()>;
+
+// A plate in a photo, as the ledger has it.
+struct PlateSighting {
+  std::string tag;
+  std::string digits;  // as read; empty when unreadable
+  std::string taken;   // of the photo; empty = not known
+  bool up_known = false;
+  Finding finding;
+  double module_px = 0;
+  std::optional<double> grade;
+  WearValues values{};
+  std::string hanging;  // verdict; empty = not judged
+  std::optional<std::array<double, 3>> offset_mm;
+};
+
+struct LedgerCounts {
+  std::size_t photos = 0;
+  std::size_t undated = 0;
+};
+
+// What became of photos' results that were to be entered.
+struct LedgerTally {
+  std::size_t added = 0;
+  std::size_t replaced = 0;  // the photo was there with another result
+  std::size_t known = 0;     // with this result: nothing was written
+  std::size_t undated = 0;   // of those that were written
+};
+
+class Ledger {
+ public:
+  // Makes the file where there is none. Fails without touching the file when it is no ledger, or
+  // one of a newer version, and when it cannot be written.
+  static Result<Ledger> open_to_write(const std::filesystem::path& path);
+
+  // Fails when there is no ledger.
+  static Result<Ledger> open_to_read(const std::filesystem::path& path);
+
+  // Photos with their plates, all in one transaction, which is on the disk when this returns. Print
+  // files, and files that could not be read, are left out. Other processes may write at the same
+  // time.
+  Result<LedgerTally> enter(const std::string& survey, std::span<const VerifiedFile> files);
+
+  Result<LedgerCounts> count_photos(const std::string& survey) const;
+
+  // Calls `take` with each sighting of the survey's plates, plate by plate.
+  Result<void> for_each_sighting(const std::string& survey,
+                                 const std::function<void(const PlateSighting&)>& take) const;
+
+ private:
+  Ledger(std::filesystem::path path, std::shared_ptr<sqlite3> database)
+      : path_(std::move(path)), database_(std::move(database)) {}
+  static Result<Ledger> open(const std::filesystem::path& path, int flags);
+  Result<void> make_tables() const;
+  Result<void> enter_one(const std::string& survey, const VerifiedFile& file,
+                         const std::string& result, LedgerTally& tally) const;
+  Result<void> write_photo(const std::string& survey, const VerifiedFile& file,
+                           const std::string& result) const;
+  Result<std::string> stored_result(const std::string& survey, const std::string& sha256) const;
+
+  std::filesystem::path path_;
+  std::shared_ptr<sqlite3> database_;
+};
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the ledger says of all plates of a survey.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "decoder/ledger/ledger.hpp"
+#include "decoder/ledger/plate_history.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/survey.hpp"
+
+namespace tagsmith::detail {
+
+struct LedgerReport {
+  LedgerCounts photos;
+  std::optional<Day> newest;        // day of the newest photo of a plate
+  std::vector<PlateState> plates;   // all of the survey, the most urgent first
+  std::vector<MendedFault> mended;  // the latest first
+};
+
+Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger);
+
+// The survey's plates for which this is to be done, in the survey's order.
+std::vector<std::string> plates_to(PlateAction action, const Survey& survey,
+                                   const LedgerReport& report);
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/ledger/plate_history.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/date.hpp"
+#include "tagsmith/base/quantile.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// What mends a fault, by its rule (docs/verify-rules.md); nothing of a rule that tells of the photo
+// and not of the plate.
+std::optional<PlateAction> cure_of(std::string_view rule) {
+  struct Cure {
+    std::string_view rule;
+    PlateAction action;
+  };
+  constexpr std::array kCures{
+      Cure{"bars-grown", PlateAction::reprint},     Cure{"bent", PlateAction::reprint},
+      Cure{"check-digit", PlateAction::reprint},    Cure{"check-scheme", PlateAction::reprint},
+      Cure{"inverted", PlateAction::reprint},       Cure{"mirrored", PlateAction::reprint},
+      Cure{"no-frame", PlateAction::reprint},       Cure{"wrong-scale", PlateAction::reprint},
+      Cure{"covered", PlateAction::clean},          Cure{"low-contrast", PlateAction::clean},
+      Cure{"undecodable", PlateAction::clean},      Cure{"contradiction", PlateAction::rehang},
+      Cure{"duplicate", PlateAction::rehang},       Cure{"moved", PlateAction::rehang},
+      Cure{"no-common-place", PlateAction::rehang}, Cure{"second-copy", PlateAction::rehang},
+      Cure{"swapped", PlateAction::rehang},         Cure{"upside-down", PlateAction::rehang},
+      Cure{"wrong-wall", PlateAction::rehang},
+  };
+  const auto cure = std::ranges::find(kCures, rule, &Cure::rule);
+  return cure == kCures.end() ? std::nullopt : std::optional(cure->action);
+}
+
+// Whether the fault would have been found on this day, on which the plate was in order.
+bool tells(const PlateDay& day, const Finding& fault) {
+  if (fault.status == TagStatus::misplaced || fault.status == TagStatus::doubtful) {
+    return day.placed;
+  }
+  return fault.rule != "upside-down" || day.up_known;
+}
+
+// Better is greater.
+double goodness(std::size_t parameter, double value) {
+  return kWearParameters[parameter] == GradeParameter::defects ? -value : value;
+}
+
+double failing(std::size_t parameter) {
+  return goodness(parameter, grade_limits(kWearParameters[parameter])[3]);
+}
+
+struct FaultHistory {
+  std::optional<MendedFault> mended;
+  std::optional<Finding> open;
+};
+
+FaultHistory trace_fault(const std::string& tag, const PlateHistory& history,
+                         const std::string& rule) {
+  FaultHistory traced;
+  Day found{};
+  for (const auto& [day, seen] : history.days) {
+    const auto fault = seen.faults.find(rule);
+    if (fault != seen.faults.end()) {
+      traced = {std::nullopt, fault->second};
+      found = day;
+    } else if (traced.open && seen.in_order && tells(seen, *traced.open)) {
+      traced = {MendedFault{tag, rule, found, day}, std::nullopt};
+    }
+  }
+  return traced;
+}
+
+// Photos of one plate are compared where they show it about equally large: the fewer pixels a
+// module has, the more the lens takes from modulation and decodability.
+std::vector<PlateQuality> qualities_of(const PlateHistory& history) {
+  constexpr double kLikeScale = 1.5;
+  std::vector<double> sizes;
+  for (const auto& [day, seen] : history.days) {
+    double largest = 0;
+    for (const WearSample& sample : seen.samples) largest = std::max(largest, sample.module_px);
+    if (largest > 0) sizes.push_back(largest);
+  }
+  if (sizes.empty()) return {};
+  const double usual = quantile(sizes, 0.5);
+  std::vector<PlateQuality> qualities;
+  for (const auto& [day, seen] : history.days) {
+    PlateQuality best{day};
+    for (const WearSample& sample : seen.samples) {
+      if (sample.module_px > usual * kLikeScale || sample.module_px < usual / kLikeScale) continue;
+      best.module_px = std::max(best.module_px, sample.module_px);
+      best.grade = std::max(best.grade, sample.grade);
+      for (std::size_t i = 0; i < best.values.size(); ++i) {
+        const auto& value = sample.values[i];
+        if (!value || (best.values[i] && goodness(i, *value) <= goodness(i, *best.values[i]))) {
+          continue;
+        }
+        best.values[i] = value;
+      }
+    }
+    if (best.module_px > 0) qualities.push_back(best);
+  }
+  return qualities;
+}
+
+// Where the last series begins: the plate was cleaned or replaced when its grade rises by a whole
+// grade above the better one of the two days before, and is as high on the next day. A single bad
+// day, or a single good one before others, is no such rise.
+std::size_t find_rise(const std::vector<PlateQuality>& days) {
+  constexpr double kRise = 1.0;
+  for (std::size_t i = days.size(); i-- > 2;) {
+    const double before = std::max(days[i - 1].grade, days[i - 2].grade);
+    const double after =
+        i + 1 < days.size() ? std::min(days[i].grade, days[i + 1].grade) : days[i].grade;
+    if (after - before >= kRise) return i;
+  }
+  return 0;
+}
+
+Day day_of(double days) { return Day(std::chrono::days(static_cast<int>(std::floor(days)))); }
+
+// When the trend of one quality is at its limit. Nothing is said beyond twice the days observed.
+PlateDue due_of(Trend trend, std::size_t parameter) {
+  const double limit = failing(parameter);
+  const double horizon = trend.last + 2 * (trend.last - trend.first);
+  Crossing crossing{trend.last, trend.last, trend.last};
+  const bool is_past = trend.at(trend.last) <= limit;
+  if (!is_past) crossing = crossing_of(trend, limit);
+  const auto within = [&](std::optional<double> day) {
+    return day && *day <= horizon ? std::optional(day_of(*day)) : std::nullopt;
+  };
+  trend.level = goodness(parameter, trend.level);
+  trend.slope = goodness(parameter, trend.slope);
+  PlateDue due{kWearParameters[parameter], trend, goodness(parameter, limit), is_past};
+  due.not_before = within(crossing.earliest).value_or(day_of(horizon));
+  due.expected = within(crossing.expected);
+  due.not_after = within(crossing.latest);
+  return due;
+}
+
+// The first to reach its limit.
+std::optional<PlateDue> first_due(const std::vector<PlateQuality>& series) {
+  std::optional<PlateDue> first;
+  const auto is_earlier = [](const PlateDue& a, const PlateDue& b) {
+    if (a.expected.has_value() != b.expected.has_value()) return a.expected.has_value();
+    return a.expected && *a.expected != *b.expected ? *a.expected < *b.expected
+                                                    : a.not_before < b.not_before;
+  };
+  for (std::size_t i = 0; i < kWearParameters.size(); ++i) {
+    std::vector<TrendPoint> points;
+    for (const PlateQuality& day : series) {
+      if (!day.values[i]) continue;
+      points.push_back(
+          {static_cast<double>(day.day.time_since_epoch().count()), goodness(i, *day.values[i])});
+    }
+    const std::optional<Trend> trend = fit_trend(points);
+    if (!trend) continue;
+    const PlateDue due = due_of(*trend, i);
+    if (!first || is_earlier(due, *first)) first = due;
+  }
+  return first;
+}
+
+// Dirt takes light; wear and damage move edges and tear elements. So lost contrast or modulation
+// is cleaned while the edges are where they belong, all else is printed anew.
+PlateAction cure_of(GradeParameter parameter, const WearValues& values) {
+  const auto is_sound = [&](std::size_t i) {
+    const auto limits = grade_limits(kWearParameters[i]);
+    return !values[i] || goodness(i, *values[i]) >= goodness(i, limits[2]);  // grade 2
+  };
+  const bool edges_are_sound = is_sound(2) && is_sound(3);
+  const bool is_light =
+      parameter == GradeParameter::symbol_contrast || parameter == GradeParameter::modulation;
+  return is_light && edges_are_sound ? PlateAction::clean : PlateAction::reprint;
+}
+
+std::string in_words(const PlateDue& due) {
+  const std::string name = to_string(due.parameter);
+  const double now = due.trend.at(due.trend.last);
+  return fmt::format("{} {:.2f}, limit {:.2f}", name, now, due.limit);
+}
+
+// The quality of a day that is beyond its limit; what wears before what light does.
+std::optional<std::size_t> failed(const PlateQuality& day) {
+  for (std::size_t i = kWearParameters.size(); i-- > 0;) {
+    if (day.values[i] && goodness(i, *day.values[i]) < failing(i)) return i;
+  }
+  return std::nullopt;
+}
+
+void act(PlateAction action, const std::string& reason, PlateState& state) {
+  if (action >= state.action) return;
+  state.action = action;
+  state.reason = reason;
+}
+
+// A trend does not know what happened at once. What one day shows may be the day's, so somebody is
+// to look, unless it is all that there is; two days are believed.
+void judge_last_days(PlateState& state) {
+  const PlateQuality& last = state.series.back();
+  const auto parameter = failed(last);
+  if (!parameter) return;
+  const bool is_alone = state.series.size() > 1 && !failed(state.series[state.series.size() - 2]);
+  act(is_alone ? PlateAction::look : cure_of(kWearParameters[*parameter], last.values),
+      fmt::format("{} {:.2f} on {}, limit {:.2f}", to_string(kWearParameters[*parameter]),
+                  *last.values[*parameter], to_text(last.day),
+                  grade_limits(kWearParameters[*parameter])[3]),
+      state);
+}
+
+void judge_quality(Day newest, PlateState& state) {
+  if (state.series.empty()) return;
+  state.due = first_due(state.series);
+  if (!state.due || !state.due->is_past) judge_last_days(state);
+  if (!state.due || !state.due->expected) return;
+  const PlateAction cure = cure_of(state.due->parameter, state.series.back().values);
+  const bool is_now = *state.due->expected <= newest;
+  if (!is_now && state.action > PlateAction::plan) state.cure = cure;
+  act(is_now ? cure : PlateAction::plan, in_words(*state.due), state);
+}
+
+void judge_faults(const PlateHistory& history, PlateState& state) {
+  std::map<std::string, Finding> rules;
+  for (const auto& [day, seen] : history.days) rules.insert(seen.faults.begin(), seen.faults.end());
+  for (const auto& [rule, fault] : rules) {
+    const FaultHistory traced = trace_fault(state.tag, history, rule);
+    if (traced.mended) state.mended.push_back(*traced.mended);
+    const PlateAction action = cure_of(rule).value_or(PlateAction::none);
+    if (traced.open) act(action, traced.open->message, state);
+  }
+}
+
+// The days since the plate was last cleaned or replaced.
+void find_series(const PlateHistory& history, PlateState& state) {
+  state.series = qualities_of(history);
+  const std::size_t rise = find_rise(state.series);
+  Day begin = state.series.empty() ? Day{} : state.series[rise].day;
+  if (rise > 0) state.mended.push_back({state.tag, "", state.series[rise - 1].day, begin});
+  for (const MendedFault& fault : state.mended) {
+    const auto cure = cure_of(fault.rule);
+    if (cure && *cure <= PlateAction::clean) begin = std::max(begin, fault.in_order);
+  }
+  std::erase_if(state.series, [&](const PlateQuality& day) { return day.day < begin; });
+}
+
+}  // namespace
+
+std::string to_string(PlateAction action) {
+  constexpr std::array kNames{"reprint", "clean", "rehang", "look", "plan", "none", "unseen"};
+  return kNames[static_cast<std::size_t>(action)];
+}
+
+void add(const PlateSighting& seen, PlateHistory& history) {
+  if (seen.finding.status == TagStatus::cut_off) return;
+  ++history.photos;
+  const auto day = parse_day(std::string_view(seen.taken).substr(0, 10));
+  if (!day) {
+    ++history.undated;
+    return;
+  }
+  PlateDay& of_day = history.days[*day];
+  ++of_day.photos;
+  if (seen.offset_mm) of_day.offset_mm = seen.offset_mm;
+  if (seen.finding.is_fault()) {
+    if (cure_of(seen.finding.rule)) of_day.faults.emplace(seen.finding.rule, seen.finding);
+    return;
+  }
+  of_day.in_order = true;
+  of_day.placed = of_day.placed || seen.hanging == "fits";
+  of_day.up_known = of_day.up_known || seen.up_known;
+  if (seen.grade) of_day.samples.push_back({seen.module_px, *seen.grade, seen.values});
+}
+
+PlateState judge_plate(const std::string& tag, const PlateHistory& history, Day newest) {
+  PlateHistory dated = history;
+  for (auto& [day, seen] : dated.days) {
+    // What hid the plate in one photo and not in another of the day is not on the plate.
+    if (!seen.in_order) continue;
+    std::erase_if(seen.faults,
+                  [](const auto& fault) { return fault.second.status == TagStatus::unreadable; });
+  }
+  PlateState state;
+  state.tag = tag;
+  state.photos = history.photos;
+  state.undated = history.undated;
+  for (const auto& [day, seen] : dated.days) {
+    if (seen.in_order) state.last_seen = day;
+    if (seen.offset_mm) state.offset_mm = seen.offset_mm;
+  }
+  judge_faults(dated, state);
+  find_series(dated, state);
+  judge_quality(newest, state);
+  if (dated.days.empty()) state.action = PlateAction::unseen;
+  return state;
+}
+
+}  // namespace tagsmith::detail

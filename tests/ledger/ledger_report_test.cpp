@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/ledger/ledger_report.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/survey/read_survey.hpp"
+#include "tests/ledger/ledger_file.hpp"
+#include "tests/support/program.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// A photo of the corridor's left wall on the nth day of March, of all plates but one.
+VerifiedFile photo_of_wall(const Survey& survey, int day, const std::string& without) {
+  VerifiedFile file = test::numbered_photo(day);
+  file.taken = fmt::format("2026-03-{:02}T08:00:00", day);
+  file.tags.clear();
+  for (const PlacedTag& tag : survey.tags) {
+    if (tag.side != Side::left || tag.name == without) continue;
+    VerifiedTag& seen = file.tags.emplace_back();
+    seen.tag = tag.name;
+    seen.digits = tag.digits;
+    seen.module_px = 3;
+  }
+  return file;
+}
+
+}  // namespace
+
+TEST_CASE("a plate that is no longer seen while its neighbours are is to be looked for") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  std::vector<VerifiedFile> photos;
+  for (int day = 1; day <= 5; ++day) {
+    photos.push_back(photo_of_wall(survey, day, day <= 3 ? "" : "003L"));
+    if (day == 4) {
+      REQUIRE(ledger.enter(survey.name, photos));
+      // One day may be somebody who stood before it.
+      CHECK(
+          plates_to(PlateAction::look, survey, make_ledger_report(survey, ledger).value()).empty());
+    }
+  }
+  REQUIRE(ledger.enter(survey.name, photos));
+  const LedgerReport report = make_ledger_report(survey, ledger).value();
+  CHECK(plates_to(PlateAction::look, survey, report) == std::vector<std::string>{"003L"});
+  CHECK(report.plates.front().tag == "003L");
+  CHECK(report.plates.size() == survey.tags.size());
+  CHECK(plates_to(PlateAction::unseen, survey, report).size() == 8);  // the right wall
+  CHECK(report.photos.photos == 5);
+}
+
+TEST_CASE("nothing is missing where the drive had ended") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  for (int day = 1; day <= 5; ++day) {
+    VerifiedFile photo = photo_of_wall(survey, day, "000L");
+    photo.tags.resize(4);
+    REQUIRE(ledger.enter(survey.name, std::array{photo}));
+  }
+  const LedgerReport report = make_ledger_report(survey, ledger).value();
+  CHECK(plates_to(PlateAction::look, survey, report).empty());
+  CHECK(plates_to(PlateAction::unseen, survey, report).size() == 12);
+}
+
+TEST_CASE("plates with the digits that a tag had before it was moved are others") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+  VerifiedFile photo = photo_of_wall(survey, 1, "003L");
+  photo.tags[0].digits = parse_digits("019000800402");
+  REQUIRE(ledger.enter(survey.name, std::array{photo}));
+  const auto unseen =
+      plates_to(PlateAction::unseen, survey, make_ledger_report(survey, ledger).value());
+  CHECK(unseen.size() == 10);
+  CHECK(unseen.front() == photo.tags[0].tag);
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/ledger/plate_history.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/date.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+Day day(const char* text) { return parse_day(text).value(); }
+
+constexpr std::array kDays{"2026-01-01", "2026-02-01", "2026-03-01", "2026-04-01",
+                           "2026-05-01", "2026-06-01", "2026-07-01"};
+
+// A photo in order on this day, of good print apart from what is given.
+PlateSighting good(const std::string& on, double modulation = 0.8, double decodability = 0.75) {
+  PlateSighting seen;
+  seen.tag = "000L";
+  seen.taken = on + "T10:00:00";
+  seen.module_px = 6;
+  seen.values = {std::nullopt, modulation, decodability, 0.05};
+  seen.grade = modulation >= 0.7 && decodability >= 0.62 ? 4 : modulation < 0.5 ? 1.5 : 3;
+  return seen;
+}
+
+PlateSighting bad(const std::string& on, TagStatus status, const std::string& rule) {
+  PlateSighting seen;
+  seen.tag = "000L";
+  seen.taken = on + "T10:00:00";
+  seen.finding = {status, rule, "because of " + rule};
+  return seen;
+}
+
+PlateState judge(const std::vector<PlateSighting>& seen, const char* newest = "2026-07-01") {
+  PlateHistory history;
+  for (const PlateSighting& one : seen) add(one, history);
+  return judge_plate("000L", history, day(newest));
+}
+
+}  // namespace
+
+TEST_CASE("light that is lost is cleaned, edges that are worn are printed anew") {
+  std::vector<PlateSighting> dirty, worn, both;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double lost = 0.1 * static_cast<double>(i);
+    dirty.push_back(good(kDays[i], 0.65 - lost));
+    worn.push_back(good(kDays[i], 0.8, 0.5 - lost));
+    both.push_back(good(kDays[i], 0.65 - lost, 0.5 - lost / 2));
+  }
+  CHECK(judge(dirty).action == PlateAction::clean);
+  CHECK(judge(worn).action == PlateAction::reprint);
+  CHECK(judge(both).action == PlateAction::reprint);
+  CHECK(judge(dirty).due->is_past);
+  CHECK(judge(dirty).due->parameter == GradeParameter::modulation);
+}
+
+TEST_CASE("a trend states when it is at the limit, and not more than it can tell") {
+  std::vector<PlateSighting> seen;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double days = static_cast<double>((day(kDays[i]) - day(kDays[0])).count());
+    seen.push_back(good(kDays[i], 0.7 - 0.0015 * days));
+    if (i < 2) {
+      CHECK_FALSE(judge(seen).due);
+      CHECK(judge(seen).action == PlateAction::none);
+    }
+  }
+  const PlateState state = judge(seen, kDays[3]);
+  CHECK(state.action == PlateAction::plan);
+  CHECK(state.cure == PlateAction::clean);
+  REQUIRE(state.due);
+  CHECK(state.due->limit == 0.40);
+  // 0.3 above the limit, at 0.0015 a day.
+  CHECK(std::abs((*state.due->expected - day(kDays[0])).count() - 200) <= 1);
+  // Seen on 90 days: nothing is said of what is 180 days beyond the last one.
+  for (PlateSighting& one : seen) one.values[1] = *one.values[1] / 2 + 0.35;
+  const PlateState slow = judge(seen, kDays[3]);
+  CHECK(slow.action == PlateAction::none);
+  CHECK_FALSE(slow.due->expected);
+  CHECK(slow.due->not_before == day("2026-09-28"));
+}
+
+TEST_CASE("a plate that suddenly fails is to be looked at, and one that goes on failing is known") {
+  std::vector<PlateSighting> seen;
+  for (std::size_t i = 0; i < 5; ++i) seen.push_back(good(kDays[i]));
+  seen.push_back(good(kDays[5], 0.2));
+  const PlateState once = judge(seen, kDays[5]);
+  CHECK(once.action == PlateAction::look);
+  CHECK_FALSE(once.cure);
+  seen.push_back(good(kDays[6], 0.25));
+  CHECK(judge(seen).action == PlateAction::clean);
+  // Of a plate that was never seen otherwise, one day is all there is.
+  CHECK(judge({good(kDays[5], 0.8, 0.1)}).action == PlateAction::reprint);
+  CHECK(judge({good(kDays[4]), good(kDays[5], 0.8, 0.1)}).action == PlateAction::look);
+}
+
+TEST_CASE("defects rise to their limit") {
+  std::vector<PlateSighting> seen;
+  for (std::size_t i = 0; i < 4; ++i) {
+    seen.push_back(good(kDays[i]));
+    seen.back().values[3] = 0.1 + 0.05 * static_cast<double>(i);
+  }
+  const PlateState state = judge(seen, kDays[3]);
+  CHECK(state.action == PlateAction::plan);
+  CHECK(state.cure == PlateAction::reprint);
+  CHECK(state.due->parameter == GradeParameter::defects);
+  CHECK(state.due->limit == 0.30);
+  CHECK(state.due->trend.slope > 0);
+}
+
+TEST_CASE("a plate that was mended begins anew, and a single bad day is no such thing") {
+  std::vector<PlateSighting> seen;
+  for (std::size_t i = 0; i < 7; ++i) seen.push_back(good(kDays[i], i < 3 ? 0.45 : 0.8));
+  const PlateState state = judge(seen);
+  REQUIRE(state.mended.size() == 1);
+  CHECK(state.mended[0].rule.empty());
+  CHECK(state.mended[0].last_found == day(kDays[2]));
+  CHECK(state.mended[0].in_order == day(kDays[3]));
+  CHECK(state.series.size() == 4);
+  CHECK(state.action == PlateAction::none);
+  for (const std::size_t dim : {0U, 3U}) {
+    std::vector<PlateSighting> one_bad;
+    for (std::size_t i = 0; i < 7; ++i) one_bad.push_back(good(kDays[i], i == dim ? 0.45 : 0.8));
+    CHECK(judge(one_bad).mended.empty());
+    CHECK(judge(one_bad).series.size() == 7);
+  }
+}
+
+TEST_CASE("a fault is open until a later day tells that it is gone") {
+  const auto moved = bad(kDays[0], TagStatus::misplaced, "moved");
+  CHECK(judge({moved}).action == PlateAction::rehang);
+  CHECK(judge({moved}).reason == "because of moved");
+  // In order, but nothing told where it hangs.
+  CHECK(judge({moved, good(kDays[1])}).action == PlateAction::rehang);
+  PlateSighting placed = good(kDays[1]);
+  placed.hanging = "fits";
+  const PlateState mended = judge({moved, placed});
+  CHECK(mended.action == PlateAction::none);
+  REQUIRE(mended.mended.size() == 1);
+  CHECK(mended.mended[0].rule == "moved");
+  CHECK(mended.mended[0].in_order == day(kDays[1]));
+  // And again.
+  const auto again = bad(kDays[2], TagStatus::misplaced, "moved");
+  CHECK(judge({moved, placed, again}).action == PlateAction::rehang);
+  CHECK(judge({moved, placed, again}).mended.empty());
+  const auto turned = bad(kDays[0], TagStatus::misprinted, "upside-down");
+  CHECK(judge({turned, good(kDays[1])}).action == PlateAction::rehang);
+  PlateSighting upright = good(kDays[1]);
+  upright.up_known = true;
+  CHECK(judge({turned, upright}).action == PlateAction::none);
+}
+
+TEST_CASE("what lies with a photo is not the plate's") {
+  CHECK(judge({bad(kDays[0], TagStatus::unreadable, "glare")}).action == PlateAction::none);
+  const auto covered = bad(kDays[0], TagStatus::unreadable, "covered");
+  CHECK(judge({covered}).action == PlateAction::clean);
+  // Another photo of the day shows it.
+  CHECK(judge({covered, good(kDays[0])}).action == PlateAction::none);
+  CHECK(judge({covered, good(kDays[0])}).mended.empty());
+  CHECK(judge({covered, good(kDays[1])}).mended.size() == 1);
+  auto cut_off = bad(kDays[0], TagStatus::cut_off, "cut-off");
+  CHECK(judge({cut_off}).photos == 0);
+}
+
+TEST_CASE("photos are compared where they show the plate about equally large") {
+  std::vector<PlateSighting> seen;
+  for (std::size_t i = 0; i < 4; ++i) seen.push_back(good(kDays[i]));
+  PlateSighting far = good(kDays[4], 0.42);
+  far.module_px = 3.9;  // of the others 6
+  seen.push_back(far);
+  CHECK(judge(seen).series.size() == 4);
+  far.module_px = 4.1;
+  seen.back() = far;
+  CHECK(judge(seen).series.size() == 5);
+  // Of a day the best photo counts.
+  seen.push_back(good(kDays[4], 0.79));
+  CHECK(*judge(seen).series.back().values[1] == 0.79);
+}
+
+TEST_CASE("a photo without a date is counted and in no trend") {
+  std::vector<PlateSighting> seen{good(kDays[0]), good(kDays[1])};
+  PlateSighting undated = bad(kDays[2], TagStatus::misprinted, "mirrored");
+  undated.taken.clear();
+  seen.push_back(undated);
+  const PlateState state = judge(seen);
+  CHECK(state.photos == 3);
+  CHECK(state.undated == 1);
+  CHECK(state.action == PlateAction::none);
+  CHECK(judge({undated}).action == PlateAction::unseen);
+  CHECK(judge({}).action == PlateAction::unseen);
+  // Nor what a ledger was made to say.
+  undated.taken = "2026-99-99 nonsense";
+  CHECK(judge({undated}).undated == 1);
+}
+
+}  // namespace tagsmith::detail
