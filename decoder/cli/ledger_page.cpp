@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kStyle = R"css(
 .do { font-size: 1rem; } .do th, .do td { font-size: 1rem; }
-.do b { font-size: 1.05rem; }
+.do b { font-size: 1.05rem; } td b { white-space: nowrap; }
 .none { color: var(--ok); } .reprint, .rehang { color: var(--faulty); }
 .clean, .look, .plan { color: var(--poor); }
 code { background: var(--card); border: 1px solid var(--line); border-radius: 6px; padding: 4px 8px;
@@ -144,7 +144,7 @@ std::string plate_rows(const LedgerReport& report) {
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"{}\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td class=\"more\">{}</td></tr>\n",
-        markup_text(plate.tag), to_string(plate.action), heading_of(plate.action), grade,
+        markup_text(plate.tag), to_string(plate.action), to_string(plate.action), grade,
         spark_of(plate, span), due_in_words(plate),
         plate.last_seen ? to_text(*plate.last_seen) : "-", plate.photos);
   }
@@ -166,6 +166,9 @@ std::string heading(const Survey& survey, const LedgerReport& report) {
   if (report.photos.undated > 0) {
     text += fmt::format("<p class=\"known\">{} photos say no date, and are in no trend.</p>\n",
                         report.photos.undated);
+  }
+  if (report.blames_camera()) {
+    text += "<p class=\"poor\"><b>" + markup_text(camera_in_words(report)) + ".</b></p>\n";
   }
   return text;
 }

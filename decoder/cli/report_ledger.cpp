@@ -28,6 +28,16 @@ using Json = nlohmann::ordered_json;
 constexpr std::array kNow{PlateAction::reprint, PlateAction::clean, PlateAction::rehang,
                           PlateAction::look};
 
+// As a shell takes it for one word.
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./,-";
+  if (text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
 double rounded(double value) { return std::round(1e4 * value) / 1e4; }
 
 Json to_json(const std::optional<Day>& day) { return day ? Json(to_text(*day)) : Json(); }
@@ -85,7 +95,10 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
               {"revision", survey_revision(survey)},
               {"photos", report.photos.photos},
               {"undated", report.photos.undated},
-              {"newest", to_json(report.newest)}};
+              {"newest", to_json(report.newest)},
+              {"trends", report.trends},
+              {"losing_light", report.losing_light},
+              {"blames_camera", report.blames_camera()}};
   for (std::size_t i = 0; i < kPlateActions; ++i) {
     const auto action = static_cast<PlateAction>(i);
     if (action != PlateAction::none) {
@@ -107,6 +120,7 @@ void print_in_words(const Survey& survey, const LedgerReport& report) {
   if (report.photos.undated > 0) {
     to_stdout("{} of them say no date, and are in no trend\n", report.photos.undated);
   }
+  if (report.blames_camera()) to_stdout("{}\n", camera_in_words(report));
   std::size_t without = 0;
   for (const PlateState& plate : report.plates) {
     if (plate.action == PlateAction::plan) {
@@ -220,7 +234,8 @@ std::string due_in_words(const PlateState& plate) {
 std::string print_command_for(const Survey& survey, const LedgerReport& report) {
   const std::vector<std::string> tags = plates_to(PlateAction::reprint, survey, report);
   if (tags.empty()) return {};
-  return fmt::format("tagsmith print {} --tags {}", survey.file.string(), fmt::join(tags, ","));
+  return fmt::format("tagsmith print {} --tags {} -o print", shell_word(survey.file.string()),
+                     shell_word(fmt::format("{}", fmt::join(tags, ","))));
 }
 
 Result<int> report_ledger(const LedgerOptions& options) {

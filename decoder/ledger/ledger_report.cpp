@@ -86,6 +86,14 @@ std::vector<const PlacedTag*> wall_of(const Survey& survey, Side side) {
   return wall;
 }
 
+void count_trend(const PlateState& plate, LedgerReport& report) {
+  if (!plate.due) return;
+  ++report.trends;
+  const bool is_light = plate.due->parameter == GradeParameter::symbol_contrast ||
+                        plate.due->parameter == GradeParameter::modulation;
+  if (is_light && plate.due->expected) ++report.losing_light;
+}
+
 auto urgency(const PlateState& plate) {
   const bool is_dated = plate.due && plate.due->expected;
   return std::make_tuple(plate.action, !is_dated, is_dated ? *plate.due->expected : Day{});
@@ -113,12 +121,20 @@ Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledg
                       report.newest.value_or(Day{})));
       PlateState& state = report.plates.back();
       find_lost(*histories, neighbours_of(*histories, wall, i), state);
+      count_trend(state, report);
       report.mended.insert(report.mended.end(), state.mended.begin(), state.mended.end());
     }
   }
   std::ranges::stable_sort(report.plates, {}, urgency);
   std::ranges::stable_sort(report.mended, std::ranges::greater{}, &MendedFault::in_order);
   return report;
+}
+
+std::string camera_in_words(const LedgerReport& report) {
+  return fmt::format(
+      "{} of {} plates lose light at once: clean the cameras' lenses first, and check focus, lamps "
+      "and exposure",
+      report.losing_light, report.trends);
 }
 
 std::vector<std::string> plates_to(PlateAction action, const Survey& survey,

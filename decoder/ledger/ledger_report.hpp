@@ -18,7 +18,15 @@ struct LedgerReport {
   std::optional<Day> newest;        // day of the newest photo of a plate
   std::vector<PlateState> plates;   // all of the survey, the most urgent first
   std::vector<MendedFault> mended;  // the latest first
+  std::size_t trends = 0;           // plates that have one
+  std::size_t losing_light = 0;     // of these, by contrast or modulation on their way to the limit
+
+  // Plates do not get dirty all at once: then it is a lens, its focus, a lamp, or dust in the air.
+  bool blames_camera() const { return trends >= 5 && 2 * losing_light > trends; }
 };
+
+// What to do when the report blames the camera, in words.
+std::string camera_in_words(const LedgerReport& report);
 
 Result<LedgerReport> make_ledger_report(const Survey& survey, const Ledger& ledger);
 

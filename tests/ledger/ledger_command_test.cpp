@@ -109,6 +109,32 @@ TEST_CASE("the time of a run dates photos that say none") {
   }
 }
 
+TEST_CASE("what a ledger was made to say is shown and does nothing") {
+  const TemporaryFolder folder;
+  const std::string ledger = (folder.path() / "mine.db").string();
+  const fs::path page = folder.path() / "page.html";
+  copy_photos(folder.path() / "photos", "2026-03-01");
+  run_tagsmith("verify " + kSurvey + (folder.path() / "photos").string() + " --ledger " + ledger);
+  query(
+      ledger,
+      "UPDATE plate SET status = 'misplaced', rule = 'moved', message = '<script>' || char(27, 10) "
+      "WHERE tag = '000L'; UPDATE plate SET grade = 9e999, modulation = -9e999, module_px = 9e999 "
+      "WHERE tag = '001L'; UPDATE photo SET taken = '9999-12-31' WHERE id = 1; "
+      "CREATE TRIGGER evil AFTER INSERT ON photo BEGIN DELETE FROM plate; END");
+  const ProgramOutput output =
+      run_tagsmith("report " + kSurvey + "--ledger " + ledger + " --html " + page.string());
+  CHECK(output.exit_code == 1);
+  CHECK(output.out.find('\x1b') == std::string::npos);
+  CHECK(read_file(page).value().find("<script>") == std::string::npos);
+  const Json said = report(ledger, 1);
+  CHECK(said["rehang"] == Json{"000L"});
+  CHECK(said["newest"] == "9999-12-31");
+  const std::string plates = query(ledger, "SELECT count(*) FROM plate");
+  copy_photos(folder.path() / "more", "2026-03-08");
+  run_tagsmith("verify " + kSurvey + (folder.path() / "more").string() + " --ledger " + ledger);
+  CHECK(query(ledger, "SELECT count(*) > " + plates + " FROM plate") == "1\n");
+}
+
 TEST_CASE("what is no ledger, or reports nothing, is refused") {
   const TemporaryFolder folder;
   const fs::path text = folder.path() / "notes.txt";

@@ -50,6 +50,31 @@ TEST_CASE("a plate that is no longer seen while its neighbours are is to be look
   CHECK(report.photos.photos == 5);
 }
 
+TEST_CASE("when most plates lose light at once the camera is blamed, not when few do") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  for (const std::size_t falling : {3U, 4U, 5U, 8U}) {
+    CAPTURE(falling);
+    const test::TemporaryFolder folder;
+    Ledger ledger = Ledger::open_to_write(folder.path() / "a.db").value();
+    for (int day = 1; day <= 4; ++day) {
+      VerifiedFile photo = photo_of_wall(survey, day, "");
+      for (std::size_t i = 0; i < photo.tags.size(); ++i) {
+        const double modulation = i < falling ? 0.8 - 0.06 * day : 0.8;
+        photo.tags[i].module_px = 6;
+        photo.tags[i].grade = SymbolGrade{3, GradeParameter::modulation, false};
+        photo.tags[i].grade->means[static_cast<std::size_t>(GradeParameter::modulation)] = {
+            3, modulation};
+      }
+      REQUIRE(ledger.enter(survey.name, std::array{photo}));
+    }
+    const LedgerReport report = make_ledger_report(survey, ledger).value();
+    CHECK(report.trends == 8);
+    CHECK(report.losing_light == falling);
+    CHECK(report.blames_camera() == (falling > 4));
+    CHECK(plates_to(PlateAction::plan, survey, report).size() == falling);
+  }
+}
+
 TEST_CASE("nothing is missing where the drive had ended") {
   const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
   const test::TemporaryFolder folder;
