@@ -267,8 +267,9 @@ PlateSighting sighting_of(const Statement& row) {
 Result<Ledger> Ledger::open(const fs::path& path, int flags) {
   if (auto checked = check_is_ledger(path); !checked) return tl::unexpected(checked.error());
   sqlite3* opened = nullptr;
+  std::error_code failed;
   // By its whole path: SQLite has names that mean something else, as `:memory:`.
-  const int code = sqlite3_open_v2(fs::absolute(path).c_str(), &opened, flags, nullptr);
+  const int code = sqlite3_open_v2(fs::absolute(path, failed).c_str(), &opened, flags, nullptr);
   Ledger ledger(path, std::shared_ptr<sqlite3>(opened, sqlite3_close));
   if (code != SQLITE_OK) return failure(path, opened, code);
   sqlite3_busy_timeout(opened, kPatience);
