@@ -149,8 +149,8 @@ Result<void> enter_lines(const LedgerOptions& options, const Survey& survey) {
   if (!ledger) return tl::unexpected(ledger.error());
   for (const std::string& lines : options.lines) {
     Result<void> entered;
-    const auto counts = read_verify_lines(lines, [&](VerifiedFile file) {
-      if (entered) entered = ledger->add(std::move(file));
+    const auto counts = read_verify_lines(lines, [&](const VerifiedFile& file) {
+      if (entered) entered = ledger->add(file);
     });
     if (!counts) return tl::unexpected(counts.error());
     if (!entered) return entered;
@@ -187,11 +187,11 @@ Result<LedgerWriter> LedgerWriter::open(const std::string& path, const std::stri
   return writer;
 }
 
-Result<void> LedgerWriter::add(VerifiedFile file) {
+Result<void> LedgerWriter::add(const VerifiedFile& file) {
   constexpr std::size_t kMostWaiting = 500;
   constexpr std::chrono::seconds kLongest{1};
   if (!ledger_) return {};
-  waiting_.push_back(std::move(file));
+  waiting_.push_back(file);
   const bool is_time = std::chrono::steady_clock::now() - flushed_ > kLongest;
   return is_time || waiting_.size() >= kMostWaiting ? flush() : Result<void>{};
 }

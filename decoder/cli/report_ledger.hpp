@@ -39,7 +39,7 @@ class LedgerWriter {
   static Result<LedgerWriter> open(const std::string& path, const std::string& survey);
 
   // The first failure is returned once, and ends the writing.
-  Result<void> add(VerifiedFile file);
+  Result<void> add(const VerifiedFile& file);
   Result<void> flush();
 
   // On standard error, what was entered.
