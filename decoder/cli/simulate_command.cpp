@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/image/load.hpp"
+#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/base/csv.hpp"
@@ -56,6 +57,8 @@ struct SimulateOptions {
   int jobs = 0;  // 0 = as many as the process may use
   std::string format = "png";
   int quality = 95;
+  std::string chain = "none";
+  double rolling_px = 0;
   bool force = false;
   bool json = false;
 };
@@ -325,6 +328,13 @@ std::vector<Shot> shots_of(const SimulateInput& input, const std::vector<Station
   return shots;
 }
 
+std::optional<CameraChain> chain_of(const SimulateOptions& options) {
+  if (options.chain == "none") return std::nullopt;
+  CameraChain chain = camera_chain(options.chain);
+  chain.rolling_px = options.rolling_px;
+  return chain;
+}
+
 ViewOptions view_options(const SimulateOptions& options, std::uint64_t shot) {
   ViewOptions view;
   view.lighting = tunnel_lighting();
@@ -332,7 +342,19 @@ ViewOptions view_options(const SimulateOptions& options, std::uint64_t shot) {
   view.sensor.noise_sigma = options.noise;
   view.sensor.tone = options.linear ? SensorTone::linear : SensorTone::srgb;
   view.seed = random_bits(options.seed + 1, shot);
+  if (const auto chain = chain_of(options)) view.sensor = through_chain(view.sensor, *chain);
   return view;
+}
+
+// The bytes of a picture's file. Where a chain makes the picture, its compression is the only one.
+Result<std::string> encoded(const SimulateOptions& options, const std::string& file,
+                            const GrayImage& image) {
+  const auto chain = chain_of(options);
+  if (!chain) return encode_gray_image(file, image.view(), options.quality);
+  if (options.format == "jpg") return encode_gray_image(file, image.view(), chain->jpeg_quality);
+  const Result<GrayImage> stored = compressed(image.view(), chain->jpeg_quality);
+  if (!stored) return tl::unexpected(stored.error());
+  return encode_gray_image(file, stored->view());
 }
 
 void print_line(const Json& line) { to_stdout("{}\n", json_text(line)); }
@@ -360,7 +382,7 @@ Result<Json> render_shots(const SimulateOptions& options, const SimulateInput& i
     const SurveyView seen =
         render_survey_view(input.survey, *shot.camera, shot.station->world_from_vehicle,
                            view_options(options, i), options.seed);
-    auto bytes = encode_gray_image(shot.file, seen.view.image.view(), options.quality);
+    auto bytes = encoded(options, shot.file, seen.view.image);
     const Result<void> written =
         bytes ? files.add(shot.file, *bytes) : Result<void>(tl::unexpected(bytes.error()));
     return [&, written, truth = shot_json(input.survey, shot, seen)] {
@@ -384,7 +406,18 @@ Result<void> check_files(const SimulateOptions& options, const SimulateInput& in
   return files.check();
 }
 
+Result<void> check_chain(const SimulateOptions& options) {
+  if (options.chain != "none" && options.linear) {
+    return fail("--linear and --camera-chain exclude each other: a chain bends its own tone curve");
+  }
+  if (options.chain == "none" && options.rolling_px != 0) {
+    return fail("--rolling-shutter needs --camera-chain mild, strong or night");
+  }
+  return {};
+}
+
 Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input) {
+  if (const auto chain = check_chain(options); !chain) return tl::unexpected(chain.error());
   if (const auto sizes = check_image_sizes(input.rig); !sizes) return tl::unexpected(sizes.error());
   const auto names = check_file_names(input, options.format);
   if (!names) return tl::unexpected(names.error());
@@ -441,6 +474,18 @@ std::vector<CommandOption> camera_options(SimulateOptions& options) {
           {.names = "--linear",
            .target = &options.linear,
            .help = "Grey levels in proportion to light (default: sRGB)"},
+          {.names = "--camera-chain",
+           .target = &options.chain,
+           .help = "What the cameras do to a picture before they store it",
+           .shows_default = true,
+           .choices = {"none", "mild", "strong", "night"}},
+          {.names = "--rolling-shutter",
+           .target = &options.rolling_px,
+           .help = "Way of the picture to the right while a chain's camera reads its rows",
+           .placeholder = "PX",
+           .shows_default = true,
+           .least = -100,
+           .greatest = 100},
           {.names = "--seed",
            .target = &options.seed,
            .help = "Of the noise and of the walls' texture",

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "decoder/simulate/coverage.hpp"
+#include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/noise.hpp"
 #include "decoder/simulate/plate_outline.hpp"
 
@@ -440,7 +441,16 @@ LightImage render_light(const Camera& camera, std::span<const ScenePlate> plates
 View render_view(const Camera& camera, std::span<const ScenePlate> plates,
                  const ViewOptions& options, const Backdrop* backdrop) {
   const LightImage light = render_light(camera, plates, options, backdrop);
-  return {expose(light, options.sensor, options.seed), plate_truths(camera, plates, backdrop)};
+  View view{{}, plate_truths(camera, plates, backdrop)};
+  if (!options.sensor.chain) {
+    view.image = expose(light, options.sensor, options.seed);
+    return view;
+  }
+  view.image = develop(light, options.sensor, options.seed);
+  for (PlateTruth& truth : view.plates) {
+    roll_corners(truth, camera.height, options.sensor.chain->rolling_px);
+  }
+  return view;
 }
 
 Pose camera_from_turned_plate(const Camera& camera, const TagDrawing& drawing,

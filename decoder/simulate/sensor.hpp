@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "decoder/image/gray.hpp"
+#include "decoder/simulate/camera_chain.hpp"
 #include "decoder/simulate/light.hpp"
 
 namespace tagsmith::detail {
@@ -28,6 +30,8 @@ struct SensorModel {
   // Share of the variance at the middle level that does not grow with the light (read-out); the
   // rest is proportional to it (photon noise).
   double read_noise_share = 0.1;
+  // What the camera does to the picture before it stores it; nothing = the grey levels as they are.
+  std::optional<CameraChain> chain;
 };
 
 // Grey levels of every sample: exposure, noise, tone curve, rounding, in this order; clipped to 0

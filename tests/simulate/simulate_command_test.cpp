@@ -87,6 +87,32 @@ TEST_CASE("The run written can be simulated again") {
         contents(desk.out() / "1_left.png"));
 }
 
+TEST_CASE("A camera chain changes the pictures, none does not, and JPEG files hold the same") {
+  const Desk desk;
+  REQUIRE(desk.simulate().exit_code == 0);
+  const std::string plain = contents(desk.out() / "1_left.png");
+  REQUIRE(desk.simulate("--camera-chain none --force").exit_code == 0);
+  CHECK(contents(desk.out() / "1_left.png") == plain);
+  REQUIRE(desk.simulate("--camera-chain strong --force").exit_code == 0);
+  CHECK(contents(desk.out() / "1_left.png") != plain);
+  REQUIRE(desk.simulate("--camera-chain strong --format jpg --force").exit_code == 0);
+  const auto png = load_gray_image(desk.out() / "1_left.png");
+  const auto jpg = load_gray_image(desk.out() / "1_left.jpg");
+  REQUIRE(png);
+  REQUIRE(jpg);
+  CHECK(png->samples == jpg->samples);
+}
+
+TEST_CASE("Options that a camera chain excludes or that need one are refused") {
+  const Desk desk;
+  const ProgramOutput linear = desk.simulate("--camera-chain mild --linear");
+  CHECK(linear.exit_code == 2);
+  CHECK(linear.err.find("exclude each other") != std::string::npos);
+  const ProgramOutput rolling = desk.simulate("--rolling-shutter 5");
+  CHECK(rolling.exit_code == 2);
+  CHECK(rolling.err.find("needs --camera-chain") != std::string::npos);
+}
+
 TEST_CASE("--json gives one object an image and the summary last") {
   const Desk desk;
   const ProgramOutput output = desk.simulate("--json");
