@@ -124,9 +124,14 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
 
 }  // namespace
 
-std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side) {
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double thin) {
   const double inward = std::clamp(side.stroke, 2.0, 8.0);
-  const double outward = side.stroke < 4 ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
+  const double outward = side.stroke < thin ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
+  return edge_samples(image, side, inward, outward);
+}
+
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double inward,
+                                     double outward) {
   const double margin = std::max(2.0, 1.2 * side.reach);
   return samples_near(image, side, inward, outward, margin);
 }

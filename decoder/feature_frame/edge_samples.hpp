@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
@@ -17,8 +18,14 @@ struct EdgeSample {
   float weight = 0;  // number of pixels
 };
 
-// Means of the pixels on both sides of the line, its ends left out. A thin stroke is seen from edge
-// to edge, of a thick one the inner part: then its thickness stays as guessed and does not matter.
-std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side);
+// Means of the pixels on both sides of the line, its ends left out. A stroke thinner than
+// `thin` pixels is seen from edge to edge, of a thicker one the inner part: then its thickness
+// stays as guessed and does not matter.
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side,
+                                     double thin = kEdgeFit.thin_stroke);
+
+// The same from so many pixels inside the edge to so many outside.
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double inward,
+                                     double outward);
 
 }  // namespace tagsmith::detail

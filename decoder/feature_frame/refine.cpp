@@ -314,6 +314,30 @@ SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Sol
           kCorner.alike * noise / information + unexplained * unexplained};
 }
 
+// By how much noise that is alike in neighbouring places raises a fit's variance: what a side's
+// residuals across it have in common up to the first places that have nothing.
+double correlation_factor(const SideSamples& samples, const Solution& solution,
+                          const SideLine& side) {
+  const StepModel model(solution.parameters, side);
+  std::vector<float> residuals;
+  for (const FourSamples& four : samples.fours) {
+    const WeighedSamples rows = weighed(model, four, 1 / static_cast<float>(solution.scale));
+    residuals.insert(residuals.end(), rows.residual.begin(), rows.residual.end());
+  }
+  double own = 0;
+  for (const float residual : residuals) own += static_cast<double>(residual * residual);
+  double factor = 1;
+  for (std::size_t apart = 1; apart < residuals.size() && own > 0; ++apart) {
+    double common = 0;
+    for (std::size_t i = 0; i + apart < residuals.size(); ++i) {
+      common += static_cast<double>(residuals[i] * residuals[i + apart]);
+    }
+    if (common <= 0) break;
+    factor += 2 * common / own;
+  }
+  return factor;
+}
+
 struct SideFit {
   SideLine line;
   FrameSide side;
@@ -357,6 +381,7 @@ namespace {
 struct Sight {
   const GrayView& image;
   const FrameShape& shape;
+  bool was_sharpened = false;
 };
 
 // The frame fitted through one lens, and what its sides say of another.
@@ -374,12 +399,13 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
   std::array<Solution, 4> solutions{};
   std::array<double, 4> blurs{};
   const SideSagittas bows = sagittas_of(lens, settled);
+  const double thin = sight.was_sharpened ? kSharpening.thin_stroke : kEdgeFit.thin_stroke;
   for (std::size_t i = 0; i < 4; ++i) {
     lines[i] = side_of(settled, i, sight.shape);
     lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
-    samples.emplace_back(edge_samples(sight.image, lines[i]));
+    samples.emplace_back(edge_samples(sight.image, lines[i], thin));
     if (samples[i].samples.size() < 2 * kParameters) return fail(FrameFault::side_too_short);
     solutions[i] = solve_side(samples[i], lines[i], kEdgeFit.start_blur);
     if (!stays_near(solutions[i], lines[i])) {
@@ -394,9 +420,12 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     result.bows[i] = seen_bow(samples[i], lines[i], solutions[i]);
     const bool alike =
         std::abs(solutions[i].parameters[kLogBlur] - common_blur) < kEdgeFit.different_blur;
-    const SideFit fit = alike
-                            ? describe(solutions[i], lines[i])
-                            : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
+    SideFit fit = alike ? describe(solutions[i], lines[i])
+                        : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
+    if (sight.was_sharpened) {
+      fit.side.covariance *=
+          std::max(1.0, correlation_factor(samples[i], solutions[i], lines[i]) / kCorner.alike);
+    }
     lines[i] = fit.line;
     result.frame.sides[i] = fit.side;
   }
@@ -507,10 +536,14 @@ FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled,
 }  // namespace
 
 FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
-                                       const LensGuess& lens, const FrameShape& shape) {
-  if (lens.known) return fit_with_known_lens({image, shape}, settled, *lens.known);
+                                       const LensGuess& lens, const FrameShape& shape,
+                                       bool was_sharpened) {
+  const Sight sight{image, shape, was_sharpened};
   const PixelPoint centre{(image.width - 1) / 2.0, (image.height - 1) / 2.0};
-  return fit_with_lens({image, shape}, settled, centre, lens.lambda);
+  FrameResult<RefinedFrame> frame = lens.known ? fit_with_known_lens(sight, settled, *lens.known)
+                                               : fit_with_lens(sight, settled, centre, lens.lambda);
+  if (frame) frame->was_sharpened = was_sharpened;
+  return frame;
 }
 
 namespace {

@@ -32,7 +32,8 @@ struct RefinedFrame {
   // Whether a side was fitted; otherwise it is known from elsewhere, and its levels are its
   // neighbours'.
   std::array<bool, 4> shown{true, true, true, true};
-  LensDistortion lens;  // through which it was fitted
+  LensDistortion lens;         // through which it was fitted
+  bool was_sharpened = false;  // its picture, before that was undone
 };
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
@@ -41,7 +42,8 @@ struct RefinedFrame {
 // as a radial lens about the image's centre makes them, if they do so clearly, and each by what is
 // left.
 FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
-                                       const LensGuess& lens = {}, const FrameShape& shape = {});
+                                       const LensGuess& lens = {}, const FrameShape& shape = {},
+                                       bool was_sharpened = false);
 
 // The same where something hides sides: those not `shown`, and those that cannot be fitted near
 // where they are, stay there with `hidden_sigma` pixels of uncertainty at their ends. Fails when

@@ -40,6 +40,7 @@ struct EdgeFitTuning {
   float fine = 1.6F;          // pixels to either side of the edge where samples are close together
   float per_pixel = 4;        // samples there
   int zones = 4;              // along a side in which samples are averaged
+  double thin_stroke = 4;     // pixels: fitted by both of its edges
   double most_pixels = 1000;  // of a side; more add nothing that the model could use
   double stroke_sigma = 0.6;  // of the logarithm of the stroke's thickness, by the guess
   double least_residual = 3;  // grey levels of the scale of the Cauchy weights
@@ -51,6 +52,26 @@ struct EdgeFitTuning {
   double at_rest = 0.02;         // pixels that the corners move from round to round
 };
 inline constexpr EdgeFitTuning kEdgeFit;
+
+// What the sides tell of sharpening. Set by `./dev bench chain` with seed 1, tried with seed 2.
+struct SharpeningTuning {
+  double beyond_px = 5;   // pixels of white to either side of the stroke
+  double most_px = 16;    // outward from the inner edge
+  double noise = 3;       // grey levels, of a pixel
+  double model = 1;       // grey levels that a profile may be off its model
+  double far_off = 30;    // grey levels of the scale of the Cauchy weights, at first
+  double dirt = 8;        // and then
+  double usual_px = 1.6;  // standard deviation of the mask's Gaussian
+  double worth = 2.5;     // of the square of standard deviations, to look closer
+  double clear = 12;      // of twice the logarithm of the likelihood ratio
+  double margin_px = 12;  // around a frame in which sharpening is undone
+  int most_steps = 40;
+  double settled = 2e-4;    // change of the cost
+  double doubt = 0.35;      // of what growth by the stroke and by the bars differ
+  double thin_stroke = 10;  // pixels, of a stroke that tells by how much edges are moved
+  double most_apart = 0.6;  // pixels between the growth by the stroke and by the bars
+};
+inline constexpr SharpeningTuning kSharpening;
 
 // What the corners may be off by beyond what noise explains, as seen on the ray-traced photos of
 // docs/accuracy.md. Why: docs/decisions/0007-corner-covariance.md.

@@ -76,6 +76,12 @@ Rejection fault_of(const Quad& quad, FrameFault fault) {
 
 }  // namespace
 
+double TagHypothesis::explained() const {
+  const auto of = [](const auto& symbol) { return symbol ? symbol->decoding.fit.explained : 0; };
+  if (const Reading* tag = reading()) return of(tag->symbol);
+  return refusal() != nullptr ? of(refusal()->symbol) : 0;
+}
+
 template <class Condition>
 bool Detector::any_reading(const Condition& condition) const {
   return std::ranges::any_of(hypotheses_, [&](const TagHypothesis& hypothesis) {
@@ -121,11 +127,32 @@ void Detector::look_at(const RoughFrame& proposed) {
   TagHypothesis hypothesis;
   if (is_new) {
     hypothesis = judged_quickly(quad, *frame);
+    look_behind_halos(lens_for(level, *settled), hypothesis);
   } else {
     hypothesis.rough = quad;
     if (!frame) hypothesis.outcome = fault_of(quad, frame.error());
   }
   hypotheses_.push_back(std::move(hypothesis));
+}
+
+void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis) {
+  const auto sharpening = sharpening_of(picture_.image(), *hypothesis.frame, shape_);
+  if (!sharpening) return;
+  if (!unsharpened_) unsharpened_.emplace(picture_.image());
+  unsharpened_->undo(*sharpening, hypothesis.frame->corners);
+  image_ = unsharpened_->view();
+  const auto frame = refine_frame(image_, hypothesis.frame->corners, lens, shape_, true);
+  TagHypothesis plain;
+  if (frame) plain = judged_quickly(hypothesis.rough, *frame);
+  const Reading* before = hypothesis.reading();
+  const Reading* now = plain.reading();
+  if (now == nullptr && (before != nullptr || plain.explained() <= hypothesis.explained())) {
+    return unsharpened_->undo({}, hypothesis.frame->corners);
+  }
+  if (before != nullptr && before->digits != now->digits) {
+    plain.outcome = rejection_of(*now->symbol, {RejectionReason::doubtful});
+  }
+  hypothesis = std::move(plain);
 }
 
 std::optional<Reading> Detector::read_in_another_layout(const RefinedFrame& frame,

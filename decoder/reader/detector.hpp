@@ -16,6 +16,7 @@
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
+#include "decoder/feature_frame/sharpening.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
@@ -50,6 +51,9 @@ struct TagHypothesis {
 
   const Reading* reading() const { return std::get_if<Reading>(&outcome); }
   const Rejection* refusal() const { return std::get_if<Rejection>(&outcome); }
+
+  // Of the profile of the symbol that was read or refused; 0 where there was none.
+  double explained() const;
 };
 
 // Makes hypotheses of proposals: fits the frame, reads the symbol inside and judges it. Its state
@@ -131,6 +135,9 @@ class Detector {
   std::optional<Reading> read_in_another_layout(const RefinedFrame& frame,
                                                 const SymbolLayout& tried) const;
 
+  // Looks again at a hypothesis whose frame shows halos, in the picture without them.
+  void look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis);
+
   // What the quick profile shows inside a frame.
   TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
 
@@ -159,6 +166,7 @@ class Detector {
   FrameShape shape_;                    // of the frames that are searched for
   std::optional<LensDistortion> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;
+  std::optional<UnsharpenedImage> unsharpened_;  // the picture that is read, where it was sharpened
 };
 
 }  // namespace tagsmith::detail

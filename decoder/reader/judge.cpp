@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -73,7 +74,12 @@ Reading reading_from(SymbolHypothesis symbol, ReadingMethod method) {
   reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
   reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
   reading.corners = corners_of(symbol);
-  reading.corner_covariance = turned(corner_covariance(symbol.frame), symbol.first_corner);
+  RefinedFrame frame = symbol.frame;
+  const double growth = growth_of(symbol).doubt_px / 2;
+  for (FrameSide& side : frame.sides) {
+    side.covariance += Eigen::Matrix2d::Constant(growth * growth / kCorner.alike);
+  }
+  reading.corner_covariance = turned(corner_covariance(frame), symbol.first_corner);
   reading.module_px = symbol.profile.module_px;
   reading.confidence = symbol.decoding.confidence;
   reading.method = method;

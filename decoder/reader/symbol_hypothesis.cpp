@@ -6,6 +6,8 @@
 
 #include "decoder/feature_frame/bar_direction.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -34,6 +36,29 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
     for (const SymbolLayout& layout : options.layouts) consider(first_corner, layout);
   }
   return best;
+}
+
+// By how many pixels the frame's strokes are thicker than the layout says, as far as they are thin
+// enough to be fitted by both of their edges.
+std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
+  const auto [corners, sides] = turned_to(symbol.frame, symbol.first_corner);
+  const FrameHomography map(corners, symbol.frame.lens);
+  const FrameShape& shape = symbol.layout.frame;
+  const double down = shape.stroke / shape.height, across = shape.stroke / shape.length;
+  // Of each side, where the outer edge runs beside its begin and its end.
+  const Quad begins{map(0, -down), map(1 + across, 0), map(1, 1 + down), map(-across, 1)};
+  const Quad ends{map(1, -down), map(1 + across, 1), map(0, 1 + down), map(-across, 0)};
+  std::vector<double> growths;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const SideLine side = side_of(corners, i, shape);
+    const double nominal =
+        (dot(begins[i] - side.begin, side.outward) + dot(ends[i] - side.end, side.outward)) / 2;
+    // The fit looks a little beyond the outer edge of a stroke as thick as the side's proportions
+    // say.
+    const bool is_seen = side.stroke < kSharpening.thin_stroke && nominal < side.stroke + 1;
+    if (is_seen) growths.push_back(sides[i].stroke_px - nominal);
+  }
+  return growths;
 }
 
 }  // namespace
@@ -100,10 +125,24 @@ FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
+BlackGrowth growth_of(const SymbolHypothesis& symbol) {
+  const double by_bars = symbol.decoding.fit.image.growth * symbol.profile.module_px;
+  if (!symbol.frame.was_sharpened) return {by_bars, 0};
+  std::vector<double> by_strokes = stroke_growths(symbol);
+  std::erase_if(by_strokes,
+                [&](double growth) { return std::abs(growth - by_bars) > kSharpening.most_apart; });
+  const auto count = static_cast<double>(by_strokes.size());
+  if (count == 0) return {by_bars, kSharpening.doubt * std::abs(by_bars)};
+  double mean = 0, squares = 0;
+  for (const double growth : by_strokes) mean += growth / count;
+  for (const double growth : by_strokes) squares += (growth - mean) * (growth - mean);
+  const double scatter = std::sqrt(squares / std::max(1.0, count - 1));
+  return {mean, std::hypot(scatter, kSharpening.doubt * (mean - by_bars))};
+}
+
 FrameCorners corners_of(const SymbolHypothesis& symbol) {
   const RefinedFrame& frame = symbol.frame;
-  const double growth_px = symbol.decoding.fit.image.growth * symbol.profile.module_px;
-  const Quad quad = widened(frame.corners, growth_px / 2);
+  const Quad quad = widened(frame.corners, growth_of(symbol).px / 2);
   FrameCorners corners{};
   for (std::size_t i = 0; i < 4; ++i) corners[i] = quad[(symbol.first_corner + i) % 4];
   // The bars say better where a hidden side is than what said it before.

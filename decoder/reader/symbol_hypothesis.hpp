@@ -60,6 +60,15 @@ std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const Re
 std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const RefinedFrame& frame,
                                                   const ReadOptions& options);
 
+// By how many pixels everything black is broader than it was drawn.
+struct BlackGrowth {
+  double px = 0;
+  double doubt_px = 0;
+};
+
+// By the bars; where the picture was sharpened, by the frame's stroke.
+BlackGrowth growth_of(const SymbolHypothesis& symbol);
+
 // The frame's corners. Whatever widens the bars, ink or a tone curve that is not sRGB,
 // moves the frame's inner edge inwards by as much. Hidden sides are where the bars put them.
 FrameCorners corners_of(const SymbolHypothesis& symbol);

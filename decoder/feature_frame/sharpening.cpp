@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/sharpening.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "decoder/feature_frame/edge_samples.hpp"
+#include "decoder/feature_frame/lens_distortion.hpp"
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/normal.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+// Common to all sides: log blur, amount and log sigma of the mask; of each side: place, log stroke
+// and the light of the white inside, the stroke and the white outside.
+enum : int { kLogBlur, kAmount, kLogSigma };
+enum : int { kPlace, kLogStroke, kWhite, kBlack, kOutside };
+constexpr int kCommon = 3, kOfSide = 5;
+constexpr int kParameters = kCommon + 4 * kOfSide;
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
+using Common = Eigen::Matrix<double, kCommon, 1>;
+using OfSide = Eigen::Matrix<double, kOfSide, 1>;
+
+// The grey levels across one side, as the camera stores them.
+class SharpenedProfile {
+ public:
+  SharpenedProfile(const Common& common, const OfSide& side, float first, float last) {
+    const auto sigma = static_cast<float>(std::exp(common[kLogSigma]));
+    const auto reach = static_cast<std::size_t>(std::ceil(kReach * sigma / kStep));
+    begin_ = first - static_cast<float>(reach + 1) * kStep;
+    const auto count = static_cast<std::size_t>((last - first) / kStep) + 2 * reach + 4;
+    const std::vector<float> plain = levels_of(common, side, count);
+    std::vector<float> smooth(count, 0.0F);
+    float sum = 0;
+    for (std::size_t k = 0; k <= reach; ++k) {
+      const float z = static_cast<float>(k) * kStep / sigma;
+      const float weight = (k == 0 ? 0.5F : 1.0F) * std::exp(-z * z / 2);
+      sum += 2 * weight;
+      for (std::size_t i = reach; i + reach < count; ++i) {
+        smooth[i] += weight * (plain[i - k] + plain[i + k]);
+      }
+    }
+    const auto amount = static_cast<float>(common[kAmount]);
+    levels_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      levels_[i] = std::clamp(plain[i] + amount * (plain[i] - smooth[i] / sum), 0.0F, 255.0F);
+    }
+  }
+
+  float at(float across) const {
+    const float position = (across - begin_) / kStep;
+    const auto index = static_cast<std::size_t>(position);
+    const float share = position - static_cast<float>(index);
+    return levels_[index] + share * (levels_[index + 1] - levels_[index]);
+  }
+
+ private:
+  static constexpr float kStep = 0.25F;  // pixels
+  static constexpr float kReach = 2.5F;  // standard deviations of the mask
+
+  std::vector<float> levels_of(const Common& common, const OfSide& side, std::size_t count) const {
+    const NormalTable& normal = NormalTable::get();
+    const ToneCurve& tone = ToneCurve::srgb();
+    const auto per_blur = static_cast<float>(std::exp(-common[kLogBlur]));
+    const auto stroke = static_cast<float>(std::exp(side[kLogStroke]));
+    const auto white = static_cast<float>(side[kWhite]), black = static_cast<float>(side[kBlack]);
+    const auto outside = static_cast<float>(side[kOutside]);
+    std::vector<float> levels(count);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const float across =
+          begin_ + static_cast<float>(i) * kStep - static_cast<float>(side[kPlace]);
+      const float inner = normal(across * per_blur).integral;
+      const float outer = normal((across - stroke) * per_blur).integral;
+      const float light = white + (black - white) * inner + (outside - black) * outer;
+      levels[i] = tone.point_of(light).sample;
+    }
+    return levels;
+  }
+
+  float begin_ = 0;
+  std::vector<float> levels_;
+};
+
+// The samples across one side, along it averaged.
+struct SideProfile {
+  std::vector<EdgeSample> samples;
+  float first = 0, last = 0;
+  OfSide guess = OfSide::Zero();
+};
+
+SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::size_t i,
+                       const FrameShape& shape) {
+  SideLine side = side_of(frame.corners, i, shape);
+  side.bow = sagittas_of(frame.lens, frame.corners)[i];
+  SideProfile profile;
+  const double stroke = frame.sides[i].stroke_px;
+  const double outward =
+      std::min(stroke + std::min(kSharpening.beyond_px, 0.75 * stroke), kSharpening.most_px);
+  profile.samples =
+      edge_samples(image, side, std::min(kSharpening.beyond_px, 1.5 * side.reach), outward);
+  const FrameSide& fitted = frame.sides[i];
+  const ToneCurve& tone = ToneCurve::srgb();
+  for (EdgeSample& sample : profile.samples) {
+    profile.first = std::min(profile.first, sample.across);
+    profile.last = std::max(profile.last, sample.across);
+    // Evenly lit, as the middle of the side is.
+    const double t = static_cast<double>(sample.along + 1) / 2;
+    const double white = fitted.white_begin + t * (fitted.white_end - fitted.white_begin);
+    const double middle = (fitted.white_begin + fitted.white_end) / 2;
+    sample.value *=
+        static_cast<float>(tone.sample_of(middle) / std::max(1.0, tone.sample_of(white)));
+  }
+  profile.guess[kLogStroke] = std::log(stroke);
+  profile.guess[kWhite] = profile.guess[kOutside] = (fitted.white_begin + fitted.white_end) / 2;
+  profile.guess[kBlack] = (fitted.black_begin + fitted.black_end) / 2;
+  return profile;
+}
+
+struct Problem {
+  std::array<SideProfile, 4> sides;
+  Parameters nominal = Parameters::Zero();
+  Parameters prior_sigma = Parameters::Zero();
+  double scale = kSharpening.dirt;  // grey levels of the Cauchy weights
+};
+
+Problem problem_of(const GrayView& image, const RefinedFrame& frame, const FrameShape& shape) {
+  Problem problem;
+  Common nominal;
+  double blur = 0;
+  for (const FrameSide& side : frame.sides) blur += side.blur_px / 4;
+  nominal << std::log(std::max(blur, 0.4)), 0, std::log(kSharpening.usual_px);
+  problem.nominal.head<kCommon>() = nominal;
+  problem.prior_sigma.head<kCommon>() << 1, 1.5, 0.4;
+  for (std::size_t i = 0; i < 4; ++i) {
+    problem.sides[i] = profile_of(image, frame, i, shape);
+    const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
+    problem.nominal.segment<kOfSide>(at) = problem.sides[i].guess;
+    problem.prior_sigma.segment<kOfSide>(at) << 1, 0.3, 0.5, 0.5, 0.5;
+  }
+  return problem;
+}
+
+struct Equations {
+  ParameterMatrix matrix = ParameterMatrix::Zero();
+  Parameters right = Parameters::Zero();
+  double cost = 0;
+};
+
+Eigen::VectorXd predicted(const SideProfile& side, const Common& common, const OfSide& own) {
+  const SharpenedProfile profile(common, own, side.first, side.last);
+  Eigen::VectorXd levels(static_cast<Eigen::Index>(side.samples.size()));
+  for (Eigen::Index k = 0; k < levels.size(); ++k) {
+    levels[k] = static_cast<double>(profile.at(side.samples[static_cast<std::size_t>(k)].across));
+  }
+  return levels;
+}
+
+// Of one side: residuals by their root weights, and their derivatives by common and own parameters.
+void add_side(const Problem& problem, const Parameters& p, std::size_t i, bool derive,
+              Equations& equations) {
+  constexpr double kDelta = 0.01;
+  const SideProfile& side = problem.sides[i];
+  const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
+  const Common common = p.head<kCommon>();
+  const OfSide own = p.segment<kOfSide>(at);
+  const Eigen::VectorXd levels = predicted(side, common, own);
+  Eigen::VectorXd root(levels.size()), residual(levels.size());
+  for (Eigen::Index k = 0; k < levels.size(); ++k) {
+    const EdgeSample& sample = side.samples[static_cast<std::size_t>(k)];
+    const double variance =
+        kSharpening.noise * kSharpening.noise / static_cast<double>(sample.weight) +
+        kSharpening.model * kSharpening.model;
+    const double off = static_cast<double>(sample.value) - levels[k];
+    const double ratio2 = off * off / (problem.scale * problem.scale);
+    root[k] = 1 / std::sqrt(variance * (1 + ratio2));
+    residual[k] = root[k] * off;
+    equations.cost += problem.scale * problem.scale / variance * std::log1p(ratio2);
+  }
+  if (!derive) return;
+  Eigen::MatrixXd terms(levels.size(), kCommon + kOfSide);
+  for (int j = 0; j < kCommon + kOfSide; ++j) {
+    Common c = common;
+    OfSide o = own;
+    (j < kCommon ? c[j] : o[j - kCommon]) += kDelta;
+    terms.col(j) = (predicted(side, c, o) - levels).cwiseProduct(root) / kDelta;
+  }
+  const Eigen::MatrixXd squares = terms.transpose() * terms;
+  const Eigen::VectorXd right = terms.transpose() * residual;
+  equations.matrix.topLeftCorner<kCommon, kCommon>() += squares.topLeftCorner<kCommon, kCommon>();
+  equations.matrix.block<kCommon, kOfSide>(0, at) += squares.topRightCorner<kCommon, kOfSide>();
+  equations.matrix.block<kOfSide, kCommon>(at, 0) += squares.bottomLeftCorner<kOfSide, kCommon>();
+  equations.matrix.block<kOfSide, kOfSide>(at, at) += squares.bottomRightCorner<kOfSide, kOfSide>();
+  equations.right.head<kCommon>() += right.head<kCommon>();
+  equations.right.segment<kOfSide>(at) += right.tail<kOfSide>();
+}
+
+Equations equations_at(const Problem& problem, const Parameters& p, bool derive) {
+  Equations equations;
+  for (std::size_t i = 0; i < 4; ++i) add_side(problem, p, i, derive, equations);
+  for (int j = 0; j < kParameters; ++j) {
+    const double weight = 1 / (problem.prior_sigma[j] * problem.prior_sigma[j]);
+    const double off = problem.nominal[j] - p[j];
+    equations.matrix(j, j) += weight;
+    equations.right[j] += weight * off;
+    equations.cost += weight * off * off;
+  }
+  return equations;
+}
+
+void constrain(Parameters& p) {
+  p[kLogBlur] = std::clamp(p[kLogBlur], std::log(0.25), std::log(3.0));
+  p[kAmount] = std::clamp(p[kAmount], 0.0, 4.0);
+  p[kLogSigma] = std::clamp(p[kLogSigma], std::log(0.5), std::log(4.0));
+}
+
+struct Solution {
+  Parameters parameters;
+  double cost = 0;
+};
+
+// Levenberg-Marquardt.
+Solution minimise(const Problem& problem, Parameters p) {
+  double damping = 1e-2;
+  Equations now = equations_at(problem, p, true);
+  for (int step = 0; step < kSharpening.most_steps && damping < 1e4; ++step) {
+    ParameterMatrix matrix = now.matrix;
+    matrix.diagonal() *= 1 + damping;
+    Parameters next = p + matrix.ldlt().solve(now.right);
+    constrain(next);
+    const double cost = equations_at(problem, next, false).cost;
+    if (!(cost < now.cost)) {
+      damping *= 10;
+      continue;
+    }
+    const bool settled = now.cost - cost < kSharpening.settled * cost;
+    p = next;
+    damping = std::max(1e-6, damping * 0.2);
+    if (settled) return {p, cost};
+    now = equations_at(problem, p, true);
+  }
+  return {p, now.cost};
+}
+
+double sample_count(const Problem& problem) {
+  double count = 0;
+  for (const SideProfile& side : problem.sides) count += static_cast<double>(side.samples.size());
+  return count;
+}
+
+// Whether the plain fit leaves what a little sharpening would explain.
+bool may_be_sharpened(const Problem& problem) {
+  const Equations plain = equations_at(problem, problem.nominal, true);
+  const auto solver = plain.matrix.ldlt();
+  const Parameters step = solver.solve(plain.right);
+  const double variance = solver.solve(Parameters::Unit(kAmount))[kAmount];
+  const double noise = std::max(1.0, (plain.cost - plain.right.dot(step)) / sample_count(problem));
+  const double amount = step[kAmount];
+  return amount > 0 && amount * amount > kSharpening.worth * noise * variance;
+}
+
+Solution sharpened_fit(Problem problem) {
+  Parameters start = problem.nominal;
+  start[kAmount] = 0.5;
+  const double scale = std::exchange(problem.scale, kSharpening.far_off);
+  start = minimise(problem, start).parameters;
+  problem.scale = scale;
+  return minimise(problem, start);
+}
+
+Solution plain_fit(Problem problem) {
+  problem.prior_sigma[kAmount] = 1e-4;
+  return minimise(problem, problem.nominal);
+}
+
+}  // namespace
+
+std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFrame& frame,
+                                        const FrameShape& shape) {
+  const Problem problem = problem_of(image, frame, shape);
+  if (!may_be_sharpened(problem)) return std::nullopt;
+  const Solution sharp = sharpened_fit(problem);
+  const double noise = std::max(1.0, sharp.cost / sample_count(problem));
+  if (plain_fit(problem).cost - sharp.cost < kSharpening.clear * noise) return std::nullopt;
+  const Parameters& p = sharp.parameters;
+  Sharpening sharpening{p[kAmount], std::exp(p[kLogSigma]), 0, 0};
+  for (int i = 0; i < 4; ++i) {
+    const int at = kCommon + i * kOfSide;
+    sharpening.black += ToneCurve::srgb().sample_of(p[at + kBlack]) / 4;
+    sharpening.white += ToneCurve::srgb().sample_of(p[at + kWhite]) / 4;
+  }
+  return sharpening;
+}
+
+UnsharpenedImage::UnsharpenedImage(const GrayView& image)
+    : sharp_(image), image_{image.width, image.height, {}} {
+  for (int y = 0; y < image.height; ++y) {
+    image_.samples.insert(image_.samples.end(), image.row(y), image.row(y) + image.width);
+  }
+}
+
+namespace {
+
+// The part of an image around a quadrilateral that its feature frame and halos reach.
+cv::Rect around(const GrayView& image, const Quad& quad) {
+  double left = image.width, right = 0, top = image.height, bottom = 0;
+  for (const PixelPoint& corner : quad) {
+    left = std::min(left, corner.x), right = std::max(right, corner.x);
+    top = std::min(top, corner.y), bottom = std::max(bottom, corner.y);
+  }
+  const double margin = kSharpening.margin_px + 0.1 * std::max(right - left, bottom - top);
+  const cv::Point first(cvFloor(left - margin), cvFloor(top - margin));
+  const cv::Point end(cvCeil(right + margin), cvCeil(bottom + margin));
+  return cv::Rect(0, 0, image.width, image.height) & cv::Rect(first, end);
+}
+
+}  // namespace
+
+// With y = x + a (x - G x), the picture x is what x <- (y + a G x) / (1 + a) comes to rest at.
+void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
+  constexpr double kAtRest = 0.01;
+  const cv::Rect area = around(sharp_, quad);
+  if (area.empty()) return;
+  const cv::Mat all(sharp_.height, sharp_.width, CV_8U, const_cast<std::uint8_t*>(sharp_.data),
+                    static_cast<std::size_t>(sharp_.stride));
+  cv::Mat sharp, plain, smooth;
+  all(area).convertTo(sharp, CV_32F);
+  sharp.copyTo(plain);
+  const double kept = 1 / (1 + sharpening.amount);
+  for (double left_over = 1; left_over > kAtRest; left_over *= sharpening.amount * kept) {
+    cv::GaussianBlur(plain, smooth, {}, sharpening.sigma_px, 0, cv::BORDER_REPLICATE);
+    cv::addWeighted(sharp, kept, smooth, sharpening.amount * kept, 0, plain);
+    // What was clipped was darker than 0 or brighter than 255: it lies nearer to black or white.
+    const cv::Mat nearer_black = (plain + sharpening.black) / 2;
+    nearer_black.copyTo(plain, (sharp < 1.5) & (plain > sharpening.black));
+    const cv::Mat nearer_white = (plain + sharpening.white) / 2;
+    nearer_white.copyTo(plain, (sharp > 253.5) & (plain < sharpening.white));
+  }
+  cv::Mat target(sharp_.height, sharp_.width, CV_8U, image_.samples.data());
+  plain.convertTo(target(area), CV_8U);
+}
+
+}  // namespace tagsmith::detail

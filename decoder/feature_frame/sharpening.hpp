@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a camera did to a picture's edges after it took it, told by a feature frame's sides, and the
+// picture without that. Why: docs/decisions/0006-lens-and-tone.md.
+#pragma once
+
+#include <optional>
+
+#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith::detail {
+
+// An unsharp mask.
+struct Sharpening {
+  double amount = 0;
+  double sigma_px = 1.6;  // of the mask's Gaussian
+  double black = 0;       // grey levels of the stroke and of the white inside, not yet sharpened
+  double white = 255;
+};
+
+// What the sides of a fitted frame show of it; nothing where they show no halos.
+std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFrame& frame,
+                                        const FrameShape& shape = {});
+
+// A picture as it was before it was sharpened, near the places that were asked for.
+class UnsharpenedImage {
+ public:
+  explicit UnsharpenedImage(const GrayView& image);
+
+  // Undoes the sharpening around a quadrilateral, as far as its feature frame and a margin reach.
+  void undo(const Sharpening& sharpening, const Quad& quad);
+
+  GrayView view() const { return image_.view(); }
+
+ private:
+  GrayView sharp_;
+  GrayImage image_;
+};
+
+}  // namespace tagsmith::detail
