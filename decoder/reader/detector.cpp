@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -66,6 +67,17 @@ bool was_fitted(const std::vector<TagHypothesis>& hypotheses, const RefinedFrame
 bool is_passed_over(const Rejection& rejection) {
   return rejection.reason == RejectionReason::frame_fault ||
          rejection.reason == RejectionReason::no_guards;
+}
+
+// The mask is not known exactly: a share of what it moved the corners by is added to what the sides
+// of the frame without it may be off by.
+void add_halo_doubt(const Quad& before, RefinedFrame& frame) {
+  double moved = 0;
+  for (std::size_t i = 0; i < 4; ++i) moved += distance(before[i], frame.corners[i]) / 4;
+  const double doubt = kSharpening.doubt * moved;
+  for (FrameSide& side : frame.sides) {
+    side.covariance += Eigen::Matrix2d::Constant(doubt * doubt / kCorner.alike);
+  }
 }
 
 Rejection fault_of(const Quad& quad, FrameFault fault) {
@@ -141,8 +153,9 @@ void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesi
   if (!unsharpened_) unsharpened_.emplace(picture_.image());
   unsharpened_->undo(*sharpening, hypothesis.frame->corners);
   image_ = unsharpened_->view();
-  const auto frame = refine_frame(image_, hypothesis.frame->corners, lens, shape_, true);
+  auto frame = refine_frame(image_, hypothesis.frame->corners, lens, shape_, true);
   TagHypothesis plain;
+  if (frame) add_halo_doubt(hypothesis.frame->corners, *frame);
   if (frame) plain = judged_quickly(hypothesis.rough, *frame);
   const Reading* before = hypothesis.reading();
   const Reading* now = plain.reading();
