@@ -11,8 +11,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "decoder/feature_frame/edge_samples.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
@@ -314,17 +312,78 @@ UnsharpenedImage::UnsharpenedImage(const GrayView& image)
 
 namespace {
 
+// A part of a picture: from the first pixel up to before the end.
+struct Area {
+  int left, top, right, bottom;
+  int width() const { return right - left; }
+  int height() const { return bottom - top; }
+};
+
 // The part of an image around a quadrilateral that its feature frame and halos reach.
-cv::Rect around(const GrayView& image, const Quad& quad) {
+Area around(const GrayView& image, const Quad& quad) {
   double left = image.width, right = 0, top = image.height, bottom = 0;
   for (const PixelPoint& corner : quad) {
     left = std::min(left, corner.x), right = std::max(right, corner.x);
     top = std::min(top, corner.y), bottom = std::max(bottom, corner.y);
   }
   const double margin = kSharpening.margin_px + 0.1 * std::max(right - left, bottom - top);
-  const cv::Point first(cvFloor(left - margin), cvFloor(top - margin));
-  const cv::Point end(cvCeil(right + margin), cvCeil(bottom + margin));
-  return cv::Rect(0, 0, image.width, image.height) & cv::Rect(first, end);
+  const auto pixel = [](double at, int size) {
+    return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(size)));
+  };
+  return {pixel(std::floor(left - margin), image.width),
+          pixel(std::floor(top - margin), image.height),
+          pixel(std::ceil(right + margin), image.width),
+          pixel(std::ceil(bottom + margin), image.height)};
+}
+
+// Grey levels; a column of the plane is a row of the picture, whose samples are neighbours.
+using Plane = Eigen::ArrayXXf;
+
+Plane plane_of(const GrayView& image, const Area& area) {
+  Plane plane(area.width(), area.height());
+  for (Eigen::Index y = 0; y < plane.cols(); ++y) {
+    const std::uint8_t* samples = image.row(area.top + static_cast<int>(y)) + area.left;
+    for (Eigen::Index x = 0; x < plane.rows(); ++x) plane(x, y) = samples[x];
+  }
+  return plane;
+}
+
+// Half of a Gaussian of sum 1, from its middle on.
+std::vector<float> gaussian(double sigma) {
+  std::vector<float> weights;
+  float sum = 0;
+  for (int k = 0; k <= static_cast<int>(std::ceil(4 * sigma)); ++k) {
+    weights.push_back(static_cast<float>(std::exp(-k * k / (2 * sigma * sigma))));
+    sum += (k == 0 ? 1.0F : 2.0F) * weights.back();
+  }
+  for (float& weight : weights) weight /= sum;
+  return weights;
+}
+
+// Beyond its borders a picture goes on as it is there.
+Plane smoothed(const Plane& plane, const std::vector<float>& weights) {
+  const auto reach = static_cast<Eigen::Index>(weights.size()) - 1;
+  const Eigen::Index width = plane.rows(), height = plane.cols();
+  Plane across(width, height), padded(width + 2 * reach, 1);
+  for (Eigen::Index y = 0; y < height; ++y) {
+    padded.col(0) << Eigen::ArrayXf::Constant(reach, plane(0, y)), plane.col(y),
+        Eigen::ArrayXf::Constant(reach, plane(width - 1, y));
+    across.col(y) = weights[0] * plane.col(y);
+    for (Eigen::Index k = 1; k <= reach; ++k) {
+      across.col(y) +=
+          weights[static_cast<std::size_t>(k)] *
+          (padded.col(0).segment(reach - k, width) + padded.col(0).segment(reach + k, width));
+    }
+  }
+  Plane smooth = weights[0] * across;
+  for (Eigen::Index y = 0; y < height; ++y) {
+    for (Eigen::Index k = 1; k <= reach; ++k) {
+      smooth.col(y) +=
+          weights[static_cast<std::size_t>(k)] *
+          (across.col(std::max<Eigen::Index>(y - k, 0)) + across.col(std::min(y + k, height - 1)));
+    }
+  }
+  return smooth;
 }
 
 }  // namespace
@@ -332,25 +391,29 @@ cv::Rect around(const GrayView& image, const Quad& quad) {
 // With y = x + a (x - G x), the picture x is what x <- (y + a G x) / (1 + a) comes to rest at.
 void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   constexpr double kAtRest = 0.01;
-  const cv::Rect area = around(sharp_, quad);
-  if (area.empty()) return;
-  const cv::Mat all(sharp_.height, sharp_.width, CV_8U, const_cast<std::uint8_t*>(sharp_.data),
-                    static_cast<std::size_t>(sharp_.stride));
-  cv::Mat sharp, plain, smooth;
-  all(area).convertTo(sharp, CV_32F);
-  sharp.copyTo(plain);
+  const Area area = around(sharp_, quad);
+  if (area.width() <= 0 || area.height() <= 0) return;
+  const Plane sharp = plane_of(sharp_, area);
+  const std::vector<float> weights = gaussian(sharpening.sigma_px);
+  const auto black = static_cast<float>(sharpening.black);
+  const auto white = static_cast<float>(sharpening.white);
   const double kept = 1 / (1 + sharpening.amount);
-  for (double left_over = 1; left_over > kAtRest; left_over *= sharpening.amount * kept) {
-    cv::GaussianBlur(plain, smooth, {}, sharpening.sigma_px, 0, cv::BORDER_REPLICATE);
-    cv::addWeighted(sharp, kept, smooth, sharpening.amount * kept, 0, plain);
+  const double fed_back = sharpening.amount * kept;
+  Plane plain = sharp;
+  for (double left_over = 1; left_over > kAtRest; left_over *= fed_back) {
+    plain =
+        static_cast<float>(kept) * sharp + static_cast<float>(fed_back) * smoothed(plain, weights);
     // What was clipped was darker than 0 or brighter than 255: it lies nearer to black or white.
-    const cv::Mat nearer_black = (plain + sharpening.black) / 2;
-    nearer_black.copyTo(plain, (sharp < 1.5) & (plain > sharpening.black));
-    const cv::Mat nearer_white = (plain + sharpening.white) / 2;
-    nearer_white.copyTo(plain, (sharp > 253.5) & (plain < sharpening.white));
+    plain = (sharp < 1.5F && plain > black).select((plain + black) / 2, plain);
+    plain = (sharp > 253.5F && plain < white).select((plain + white) / 2, plain);
   }
-  cv::Mat target(sharp_.height, sharp_.width, CV_8U, image_.samples.data());
-  plain.convertTo(target(area), CV_8U);
+  for (Eigen::Index y = 0; y < plain.cols(); ++y) {
+    std::uint8_t* samples = &image_.samples[static_cast<std::size_t>(
+        (area.top + static_cast<int>(y)) * image_.width + area.left)];
+    for (Eigen::Index x = 0; x < plain.rows(); ++x) {
+      samples[x] = static_cast<std::uint8_t>(std::clamp(std::lround(plain(x, y)), 0L, 255L));
+    }
+  }
 }
 
 }  // namespace tagsmith::detail

@@ -19,17 +19,33 @@
 namespace tagsmith::detail {
 namespace {
 
-// Standard deviation of the point spread across the bars, modules, from the left and right side of
-// a frame turned to P: with what bins of `bin_width` modules add.
-double blur_across(const std::array<FrameSide, 4>& sides, double module_px, double bin_width) {
-  const double blur_px = (sides[1].blur_px + sides[3].blur_px) / 2;
-  return std::sqrt(std::pow(blur_px / std::max(module_px, 1e-3), 2) + bin_width * bin_width / 12);
+// Width of a pixel across the bars, pixels along the symbol, where it is wider than a module; else
+// 0: then it is part of the point spread, as in the fit of the frame's sides, whose corners the
+// bars may move. A pixel's area, projected across the bars, is a box averaged over another; the
+// wider one counts here, the other is part of the point spread.
+double pixel_across(const SymbolRows& rows) {
+  if (rows.module_px > 1) return 0;
+  const PixelPoint along = rows.image_from_frame(1, 0.5) - rows.image_from_frame(0, 0.5);
+  const PixelPoint down = rows.image_from_frame(0.5, 1) - rows.image_from_frame(0.5, 0);
+  const double height = std::hypot(down.x, down.y);
+  const double sine = cross(along, down) / (std::hypot(along.x, along.y) * height);
+  return std::max(std::abs(down.x), std::abs(down.y)) / (height * std::abs(sine));
+}
+
+// Standard deviation of the point spread across the bars, pixels, without a pixel of this width; at
+// least half of what it is with one. `sides`: of a frame turned to P.
+double blur_across(const std::array<FrameSide, 4>& sides, double pixel) {
+  const double blur = (sides[1].blur_px + sides[3].blur_px) / 2;
+  return std::sqrt(std::max(blur * blur - pixel * pixel / 12, blur * blur / 4));
 }
 
 SymbolProfile finished(ScanProfile bins, const SymbolRows& rows, const TurnedFrame& frame) {
   set_spreads(rows.image_from_frame, rows.layout, bins);
-  const double blur = blur_across(frame.sides, rows.module_px, 1.0 / rows.bins_per_module);
-  return {std::move(bins), rows.module_px, blur};
+  const double per_px = 1 / std::max(rows.module_px, 1e-3);
+  const double pixel = pixel_across(rows);
+  const double bin = 1.0 / rows.bins_per_module;
+  const double blur = blur_across(frame.sides, pixel) * per_px;
+  return {std::move(bins), rows.module_px, std::sqrt(blur * blur + bin * bin / 12), pixel * per_px};
 }
 
 void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {

@@ -17,6 +17,7 @@ struct SymbolProfile {
   ScanProfile bins;
   double module_px = 0;  // width of a module in the middle of the frame
   double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
+  double pixel = 0;      // width of a pixel across the bars, modules: beside it
 };
 
 // A frame's corners and sides from the corner on that is taken for P.

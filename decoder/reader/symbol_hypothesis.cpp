@@ -26,6 +26,7 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
     SymbolProfile profile = profile_of(first_corner, layout);
     ImagingModel start;
     start.blur = std::clamp(profile.blur, 0.1, 3.0);
+    start.pixel = profile.pixel;
     const auto decoding = decode_profile(profile.bins, start, decode_options);
     if (!decoding) return;
     if (best && decoding->fit.explained <= best->decoding.fit.explained) return;

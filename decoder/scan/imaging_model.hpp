@@ -4,7 +4,7 @@
 namespace tagsmith::detail {
 
 // What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
-// 0 and 1.
+// 0 and 1. All but the pixels' width is fitted.
 struct ImagingModel {
   double blur = 0.3;   // standard deviation of the point spread, modules
   double shift = 0;    // of the symbol's middle, modules
@@ -14,6 +14,7 @@ struct ImagingModel {
   double white = 0;    // darkness of the spaces
   double black = 1;    // darkness of the bars
   double shading = 0;  // change of both levels from the middle to the right end
+  double pixel = 0;    // width that a place averages over, modules in the symbol's middle
 };
 
 }  // namespace tagsmith::detail

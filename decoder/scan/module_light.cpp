@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "tagsmith/base/normal.hpp"
+#include "decoder/scan/edge_step.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -26,14 +26,15 @@ Edges displaced_edges(const ImagingModel& image) {
 }
 
 // How far from an edge, in modules, a point spread of this standard deviation lets it matter.
-float reach_of(const ImagingModel& image, float blur) {
-  return std::min(14.0F, 4 * blur + static_cast<float>(std::abs(image.growth)) / 2);
+float reach_of(const ImagingModel& image, float spread) {
+  const double reach = (4 * image.blur + image.pixel / 2) * static_cast<double>(spread);
+  return std::min(14.0F, static_cast<float>(reach + std::abs(image.growth) / 2));
 }
 
 std::size_t band_of(const ScanProfile& profile, const ImagingModel& image) {
   double widest = 1;
   for (const ScanBin& bin : profile) widest = std::max(widest, bin.spread);
-  const float reach = reach_of(image, static_cast<float>(image.blur * widest));
+  const float reach = reach_of(image, static_cast<float>(widest));
   // Edges within reach of one place lie within twice the reach of each other.
   return std::min(ModuleLight::kMostFeatures,
                   2 * static_cast<std::size_t>(std::ceil(2.1F * reach)) + 3);
@@ -45,10 +46,10 @@ struct Step {
   float mean = 0, growth = 0;
 };
 
-Step step_at(const NormalTable& normal, float z, float half_growth) {
-  if (half_growth == 0) return {normal(z).integral, 0};
-  const float widened = normal(z + half_growth).integral;
-  const float narrowed = normal(z - half_growth).integral;
+Step step_at(const EdgeStep& edge, float behind, float half_growth) {
+  if (half_growth == 0) return {edge(behind).integral, 0};
+  const float widened = edge(behind + half_growth).integral;
+  const float narrowed = edge(behind - half_growth).integral;
   return {(widened + narrowed) / 2, (widened - narrowed) / 2};
 }
 
@@ -56,13 +57,12 @@ Step step_at(const NormalTable& normal, float z, float half_growth) {
 // and of the modules between them. The mean step of an edge belongs to the module, the rest to the
 // growth of the edge. Returns how many features, from the module before edge `first` on.
 std::size_t write_light(const Edges& edges, std::size_t first, float at, float reach,
-                        float per_blur, float half_growth, float* light) {
-  const NormalTable& normal = NormalTable::get();
+                        const EdgeStep& edge, float half_growth, float* light) {
   std::size_t count = 0;
   float before = 1;  // step of the edge before
   std::size_t k = first;
   for (; k < edges.size() && edges[k] < at + reach && count + 2 < ModuleLight::kMostFeatures; ++k) {
-    const Step step = step_at(normal, (at - edges[k]) * per_blur, half_growth * per_blur);
+    const Step step = step_at(edge, at - edges[k], half_growth);
     if (k > 0) light[count++] = before - step.mean;
     light[count++] = step.growth;
     before = step.mean;
@@ -86,13 +86,14 @@ ModuleLight::ModuleLight(const ScanProfile& profile, const ImagingModel& image)
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const ScanBin& bin = profile[i];
     const auto at = static_cast<float>(bin.at);
-    const auto blur = static_cast<float>(image.blur * bin.spread);
-    const float reach = reach_of(image, blur);
+    const EdgeStep edge(static_cast<float>(image.blur * bin.spread),
+                        static_cast<float>(image.pixel * bin.spread));
+    const float reach = reach_of(image, static_cast<float>(bin.spread));
     while (first < edges.size() && edges[first] < at - reach) ++first;
     if (offset + kMostFeatures + kLanes > light_.size()) light_.resize(2 * light_.size());
     Place& place = places_[i];
     place.begin = first == 0 ? 0 : 2 * first - 1;  // the module before the first edge
-    place.count = write_light(edges, first, at, reach, 1 / blur, half_growth, &light_[offset]);
+    place.count = write_light(edges, first, at, reach, edge, half_growth, &light_[offset]);
     place.offset = offset;
     const float t = (at - kHalfLength) / kHalfLength;
     place.value = (static_cast<float>(bin.darkness - image.white) - shading * t) / contrast_;

@@ -5,27 +5,13 @@
 #include <limits>
 #include <utility>
 
-#include "tagsmith/base/wide.hpp"
+#include "decoder/scan/edge_step.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 constexpr float kHalfLength = kModuleCount / 2.0F;
 constexpr float kReach = 4.5F;  // blurs; beyond, the step of an edge is flat to 1e-5
-
-// One over the standard deviations of the point spread, and how far an edge reaches, modules.
-TAGSMITH_WIDE void set_reaches(const std::vector<float>& spread, float blur_at_middle,
-                               std::vector<float>& per_blur, std::vector<float>& reach) {
-  const std::size_t size = spread.size();
-  const float* from = spread.data();
-  float* inverse = per_blur.data();
-  float* far = reach.data();
-  for (std::size_t i = 0; i < size; ++i) {
-    const float blur = blur_at_middle * from[i];
-    inverse[i] = 1 / blur;
-    far[i] = kReach * blur;
-  }
-}
 
 }  // namespace
 
@@ -39,7 +25,7 @@ ScanPlaces::ScanPlaces(const ScanProfile& profile)
 }
 
 SymbolEdges::SymbolEdges(const ImagingModel& image, const Digits& digits)
-    : blur_(static_cast<float>(image.blur)) {
+    : blur_(static_cast<float>(image.blur)), pixel_(static_cast<float>(image.pixel)) {
   const std::array<std::uint8_t, kElementCount> elements = elements_of(digits);
   int nominal = 0;
   for (std::size_t i = 0; i < kEdgeCount; ++i) {
@@ -55,30 +41,30 @@ SymbolEdges::SymbolEdges(const ImagingModel& image, const Digits& digits)
   }
 }
 
-// Calls visit_place(i, first, last, per_blur) for each place with the edges within its reach: from
+// Calls visit_place(i, first, last, step) for each place with the edges within its reach: from
 // `first` up to `last`. Those before `first` are passed for good.
 template <class Visit>
 void SymbolEdges::visit(const ScanPlaces& places, const Visit& visit_place) const {
-  std::vector<float> per_blur(places.size()), reach(places.size());
-  set_reaches(places.spread, blur_, per_blur, reach);
+  const float reach_at_middle = kReach * blur_ + pixel_ / 2;
   std::size_t first = 0, last = 0;
   float end = -std::numeric_limits<float>::infinity();  // edges before `last` are before this
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const float begin = places.at[i] - reach[i];
+    const float reach = reach_at_middle * places.spread[i];
+    const float begin = places.at[i] - reach;
     while (first < kEdgeCount && actual_[first] < begin) ++first;
-    const float before = std::exchange(end, places.at[i] + reach[i]);
+    const float before = std::exchange(end, places.at[i] + reach);
     if (last < first || !(end >= before)) last = first;
     while (last < kEdgeCount && actual_[last] < end) ++last;
-    visit_place(i, first, last, per_blur[i]);
+    visit_place(i, first, last, EdgeStep(blur_ * places.spread[i], pixel_ * places.spread[i]));
   }
 }
 
 std::vector<float> SymbolEdges::shares_at(const ScanPlaces& places) const {
   std::vector<float> shares(places.size());
-  visit(places, [&](std::size_t i, std::size_t first, std::size_t last, float per_blur) {
+  visit(places, [&](std::size_t i, std::size_t first, std::size_t last, const EdgeStep& step) {
     float share = first % 2 == 0 ? 0 : 1;
     for (std::size_t k = first; k < last; ++k) {
-      const float integral = normal_((places.at[i] - actual_[k]) * per_blur).integral;
+      const float integral = step(places.at[i] - actual_[k]).integral;
       share += k % 2 == 0 ? integral : -integral;
     }
     shares[i] = share;
@@ -88,17 +74,15 @@ std::vector<float> SymbolEdges::shares_at(const ScanPlaces& places) const {
 
 std::vector<BarShare> SymbolEdges::with_derivatives_at(const ScanPlaces& places) const {
   std::vector<BarShare> shares(places.size());
-  visit(places, [&](std::size_t i, std::size_t first, std::size_t last, float per_blur) {
+  visit(places, [&](std::size_t i, std::size_t first, std::size_t last, const EdgeStep& step) {
     BarShare bars;
     bars.share = first % 2 == 0 ? 0 : 1;
     for (std::size_t k = first; k < last; ++k) {
-      const float z = (places.at[i] - actual_[k]) * per_blur;
-      const NormalValue value = normal_(z);
+      const StepValue value = step(places.at[i] - actual_[k]);
       const float sign = k % 2 == 0 ? 1.0F : -1.0F;
-      const float density = sign * value.density;
-      const float by_edge = -density * per_blur;
+      const float by_edge = -sign * value.density * step.per_blur();
       bars.share += sign * value.integral;
-      bars.by_log_blur -= density * z;
+      bars.by_log_blur += sign * value.by_log_blur;
       bars.by_shift += by_edge;
       bars.by_stretch += by_edge * from_middle_[k];
       bars.by_bend += by_edge * bend_[k];

@@ -8,7 +8,6 @@
 
 #include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/profile.hpp"
-#include "tagsmith/base/normal.hpp"
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -50,12 +49,12 @@ class SymbolEdges {
   template <class Visit>
   void visit(const ScanPlaces& places, const Visit& visit_place) const;
 
-  const NormalTable& normal_ = NormalTable::get();
   // Even edges begin a bar, odd ones end it.
   std::array<float, kEdgeCount> from_middle_{};
   std::array<float, kEdgeCount> bend_{};
   std::array<float, kEdgeCount> actual_{};
   float blur_;
+  float pixel_;
 };
 
 }  // namespace tagsmith::detail

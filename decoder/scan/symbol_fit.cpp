@@ -27,15 +27,9 @@ Parameters pack(const ImagingModel& image) {
   return p;
 }
 
-ImagingModel unpack(const Parameters& p) {
-  return {std::exp(p[kLogBlur]),
-          p[kShift],
-          p[kStretch],
-          p[kBend],
-          p[kGrowth],
-          p[kWhite],
-          p[kBlack],
-          p[kShading]};
+ImagingModel unpack(const Parameters& p, double pixel) {
+  return {std::exp(p[kLogBlur]), p[kShift], p[kStretch], p[kBend], p[kGrowth], p[kWhite], p[kBlack],
+          p[kShading],           pixel};
 }
 
 using Row = Eigen::Matrix<float, kParameters, 1>;
@@ -111,10 +105,11 @@ NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
 // A profile to be explained by given digits.
 class FitProblem {
  public:
-  FitProblem(const ScanProfile& profile, const Digits& digits, const Parameters& nominal)
+  FitProblem(const ScanProfile& profile, const Digits& digits, const ImagingModel& nominal)
       : places_(profile),
         digits_(digits),
-        nominal_(nominal),
+        nominal_(pack(nominal)),
+        pixel_(nominal.pixel),
         weights_(root_weights(profile)),
         darkness_(profile.size()) {
     for (std::size_t i = 0; i < profile.size(); ++i) {
@@ -129,7 +124,7 @@ class FitProblem {
   };
 
   Cost cost_at(const Parameters& p) const {
-    const ImagingModel image = unpack(p);
+    const ImagingModel image = unpack(p, pixel_);
     std::vector<float> shares = SymbolEdges(image, digits_).shares_at(places_);
     return {static_cast<double>(cost_of(image, places_, darkness_, weights_, shares)),
             prior_cost(p)};
@@ -143,7 +138,7 @@ class FitProblem {
   }
 
   std::vector<WeighedPlace> places_at(const Parameters& p) const {
-    const ImagingModel image = unpack(p);
+    const ImagingModel image = unpack(p, pixel_);
     const std::vector<BarShare> bars = SymbolEdges(image, digits_).with_derivatives_at(places_);
     const auto white = static_cast<float>(image.white);
     const auto contrast = static_cast<float>(image.black - image.white);
@@ -181,6 +176,7 @@ class FitProblem {
   ScanPlaces places_;
   Digits digits_;
   Parameters nominal_;
+  double pixel_;
   std::vector<float> weights_;
   std::vector<float> darkness_;
 };
@@ -204,7 +200,8 @@ double total_variation(const ScanProfile& profile) {
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
   ImagingModel nominal_image;
   nominal_image.blur = start.blur;
-  const FitProblem problem(profile, digits, pack(nominal_image));
+  nominal_image.pixel = start.pixel;
+  const FitProblem problem(profile, digits, nominal_image);
   Parameters p = pack(start);
   std::vector<WeighedPlace> places = problem.places_at(p);
   FitProblem::Cost cost = problem.cost_at(p, places);
@@ -234,7 +231,8 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
     normal = problem.equations_at(p, places);
     is_promising = true;
   }
-  return {unpack(p), cost.profile, 1 - cost.profile / std::max(total_variation(profile), 1e-12), 1};
+  return {unpack(p, start.pixel), cost.profile,
+          1 - cost.profile / std::max(total_variation(profile), 1e-12), 1};
 }
 
 std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,

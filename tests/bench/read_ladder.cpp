@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the reader manages on simulated tags, one degradation at a time: share read, wrong readings
 // and corner errors by pixels per module, incidence, roll, blur, noise, bar growth and tone curve.
-// Usage: bench_read_ladder [TAGS_PER_CELL]
+// Usage: bench_read_ladder [TAGS_PER_CELL] [rolls]; with `rolls` small tags by their roll alone.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -173,6 +173,26 @@ void run_resolutions(int count) {
   }
 }
 
+// Small tags whose bars stand along the pixels' columns or rows, as a level camera sees them, or
+// across them; through a lens of usual sharpness and one sharper than the pixels.
+void run_rolls(int count) {
+  for (const double module_px : {0.4, 0.5, 0.6, 0.8}) {
+    for (const double roll : {0.0, 2.0, 5.0, 15.0, 90.0}) {
+      for (const double blur_px : {0.1, 0.2, 0.35, 0.5}) {
+        Conditions conditions;
+        conditions.module_px = module_px;
+        conditions.roll = radians(roll);
+        conditions.blur_px = blur_px;
+        conditions.noise = 1.5;
+        if (module_px == 0.4) conditions.book = 200;
+        run_cell(fmt::format("roll {} at {} px/module, blur sigma {} px{}", roll, module_px,
+                             blur_px, conditions.book > 0 ? ", code book of 200" : ""),
+                 conditions, count);
+      }
+    }
+  }
+}
+
 void run_views(int count) {
   for (const double incidence : {50.0, 60.0, 65.0, 70.0}) {
     Conditions conditions;
@@ -222,10 +242,12 @@ void run_cameras(int count) {
 int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 60;
   if (count < 1) {
-    fmt::print(stderr, "usage: bench_read_ladder [TAGS_PER_CELL]\n");
+    fmt::print(stderr, "usage: bench_read_ladder [TAGS_PER_CELL] [rolls]\n");
     return 2;
   }
   print_head(count);
+  run_rolls(count);
+  if (argc > 2) return 0;
   run_resolutions(count);
   run_views(count);
   run_spoilt(count);

@@ -11,9 +11,9 @@
 
 namespace tagsmith::detail::test {
 
-// Share of the light that bars take at a place, modules.
-inline double share_of_bars(const Digits& digits, const ImagingModel& image, double at,
-                            double spread = 1) {
+// Share of the light that bars take at a point, modules.
+inline double share_at_point(const Digits& digits, const ImagingModel& image, double at,
+                             double spread = 1) {
   const auto edge_at = [&](double nominal, double widening) {
     const double from_middle = nominal - kModuleCount / 2.0;
     const double t = 2 * from_middle / kModuleCount;
@@ -35,12 +35,24 @@ inline double share_of_bars(const Digits& digits, const ImagingModel& image, dou
   return share;
 }
 
-// Five places a module, four modules beyond the symbol on both sides.
+// The same over the width of a pixel, by summing points.
+inline double share_of_bars(const Digits& digits, const ImagingModel& image, double at,
+                            double spread = 1) {
+  constexpr int kPoints = 400;
+  if (image.pixel == 0) return share_at_point(digits, image, at, spread);
+  double sum = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double off = ((i + 0.5) / kPoints - 0.5) * image.pixel * spread;
+    sum += share_at_point(digits, image, at + off, spread);
+  }
+  return sum / kPoints;
+}
+
+// Places so far apart (modules), four modules beyond the symbol on both sides.
 inline ScanProfile profile_of(const Digits& digits, const ImagingModel& image,
-                              double variance = 1e-3) {
+                              double variance = 1e-3, double apart = 0.2) {
   ScanProfile profile;
-  for (int i = -20; i < 5 * (kModuleCount + 4); ++i) {
-    const double at = (i + 0.5) / 5;
+  for (double at = apart / 2 - 4; at < kModuleCount + 4; at += apart) {
     const double share = share_of_bars(digits, image, at);
     const double t = (at - kModuleCount / 2.0) / (kModuleCount / 2.0);
     const double darkness = image.white + (image.black - image.white) * share + image.shading * t;

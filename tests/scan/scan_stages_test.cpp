@@ -11,6 +11,8 @@
 #include "decoder/scan/character_costs.hpp"
 #include "decoder/scan/characters.hpp"
 #include "decoder/scan/corrupted_digits.hpp"
+#include "decoder/scan/decode.hpp"
+#include "decoder/scan/edge_step.hpp"
 #include "decoder/scan/elastic_scan.hpp"
 #include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/module_equations.hpp"
@@ -59,6 +61,13 @@ double squares_left(const ScanProfile& profile, const Digits& digits, const Imag
   return sum;
 }
 
+// The same through pixels of two modules' width.
+ImagingModel coarse_image() {
+  ImagingModel image = bent_image();
+  image.pixel = 2;
+  return image;
+}
+
 // A line of light of a symbol, in samples of a tenth of `module`.
 ScanLine line_of(const Digits& digits, double module, double begin, int size) {
   ScanLine line;
@@ -74,47 +83,75 @@ ScanLine line_of(const Digits& digits, double module, double begin, int size) {
 }  // namespace
 
 TEST_CASE("the edges' shares of light are those of the definition") {
-  const ImagingModel image = bent_image();
-  const ScanProfile profile = profile_of(kDigits, image);
-  const ScanPlaces places(profile);
-  const std::vector<float> shares = SymbolEdges(image, kDigits).shares_at(places);
-  REQUIRE(shares.size() == profile.size());
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    const double expected = share_of_bars(kDigits, image, profile[i].at);
-    CHECK(static_cast<double>(shares[i]) == doctest::Approx(expected).epsilon(1e-4));
+  for (const ImagingModel& image : {bent_image(), coarse_image()}) {
+    const ScanProfile profile = profile_of(kDigits, image);
+    const ScanPlaces places(profile);
+    const std::vector<float> shares = SymbolEdges(image, kDigits).shares_at(places);
+    REQUIRE(shares.size() == profile.size());
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      const double expected = share_of_bars(kDigits, image, profile[i].at);
+      CHECK(static_cast<double>(shares[i]) == doctest::Approx(expected).epsilon(1e-4));
+    }
   }
 }
 
+TEST_CASE("a symbol of half a pixel a module is read by what its pixels measure") {
+  // Each pixel holds two modules, as where bars stand along the pixels' columns.
+  ImagingModel image;
+  image.blur = 0.25;
+  image.pixel = 2;
+  image.shift = 0.15;
+  ScanProfile profile = profile_of(kDigits, image, 4e-4, 2);
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.004);
+  for (ScanBin& bin : profile) bin.darkness += noise(random);
+  ImagingModel start;
+  start.blur = 0.7;
+  // Without the pixels' width no normal point spread explains them, which looks like noise.
+  const auto by_points = decode_profile(profile, start, {CheckDigit::sum10, {}});
+  start.pixel = 2;
+  const auto by_pixels = decode_profile(profile, start, {CheckDigit::sum10, {}});
+  REQUIRE(by_pixels);
+  CHECK(by_pixels->digits == kDigits);
+  CHECK(by_pixels->confidence > 0.999);
+  CHECK(by_pixels->fit.image.blur == doctest::Approx(0.25).epsilon(0.2));
+  REQUIRE(by_points);
+  CHECK(by_points->noise > 4 * by_pixels->noise);
+}
+
 TEST_CASE("the derivatives of the shares are those of small changes") {
-  const ImagingModel image = bent_image();
-  const ScanProfile profile = profile_of(kDigits, image);
-  const ScanPlaces places(profile);
-  const std::vector<BarShare> shares = SymbolEdges(image, kDigits).with_derivatives_at(places);
-  constexpr double kStep = 1e-3;
-  const auto change = [&](double ImagingModel::*parameter, double at) {
-    ImagingModel more = image, less = image;
-    more.*parameter += kStep;
-    less.*parameter -= kStep;
-    return (share_of_bars(kDigits, more, at) - share_of_bars(kDigits, less, at)) / (2 * kStep);
-  };
-  for (std::size_t i = 40; i < shares.size(); i += 7) {
-    const double at = profile[i].at;
-    const BarShare& share = shares[i];
-    CHECK(std::abs(static_cast<double>(share.by_shift) - change(&ImagingModel::shift, at)) < 2e-3);
-    CHECK(std::abs(static_cast<double>(share.by_growth) - change(&ImagingModel::growth, at)) <
-          2e-3);
-    CHECK(std::abs(static_cast<double>(share.by_bend) - change(&ImagingModel::bend, at)) < 2e-3);
-    CHECK(std::abs(static_cast<double>(share.by_stretch) - change(&ImagingModel::stretch, at)) <
-          0.1);  // the ends are 47 modules from the middle
-    CHECK(std::abs(static_cast<double>(share.by_log_blur) -
-                   image.blur * change(&ImagingModel::blur, at)) < 2e-3);
+  for (const ImagingModel& image : {bent_image(), coarse_image()}) {
+    const ScanProfile profile = profile_of(kDigits, image);
+    const ScanPlaces places(profile);
+    const std::vector<BarShare> shares = SymbolEdges(image, kDigits).with_derivatives_at(places);
+    constexpr double kStep = 1e-3;
+    const auto change = [&](double ImagingModel::*parameter, double at) {
+      ImagingModel more = image, less = image;
+      more.*parameter += kStep;
+      less.*parameter -= kStep;
+      return (share_of_bars(kDigits, more, at) - share_of_bars(kDigits, less, at)) / (2 * kStep);
+    };
+    for (std::size_t i = 40; i < shares.size(); i += 7) {
+      const double at = profile[i].at;
+      const BarShare& share = shares[i];
+      CHECK(std::abs(static_cast<double>(share.by_shift) - change(&ImagingModel::shift, at)) <
+            2e-3);
+      CHECK(std::abs(static_cast<double>(share.by_growth) - change(&ImagingModel::growth, at)) <
+            2e-3);
+      CHECK(std::abs(static_cast<double>(share.by_bend) - change(&ImagingModel::bend, at)) < 2e-3);
+      CHECK(std::abs(static_cast<double>(share.by_stretch) - change(&ImagingModel::stretch, at)) <
+            0.1);  // the ends are 47 modules from the middle
+      CHECK(std::abs(static_cast<double>(share.by_log_blur) -
+                     image.blur * change(&ImagingModel::blur, at)) < 2e-3);
+    }
   }
 }
 
 TEST_CASE("a fit finds the picture that a profile was made with") {
-  const ImagingModel image = bent_image();
+  const ImagingModel image = coarse_image();
   ImagingModel start;
   start.blur = 0.6;
+  start.pixel = 2;
   const SymbolFit fit = fit_symbol(profile_of(kDigits, image, 1e-6), kDigits, start);
   CHECK(fit.image.blur == doctest::Approx(image.blur).epsilon(0.01));
   CHECK(fit.image.shift == doctest::Approx(image.shift).epsilon(0.01));
