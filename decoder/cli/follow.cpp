@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/follow.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <iostream>
 #include <limits>
 #include <optional>
@@ -14,6 +16,7 @@
 
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/localize/live_track.hpp"
+#include "decoder/verify/set_aside.hpp"
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
@@ -69,14 +72,78 @@ Result<Measurement> measurement_from(const Json& object, const Rig& rig) {
   return measurement;
 }
 
-// The position of one measurement, by what the ones before it say of the motion.
-Fix locate(const Measurement& measurement, const FollowInput& input,
+// Whether tags contradict each other, or the motion.
+bool is_contradicted(const Fix& fix) {
+  const auto is_tag = [](const Dropped& dropped) { return !dropped.camera.empty(); };
+  const bool refused = !fix.position_in_grid && fix.tags.size() > 1;
+  return refused || std::ranges::any_of(fix.dropped, is_tag);
+}
+
+// The last measurements, and which tags they show to hang elsewhere than surveyed.
+class RunSoFar {
+ public:
+  explicit RunSoFar(const FollowInput& input) : input_(input), surveys_(input.surveys) {}
+
+  // The surveys without the tags that are set aside.
+  const std::vector<Survey>& surveys() const { return surveys_; }
+
+  void remember(const Measurement& measurement, bool contradicted) {
+    constexpr std::size_t kMost = 40;
+    last_.push_back({measurement, contradicted, std::nullopt});
+    if (last_.size() > kMost) last_.pop_front();
+  }
+
+  // Sets aside what the last measurements are certain of where one of them is contradicted, and
+  // says what is new.
+  std::vector<std::string> set_aside() {
+    if (std::ranges::none_of(last_, &Past::contradicted)) return {};
+    std::vector<Observation> rows;
+    for (Past& past : last_) {
+      if (!past.seen) past.seen = input_.observe(past.measurement);
+      rows.push_back(*past.seen);
+    }
+    std::vector<std::string> told;
+    for (const SetAside& tag : set_aside_misplaced(rows, input_.surveys, input_.rig).aside) {
+      const auto removed = std::erase_if(surveys_[tag.survey].tags, [&](const PlacedTag& placed) {
+        return placed.name == tag.tag;
+      });
+      if (removed > 0) told.push_back("set aside from here on: " + tag.message);
+    }
+    if (!told.empty()) {
+      for (Past& past : last_) past.contradicted = false;
+    }
+    return told;
+  }
+
+ private:
+  struct Past {
+    Measurement measurement;
+    bool contradicted = false;  // and nothing was set aside since
+    std::optional<Observation> seen;
+  };
+
+  const FollowInput& input_;
+  std::vector<Survey> surveys_;
+  std::deque<Past> last_;
+};
+
+// The position of one measurement, by what the ones before it say of the tags and of the motion.
+Fix locate(const Measurement& measurement, const FollowInput& input, RunSoFar& run,
            std::optional<LiveTrack>& track) {
   const bool tracked = input.track && measurement.time.has_value();
   const auto prior = tracked && track
                          ? prior_at(*track, *measurement.time, input.surveys, MotionModel{})
                          : std::nullopt;
-  Fix fix = input.locate(measurement, prior);
+  Fix fix = input.locate(measurement, run.surveys(), prior);
+  if (input.observe) {
+    run.remember(measurement, is_contradicted(fix));
+    const std::vector<std::string> told = run.set_aside();
+    if (!told.empty()) fix = input.locate(measurement, run.surveys(), prior);
+    for (const std::string& words : told) {
+      to_stderr("localize: {}\n", words);
+      fix.notes.push_back(words);
+    }
+  }
   if (tracked) fix = follow_track(track, std::move(fix), *measurement.time, input.surveys);
   return input.confirmed ? if_confirmed(std::move(fix)) : fix;
 }
@@ -94,6 +161,7 @@ std::string error_line(const Json& object, int number, const std::string& messag
 int follow(const FollowInput& input) {
   bool all_located = true;
   std::optional<LiveTrack> track;
+  RunSoFar run(input);
   int number = 0;
   while (const std::optional<std::string> line = read_line(std::cin, kLongestLine)) {
     ++number;
@@ -105,7 +173,7 @@ int follow(const FollowInput& input) {
         too_long ? fail("longer than a mebibyte") : measurement_from(object, input.rig);
     std::string answer;
     if (measurement) {
-      const Fix fix = locate(*measurement, input, track);
+      const Fix fix = locate(*measurement, input, run, track);
       all_located = all_located && fix.position_in_grid.has_value();
       answer = fix_json_line(fix, *measurement, input.explain);
     } else {

@@ -8,6 +8,7 @@
 
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/live_track.hpp"
+#include "decoder/localize/observation.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/survey/survey.hpp"
@@ -17,8 +18,14 @@ namespace tagsmith::detail {
 struct FollowInput {
   const std::vector<Survey>& surveys;
   const Rig& rig;
-  // The position of one measurement, where the motion may say what to expect.
-  std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> locate;
+  // The position of one measurement by these surveys, where the motion may say what to expect.
+  std::function<Fix(const Measurement&, const std::vector<Survey>&,
+                    const std::optional<PosePrior>&)>
+      locate;
+  // What one measurement shows. Where there is such a function, a measurement whose tags contradict
+  // each other is compared with those before it: tags that they show to hang elsewhere than
+  // surveyed (set_aside.hpp) locate nothing from there on.
+  std::function<Observation(const Measurement&)> observe;
   // Whether measurements with a time are tracked: the motion so far says where to look for tags and
   // judges fixes. The method must give attitudes.
   bool track = false;

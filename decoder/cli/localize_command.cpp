@@ -162,18 +162,25 @@ std::optional<RigSuspicion> suspicion_of(std::vector<Observation> rows,
 bool shows_no_tag(const Observation& row) { return row.tags.empty(); }
 
 // How single measurements are located while the vehicle drives.
-std::function<Fix(const Measurement&, const std::optional<PosePrior>&)> live_method(
-    const LocalizeInput& input, const LocalizeOptions& options) {
+FollowInput live_input(const LocalizeInput& input, const LocalizeOptions& options) {
   const ReaderChoice reader = reader_for(options);
   const bool joint = options.method == "joint";
   const bool sparing = joint && options.reader == "tagsmith" && !options.unsurveyed;
-  return [&input, reader, joint, sparing](const Measurement& measurement,
-                                          const std::optional<PosePrior>& prior) {
-    if (sparing) return locate(measurement, input.surveys, input.rig, prior);
-    const Observation seen = observe(measurement, input.surveys, input.rig, reader, prior);
-    return joint ? localize_jointly(seen, input.surveys, input.rig)
-                 : localize_by_paper(seen, input.surveys, input.rig);
+  FollowInput live{input.surveys, input.rig, {}, {}, joint, options.confirmed, options.explain};
+  live.locate = [&input, reader, joint, sparing](const Measurement& measurement,
+                                                 const std::vector<Survey>& surveys,
+                                                 const std::optional<PosePrior>& prior) {
+    if (sparing) return locate(measurement, surveys, input.rig, prior);
+    const Observation seen = observe(measurement, surveys, input.rig, reader, prior);
+    return joint ? localize_jointly(seen, surveys, input.rig)
+                 : localize_by_paper(seen, surveys, input.rig);
   };
+  if (sparing) {
+    live.observe = [&input, reader](const Measurement& measurement) {
+      return observe(measurement, input.surveys, input.rig, reader);
+    };
+  }
+  return live;
 }
 
 // --- JSON ---
@@ -406,8 +413,7 @@ int run_localize(const LocalizeOptions& options) {
   if (!input) return report_failure(kName, input.error());
   print_assumptions(kName, assumptions(input->surveys, input->rig));
   if (options.follow) {
-    return follow({input->surveys, input->rig, live_method(*input, options),
-                   options.method == "joint", options.confirmed, options.explain});
+    return follow(live_input(*input, options));
   }
   if (const auto usable = check_files(options, *input, {}); !usable) {
     return report_failure(kName, usable.error());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
@@ -408,6 +409,42 @@ TEST_CASE("a tag that the run shows to hang elsewhere is set aside in all rows")
     CHECK(std::ranges::find(line["tags"], "001L") == line["tags"].end());
     CHECK(line["error_plane"].get<double>() < 0.002);
   }
+}
+
+TEST_CASE("live measurements set a tag aside once those before show where it hangs") {
+  const TemporaryFolder folder;
+  std::string survey = contents("surveys/corridor/survey.yaml");
+  survey.insert(survey.find("\ncode:"),
+                "\nplaced:\n  - { tag: 001R, side: right, p: [0.0, 1.143, 0.48], "
+                "digits: \"00000114040\" }\n");
+  const std::string file = file_with(folder.path() / "survey.yaml", survey);
+  std::string input;
+  for (const int row : {1, 2, 3, 4, 2, 3}) {
+    for (const char* side : {"left", "right"}) {
+      input += side == std::string("left") ? fmt::format("{{\"id\": \"{}\", ", row) : ", ";
+      input +=
+          fmt::format("\"{0}\": \"surveys/corridor/photos/corridor_{1:02}_{0}.jpg\"", side, row);
+    }
+    input += "}\n";
+  }
+  const ProgramOutput output =
+      run_tagsmith("localize '" + file + "' --rig surveys/corridor/rig.yaml --follow < '" +
+                   file_with(folder.path() / "input", input) + "'");
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 6);
+  // Nothing tells which of two tags is off until one of them is seen with a third.
+  CHECK(lines[1].at("status") == "no_position");
+  CHECK(lines[2].at("status") == "no_position");
+  for (const std::size_t later : {3, 4, 5}) {
+    CHECK(lines[later].at("status") == "ok");
+    const auto says_it = [](const json& note) {
+      return note.get<std::string>().find("001R hangs") != std::string::npos;
+    };
+    CHECK(std::ranges::count_if(lines[later].at("notes"), says_it) == (later == 3 ? 1 : 0));
+    CHECK(std::ranges::find(lines[later].at("tags"), "001R") == lines[later].at("tags").end());
+  }
+  CHECK(std::abs(lines[4].at("position")[0].get<double>() - 1.0) < 0.003);
+  CHECK(std::abs(lines[4].at("position")[1].get<double>() - 0.0) < 0.003);
 }
 
 TEST_CASE("photos of another drive than the survey's are told as such") {
