@@ -198,14 +198,16 @@ std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& mer
 
 DrawingPart fault_part(const VerifyMerge& merged, Paper paper) {
   DrawingPart part{{}, {.paper = paper}};
-  for (const FaultRecord& fault : merged.faults) {
+  const std::vector<FaultRecord> faults = faults_by_plate(merged);
+  for (const FaultRecord& fault : faults) {
     if (part.views.size() == kMostShownFaults) break;
     part.views.push_back(fault_view(fault, part.views.size() + 1));
   }
-  if (merged.fault_count <= part.views.size()) return part;
+  if (faults.size() <= part.views.size() && merged.fault_count == merged.faults.size()) return part;
   DrawingView rest;
-  rest.title = fmt::format("and {} more faults: they are in the JSON lines",
-                           merged.fault_count - part.views.size());
+  rest.title =
+      fmt::format("and {} more faults: they are in the JSON lines",
+                  merged.fault_count - merged.faults.size() + faults.size() - part.views.size());
   rest.scale = 1;
   rest.new_row = true;
   part.views.push_back(std::move(rest));

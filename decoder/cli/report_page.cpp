@@ -249,7 +249,7 @@ std::string fault_card(const FaultRecord& fault) {
 std::string fault_cards(const VerifyMerge& merged) {
   if (merged.faults.empty()) return "<p>None.</p>\n";
   std::string cards = "<div class=\"cards\">\n";
-  for (const FaultRecord& fault : merged.faults) cards += fault_card(fault);
+  for (const FaultRecord& fault : faults_by_plate(merged)) cards += fault_card(fault);
   cards += "</div>\n";
   if (merged.fault_count > merged.faults.size()) {
     cards += fmt::format("<p>The first {} of {} faults are listed.</p>\n", merged.faults.size(),

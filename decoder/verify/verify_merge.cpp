@@ -30,6 +30,7 @@ FaultRecord fault_of(const VerifiedFile& file, VerifiedTag& tag) {
   fault.sha256 = file.sha256;
   fault.orientation = file.orientation.value_or(1);
   if (file.is_photo()) fault.corners = tag.corners;
+  if (tag.digits) fault.code = to_string(*tag.digits);
   fault.is_question = tag.status == TagStatus::doubtful && tag.rule == "upside-down";
   return fault;
 }
@@ -189,6 +190,37 @@ void sort_faults(VerifyMerge& merged) {
   });
   std::ranges::stable_sort(merged.notes, {},
                            [](const NoteRecord& note) { return std::tie(note.file, note.note); });
+}
+
+std::vector<FaultRecord> faults_by_plate(const VerifyMerge& merged) {
+  constexpr std::size_t kMostNamed = 8;
+  std::vector<FaultRecord> plates;
+  std::vector<std::vector<std::string>> files;
+  std::map<std::pair<std::string, std::string>, std::size_t> known;
+  for (const FaultRecord& fault : merged.faults) {
+    const std::string& plate_name = fault.tag.empty() ? fault.code : fault.tag;
+    const auto [place, is_new] = known.try_emplace({fault.rule, plate_name}, plates.size());
+    if (is_new || plate_name.empty()) {
+      plates.push_back(fault);
+      files.push_back({fault.file});
+      continue;
+    }
+    FaultRecord& plate = plates[place->second];
+    if (plate.picture.jpeg.empty() && !fault.picture.jpeg.empty()) {
+      plate.picture = fault.picture;
+      plate.no_picture.clear();
+    }
+    std::vector<std::string>& of_plate = files[place->second];
+    if (of_plate.back() != fault.file) of_plate.push_back(fault.file);
+  }
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    const std::size_t count = files[i].size();
+    if (count == 1) continue;
+    files[i].resize(std::min(count, kMostNamed));
+    plates[i].file = fmt::format("in {} files: {}{}", count, fmt::join(files[i], ", "),
+                                 count > kMostNamed ? ", ..." : "");
+  }
+  return plates;
 }
 
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag) {

@@ -42,6 +42,7 @@ struct FaultRecord {
   std::string sha256{};
   int orientation = 1;
   std::optional<FrameCorners> corners{};
+  std::string code{};  // the digits as read, or empty
 };
 
 // A note on a file.
@@ -104,6 +105,11 @@ void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged);
 // Puts the faults in one order, by file, tag, rule and words, and the notes, whatever order the
 // files came in.
 void sort_faults(VerifyMerge& merged);
+
+// The listed faults, one a plate and rule: what several photos show of one plate, or of one code
+// that the survey does not have, is one fault with the picture that is at hand, whose `file` names
+// all photos and whose message is the first.
+std::vector<FaultRecord> faults_by_plate(const VerifyMerge& merged);
 
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag);
 

@@ -128,6 +128,29 @@ TEST_CASE("a print at the wrong scale is found") {
   }
 }
 
+TEST_CASE(
+    "what several photos show of one plate, or of one strange code, is one fault of a report") {
+  const Survey survey = survey_of_four();
+  VerifyMerge merged;
+  for (const char* photo : {"a.jpg", "b.jpg", "c.jpg"}) {
+    VerifiedFile file{photo};
+    file.width = 1280;
+    file.tags = check_tags(survey, {{reading_of("019000000408"), reading_of("123456789012", 600)},
+                                    {{RejectionReason::guard_pattern, rectangle(50, 20)}}});
+    merge("", file, merged);
+  }
+  REQUIRE(merged.faults.size() == 9);
+  const std::vector<FaultRecord> plates = faults_by_plate(merged);
+  REQUIRE(plates.size() == 5);  // nothing tells whether what cannot be read is one plate
+  const auto of = [&](const std::string& rule) {
+    return *std::ranges::find(plates, rule, &FaultRecord::rule);
+  };
+  CHECK(of("check-scheme").tag == "000L");
+  for (const char* rule : {"check-scheme", "not-in-survey"}) {
+    CHECK(of(rule).file == "in 3 files: a.jpg, b.jpg, c.jpg");
+  }
+}
+
 TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   const Survey survey = survey_of_four();
   VerifiedFile good{"good.jpg"};
