@@ -24,7 +24,7 @@ namespace {
 std::string verdict_in_words(const HungTag& tag) {
   switch (tag.verdict) {
     case HangVerdict::off:
-      return tag.rule;
+      return fmt::format("{} (odds 10^{:.0f})", tag.rule, tag.odds);
     case HangVerdict::doubtful:
       return tag.rivals.empty() ? tag.rule + "?" : "this one or " + tag.rivals.front();
     case HangVerdict::fits:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -178,6 +179,7 @@ class Judge {
     }
     if (found_.swapped_with[plate] && result_.plates[plate].offset) {
       result_.plates[plate].swapped_with = found_.swapped_with[plate];
+      least_deficit_ = std::numeric_limits<double>::infinity();
       judge(plate);
       return false;  // what is exchanged says nothing against the rig
     }
@@ -188,6 +190,7 @@ class Judge {
     PlateCheck& check = result_.plates[plate];
     if (is_moved) check.offset = moved->offsets[plate];
     if (is_moved && !is_off(plate, *check.offset)) return false;
+    least_deficit_ = std::numeric_limits<double>::infinity();
     const auto rivals = rivals_of(plate);
     // A small turn of one plate can explain a large shift of another.
     if (std::ranges::any_of(rivals, [&](const Rival& rival) {
@@ -216,7 +219,7 @@ class Judge {
     return Rival{plate, *offset, scale_of(instead, plate, moved)};
   }
 
-  std::vector<Rival> rivals_of(std::size_t plate) const {
+  std::vector<Rival> rivals_of(std::size_t plate) {
     std::vector<Rival> rivals;
     PlateExplanation instead = found_;
     for (const std::size_t other :
@@ -225,7 +228,7 @@ class Judge {
       instead.freed[plate] = PlateFreedom::none;
       instead.freed[other] = PlateFreedom::any;
       instead.adjustment = adjust_plates(instead.problem, instead.freed);
-      if (cost_of(instead) > cost_of(found_) + kClearlyBetter) continue;
+      if (!is_close(cost_of(instead) - cost_of(found_))) continue;
       if (const auto rival = rival_by(instead, other)) rivals.push_back(*rival);
     }
     return rivals;
@@ -275,6 +278,7 @@ class Judge {
     check.doubt = doubt_of(plate);
     if (check.doubt == HangDoubt::rivals) return;
     check.verdict = check.doubt == HangDoubt::none ? HangVerdict::off : HangVerdict::doubtful;
+    check.log_odds = least_deficit_ / 2;
   }
 
   HangDoubt doubt_of(std::size_t plate) {
@@ -286,7 +290,7 @@ class Judge {
         return HangDoubt::rest;
       }
     }
-    if (explains_as_well(of_another_rig_, found_) && !of_another_rig_.accuses(plate)) {
+    if (!of_another_rig_.accuses(plate) && is_close(deficit_of(of_another_rig_, found_))) {
       return HangDoubt::rig;
     }
     const PlateExplanation near = around(plate);
@@ -309,8 +313,22 @@ class Judge {
   }
 
   static bool explains_as_well(const PlateExplanation& other, const PlateExplanation& found) {
+    return deficit_of(other, found) <= kClearlyBetter;
+  }
+
+  // By how much chi-square is worse than what was found, less what fewer faults allow; infinite
+  // with more faults.
+  static double deficit_of(const PlateExplanation& other, const PlateExplanation& found) {
     const int fewer = faults_of(found) - faults_of(other);
-    return fewer >= 0 && cost_of(other) <= cost_of(found) + kClearlyBetter + kOfFault * fewer;
+    if (fewer < 0) return std::numeric_limits<double>::infinity();
+    return cost_of(other) - cost_of(found) - kOfFault * fewer;
+  }
+
+  // Whether an explanation with this deficit must be reckoned with. The least deficit of those that
+  // need not tells how sure the verdict is.
+  bool is_close(double deficit) {
+    least_deficit_ = std::min(least_deficit_, deficit);
+    return deficit <= kClearlyBetter;
   }
 
   // Takes the faults of the other explanation in place of those found, when they explain the
@@ -373,7 +391,7 @@ class Judge {
   }
 
   // True when one row of pictures, not taken together, explains what speaks against the plate.
-  static bool fits_apart(const PlateExplanation& near, std::size_t plate) {
+  bool fits_apart(const PlateExplanation& near, std::size_t plate) {
     for (std::size_t s = 0; s < near.problem.stations.size(); ++s) {
       if (!shows(near.problem.stations[s], plate)) continue;
       PlateExplanation split = near;
@@ -384,13 +402,13 @@ class Judge {
       std::ranges::move(parts, std::back_inserter(stations));
       split.freed[plate] = PlateFreedom::none;
       split.adjustment = adjust_plates(split.problem, split.freed);
-      if (cost_of(split) <= cost_of(near) + kClearlyBetter) return true;
+      if (is_close(cost_of(split) - cost_of(near))) return true;
     }
     return false;
   }
 
   // True when what speaks against the plate is a second copy of one plate that is seen with it.
-  bool fits_beside_copy(const PlateExplanation& near, std::size_t plate) const {
+  bool fits_beside_copy(const PlateExplanation& near, std::size_t plate) {
     for (const std::size_t judge : judges_of(plate)) {
       PlateExplanation copied = near;
       AdjustmentProblem& problem = copied.problem;
@@ -404,7 +422,7 @@ class Judge {
       copied.freed[plate] = PlateFreedom::none;
       copied.freed.push_back(PlateFreedom::any);
       copied.adjustment = adjust_plates(problem, copied.freed);
-      if (cost_of(copied) <= cost_of(near) + kClearlyBetter) return true;
+      if (is_close(cost_of(copied) - cost_of(near))) return true;
     }
     return false;
   }
@@ -415,7 +433,7 @@ class Judge {
     AdjustmentProblem problem = original_;
     problem.stations = stations_near(original_.stations, plate);
     const PlateExplanation others = explain(std::move(problem), given);
-    if (!explains_as_well(others, near)) return HangDoubt::none;
+    if (!is_close(deficit_of(others, near))) return HangDoubt::none;
     HangDoubt doubt =
         others.left_out.size() > near.left_out.size() ? HangDoubt::row : HangDoubt::rest;
     for (std::size_t i = 0; i < original_.plates.size(); ++i) {
@@ -494,6 +512,7 @@ class Judge {
   }
 
   double tolerance_;
+  double least_deficit_ = 0;  // of what was tried in place of the plate that is judged
   AdjustmentProblem original_;
   PlateExplanation found_;
   Rig any_rig_;

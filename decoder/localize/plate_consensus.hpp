@@ -40,7 +40,11 @@ struct PlateCheck {
   std::optional<PlateOffset> offset;  // of a doubtful plate: were it the one
   HangDoubt doubt = HangDoubt::none;  // of a doubtful plate
   std::vector<std::size_t> rivals;    // of a doubtful plate
-  int stations = 0;                   // that saw it together with another
+  // Of a plate that is off: natural logarithm of the odds over the next explanation of all that
+  // were tried (other plates, rows, copies, the rig), in which the plate hangs as surveyed.
+  // Infinite where none explains the pictures at all.
+  double log_odds = 0;
+  int stations = 0;  // that saw it together with another
   // Of a plate that is off: each hangs where the other should, and `offset` is from there.
   std::optional<std::size_t> swapped_with;
   // Of a plate that is off or doubtful: that it hangs in its place and its frame is of this size

@@ -236,6 +236,9 @@ HungTag hung_tag(const Survey& survey, const AdjustmentProblem& problem, std::si
   tag.tag = plate.name;
   tag.verdict = check.verdict;
   tag.stations = check.stations;
+  if (check.verdict == HangVerdict::off) {
+    tag.odds = std::min(kMostOdds, check.log_odds * std::numbers::log10e);
+  }
   for (const std::size_t rival : check.rivals) tag.rivals.push_back(problem.plates[rival].name);
   if (!check.offset) {
     if (check.verdict != HangVerdict::doubtful) return tag;
@@ -270,9 +273,30 @@ std::string cure(const AdjustmentProblem& problem, const HungTag& tag, const Pla
 // By how much the plate would be turned in its place, radians.
 double turn_of(const PlateCheck& check) { return check.offset->turn.norm(); }
 
+// "A photo of 001L together with 002L would tell": the nearest tag that is not in question.
+std::string deciding_photo(const Survey& survey, const HungTag& tag,
+                           const std::vector<HungTag>& tags) {
+  const Vector3d here = find_tag(survey, std::string_view(tag.tag))->world_from_plate.translation;
+  const auto in_question = [&](const std::string& name) {
+    const auto hung = std::ranges::find(tags, name, &HungTag::tag);
+    return name == tag.tag || (hung != tags.end() && (hung->verdict == HangVerdict::off ||
+                                                      hung->verdict == HangVerdict::doubtful));
+  };
+  const PlacedTag* nearest = nullptr;
+  const auto distance = [&](const PlacedTag& other) {
+    return (other.world_from_plate.translation - here).norm();
+  };
+  for (const PlacedTag& other : survey.tags) {
+    if (in_question(other.name)) continue;
+    if (nearest == nullptr || distance(other) < distance(*nearest)) nearest = &other;
+  }
+  if (nearest == nullptr) return {};
+  return fmt::format(". A photo of {} together with {} would tell", tag.tag, nearest->name);
+}
+
 // Of tags one of which hangs wrong: what to do about each, were it the one; or what is likelier
 // where that is out of question. The rivals of a doubtful tag are doubtful, too.
-void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
+void name_doubts(const Survey& survey, const AdjustmentProblem& problem, const Consensus& consensus,
                  std::vector<HungTag>& tags) {
   constexpr double kMostTurned = 1;  // radians
   for (std::size_t i = 0; i < tags.size(); ++i) {
@@ -301,8 +325,8 @@ void name_doubts(const AdjustmentProblem& problem, const Consensus& consensus,
       by_size = by_size || consensus.plates[rival].scale;
     }
     tags[i].message = fmt::format(
-        "{}: one of them hangs wrong, and no other tag in view tells which. Measure them{}: {}",
-        what, by_size ? ", and their frames" : "", cures);
+        "{}: one of them hangs wrong, and no other tag in view tells which. Measure them{}: {}{}",
+        what, by_size ? ", and their frames" : "", cures, deciding_photo(survey, tags[i], tags));
   }
 }
 
@@ -483,7 +507,7 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
   for (std::size_t i = 0; i < problem.plates.size(); ++i) {
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
-  name_doubts(problem, consensus, result.tags);
+  name_doubts(survey, problem, consensus, result.tags);
   result.strangers = find_strangers(survey, problem, sighted, result.tags);
   for (const LeftOutStation& station : consensus.left_out) {
     result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));

@@ -46,9 +46,14 @@ struct HungTag {
   std::vector<std::string> rivals;  // of a doubtful tag
   std::string rule;                 // docs/verify-rules.md; empty when nothing is wrong
   std::string message;              // what is wrong; of what is off, what to do
+  // Of a tag that is off: decimal logarithm of the odds over the next explanation, at most
+  // kMostOdds.
+  double odds{};
   // Of a moved tag: its entry in the survey's `placed`, were it to stay.
   std::string placed{};
 };
+
+inline constexpr double kMostOdds = 99;
 
 // A plate whose code is not in the survey, where a tag of the survey should hang that no photo
 // shows.

@@ -62,6 +62,7 @@ void add_grade(const VerifiedTag& tag, Json& object) {
 Json hanging_of(const HungTag& hung) {
   Json object{{"verdict", to_string(hung.verdict)}, {"stations", hung.stations}};
   if (!hung.rivals.empty()) object["rivals"] = hung.rivals;
+  if (hung.verdict == HangVerdict::off) object["odds"] = with_decimals(hung.odds, 1);
   if (!hung.placed.empty()) object["placed"] = hung.placed;
   const bool measured = hung.verdict != HangVerdict::unchecked && hung.offset.sigma.norm() > 0;
   if (!measured) return object;
@@ -307,6 +308,7 @@ HungTag hung_from(const json& object, const VerifiedTag& tag) {
   hung.verdict = value_of(4, get<std::string>(object, "verdict"), HangVerdict::unchecked);
   hung.stations = get(object, "stations", 0);
   hung.rivals = get<std::vector<std::string>>(object, "rivals");
+  hung.odds = get(object, "odds", 0.0);
   hung.placed = get<std::string>(object, "placed");
   const auto triple = [&](const char* key, double unit) {
     const auto values = get(object, key, std::array<double, 3>{});

@@ -179,6 +179,20 @@ TEST_CASE("a strange code is linked to the place where it hangs when no photo sh
   }
 }
 
+TEST_CASE(
+    "what is off is told with the odds over the next explanation, which grow with the shift") {
+  double before = 2.6;  // 12 of chi-square, below which a verdict is doubtful
+  for (const double shift : {0.02, 0.03, 0.05}) {
+    Corridor corridor;
+    Pose& pose = corridor.at("001L");
+    pose.translation += pose.rotation * Vector3d(0, shift, 0);
+    const HungTag tag = corridor.judged("001L");
+    REQUIRE(tag.verdict == HangVerdict::off);
+    CHECK(tag.odds > before);
+    before = tag.odds;
+  }
+}
+
 TEST_CASE("turns are told by the side that has to move") {
   struct Case {
     Vector3d axis;
@@ -233,14 +247,17 @@ TEST_CASE("of two tags that contradict each other each is told what to do if it 
   const std::string left =
       "001L and 001R do not fit together by 30 mm: one of them hangs wrong, "
       "and no other tag in view tells which. Measure them: if it is 001L, "
-      "raise it by 30 mm; if it is 001R, lower it by 30 mm";
+      "raise it by 30 mm; if it is 001R, lower it by 30 mm. A photo of 001L "
+      "together with 000L would tell";
   const std::string right =
       "001R and 001L do not fit together by 30 mm: one of them hangs wrong, "
       "and no other tag in view tells which. Measure them: if it is 001R, "
-      "lower it by 30 mm; if it is 001L, raise it by 30 mm";
+      "lower it by 30 mm; if it is 001L, raise it by 30 mm. A photo of 001R "
+      "together with 000R would tell";
   for (const HungTag& tag : result.tags) {
     CHECK(tag.verdict == HangVerdict::doubtful);
     CHECK(tag.rule == "contradiction");
+    CHECK(tag.odds == 0);
     CHECK(tag.message == (tag.tag == "001L" ? left : right));
   }
 }
