@@ -508,7 +508,9 @@ HungTags check_hung_tags(const Survey& survey, const Rig& rig, std::span<const S
     result.tags.push_back(hung_tag(survey, problem, i, consensus.plates[i]));
   }
   name_doubts(survey, problem, consensus, result.tags);
-  result.strangers = find_strangers(survey, problem, sighted, result.tags);
+  if (!result.nothing_fits) {
+    result.strangers = find_strangers(survey, problem, sighted, result.tags);
+  }
   for (const LeftOutStation& station : consensus.left_out) {
     result.unplaced.push_back(unplaced_tags(survey, problem, consensus, station));
   }

@@ -177,6 +177,9 @@ TEST_CASE("a strange code is linked to the place where it hangs when no photo sh
     CHECK(stranger.code == code);
     CHECK(stranger.place == "001R");
   }
+  // By a rig that fits nothing no place is known.
+  for (RigCamera& camera : corridor.rig.cameras) camera.camera.fx = camera.camera.fy = 1100;
+  CHECK(strangers_of().empty());
 }
 
 TEST_CASE(
