@@ -53,6 +53,20 @@ Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys
           {"method", "frameless"}};
 }
 
+Json to_json(const PartReading& part) {
+  Json candidates = Json::array();
+  for (const PartCandidate& candidate : part.candidates) {
+    candidates.push_back({{"digits", to_string(candidate.digits)}, {"odds", candidate.odds}});
+  }
+  return {{"digits_in_sight", digits_in_sight(part)},
+          {"candidates", candidates},
+          {"share", with_decimals(part.share, 3)},
+          {"corners", to_json(part.corners)},
+          {"corners_in_sight", part.corner_in_sight},
+          {"module_px", with_decimals(part.module_px, 3)},
+          {"confidence", part.confidence}};
+}
+
 }  // namespace
 
 GridPoint coded_position(const Digits& digits, const std::vector<Survey>& surveys) {
@@ -88,12 +102,17 @@ std::string to_json_line(const ImageReadings& readings, const std::vector<Survey
                         {"corners", nullptr},
                         {"bars", to_json(rejection.symbol.bars)}});
   }
-  return json_text({{"image", readings.image.string()},
-                    {"width", readings.width},
-                    {"height", readings.height},
-                    {"tags", tags},
-                    {"rejected", rejected},
-                    {"time_ms", with_decimals(readings.time_ms, 3)}});
+  Json line = {{"image", readings.image.string()},
+               {"width", readings.width},
+               {"height", readings.height},
+               {"tags", tags}};
+  if (!readings.result.parts.empty()) {
+    line["parts"] = Json::array();
+    for (const PartReading& part : readings.result.parts) line["parts"].push_back(to_json(part));
+  }
+  line["rejected"] = rejected;
+  line["time_ms"] = with_decimals(readings.time_ms, 3);
+  return json_text(line);
 }
 
 }  // namespace tagsmith::detail

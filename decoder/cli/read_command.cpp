@@ -35,8 +35,8 @@ constexpr const char* kNotes = R"(Example:
   tagsmith read surveys/corridor/photos --survey surveys/corridor/survey.yaml
 
 --json prints one object an image: image, width, height, tags (digits, check_digit, position,
-corners P F lower-right Q in pixels or null, module_px, confidence, method), rejected (reason,
-corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
+corners P F lower-right Q in pixels or null, module_px, confidence, method), with --survey parts
+(tags that the picture's border cuts), rejected (reason, corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
 
 struct Options {
   std::vector<std::string> images;
@@ -129,6 +129,15 @@ std::string name_in_words(const Digits& digits, const std::vector<Survey>& surve
   return name;
 }
 
+std::string candidates_in_words(const PartReading& part, const std::vector<Survey>& surveys) {
+  std::string text;
+  for (const PartCandidate& candidate : part.candidates) {
+    if (!text.empty()) text += " or";
+    text += name_in_words(candidate.digits, surveys);
+  }
+  return text;
+}
+
 void print_in_words(const ImageReadings& readings, const std::vector<Survey>& surveys) {
   const ReadResult& result = readings.result;
   const std::size_t count = tag_count(result);
@@ -142,6 +151,10 @@ void print_in_words(const ImageReadings& readings, const std::vector<Survey>& su
     to_stdout("{}  no frame: bars at ({:.0f}, {:.0f})  {:.1f} px/module{}\n",
               code_in_words(tag, surveys), tag.bars[0].x, tag.bars[0].y, tag.module_px,
               name_in_words(tag.digits, surveys));
+  }
+  for (const PartReading& part : result.parts) {
+    to_stdout("  {}  cut by the picture's border, {:.0f} % in sight:{}\n", digits_in_sight(part),
+              100 * part.share, candidates_in_words(part, surveys));
   }
   for (const Rejection& rejection : result.rejected) {
     to_stdout("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x, rejection.corners[0].y,

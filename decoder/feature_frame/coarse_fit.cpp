@@ -189,10 +189,12 @@ bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) 
 
 }  // namespace
 
-bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape) {
+bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape,
+                  const std::array<bool, 4>& looked_at) {
   constexpr int kPlaces = 8;
   constexpr int kLeastAlike = 4;
   for (std::size_t i = 0; i < 4; ++i) {
+    if (!looked_at[i]) continue;
     const SideLine side = side_of(rough, i, shape);
     int alike = 0;
     for (int k = 0; k < kPlaces && alike < kLeastAlike; ++k) {

@@ -13,9 +13,10 @@
 
 namespace tagsmith::detail {
 
-// A quick look: whether at half the places or more of every side it is white inside, dark on the
-// stroke and white again beyond.
-bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape = {});
+// A quick look: whether at half the places or more of every side (of those that are `looked_at`) it
+// is white inside, dark on the stroke and white again beyond.
+bool looks_framed(const GrayView& image, const Quad& rough, const FrameShape& shape = {},
+                  const std::array<bool, 4>& looked_at = {true, true, true, true});
 
 struct CoarseFrame {
   Quad corners{};

@@ -8,7 +8,9 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_lines.hpp"
+#include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
+#include "decoder/reader/read_part.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -117,10 +119,32 @@ void Detector::consider(const Proposal& proposal) {
 void Detector::look_at(const Outline& outline) {
   const auto& [level, quad] = outline;
   if (is_read(to_full(level, quad))) return;
+  note_cut(outline);
   if (!looks_framed(level.image, quad, shape_)) {
     return pass_over(to_full(level, quad), FrameFault::not_framed);
   }
   look_at(RoughFrame{level, quad});
+}
+
+void Detector::note_cut(const Outline& outline) {
+  if (options_.code_book.empty()) return;
+  const auto cut = cut_by_border(outline.level, outline.quad);
+  if (!cut || !looks_framed(outline.level.image, *cut, shape_, {true, false, true, true})) return;
+  const Quad in_full = to_full(outline.level, *cut);
+  const auto same = [&](const Quad& other) {
+    return nearly_equal(other, in_full, kPart.border_px * outline.level.scale);
+  };
+  if (std::ranges::none_of(cut_, same)) cut_.push_back(in_full);
+}
+
+void Detector::read_parts() {
+  for (; read_cuts_ < cut_.size(); ++read_cuts_) {
+    const Quad& cut = cut_[read_cuts_];
+    const PixelPoint centre = centre_of(cut);
+    const auto is_there = [&](const PartReading& part) { return contains(part.corners, centre); };
+    if (has_reading_at(centre) || std::ranges::any_of(parts_, is_there)) continue;
+    if (auto part = read_part(image_, cut, options_)) parts_.push_back(*std::move(part));
+  }
 }
 
 void Detector::look_at(const RoughFrame& proposed) {
@@ -404,6 +428,12 @@ ReadResult Detector::result() const {
       continue;
     }
     result.rejected.push_back(*rejection);
+  }
+  for (const PartReading& part : parts_) {
+    const auto same = [&](const Reading& tag) {
+      return contains(part.corners, centre_of(tag.corners));
+    };
+    if (std::ranges::none_of(result.tags, same)) result.parts.push_back(part);
   }
   return result;
 }

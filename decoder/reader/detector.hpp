@@ -71,6 +71,9 @@ class Detector {
   // show, if any, is theirs too.
   void try_doubtful();
 
+  // Reads what shows of the tags that the picture's border cuts, where there is a code book.
+  void read_parts();
+
   // Reads what was refused as any code again as one of the likely ones.
   void try_likely_codes();
 
@@ -103,6 +106,9 @@ class Detector {
   ReadResult result() const;
 
  private:
+  // Keeps an outline that the border cuts, for read_parts.
+  void note_cut(const Outline& outline);
+
   // Reads what stands in an outline, if it is framed.
   void look_at(const Outline& outline);
 
@@ -166,6 +172,9 @@ class Detector {
   FrameShape shape_;                    // of the frames that are searched for
   std::optional<LensDistortion> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;
+  std::vector<Quad> cut_;                        // outlines with their side 1 on the border
+  std::size_t read_cuts_ = 0;                    // of them, tried so far
+  std::vector<PartReading> parts_;               // of those that were read
   std::optional<UnsharpenedImage> unsharpened_;  // the picture that is read, where it was sharpened
 };
 

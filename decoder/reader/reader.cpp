@@ -28,6 +28,7 @@ struct TagSearch::State {
   void look(std::span<const Proposer> proposers) {
     for (const Proposer propose : proposers) propose(search);
     detector.try_doubtful();
+    detector.read_parts();
   }
 
   ReadOptions options;

@@ -11,6 +11,7 @@
 #include "decoder/feature_frame/frame_fault.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/frame_corners.hpp"
+#include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/profile.hpp"
@@ -113,6 +114,8 @@ struct ReadResult {
   // (ReadOptions::tell_passed_over).
   std::vector<Rejection> passed_over{};
   FramelessResult frameless{};  // empty unless asked for (ReadOptions::frameless)
+  // Tags that the picture's border cuts; empty without a code book.
+  std::vector<PartReading> parts{};
 };
 
 }  // namespace tagsmith::detail

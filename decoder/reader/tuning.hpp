@@ -184,6 +184,22 @@ struct JudgeTuning {
 };
 inline constexpr JudgeTuning kJudge;
 
+// Tags that the picture's border cuts (`./dev bench half`).
+// Why: docs/decisions/0025-parts-of-tags.md.
+struct PartTuning {
+  double border_px = 3;       // of the level: corners on the border, outlines that are one
+  double usual_focal = 1.25;  // of the picture's longer side, where the camera is not known
+  // Lengths of the symbol about the likeliest: from one to the next, how many are tried to either
+  // side by their guard patterns with a camera and without, how many of them are decoded.
+  double step = 0.005;
+  int steps = 5, steps_unknown = 24;
+  std::size_t most_lengths = 8;
+  double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides tell the foreshortening
+  double far_px = 0.02;      // of a place on the far side, beside what noise explains
+  double most_alike = 1e-3;  // strangers, a code of the book, whose digits in sight are a code's
+};
+inline constexpr PartTuning kPart;
+
 // The same without a frame (`./dev bench frameless`).
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct FramelessTuning {

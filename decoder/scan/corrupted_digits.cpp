@@ -135,13 +135,13 @@ double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t d
 
 }  // namespace
 
-double odds_of_corrupted_digits(const std::array<DigitModules, kDigitCount>& modules,
-                                const Characters& digits) {
-  double odds = 0;
+std::array<double, kDigitCount> odds_of_corrupted_digits(
+    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits) {
+  std::array<double, kDigitCount> odds{};
   for (std::size_t first = 0; first < kDigitCount; first += kLanes) {
     const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));
     for (std::size_t k = 0; k < kLanes; ++k)
-      odds += odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k]);
+      odds[first + k] = odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k]);
   }
   return odds;
 }

@@ -17,8 +17,8 @@ struct DigitModules {
   std::array<std::array<double, kModules>, kModules> products{};  // of the modules' light
 };
 
-// The odds that any one of the digits, all of them of 0 to 9, is another.
-double odds_of_corrupted_digits(const std::array<DigitModules, kDigitCount>& modules,
-                                const Characters& digits);
+// Of each of the digits, all of them of 0 to 9, the odds that it is another.
+std::array<double, kDigitCount> odds_of_corrupted_digits(
+    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits);
 
 }  // namespace tagsmith::detail

@@ -2,8 +2,10 @@
 // Scan profile -> digits, by maximum likelihood over whole symbols.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "decoder/scan/profile.hpp"
 #include "decoder/scan/symbol_fit.hpp"
@@ -44,6 +46,28 @@ struct Decoding {
 // adjustment of the picture to them. The profile must have at least 40 places.
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options);
+
+// A code of the book that a part of a symbol may belong to.
+struct PartCandidate {
+  Digits digits{};
+  double odds = 1;  // against the likeliest, by the digits in sight
+};
+
+// What a profile of a part of a symbol shows. Of the decoding, `digits` are the likeliest
+// candidate's, and `confidence` and `doubt` speak of the digits in sight alone: that they are those
+// of one of the candidates. Whether another plate with the same digits in sight stands there, they
+// do not say.
+struct PartDecoding {
+  Decoding decoding;
+  std::array<bool, kDigitCount> in_sight{};  // the digits all of whose modules the profile shows
+  std::vector<PartCandidate> candidates{};   // likeliest first; not empty
+};
+
+// As decode_profile, of a profile that begins or ends amid the symbol, against a code book, which
+// must not be empty. Codes that differ in no digit in sight are candidates alike.
+// Why: docs/decisions/0025-parts-of-tags.md.
+std::optional<PartDecoding> decode_part(const ScanProfile& profile, const ImagingModel& start,
+                                        const DecodeOptions& options);
 
 // The profile seen the other way round.
 ScanProfile turned(const ScanProfile& profile);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "decoder/scan/symbol_edges.hpp"
@@ -26,6 +27,14 @@ struct Share {
     noise += 1;
   }
 };
+
+// Whether a place is among guard patterns or beside them. Each left digit starts with a space and
+// ends with a bar, each right digit the reverse.
+bool is_known(double at) {
+  constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
+  return std::ranges::any_of(kKnown,
+                             [&](const auto& range) { return at >= range[0] && at <= range[1]; });
+}
 
 // The digit at a place, modules from the symbol's begin.
 std::optional<std::size_t> digit_at(double place) {
@@ -52,16 +61,18 @@ std::vector<double> expected_darkness(const ImagingModel& image, const Digits& d
 
 double explained_by_guards(const ScanProfile& profile, const ImagingModel& image,
                            const std::vector<double>& expected) {
-  // Each left digit starts with a space and ends with a bar, each right digit the reverse.
-  constexpr std::array<std::array<double, 2>, 3> kKnown{{{-4, 4}, {44, 51}, {91, 99}}};
   const double middle = (image.white + image.black) / 2;
   Share share;
   for (std::size_t i = 0; i < profile.size(); ++i) {
-    const double at = profile[i].at;
-    const auto holds = [&](const auto& range) { return at >= range[0] && at <= range[1]; };
-    if (std::ranges::any_of(kKnown, holds)) share.add(profile[i], expected[i], middle);
+    if (is_known(profile[i].at)) share.add(profile[i], expected[i], middle);
   }
   return share.variation > 0 ? 1 - share.unexplained / share.variation : 0;
+}
+
+double guards_in(const ScanProfile& profile, const ImagingModel& image) {
+  ScanProfile known;
+  std::ranges::copy_if(profile, std::back_inserter(known), is_known, &ScanBin::at);
+  return explained_by_guards(known, image, expected_darkness(image, {}, known));
 }
 
 double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,

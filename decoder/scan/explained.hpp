@@ -28,4 +28,8 @@ double explained_by_guards(const ScanProfile& profile, const ImagingModel& image
 double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,
                              const std::vector<double>& expected);
 
+// The share of the guard patterns and of the white beside them, as far as a profile shows them,
+// that such a picture of them explains.
+double guards_in(const ScanProfile& profile, const ImagingModel& image);
+
 }  // namespace tagsmith::detail

@@ -313,7 +313,8 @@ std::array<float, kModuleCount> ModuleNormalEquations::misfits(const Characters&
   return misfits;
 }
 
-double ModuleNormalEquations::odds_of_corrupted_digits(const Characters& characters) const {
+std::array<double, kDigitCount> ModuleNormalEquations::odds_of_corrupted_digits(
+    const Characters& characters) const {
   const std::array<float, kFeatures> residuals = residuals_of(characters);
   std::array<DigitModules, kPositions> digits{};
   for (std::size_t position = 0; position < kPositions; ++position) {

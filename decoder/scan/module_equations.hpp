@@ -32,10 +32,10 @@ class ModuleNormalEquations {
   // profile's variances tell all that the symbol does not explain.
   std::array<float, kModuleCount> misfits(const Characters& characters) const;
 
-  // The odds that one of the digits is another one, corrupted by anything that makes it look like
+  // Of each digit, the odds that it is another one, corrupted by anything that makes it look like
   // this: modules of any darkness about that digit's, against modules that are printed and lit
   // nearly evenly, or corrupted too, about this one's.
-  double odds_of_corrupted_digits(const Characters& characters) const;
+  std::array<double, kDigitCount> odds_of_corrupted_digits(const Characters& characters) const;
 
  private:
   static constexpr std::size_t kSlack = NuisanceCovariance::value_type::SizeAtCompileTime;

@@ -77,6 +77,10 @@ TEST_CASE("read, verify and report print what their schemas say") {
   const std::string lines = (folder.path() / "verify.jsonl").string();
   const std::string crops = " --crops " + (folder.path() / "crops").string();
   check_lines("read", run_tagsmith("read --json surveys/corridor/photos").out);
+  const std::string with_parts =
+      run_tagsmith("read --json --survey " + kSurvey + " surveys/corridor/photos").out;
+  CHECK(with_parts.find("\"digits_in_sight\":\"019003------\"") != std::string::npos);
+  check_lines("read", with_parts);
   check_lines("read", run_tagsmith("read --json --reader paper surveys/corridor/photos").out);
   const std::string print = (folder.path() / "print").string();
   check_lines(

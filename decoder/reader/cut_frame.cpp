@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/reader/cut_frame.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "decoder/reader/tuning.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+// Which of the picture's borders, left, right, upper, lower, a corner of an outline lies on; -1 for
+// none.
+int border_at(const GrayView& image, PixelPoint corner) {
+  const std::array<double, 4> away{corner.x, image.width - 1 - corner.x, corner.y,
+                                   image.height - 1 - corner.y};
+  for (int i = 0; i < 4; ++i) {
+    if (away[static_cast<std::size_t>(i)] < kPart.border_px) return i;
+  }
+  return -1;
+}
+
+// The direction through a pixel.
+Vector3d ray(const Camera& camera, PixelPoint pixel) {
+  return {(pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy, 1};
+}
+
+std::optional<PixelPoint> seen(const Camera& camera, const Vector3d& point) {
+  if (!(point.z() > 0)) return std::nullopt;
+  return PixelPoint{camera.cx + camera.fx * point.x() / point.z(),
+                    camera.cy + camera.fy * point.y() / point.z()};
+}
+
+}  // namespace
+
+std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad) {
+  std::array<int, 4> borders{};
+  for (std::size_t i = 0; i < 4; ++i) borders[i] = border_at(level.image, quad[i]);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool is_cut = borders[(i + 1) % 4] >= 0 && borders[(i + 1) % 4] == borders[(i + 2) % 4];
+    if (!is_cut || borders[i] >= 0 || borders[(i + 3) % 4] >= 0) continue;
+    return Quad{quad[i], quad[(i + 1) % 4], quad[(i + 2) % 4], quad[(i + 3) % 4]};
+  }
+  return std::nullopt;
+}
+
+std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
+                                       const Camera& camera) {
+  const Vector3d p = ray(camera, cut[0]), q = ray(camera, cut[3]);
+  const Vector3d upper = p.cross(ray(camera, cut[1])), lower = q.cross(ray(camera, cut[2]));
+  // Both long sides run where their planes through the camera's centre meet, and the short one at
+  // right angles to that.
+  Vector3d along = upper.cross(lower).normalized();
+  const Vector3d forward = ray(camera, cut[1]) - p;
+  if ((along - along.z() * p).dot(forward) < 0) along = -along;
+  const Vector3d down = p.cross(q).cross(along).normalized();
+  // depth_q * q - depth_p * p = height * down
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << -p, q;
+  Eigen::Vector2d depths =
+      (sides.transpose() * sides).inverse() * sides.transpose() * (shape.height * down);
+  if (depths[0] < 0 && depths[1] < 0) depths = -depths;
+  if (!(depths.minCoeff() > 0)) return std::nullopt;
+  const auto f = seen(camera, depths[0] * p + shape.length * along);
+  const auto r = seen(camera, depths[1] * q + shape.length * along);
+  if (!f || !r) return std::nullopt;
+  const Quad whole{cut[0], *f, *r, cut[3]};
+  return is_convex(whole) ? std::optional(whole) : std::nullopt;
+}
+
+std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
+                                          const FrameShape& shape) {
+  const auto frame = refine_shown_sides(image, corners, {true, false, true, true}, 0, {}, shape);
+  if (!frame || !frame->shown[0] || !frame->shown[2] || !frame->shown[3]) return std::nullopt;
+  return *frame;
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Feature frames that the picture's border cuts: three sides are in sight, the fourth is beyond.
+#pragma once
+
+#include <optional>
+
+#include "decoder/feature_frame/candidates.hpp"
+#include "decoder/feature_frame/frame_shape.hpp"
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "tagsmith/geometry/camera.hpp"
+
+namespace tagsmith::detail {
+
+// An outline of a level of which exactly one side lies on the picture's border, turned so that this
+// is side 1; nothing for another outline.
+std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad);
+
+// The whole frame, of such a shape, of which a cut outline (pixels of the picture, side 1 on the
+// border) shows the sides 0, 2 and 3, as a camera that bends nothing sees it: corners 1 and 2 are
+// where they must be for the sides to be those of a rectangle of these proportions. Nothing where
+// no rectangle is seen so.
+std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
+                                       const Camera& camera);
+
+// Fits the sides 0, 2 and 3 of a frame whose side 1 is out of the picture; that one stays. Nothing
+// where one of the three does not show.
+std::optional<RefinedFrame> fit_cut_frame(const GrayView& image, const Quad& corners,
+                                          const FrameShape& shape);
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the reader returns of a tag of which the picture shows a part.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/reader/frame_corners.hpp"
+#include "decoder/scan/decode.hpp"
+#include "tagsmith/symbology/digits.hpp"
+
+namespace tagsmith::detail {
+
+// A tag that the picture's border cuts. What is in sight is certain and belongs to one of the
+// candidates, or to a plate of no survey given whose digits in sight are the same: nothing in the
+// picture tells these apart, so that a part by itself says of no place that it is there.
+// Why: docs/decisions/0025-parts-of-tags.md.
+struct PartReading {
+  std::vector<PartCandidate> candidates;     // of the code book, likeliest first; not empty
+  std::array<bool, kDigitCount> in_sight{};  // digits wholly in the picture
+  double share = 0;                          // of the symbol's length that is in the picture
+  // From P on. What lies beyond the border follows from the sides and bars in sight.
+  FrameCorners corners{};
+  std::array<bool, 4> corner_in_sight{};
+  CornerCovariance corner_covariance = CornerCovariance::Zero();  // pixels^2
+  double module_px = 0;   // width of a module amid what is in sight, pixels
+  double confidence = 0;  // estimated probability that the digits in sight are a candidate's
+};
+
+// The digits in sight of the likeliest candidate, the others as "-": "019003------".
+std::string digits_in_sight(const PartReading& part);
+
+}  // namespace tagsmith::detail

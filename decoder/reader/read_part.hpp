@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tags that the picture's border cuts, read against a code book.
+#pragma once
+
+#include <optional>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/part_reading.hpp"
+#include "decoder/reader/read_options.hpp"
+
+namespace tagsmith::detail {
+
+// Reads the part in sight of a tag whose outline (to a pixel or two) has its side 1 on the
+// picture's border. Nothing where what is in sight is not certainly that of a code of the book, or
+// too little of it, or the camera's lens bends what is straight.
+std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
+                                     const ReadOptions& options);
+
+}  // namespace tagsmith::detail
