@@ -292,6 +292,7 @@ void list_corners(Fix& fix, const NamedProblem& named, const JointState& state,
     if (!predicted) continue;
     FittedCorners corners{named.seen[i]->camera, named.seen[i]->tag.name, {}, {}, true};
     corners.seen = named.seen[i]->seen_corners->corners;
+    corners.is_part = named.seen[i]->is_part;
     for (std::size_t c = 0; c < 4; ++c) {
       const auto row = static_cast<Eigen::Index>(2 * c);
       corners.fitted[c] = {(*predicted)[row], (*predicted)[row + 1]};
@@ -333,6 +334,11 @@ std::string unchecked_text(const std::vector<Unchecked>& unchecked) {
 
 void add_notes(Fix& fix) {
   if (fix.tags.size() == 1) fix.notes.emplace_back(kOneTagOnly);
+  for (const FittedCorners& seen : fix.corners) {
+    if (!seen.used || !seen.is_part) continue;
+    fix.notes.push_back(
+        fmt::format("only a part of {} is in the picture of camera {}", seen.tag, seen.camera));
+  }
   if (fix.variance_factor > 1) {
     fix.notes.push_back(
         fmt::format("the measurements agree only to {:.1f} times their standard deviations, by "
@@ -401,8 +407,8 @@ void drop_ranges_out_of_limits(const Rig& rig, JointProblem& problem, Fix& fix) 
   }
 }
 
-Fix localize_in(const Observation& observation, const std::vector<Survey>& surveys,
-                std::size_t survey_index, const Rig& rig) {
+Fix localize_by_tags(const Observation& observation, const std::vector<Survey>& surveys,
+                     std::size_t survey_index, const Rig& rig) {
   const Survey& survey = surveys[survey_index];
   Fix fix;
   fix.survey = survey.name;
@@ -427,11 +433,84 @@ Fix localize_in(const Observation& observation, const std::vector<Survey>& surve
   return fix;
 }
 
+// --- parts of tags. Why: docs/decisions/0025-parts-of-tags.md. ---
+
+// The tags of one survey that a part may be.
+std::vector<const PlacedTag*> candidates_in(const SeenPart& part, std::size_t survey) {
+  std::vector<const PlacedTag*> tags;
+  for (const SurveyedTag& candidate : part.candidates) {
+    if (candidate.survey == survey) tags.push_back(candidate.tag);
+  }
+  return tags;
+}
+
+Observation with_part(Observation observation, const SeenPart& part, std::size_t survey,
+                      const PlacedTag& tag) {
+  observation.tags.push_back(
+      {part.camera, survey, tag, part.seen_corners, std::nullopt, false, true});
+  return observation;
+}
+
+// Whether a position rests on more than a part of one tag: that may belong to a plate of no survey
+// whose digits in sight are the same.
+bool rests_on_more_than_a_part(const Fix& fix) {
+  return fix.tags.size() > 1 || std::ranges::any_of(fix.corners, [](const FittedCorners& corners) {
+           return corners.used && !corners.is_part;
+         });
+}
+
+bool is_used(const Fix& fix, const SeenPart& part, const PlacedTag& tag) {
+  return fix.position_in_grid && std::ranges::any_of(fix.corners, [&](const FittedCorners& seen) {
+           return seen.used && seen.is_part && seen.camera == part.camera && seen.tag == tag.name;
+         });
+}
+
+// The fix with a part that may be several tags, where the position that is known without it agrees
+// with exactly one of them.
+void settle_part(const SeenPart& part, const std::vector<Survey>& surveys, std::size_t survey,
+                 const Rig& rig, Observation& observation, Fix& fix) {
+  std::vector<std::pair<Observation, Fix>> agreeing;
+  for (const PlacedTag* tag : candidates_in(part, survey)) {
+    Observation with = with_part(observation, part, survey, *tag);
+    Fix together = localize_by_tags(with, surveys, survey, rig);
+    if (is_used(together, part, *tag)) agreeing.emplace_back(std::move(with), std::move(together));
+  }
+  if (agreeing.size() != 1) return;
+  observation = std::move(agreeing.front().first);
+  fix = std::move(agreeing.front().second);
+}
+
+Fix localize_in(const Observation& observation, const std::vector<Survey>& surveys,
+                std::size_t survey, const Rig& rig) {
+  Observation all = observation;
+  for (const SeenPart& part : observation.parts) {
+    const auto tags = candidates_in(part, survey);
+    if (tags.size() == 1) all = with_part(std::move(all), part, survey, *tags.front());
+  }
+  Fix fix = localize_by_tags(all, surveys, survey, rig);
+  if (fix.position_in_grid && !rests_on_more_than_a_part(fix)) {
+    Fix none;
+    none.survey = fix.survey;
+    none.tags = fix.tags;
+    none.reason = fmt::format("only a part of {} is in the picture, and nothing else confirms it",
+                              fmt::join(fix.tags, " "));
+    return none;
+  }
+  for (const SeenPart& part : observation.parts) {
+    if (!fix.position_in_grid || candidates_in(part, survey).size() < 2) continue;
+    settle_part(part, surveys, survey, rig, all, fix);
+  }
+  return fix;
+}
+
 // The surveys that have a tag with corners in the observation.
 std::vector<std::size_t> surveys_seen(const Observation& observation) {
   std::set<std::size_t> seen;
   for (const SeenTag& tag : observation.tags) {
     if (tag.seen_corners) seen.insert(tag.survey);
+  }
+  for (const SeenPart& part : observation.parts) {
+    for (const SurveyedTag& candidate : part.candidates) seen.insert(candidate.survey);
   }
   return {seen.begin(), seen.end()};
 }

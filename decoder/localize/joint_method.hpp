@@ -27,6 +27,10 @@ namespace tagsmith::detail {
 // standard deviations of the rig's, by a single tag four); every one of several ranges contradicts
 // a single tag.
 //
+// Parts of tags count like tags where what is in sight fits one tag of the survey; where it fits
+// several, that one is taken with which a position that is known without it agrees. A part of one
+// tag alone gives no position.
+//
 // Covariance: that of the fit, in which corners (their own covariance), plates (surveyed places,
 // angles against the wall, rounding of coded positions), calibration, ranges and the vehicle's
 // stance each have their standard deviations from the reader, survey and rig. A tag whose four

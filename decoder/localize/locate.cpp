@@ -73,7 +73,8 @@ bool is_settled(const Fix& fix, const std::vector<Look>& looks,
   if (!std::ranges::all_of(fix.dropped, says_nothing)) return false;
   std::size_t seen = 0;
   for (const Look& look : looks) seen += look.search.tags().size();
-  return seen == fix.corners.size();  // none of another survey
+  const auto whole = std::ranges::count(fix.corners, false, &FittedCorners::is_part);
+  return seen == static_cast<std::size_t>(whole);  // none of another survey
 }
 
 Pose world_from_vehicle_of(const Fix& fix, const Grid& grid) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/core.h>
@@ -61,6 +62,18 @@ void add_unsurveyed(Observation& observation, const RigCamera& camera, const Sur
   }
   observation.tags.push_back(
       {camera.name, 0, *tag, corners_in(reading, reader), std::nullopt, true});
+}
+
+void add_parts(Observation& observation, const ReadResult& result, const RigCamera& camera,
+               const std::vector<Survey>& surveys) {
+  for (const PartReading& reading : result.parts) {
+    SeenPart part{
+        camera.name, {}, seen_corners(reading.corners, reading.corner_covariance), reading.share};
+    for (const PartCandidate& candidate : reading.candidates) {
+      std::ranges::copy(find_tags(surveys, candidate.digits), std::back_inserter(part.candidates));
+    }
+    if (!part.candidates.empty()) observation.parts.push_back(std::move(part));
+  }
 }
 
 }  // namespace
@@ -155,7 +168,10 @@ Result<ReadOptions> read_options_for_image(const GrayView& image, const std::str
 void add_result(Observation& observation, const ReadResult& result, const std::string& name,
                 const RigCamera& camera, const std::vector<Survey>& surveys,
                 const ReaderChoice& reader) {
-  if (result.tags.empty()) observation.faults.push_back(no_tag_read(name, result));
+  add_parts(observation, result, camera, surveys);
+  if (result.tags.empty() && result.parts.empty()) {
+    observation.faults.push_back(no_tag_read(name, result));
+  }
   for (const Reading& reading : result.tags) {
     const auto found = find_tags(surveys, reading.digits);
     if (found.empty() && reader.unsurveyed) {

@@ -37,6 +37,21 @@ struct SeenTag {
   std::optional<SeenCorners> seen_corners;
   std::optional<double> distance;  // from the camera to corner P, metres
   bool at_coded_place = false;     // in no survey: hangs where its digits say, to their rounding
+  bool is_part = false;            // the picture's border cuts it
+};
+
+// A tag and the index of the survey that has it.
+struct SurveyedTag {
+  std::size_t survey = 0;
+  const PlacedTag* tag = nullptr;
+};
+
+// A tag that the border of a camera's picture cuts: one of these of the surveys.
+struct SeenPart {
+  std::string camera;  // of the rig
+  std::vector<SurveyedTag> candidates;
+  SeenCorners seen_corners;
+  double share = 0;  // of the bars' length in sight
 };
 
 struct Observation {
@@ -44,6 +59,7 @@ struct Observation {
   std::vector<SeenTag> tags;
   std::map<std::string, double> ranges;  // by the rig's range names, metres
   std::vector<std::string> faults;       // unreadable images, images without a tag, unknown tags
+  std::vector<SeenPart> parts{};         // say where the vehicle is only together with other tags
 };
 
 // How images are read.
@@ -59,12 +75,6 @@ struct ReaderChoice {
 // a border that the opening moves.
 inline constexpr double kFittedCornerSigmaPx = 0.3;
 inline constexpr double kOutlineCornerSigmaPx = 1.0;
-
-// A tag and the index of the survey that has it.
-struct SurveyedTag {
-  std::size_t survey = 0;
-  const PlacedTag* tag = nullptr;
-};
 
 // The tags with these digits, or of this name, in all surveys.
 std::vector<SurveyedTag> find_tags(const std::vector<Survey>& surveys, const Digits& digits);

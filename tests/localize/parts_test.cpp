@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Positions with tags of which the picture's border leaves a part.
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "decoder/localize/joint_method.hpp"
+#include "tests/localize/site.hpp"
+
+using namespace tagsmith::detail;
+using tagsmith::detail::test::error_of;
+using tagsmith::detail::test::observation_at;
+using tagsmith::detail::test::pose_at;
+using tagsmith::detail::test::Site;
+using tagsmith::detail::test::site_named;
+
+namespace {
+
+// What is seen in the corridor with its last tag taken for a part.
+struct Seen {
+  Site site = site_named("corridor");
+  VehiclePose truth = pose_at(site, 2.0, 0);
+  Observation whole = observation_at(site, truth);
+  Observation with_part{};
+
+  Seen() {
+    REQUIRE(whole.tags.size() >= 2);
+    whole.tags = {whole.tags.front(), whole.tags.back()};
+    REQUIRE(whole.tags.front().tag.name != whole.tags.back().tag.name);
+    with_part = whole;
+    const SeenTag& last = with_part.tags.back();
+    with_part.parts.push_back({last.camera, {{0, tag(last.tag.name)}}, *last.seen_corners, 0.5});
+    with_part.tags.pop_back();
+  }
+
+  const PlacedTag* tag(const std::string& name) const { return find_tag(site.survey, name); }
+
+  // Another tag than those seen.
+  const PlacedTag* other() const {
+    return &*std::ranges::find_if(site.survey.tags, [&](const PlacedTag& placed) {
+      return std::ranges::none_of(
+          whole.tags, [&](const SeenTag& seen) { return seen.tag.name == placed.name; });
+    });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a whole tag and a part of another confirm each other") {
+  const Seen seen;
+  const Fix fix = localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig);
+  CHECK(error_of(fix, seen.site, seen.truth) < 1e-4);
+  CHECK(fix.confirmations == 1);
+  CHECK(fix.tags.size() == 2);
+  const std::string note = "only a part of " + seen.whole.tags.back().tag.name;
+  CHECK(std::ranges::any_of(fix.notes,
+                            [&](const std::string& text) { return text.starts_with(note); }));
+}
+
+TEST_CASE("a part of one tag alone gives no position") {
+  Seen seen;
+  seen.with_part.tags.clear();
+  const Fix fix = localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig);
+  CHECK_FALSE(fix.position_in_grid);
+  CHECK(fix.reason.find("only a part of") != std::string::npos);
+  // Nor do the parts that two cameras see of it.
+  seen.with_part.parts.push_back(seen.with_part.parts.front());
+  CHECK_FALSE(localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig).position_in_grid);
+}
+
+TEST_CASE("where a part may be several tags, the one is taken that agrees with the others") {
+  Seen seen;
+  std::vector<SurveyedTag>& candidates = seen.with_part.parts.front().candidates;
+  candidates.insert(candidates.begin(), {0, seen.other()});
+  const Fix fix = localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig);
+  CHECK(error_of(fix, seen.site, seen.truth) < 1e-4);
+  CHECK(fix.tags.size() == 2);
+  // Nothing tells which it is where nothing else is seen.
+  seen.with_part.tags.clear();
+  CHECK_FALSE(localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig).position_in_grid);
+}
+
+TEST_CASE("a part that agrees with nothing is left out where it may be several tags") {
+  Seen seen;
+  const PlacedTag* other = seen.other();
+  seen.with_part.parts.front().candidates = {{0, other}, {0, other + 1}};
+  const Fix fix = localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig);
+  CHECK(error_of(fix, seen.site, seen.truth) < 1e-4);
+  CHECK(fix.tags.size() == 1);
+}
+
+TEST_CASE("a part that contradicts the only whole tag withholds the position") {
+  Seen seen;
+  seen.with_part.parts.front().candidates = {{0, seen.other()}};
+  CHECK_FALSE(localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig).position_in_grid);
+}
