@@ -1,0 +1,473 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is read of tags that the picture's border cuts, by the share of the bars in sight.
+// Usage: bench_half [-v] [FOLDER...] | bench_half hostile [N] [FIRST] | bench_half drive [N] [SEED]
+//
+// With folders of photos that have a truth.json: the tags that the border cuts as they are, and
+// each whole one with the photo cropped across its bars at a drawn place. The book holds the
+// folder's codes. `hostile`: frames with anything inside (mass_picture.hpp), cropped likewise, read
+// with a book of 400 codes; a third of them are strangers whose digits in sight differ from a code
+// of the book in one digit. `drive`: pictures simulated on the center lines of the shipped surveys,
+// their plates and cameras taken for exact; what of the line has a position with and without parts
+// of tags, and how true the positions' covariances are.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "decoder/feature_frame/quad.hpp"
+#include "decoder/image/load.hpp"
+#include "decoder/localize/joint_method.hpp"
+#include "decoder/localize/observation.hpp"
+#include "decoder/reader/reader.hpp"
+#include "decoder/simulate/survey_view.hpp"
+#include "tagsmith/symbology/upca.hpp"
+#include "tests/bench/fix_trial.hpp"
+#include "tests/bench/mass_picture.hpp"
+#include "tests/support/draws.hpp"
+
+using namespace tagsmith::detail;
+using nlohmann::json;
+using test::Draws;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kLeastModule = 1.4;  // pixels, of tags that count
+
+struct Row {
+  int tags = 0, whole = 0, identified = 0, candidates = 0, wrong = 0;
+  std::vector<double> errors;       // of coordinates of corners, pixels
+  std::vector<double> chi_squares;  // over 8
+};
+
+// By tenths of the bars' length in sight.
+using Table = std::array<Row, 11>;
+
+// The share of the bars' length of which all but the ends' height is in a picture.
+double share_in_sight(const FrameCorners& corners, int width, int height) {
+  constexpr int kPlaces = 400;
+  constexpr double kQuiet = 9.0 / 113;
+  const Homography map = homography_to(corners);
+  int seen = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double u = kQuiet + (1 - 2 * kQuiet) * (i + 0.5) / kPlaces;
+    seen += std::ranges::all_of(std::array{0.2, 0.5, 0.8}, [&](double v) {
+      const PixelPoint at = map(u, v);
+      return at.x >= 0 && at.y >= 0 && at.x <= width - 1 && at.y <= height - 1;
+    });
+  }
+  return static_cast<double>(seen) / kPlaces;
+}
+
+// Columns of a picture.
+struct Crop {
+  int first = 0;
+  int width = 0;
+};
+
+// Cut across the bars of a tag at a drawn place, from its left or its right.
+Crop random_crop(const FrameCorners& corners, int width, std::mt19937_64& random) {
+  const double u = std::uniform_real_distribution(0.25, 0.95)(random);
+  const bool keeps_left = random() % 2 == 0;
+  const Homography map = homography_to(corners);
+  const double middle = map(u, 0.5).x;
+  const bool is_before = (corners[0].x < corners[1].x) == keeps_left;
+  const int cut = std::clamp(static_cast<int>(middle), 1, width - 2);
+  return is_before ? Crop{0, cut} : Crop{cut, width - cut};
+}
+
+GrayView cropped(GrayView image, const Crop& crop) {
+  image.data += crop.first;
+  image.width = crop.width;
+  return image;
+}
+
+FrameCorners moved(FrameCorners corners, double by) {
+  for (PixelPoint& corner : corners) corner.x += by;
+  return corners;
+}
+
+FrameCorners corners_of(const json& plate) {
+  FrameCorners corners{};
+  const std::array<const char*, 4> names{"P", "F", "R", "Q"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const json& at = plate.at("corners_px").at(names[i]);
+    corners[i] = {at[0].get<double>(), at[1].get<double>()};
+  }
+  return corners;
+}
+
+void count_corners(const PartReading& part, const FrameCorners& truth, Row& row) {
+  Eigen::Matrix<double, 8, 1> error;
+  for (std::size_t i = 0; i < 4; ++i) {
+    error[static_cast<Eigen::Index>(2 * i)] = part.corners[i].x - truth[i].x;
+    error[static_cast<Eigen::Index>(2 * i + 1)] = part.corners[i].y - truth[i].y;
+  }
+  for (const double off : error) row.errors.push_back(std::abs(off));
+  row.chi_squares.push_back(error.dot(part.corner_covariance.ldlt().solve(error)) / 8);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+// Counts what was read of a plate; whether the part is its.
+void count_plate(const ReadResult& result, const Digits& code, const FrameCorners& truth,
+                 double share, const std::string& story, bool verbose, Table& table) {
+  Row& row = table[static_cast<std::size_t>(std::clamp(10 * share, 0.0, 10.0))];
+  ++row.tags;
+  const auto near = [&](const PartReading& part) {
+    const PixelPoint middle = 0.5 * (truth[0] + truth[2]);
+    return contains(part.corners, middle) || distance(part.corners[0], truth[0]) < 20;
+  };
+  const auto is_it = [&](const PartCandidate& candidate) { return candidate.digits == code; };
+  const bool is_whole =
+      std::ranges::any_of(result.tags, [&](const Reading& tag) { return tag.digits == code; });
+  const auto part = std::ranges::find_if(result.parts, near);
+  std::string said = is_whole ? "whole" : "nothing";
+  if (is_whole) {
+    ++row.whole;
+  } else if (part != result.parts.end()) {
+    const bool holds = std::ranges::any_of(part->candidates, is_it);
+    const bool single = part->candidates.size() == 1;
+    said = !holds ? "WRONG" : single ? "identified" : "candidates";
+    ++(!holds ? row.wrong : single ? row.identified : row.candidates);
+    if (holds) count_corners(*part, truth, row);
+    if (holds) said += fmt::format(" chi2/8 {:.2f}", row.chi_squares.back());
+    said += " " + digits_in_sight(*part);
+  }
+  if (verbose || said.starts_with("WRONG")) {
+    fmt::print("{} {} share {:.2f}: {}\n", story, to_string(code), share, said);
+  }
+}
+
+void print(const Table& table) {
+  fmt::print(
+      "| bars in sight | tags | read whole | identified | several candidates | wrong | "
+      "corner error, median | chi-square / 8, mean |\n|---|---|---|---|---|---|---|---|\n");
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const Row& row = table[i];
+    if (row.tags == 0) continue;
+    double mean = 0;
+    for (const double value : row.chi_squares)
+      mean += value / static_cast<double>(row.chi_squares.size());
+    fmt::print("| {} to {} % | {} | {} | {} | {} | {} | {:.3f} px | {:.2f} |\n", 10 * i,
+               std::min<std::size_t>(100, 10 * i + 10), row.tags, row.whole, row.identified,
+               row.candidates, row.wrong, median(row.errors), mean);
+  }
+}
+
+std::vector<Digits> codes_of(const json& truth) {
+  std::set<Digits> codes;
+  for (const auto& item : truth.at("images")) {
+    for (const auto& plate : item.at("plates")) {
+      const auto code = parse_digits(plate.value("code", std::string()));
+      if (code) codes.insert(*code);
+    }
+  }
+  return {codes.begin(), codes.end()};
+}
+
+// The camera of a part of a photo that begins at a column.
+Camera camera_of(const json& item, const GrayView& part, int first) {
+  const json& truth = item.at("camera");
+  Camera camera;
+  camera.width = part.width;
+  camera.height = part.height;
+  camera.fx = truth.at("fx").get<double>();
+  camera.fy = truth.at("fy").get<double>();
+  camera.cx = truth.at("cx").get<double>() - first;
+  camera.cy = truth.at("cy").get<double>();
+  return camera;
+}
+
+// Reads a folder's photos as they are and cropped.
+bool read_folder(const fs::path& folder, bool verbose) {
+  const auto truth = json::parse(std::ifstream(folder / "truth.json"));
+  ReadOptions options;
+  options.code_book = codes_of(truth);
+  options.check = parse_check_digit(truth.at("check").get<std::string>());
+  Table as_they_are, cut;
+  std::mt19937_64 random(1);
+  for (const auto& item : truth.at("images")) {
+    const std::string file = item.at("file").get<std::string>();
+    const Result<GrayImage> image = load_gray_image(folder / file);
+    if (!image) {
+      fmt::print(stderr, "{}\n", image.error().message);
+      return false;
+    }
+    const GrayView view = image->view();
+    options.camera = camera_of(item, view, 0);
+    const ReadResult result = read_tags(view, options);
+    for (const auto& plate : item.at("plates")) {
+      if (plate.at("kind") != "upca" || plate.at("px_per_module").get<double>() < kLeastModule)
+        continue;
+      const Digits code = parse_digits(plate.at("code").get<std::string>()).value();
+      const FrameCorners corners = corners_of(plate);
+      const double share = share_in_sight(corners, view.width, view.height);
+      if (!plate.at("frame_in_image").get<bool>()) {
+        if (share > 0.1) count_plate(result, code, corners, share, file, verbose, as_they_are);
+        continue;
+      }
+      const Crop crop = random_crop(corners, view.width, random);
+      const GrayView part = cropped(view, crop);
+      options.camera = camera_of(item, part, crop.first);
+      const FrameCorners there = moved(corners, -crop.first);
+      const ReadResult of_part = read_tags(part, options);
+      count_plate(of_part, code, there, share_in_sight(there, part.width, part.height),
+                  file + fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
+                  verbose, cut);
+    }
+  }
+  fmt::print("\n{}: cut by the border, {} px a module and more\n\n", folder.string(), kLeastModule);
+  print(as_they_are);
+  fmt::print("\n{}: cropped\n\n", folder.string());
+  print(cut);
+  return true;
+}
+
+// --- hostile frames ---
+
+// What came of a frame.
+struct Hostile {
+  bool is_tag = false;  // one of the book, with so much in sight that it counts
+  bool identified = false;
+  bool listed = false;    // among several candidates
+  bool is_alike = false;  // a stranger whose digits in sight are those of a code of the book
+  std::string wrong{};
+};
+
+std::vector<Digits> random_book(std::mt19937_64& random) {
+  constexpr std::size_t kSize = 400;
+  std::vector<Digits> book;
+  while (book.size() < kSize) book.push_back(mass::random_code(random));
+  return book;
+}
+
+bool shows_the_same(const PartReading& part, const Digits& code) {
+  const Digits& read = part.candidates.front().digits;
+  for (std::size_t i = 0; i < kDigitCount; ++i) {
+    if (part.in_sight[i] && read[i] != code[i]) return false;
+  }
+  return true;
+}
+
+// Whether a symbol's digits in sight can be those of its code. Where one character is no digit,
+// it may be out of sight.
+bool has_digits(mass::Kind kind) {
+  return mass::may_be_read(kind) || kind == mass::Kind::wrong_check || kind == mass::Kind::foreign;
+}
+
+// A third of the codes are in the book, a third strangers of which a code of the book differs in
+// one digit, a third strangers whose first or last digits a code of the book has.
+Hostile run_hostile(std::uint64_t number) {
+  constexpr double kCounts = 0.4;
+  const mass::Picture picture = mass::draw(number);
+  std::mt19937_64 random(number ^ 0x517cc1b727220a95ULL);
+  ReadOptions options;
+  options.code_book = random_book(random);
+  const GrayView view = picture.image.view();
+  const Crop crop = random_crop(picture.corners, view.width, random);
+  const GrayView part_of = cropped(view, crop);
+  const FrameCorners corners = moved(picture.corners, -crop.first);
+  const double share = share_in_sight(corners, part_of.width, part_of.height);
+  Digits& entry = options.code_book.front();
+  entry = picture.code;
+  const auto way = random() % 3;
+  const bool keeps_left = corners[0].x >= 0 && corners[0].x < part_of.width;
+  if (way == 1) {
+    const std::size_t digit = (keeps_left ? 0 : 8) + random() % 4;
+    entry[digit] = static_cast<std::uint8_t>((entry[digit] + 1 + random() % 9) % 10);
+  } else if (way == 2) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      std::uint8_t& digit = entry[(keeps_left ? 8 : 0) + i];
+      digit = static_cast<std::uint8_t>((digit + 1 + random() % 9) % 10);
+    }
+  }
+  Hostile hostile;
+  const bool is_whole_kind = picture.kind == mass::Kind::tag && !picture.odd_margins;
+  hostile.is_tag =
+      way == 0 && is_whole_kind && share >= kCounts && picture.module_px >= kLeastModule;
+  const ReadResult result = read_tags(part_of, options);
+  for (const PartReading& part : result.parts) {
+    const bool single = part.candidates.size() == 1;
+    const bool is_right = has_digits(picture.kind) && shows_the_same(part, picture.code);
+    hostile.identified = is_right && way == 0 && single;
+    hostile.listed = is_right && way == 0 && !single;
+    hostile.is_alike = is_right && way != 0;
+    if (is_right) continue;
+    hostile.wrong = fmt::format(
+        "{} {} share {:.2f} code {} read {} ({} candidates), doubt {:.2g}, "
+        "{:.2f} px a module, blur {:.2f}",
+        number, mass::name_of(picture.kind), share, to_string(picture.code), digits_in_sight(part),
+        part.candidates.size(), 1 - part.confidence, picture.module_px, picture.blur_px);
+  }
+  return hostile;
+}
+
+void read_hostile(std::uint64_t count, std::uint64_t first) {
+  std::atomic<std::uint64_t> next = first;
+  std::mutex guard;
+  long tags = 0, identified = 0, listed = 0, alike = 0, wrong = 0;
+  const auto work = [&] {
+    for (std::uint64_t i = next++; i < first + count; i = next++) {
+      const Hostile hostile = run_hostile(i);
+      const std::scoped_lock lock(guard);
+      tags += hostile.is_tag ? 1 : 0;
+      identified += hostile.identified ? 1 : 0;
+      listed += hostile.listed ? 1 : 0;
+      alike += hostile.is_alike ? 1 : 0;
+      if (hostile.wrong.empty()) continue;
+      ++wrong;
+      fmt::print("WRONG {}\n", hostile.wrong);
+    }
+  };
+  std::vector<std::jthread> threads;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
+    threads.emplace_back(work);
+  }
+  threads.clear();
+  fmt::print(
+      "{} frames: {} parts identified, {} among several candidates, {} strangers that show "
+      "a code's digits, {} wrong; {} tags of the book with 40 % in sight at {} px a module\n",
+      count, identified, listed, alike, wrong, tags, kLeastModule);
+}
+
+// --- simulated drives ---
+
+struct Positions {
+  int located = 0;
+  int confirmed = 0;
+  int off = 0;         // by five standard deviations
+  double squares = 0;  // normalised, of all three coordinates
+
+  void count(const Fix& fix, const VehiclePose& truth, const Grid& grid) {
+    if (!fix.position_in_grid) return;
+    const bench::PoseError error = bench::error_of(fix, truth, grid);
+    const Eigen::Vector3d position = error.error.head<3>();
+    const Eigen::Matrix3d covariance = error.covariance.topLeftCorner<3, 3>();
+    ++located;
+    confirmed += fix.confirmations > 0 ? 1 : 0;
+    off += error.greatest_sigmas() > 5 ? 1 : 0;
+    squares += position.dot(covariance.ldlt().solve(position)) / 3;
+  }
+};
+
+// What was seen at a place of a drive, and what came of it.
+struct Driven {
+  int poses = 0;
+  int parts = 0, wrong = 0;  // parts read; with no candidate that hangs there
+  Positions without, with, only_changed;
+};
+
+bench::Site exact_site(bench::Site site) {
+  constexpr double kExact = 1e-6;  // metres, radians
+  for (PlacedTag& tag : site.survey.tags) tag.sigma = kExact;
+  site.survey.angle_sigma = kExact;
+  for (RigCamera& camera : site.rig.cameras) camera.calibration_sigma = {};
+  return site;
+}
+
+void drive(const bench::Site& site, Draws& draws, Driven& driven) {
+  const Tunnel& tunnel = site.survey.tunnel;
+  const CenterlinePoint point = tunnel.centerline.at(draws.uniform(0, tunnel.centerline.length()));
+  VehiclePose vehicle;
+  vehicle.position = point.position + site.rig.vehicle_height * Eigen::Vector3d::UnitZ();
+  vehicle.heading = point.heading;
+  const std::vector<Survey> surveys{site.survey};
+  Observation seen;
+  for (const RigCamera& camera : site.rig.cameras) {
+    ViewOptions options;
+    options.lighting = tunnel_lighting();
+    options.sensor.noise_sigma = 2;
+    options.seed = draws.index(1U << 30U);
+    const SurveyView view =
+        render_survey_view(site.survey, camera, world_from_vehicle(vehicle), options, 7);
+    observe_image(seen, camera, view.view.image.view(), camera.name, surveys,
+                  {read_tags, kFittedCornerSigmaPx});
+    for (const SeenPart& part : seen.parts) {
+      if (part.camera != camera.name) continue;
+      ++driven.parts;
+      driven.wrong +=
+          std::ranges::none_of(view.tags,
+                               [&](std::size_t tag) {
+                                 return std::ranges::any_of(
+                                     part.candidates, [&](const SurveyedTag& candidate) {
+                                       return candidate.tag->digits == site.survey.tags[tag].digits;
+                                     });
+                               })
+              ? 1
+              : 0;
+    }
+  }
+  Observation whole = seen;
+  whole.parts.clear();
+  const Fix with = localize_jointly(seen, surveys, site.rig);
+  ++driven.poses;
+  driven.without.count(localize_jointly(whole, surveys, site.rig), vehicle, site.survey.grid);
+  driven.with.count(with, vehicle, site.survey.grid);
+  const bool changed = std::ranges::any_of(
+      with.corners, [](const FittedCorners& corners) { return corners.used && corners.is_part; });
+  if (changed) driven.only_changed.count(with, vehicle, site.survey.grid);
+}
+
+int read_drives(int count, std::uint64_t seed) {
+  fmt::print(
+      "| survey | places | parts read | wrong | located, confirmed, off by 5 sigma, NEES: "
+      "without parts | with parts | where parts are used |\n|---|---|---|---|---|---|---|\n");
+  for (const char* name : {"corridor", "curved"}) {
+    auto site = bench::load_shipped_site(name);
+    if (!site) {
+      fmt::print(stderr, "{}\n", site.error().message);
+      return 2;
+    }
+    const bench::Site exact = exact_site(*std::move(site));
+    Driven driven;
+    Draws draws(seed);
+    for (int i = 0; i < count; ++i) drive(exact, draws, driven);
+    const auto cells = [](const Positions& positions) {
+      return fmt::format("{}, {}, {}, {:.2f}", positions.located, positions.confirmed,
+                         positions.off, positions.squares / std::max(1, positions.located));
+    };
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", name, driven.poses, driven.parts,
+               driven.wrong, cells(driven.without), cells(driven.with), cells(driven.only_changed));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const bool verbose = std::erase(arguments, "-v") > 0;
+  if (!arguments.empty() && arguments[0] == "hostile") {
+    read_hostile(arguments.size() > 1 ? std::stoull(arguments[1]) : 10'000,
+                 arguments.size() > 2 ? std::stoull(arguments[2]) : 0);
+    return 0;
+  }
+  if (!arguments.empty() && arguments[0] == "drive") {
+    return read_drives(arguments.size() > 1 ? std::stoi(arguments[1]) : 200,
+                       arguments.size() > 2 ? std::stoull(arguments[2]) : 1);
+  }
+  for (const std::string& argument : arguments) {
+    if (!read_folder(argument, verbose)) return 2;
+  }
+  return 0;
+}
