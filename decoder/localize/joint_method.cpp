@@ -451,12 +451,13 @@ Observation with_part(Observation observation, const SeenPart& part, std::size_t
   return observation;
 }
 
-// Whether a position rests on more than a part of one tag: that may belong to a plate of no survey
-// whose digits in sight are the same.
-bool rests_on_more_than_a_part(const Fix& fix) {
-  return fix.tags.size() > 1 || std::ranges::any_of(fix.corners, [](const FittedCorners& corners) {
-           return corners.used && !corners.is_part;
-         });
+// Whether a position rests on a whole tag. Parts may belong to plates of no survey whose digits in
+// sight are the same, and those of a drive that is laid out alike agree with each other, too.
+bool rests_on_a_whole_tag(const Fix& fix) {
+  return std::ranges::any_of(fix.tags, [&](const std::string& tag) {
+    return std::ranges::none_of(
+        fix.corners, [&](const FittedCorners& seen) { return seen.is_part && seen.tag == tag; });
+  });
 }
 
 bool is_used(const Fix& fix, const SeenPart& part, const PlacedTag& tag) {
@@ -488,12 +489,12 @@ Fix localize_in(const Observation& observation, const std::vector<Survey>& surve
     if (tags.size() == 1) all = with_part(std::move(all), part, survey, *tags.front());
   }
   Fix fix = localize_by_tags(all, surveys, survey, rig);
-  if (fix.position_in_grid && !rests_on_more_than_a_part(fix)) {
+  if (fix.position_in_grid && !rests_on_a_whole_tag(fix)) {
     Fix none;
     none.survey = fix.survey;
     none.tags = fix.tags;
-    none.reason = fmt::format("only a part of {} is in the picture, and nothing else confirms it",
-                              fmt::join(fix.tags, " "));
+    none.reason = fmt::format("only a part of {} is in the picture, and no whole tag confirms it",
+                              fmt::join(fix.tags, " and of "));
     return none;
   }
   for (const SeenPart& part : observation.parts) {

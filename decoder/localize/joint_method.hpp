@@ -28,8 +28,8 @@ namespace tagsmith::detail {
 // a single tag.
 //
 // Parts of tags count like tags where what is in sight fits one tag of the survey; where it fits
-// several, that one is taken with which a position that is known without it agrees. A part of one
-// tag alone gives no position.
+// several, that one is taken with which a position that is known without it agrees. Parts
+// without a whole tag give no position.
 //
 // Covariance: that of the fit, in which corners (their own covariance), plates (surveyed places,
 // angles against the wall, rounding of coded positions), calibration, ranges and the vehicle's

@@ -39,6 +39,11 @@ void take_out(std::vector<Observation>& rows, std::span<const std::size_t> of, S
     const auto taken = std::erase_if(rows[i].tags, [&](const SeenTag& seen) {
       return seen.survey == aside.survey && seen.tag.name == aside.tag;
     });
+    std::erase_if(rows[i].parts, [&](const SeenPart& part) {
+      return std::ranges::any_of(part.candidates, [&](const SurveyedTag& candidate) {
+        return candidate.survey == aside.survey && candidate.tag->name == aside.tag;
+      });
+    });
     if (taken == 0) continue;
     rows[i].faults.push_back("set aside in the whole run: " + aside.message);
     aside.rows.push_back(i);

@@ -66,7 +66,7 @@ void check_programs(const std::string& folder) {
   CHECK_MESSAGE(has(output.out, "tag 019000000404 000L of corridor\n"), output.out);
   CHECK_MESSAGE(std::regex_search(output.out, std::regex("fix (1|0\\.999\\d*|1\\.000\\d*) "
                                                          "-0\\.(5|499|500)\\d* "
-                                                         "0\\.(24|239|240)\\d* 000L 000R \n")),
+                                                         "0\\.(24|239|240)\\d* 000L 000R 001R \n")),
                 output.out);
   CHECK_MESSAGE(has(output.out, "\nok 000L\nok 000L\n"), output.out);
   CHECK_MESSAGE(has(output.out, "printed 019000000404\n"), text_of(output));

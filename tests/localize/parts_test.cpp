@@ -71,6 +71,17 @@ TEST_CASE("a part of one tag alone gives no position") {
   CHECK_FALSE(localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig).position_in_grid);
 }
 
+TEST_CASE("parts of two tags without a whole one give no position") {
+  Seen seen;
+  const SeenTag& whole = seen.with_part.tags.front();
+  seen.with_part.parts.push_back(
+      {whole.camera, {{0, seen.tag(whole.tag.name)}}, *whole.seen_corners, 0.5});
+  seen.with_part.tags.clear();
+  const Fix fix = localize_jointly(seen.with_part, {seen.site.survey}, seen.site.rig);
+  CHECK_FALSE(fix.position_in_grid);
+  CHECK(fix.tags.size() == 2);
+}
+
 TEST_CASE("where a part may be several tags, the one is taken that agrees with the others") {
   Seen seen;
   std::vector<SurveyedTag>& candidates = seen.with_part.parts.front().candidates;

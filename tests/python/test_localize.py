@@ -67,7 +67,9 @@ def test_tags_that_were_read_before_need_no_image(survey, rig):
     localizer = tagsmith.Localizer([survey], rig)
     by_tags = localizer.locate(tags=tags, ranges={"d": float(row["d"])})
     by_images = localizer.locate(images_of(row), ranges={"d": float(row["d"])})
-    np.testing.assert_allclose(by_tags.position, by_images.position, atol=1e-9)
+    # The images show a part of one more tag.
+    assert by_images.tags == by_tags.tags + ["001R"]
+    np.testing.assert_allclose(by_tags.position, by_images.position, atol=2e-4)
 
 
 def test_without_a_position_the_fix_says_why(survey, rig):
