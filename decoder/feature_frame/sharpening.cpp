@@ -416,4 +416,13 @@ void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   }
 }
 
+void UnsharpenedImage::restore(const Quad& quad) {
+  const Area area = around(sharp_, quad);
+  for (int y = area.top; y < area.bottom; ++y) {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * image_.width + area.left;
+    std::copy_n(sharp_.row(y) + area.left, std::max(0, area.width()),
+                image_.samples.begin() + first);
+  }
+}
+
 }  // namespace tagsmith::detail

@@ -31,6 +31,9 @@ class UnsharpenedImage {
   // Undoes the sharpening around a quadrilateral, as far as its feature frame and a margin reach.
   void undo(const Sharpening& sharpening, const Quad& quad);
 
+  // Makes the picture there what it was before anything was undone.
+  void restore(const Quad& quad);
+
   GrayView view() const { return image_.view(); }
 
  private:

@@ -184,7 +184,7 @@ void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesi
   const Reading* before = hypothesis.reading();
   const Reading* now = plain.reading();
   if (now == nullptr && (before != nullptr || plain.explained() <= hypothesis.explained())) {
-    return unsharpened_->undo({}, hypothesis.frame->corners);
+    return unsharpened_->restore(hypothesis.frame->corners);
   }
   if (before != nullptr && before->digits != now->digits) {
     plain.outcome = rejection_of(*now->symbol, {RejectionReason::doubtful});

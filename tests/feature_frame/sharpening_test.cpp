@@ -95,8 +95,10 @@ TEST_CASE("Undone, sharpening leaves the picture as it was, and nothing is touch
   elsewhere.undo({1.2, 1.6, 50, 190}, Quad{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}});
   CHECK(std::equal(sharp.samples.begin() + 100 * 300, sharp.samples.end(),
                    elsewhere.view().data + 100 * 300));
-  elsewhere.undo({}, Quad{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}});
+  elsewhere.restore(Quad{{{0, 0}, {20, 0}, {20, 20}, {0, 20}}});
   CHECK(std::equal(sharp.samples.begin(), sharp.samples.end(), elsewhere.view().data));
+  image.restore(kInner);  // with samples that are clipped, or nearly
+  CHECK(std::equal(sharp.samples.begin(), sharp.samples.end(), image.view().data));
 }
 
 TEST_CASE("What was clipped is taken for black, not for the grey that clipping left") {
