@@ -22,7 +22,6 @@ constexpr int kRatios = 9;            // local module widths: 31 to 39 samples f
 constexpr int kNominalRatio = 4;
 constexpr int kSamplesPerDigit = kModulesPerDigit * kPerModule;
 constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
-constexpr int kLineSamples = (kModuleCount + 2 * kMargin) * kPerModule;
 constexpr int kTemplates = 20;  // ten digits; for the left half ten more of even parity
 static_assert(kPlaces == kPlaceCount && kRatios == kWidthCount);
 constexpr float kSampleWeight = 1.0F / (kElastic.variance * kPerModule);

@@ -12,14 +12,14 @@ namespace {
 
 // Each of the first `count` samples becomes the greater or the less of it and the one `step` later.
 TAGSMITH_WIDE void take_greater(float* samples, std::size_t step, std::size_t count) {
-#pragma GCC ivdep
+  TAGSMITH_INDEPENDENT_TURNS
   for (std::size_t i = 0; i < count; ++i) {
     samples[i] = samples[i] < samples[i + step] ? samples[i + step] : samples[i];
   }
 }
 
 TAGSMITH_WIDE void take_less(float* samples, std::size_t step, std::size_t count) {
-#pragma GCC ivdep
+  TAGSMITH_INDEPENDENT_TURNS
   for (std::size_t i = 0; i < count; ++i) {
     samples[i] = samples[i + step] < samples[i] ? samples[i + step] : samples[i];
   }

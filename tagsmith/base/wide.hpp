@@ -10,3 +10,12 @@
 #else
 #define TAGSMITH_WIDE
 #endif
+
+// Before a loop: what one turn writes is read by no later one, so that turns may run side by side.
+#if defined(__clang__)
+#define TAGSMITH_INDEPENDENT_TURNS _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define TAGSMITH_INDEPENDENT_TURNS _Pragma("GCC ivdep")
+#else
+#define TAGSMITH_INDEPENDENT_TURNS
+#endif

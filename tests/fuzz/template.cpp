@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/read_template.hpp"
+#include "tests/fuzz/fuzz_input.hpp"
+
+using namespace tagsmith::detail;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const fuzz::FileInMemory file(fuzz::as_text(data, size));
+  (void)read_template(file.path());
+  return 0;
+}

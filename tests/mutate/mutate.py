@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Changes one token of the product at a time, and asks the tests of its module whether they notice.
+
+Usage: mutate.py N [MODULE] [SEED]
+
+N changes that compile are tried, in a copy of the committed sources in build/mutate, which lasts
+between runs. MODULE is a folder such as decoder/localize. What tests/mutate/equivalent.txt lists as
+the same program in other words is passed over. The exit code is 1 when a change went unnoticed.
+"""
+
+import os
+import random
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+WORK = ROOT / "build" / "mutate"
+SOURCE = WORK / "source"
+BUILD = WORK / "build"
+TEST_SECONDS = 600
+
+# The tests that speak of a module, where they have not its name.
+TESTS = {
+    "tagsmith/base": ["base", "survey"],
+    "tagsmith/survey": ["survey", "exchange"],
+    "tagsmith/cli": ["commands", "files", "exchange", "survey", "placement"],
+    "tagsmith/paper_plan": ["paper", "placement"],
+    "decoder/api": ["library"],
+    "decoder/cli": ["read", "verify", "localize", "commands", "calibrate_command", "adjust"],
+    "decoder/ledger": ["ledger"],
+    "decoder/localize": ["localize", "adjust"],
+    "decoder/python": [],
+    "decoder/verify": ["verify", "adjust"],
+    "decoder/calibrate": ["calibrate", "calibrate_command", "board"],
+}
+
+# Binary operators stand between blanks, template brackets do not: clang-format sees to it.
+SWAPS = {
+    " < ": [" <= ", " >= "], " <= ": [" < ", " > "], " > ": [" >= ", " <= "],
+    " >= ": [" > ", " < "], " == ": [" != "], " != ": [" == "], " && ": [" || "],
+    " || ": [" && "], " + ": [" - "], " - ": [" + "], " * ": [" / "], " / ": [" * "],
+    " += ": [" -= "], " -= ": [" += "], "return true;": ["return false;"],
+    "return false;": ["return true;"], "(!": ["("], "std::min(": ["std::max("],
+    "std::max(": ["std::min("],
+}
+NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)(?![\w.'])")
+STATEMENT = re.compile(r"^  +(?!return|break|continue|using|throw|case)[\w.>:\[\]-]+"
+                       r"(\(.*\)| [-+*/|&]?= .*|\+\+);$")
+
+
+@dataclass(frozen=True)
+class Mutation:
+    file: str
+    line: int
+    before: str
+    after: str
+
+
+def without_text(line: str) -> str:
+    """The line with strings and comments blanked out, at the same length."""
+    line = re.sub(r'"(?:[^"\\]|\\.)*"', lambda found: "~" * len(found.group()), line)
+    line = re.sub(r"'(?:[^'\\]|\\.)'", lambda found: "~" * len(found.group()), line)
+    return re.sub(r"//.*", lambda found: "~" * len(found.group()), line)
+
+
+def mutations_of_line(line: str) -> list[str]:
+    code = without_text(line)
+    if not code.startswith(" ") and not code.startswith("constexpr"):
+        return []
+    if "static_assert" in code or "TAGSMITH_" in code or "template" in code:
+        return []
+    results = []
+    for old, news in SWAPS.items():
+        for found in re.finditer(re.escape(old), code):
+            results += [line[:found.start()] + new + line[found.end():] for new in news]
+    for found in NUMBER.finditer(code):
+        number = found.group()
+        new = f"{float(number) * 1.3 + 0.1:g}" if "." in number else str(int(number) + 1)
+        results.append(line[:found.start()] + new + line[found.end():])
+    if STATEMENT.match(code):
+        results.append(re.match(r" *", line).group() + ";")
+    return results
+
+
+def mutations_of(module: str) -> list[Mutation]:
+    result = []
+    for path in sorted((SOURCE / module).rglob("*.cpp")):
+        file = str(path.relative_to(SOURCE))
+        for number, line in enumerate(path.read_text().split("\n"), 1):
+            result += [Mutation(file, number, line, after) for after in mutations_of_line(line)]
+    return result
+
+
+def read_equivalent() -> set[tuple[str, str, str]]:
+    """FILE | line before | line after | reason."""
+    listed = set()
+    for line in (ROOT / "tests/mutate/equivalent.txt").read_text().splitlines():
+        fields = [field.strip() for field in line.split(" | ")]
+        if len(fields) == 4 and not line.startswith("#"):
+            listed.add((fields[0], fields[1], fields[2]))
+    return listed
+
+
+def run(*command: str, seconds: int | None = None) -> bool:
+    environment = dict(os.environ, TAGSMITH_PROGRAM=str(BUILD / "tagsmith"))
+    try:
+        done = subprocess.run(command, cwd=SOURCE, timeout=seconds, env=environment,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def prepare() -> None:
+    SOURCE.mkdir(parents=True, exist_ok=True)
+    archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, stdout=subprocess.PIPE, check=True)
+    subprocess.run(["tar", "-x", "-C", str(SOURCE)], input=archive.stdout, check=True)
+    if (BUILD / "CMakeCache.txt").exists():
+        return
+    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if run("ccache", "--version") else []
+    subprocess.run(["cmake", "-G", "Ninja", "-S", str(SOURCE), "-B", str(BUILD),
+                    "-DCMAKE_BUILD_TYPE=Release", "--log-level=WARNING", *launcher], check=True)
+
+
+def tests_of(module: str) -> list[str]:
+    names = TESTS.get(module, [Path(module).name])
+    return [name for name in names if (SOURCE / "tests" / name / "CMakeLists.txt").exists()]
+
+
+def build(tests: list[str]) -> bool:
+    return run("ninja", "-C", str(BUILD), "tagsmith", *[f"test_{name}" for name in tests])
+
+
+def is_noticed(tests: list[str]) -> bool:
+    return not all(run(str(BUILD / "tests" / name / f"test_{name}"), "--abort-after=1",
+                       seconds=TEST_SECONDS) for name in tests)
+
+
+def try_one(mutation: Mutation, tests: list[str]) -> bool | None:
+    """Whether the tests notice; nothing where it does not compile."""
+    path = SOURCE / mutation.file
+    text = path.read_text()
+    lines = text.split("\n")
+    lines[mutation.line - 1] = mutation.after
+    try:
+        path.write_text("\n".join(lines))
+        return is_noticed(tests) if build(tests) else None
+    finally:
+        path.write_text(text)
+
+
+def modules(only: str | None) -> list[str]:
+    if only:
+        return [only.rstrip("/")]
+    folders = [str(path.parent.relative_to(SOURCE)) for top in ("tagsmith", "decoder")
+               for path in (SOURCE / top).glob("*/CMakeLists.txt")]
+    return sorted(name for name in folders if tests_of(name))
+
+
+def report(mutation: Mutation, noticed: bool) -> None:
+    print(f"{'noticed ' if noticed else 'SURVIVED'} {mutation.file}:{mutation.line}: "
+          f"{mutation.before.strip()}  ->  {mutation.after.strip()}", flush=True)
+
+
+def main() -> int:
+    if len(sys.argv) < 2 or not sys.argv[1].isdigit():
+        print(__doc__.strip(), file=sys.stderr)
+        return 2
+    count = int(sys.argv[1])
+    module = sys.argv[2] if len(sys.argv) > 2 and not sys.argv[2].isdigit() else None
+    seed = int(sys.argv[-1]) if len(sys.argv) > (3 if module else 2) else 1
+    prepare()
+    candidates = [mutation for name in modules(module) for mutation in mutations_of(name)]
+    random.Random(seed).shuffle(candidates)
+    equivalent = read_equivalent()
+    tried = survived = 0
+    for mutation in candidates:
+        if tried == count:
+            break
+        if (mutation.file, mutation.before.strip(), mutation.after.strip()) in equivalent:
+            continue
+        noticed = try_one(mutation, tests_of("/".join(mutation.file.split("/")[:2])))
+        if noticed is None:
+            continue
+        tried += 1
+        survived += not noticed
+        report(mutation, noticed)
+    print(f"{tried - survived} of {tried} changes noticed")
+    return 1 if survived else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
