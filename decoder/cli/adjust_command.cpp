@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,29 +13,23 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "decoder/cli/file_list.hpp"
-#include "decoder/cli/report_files.hpp"
-#include "decoder/cli/verify_hanging.hpp"
+#include "decoder/cli/adjust_drawing.hpp"
+#include "decoder/cli/adjust_input.hpp"
 #include "decoder/verify/as_built.hpp"
-#include "decoder/verify/verify_file.hpp"
-#include "decoder/verify/verify_json.hpp"
-#include "tagsmith/base/date.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/base/unified_diff.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
-#include "tagsmith/cli/parallel.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/edit_placed.hpp"
 #include "tagsmith/survey/read_survey.hpp"
-#include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
@@ -52,169 +45,6 @@ takes the place of the photos; or photos, or folders of them. Without FILE the p
 Exit: 0 every tag seen has its place, 1 one is not determined, or nothing was written because a
 control tag does not hang where the survey has it, the photos contradict each other or the rig, 2 a
 file could not be read.)";
-
-struct Options {
-  std::string survey;
-  std::vector<std::string> files;
-  HangingOptions hanging;
-  std::vector<std::string> control;
-  std::string output;
-  std::string date;
-  bool json = false;
-  int jobs = 0;
-};
-
-struct Input {
-  Survey survey;
-  HangingSetup setup;
-  std::vector<fs::path> lines;  // output of verify
-  std::vector<fs::path> photos;
-  std::vector<std::string> control;
-};
-
-// --- input ---
-
-bool holds_lines(const std::string& file) {
-  const std::string extension = fs::path(file).extension().string();
-  return extension == ".jsonl" || extension == ".json" || extension == ".ndjson";
-}
-
-Result<std::vector<std::string>> control_tags(const Options& options, const Survey& survey) {
-  for (const std::string& name : options.control) {
-    if (find_tag(survey, std::string_view(name)) != nullptr) continue;
-    return fail(
-        fmt::format("--control {}: {} has no tag of this name", name, survey.file.string()));
-  }
-  if (!options.control.empty()) return options.control;
-  std::vector<std::string> names;
-  for (const PlacedTag& tag : survey.tags) {
-    if (tag.control) names.push_back(tag.name);
-  }
-  if (!names.empty()) return names;
-  return fail(survey.file.string() +
-              ": has no control tag: write `control: true` at the tags in `placed` that were "
-              "surveyed best, or name them with --control");
-}
-
-Result<Input> load(const Options& options) {
-  if (!options.date.empty() && !parse_day(options.date)) {
-    return fail("--date " + options.date + ": expected a day as 2026-03-31");
-  }
-  Result<Survey> survey = load_survey(options.survey);
-  if (!survey) return fail(survey.error().message);
-  CommandFiles files;
-  Result<std::optional<LoadedHanging>> hanging = load_hanging(options.hanging, files);
-  if (!hanging) return fail(hanging.error().message);
-  Result<std::vector<std::string>> control = control_tags(options, *survey);
-  if (!control) return fail(control.error().message);
-  Input input{std::move(*survey), std::move((*hanging)->setup), {}, {}, std::move(*control)};
-  std::vector<std::string> photos;
-  for (const std::string& file : options.files) {
-    if (holds_lines(file)) {
-      input.lines.emplace_back(file);
-    } else {
-      photos.push_back(file);
-    }
-  }
-  if (options.files.empty()) photos = (*hanging)->photos;
-  if (photos.empty() && input.lines.empty()) {
-    return fail("FILE is required: output of `verify --json`, photos, or --run");
-  }
-  const Result<FileList> list = list_files(photos, image_extensions(), std::cin);
-  if (!list) return fail(list.error().message);
-  input.photos = list->files;
-  files.reads(input.survey);
-  for (const fs::path& file : input.lines) files.reads(file, "the lines");
-  for (const fs::path& file : input.photos) files.reads(file, "a photo");
-  files.writes(options.output, "--output");
-  if (const auto usable = files.check(); !usable) return fail(usable.error().message);
-  return input;
-}
-
-// All photos, read and compared with the survey.
-Result<std::vector<VerifiedFile>> verify_photos(const Input& input, int jobs) {
-  VerifyRequest request{input.survey};
-  request.rig = &input.setup.rig;
-  request.cameras = &input.setup.cameras;
-  const std::string revision = survey_revision(input.survey);
-  std::vector<VerifiedFile> files(input.photos.size());
-  std::string failure;
-  ProgressBar progress("photos", files.size());
-  run_in_order(files.size(), jobs, [&](std::size_t i) -> Delivery {
-    auto verified = std::make_shared<Result<VerifiedFile>>(verify_file(request, input.photos[i]));
-    return [&, i, verified] {
-      if (*verified) {
-        files[i] = std::move(**verified);
-        files[i].revision = revision;
-      } else if (failure.empty()) {
-        failure = verified->error().message;
-      }
-      progress.advance([] {});
-    };
-  });
-  if (!failure.empty()) return fail(failure);
-  return files;
-}
-
-// How many files of what the lines say are photos, and how many of these of another survey.
-struct Told {
-  std::size_t photos = 0;
-  std::size_t others = 0;
-};
-
-Result<Told> read_lines(const Input& input, const std::function<void(const VerifiedFile&)>& take) {
-  const std::string revision = survey_revision(input.survey);
-  Told told;
-  for (const fs::path& path : input.lines) {
-    const Result<VerifyLineCounts> counts = read_verify_lines(path, [&](const VerifiedFile& file) {
-      if (!file.is_photo()) return;
-      ++told.photos;
-      if (file.revision != revision) ++told.others;
-      take(file);
-    });
-    if (!counts) return fail(counts.error().message);
-    if (counts->files == 0) {
-      return fail(path.string() + ": has no line of `verify --json`");
-    }
-    tell_broken_lines(path.string(), *counts);
-  }
-  if (told.photos > 0 && told.others == told.photos) {
-    return fail(fmt::format(
-        "{}: all {} photos were verified against another state of the survey {}: verify them again",
-        input.lines.front().string(), told.photos, input.survey.file.string()));
-  }
-  return told;
-}
-
-Result<std::vector<SightedTag>> sighted_tags(const Input& input, int jobs) {
-  const Result<std::vector<VerifiedFile>> photos = verify_photos(input, jobs);
-  if (!photos) return fail(photos.error().message);
-  std::vector<SightedTag> all;
-  std::vector<std::string> notes;
-  Told told;
-  const EachFile files = [&](const auto& take) -> Result<void> {
-    for (const VerifiedFile& file : *photos) take(file);
-    const Result<Told> read = read_lines(input, take);
-    if (!read) return fail(read.error().message);
-    told = *read;
-    return {};
-  };
-  const auto taken = for_each_sighted(input.survey, input.setup, files,
-                                      [&](const auto& tags, const std::string& note) {
-                                        all.insert(all.end(), tags.begin(), tags.end());
-                                        if (!note.empty()) notes.push_back(note);
-                                      });
-  if (!taken) return fail(taken.error().message);
-  if (told.others > 0) {
-    to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
-              kName, told.others);
-  }
-  constexpr std::size_t kMostNotes = 20;
-  for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {
-    to_stderr("{}: {}\n", kName, notes[i]);
-  }
-  return all;
-}
 
 // --- what is printed ---
 
@@ -337,10 +167,9 @@ std::string today() {
   return fmt::format("{:%Y-%m-%d}", fmt::localtime(now));
 }
 
-Result<void> write_survey(const Options& options, const Survey& survey,
-                          const AsBuiltSurvey& found) {
-  const Result<std::string> text = read_file(options.survey);
-  if (!text) return fail(text.error().message);
+// The survey's text with the places found.
+Result<std::string> as_built_text(const AdjustOptions& options, const std::string& text,
+                                  const Survey& survey, const AsBuiltSurvey& found) {
   std::vector<AsBuiltPlace> places;
   for (const AsBuiltTag& tag : found.tags) {
     if (tag.status != AsBuiltStatus::adjusted) continue;
@@ -348,14 +177,41 @@ Result<void> write_survey(const Options& options, const Survey& survey,
                       attitude_of(survey.grid, tag.world_from_plate), mean_sigma(tag),
                       options.date.empty() ? today() : options.date});
   }
-  const Result<std::string> changed = survey_with_places(*text, survey, places);
+  Result<std::string> changed = survey_with_places(text, survey, places);
   if (!changed) return fail(options.survey + ": " + changed.error().message);
-  const SurveyReading reading = read_survey_text(options.output, *changed);
-  if (!reading.survey) {
-    return fail(options.survey +
-                ": the places cannot be written into it: " + to_string(reading.diagnostics, true));
+  const std::string& name = options.output.empty() ? options.survey : options.output;
+  const SurveyReading reading = read_survey_text(name, *changed);
+  if (reading.survey) return changed;
+  return fail(options.survey +
+              ": the places cannot be written into it: " + to_string(reading.diagnostics, true));
+}
+
+Result<void> write_survey(const AdjustOptions& options, const Survey& survey,
+                          const AsBuiltSurvey& found) {
+  if (options.output.empty() && options.diff.empty()) return {};
+  const Result<std::string> text = read_file(options.survey);
+  if (!text) return fail(text.error().message);
+  const Result<std::string> changed = as_built_text(options, *text, survey, found);
+  if (!changed) return fail(changed.error().message);
+  if (!options.diff.empty()) {
+    const auto written =
+        write_file(options.diff, unified_diff(options.survey, *text, options.survey, *changed));
+    if (!written) return written;
   }
-  return write_file(options.output, *changed);
+  return options.output.empty() ? Result<void>{} : write_file(options.output, *changed);
+}
+
+Result<void> write_drawing(const AdjustOptions& options, const Survey& survey,
+                           const AsBuiltSurvey& found) {
+  if (options.drawing.empty()) return {};
+  const auto sheets = draw_as_built(survey, found);
+  if (!sheets) return fail(sheets.error().message);
+  const auto files = render_sheets(*sheets, options.drawing);
+  if (!files) return fail(files.error().message);
+  for (const SheetFile& file : *files) {
+    if (const auto written = write_file(file.path, file.bytes); !written) return written;
+  }
+  return {};
 }
 
 // Why the places must not be relied on; nothing where they may.
@@ -379,8 +235,8 @@ std::optional<std::string> reason_not_to_write(const AsBuiltSurvey& found,
   return std::nullopt;
 }
 
-Result<int> run(const Options& options) {
-  const Result<Input> input = load(options);
+Result<int> run(const AdjustOptions& options) {
+  const Result<AdjustInput> input = load_adjust_input(options);
   if (!input) return fail(input.error().message);
   const Result<std::vector<SightedTag>> sighted = sighted_tags(*input, options.jobs);
   if (!sighted) return fail(sighted.error().message);
@@ -393,23 +249,25 @@ Result<int> run(const Options& options) {
       adjust_as_built(input->survey, input->setup.rig, *sighted, input->control);
   if (!found) return fail(options.survey + ": " + found.error().message);
   options.json ? print_json(input->survey, *found) : print_words(input->survey, *found);
+  if (const auto drawn = write_drawing(options, input->survey, *found); !drawn) {
+    return fail(drawn.error().message);
+  }
   if (const auto reason = reason_not_to_write(*found, input->control)) {
-    const std::string what = options.output.empty() ? "do not rely on these places"
-                                                    : options.output + " was not written";
+    const std::string& file = options.output.empty() ? options.diff : options.output;
+    const std::string what =
+        file.empty() ? "do not rely on these places" : file + " was not written";
     to_stderr("{}: {}: {}\n", kName, what, *reason);
     return kExitFindings;
   }
-  if (!options.output.empty()) {
-    const auto written = write_survey(options, input->survey, *found);
-    if (!written) return fail(written.error().message);
-  }
+  const auto written = write_survey(options, input->survey, *found);
+  if (!written) return fail(written.error().message);
   return count_of(*found, AsBuiltStatus::undetermined) > 0 ? kExitFindings : kExitOk;
 }
 
 }  // namespace
 
 Command adjust_command() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AdjustOptions>();
   Command command{
       .name = kName,
       .summary = "Find where every tag hangs, by all photos of a drive and some control tags",
@@ -428,6 +286,11 @@ Command adjust_command() {
                    .by_commas = true},
                   file_option("-o,--output", &options->output,
                               "Survey to write, with the places found and all comments"),
+                  file_option("--diff", &options->diff,
+                              "Changes to the survey to write, as `patch` takes them"),
+                  file_option("--drawing", &options->drawing,
+                              "Plan to write of how far each tag hangs from its surveyed place: "
+                              "FILE.pdf, FILE.svg or FILE.png"),
                   {.names = "--date",
                    .target = &options->date,
                    .help = "Day of the photos, written with the places (default: today)",

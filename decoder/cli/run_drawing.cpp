@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,8 +11,8 @@
 
 #include <fmt/core.h>
 
+#include "decoder/cli/magnified.hpp"
 #include "decoder/paper/published.hpp"
-#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 
 namespace tagsmith::detail {
@@ -22,10 +21,6 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// 95 % of a normal distribution in the plane lie within this many standard deviations: the square
-// root of -2 ln 0.05.
-const double kEllipse95 = std::sqrt(-2 * std::log(0.05));
 
 // A fix and its truth in the world, seen from above.
 struct Mark {
@@ -65,16 +60,6 @@ std::vector<Mark> marks_of(const Survey& survey, const Run& run, const std::vect
   return marks;
 }
 
-// 1, 2 or 5 times a power of ten, the largest not above `value`; at least 1.
-double round_factor(double value) {
-  if (!(value > 1)) return 1;
-  const double power = std::pow(10, std::floor(std::log10(value)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * power <= value) return step * power;
-  }
-  return power;
-}
-
 // By how much errors are drawn magnified, so that nine of ten stay within a fifth of the tunnel.
 double magnification(const Survey& survey, const std::vector<Mark>& marks) {
   std::vector<double> sizes;
@@ -85,26 +70,10 @@ double magnification(const Survey& survey, const std::vector<Mark>& marks) {
     }
     if (mark.fix) sizes.push_back(size);
   }
-  if (sizes.empty()) return 1;
-  const auto ninth = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 9 / 10);
-  std::ranges::nth_element(sizes, ninth);
-  constexpr double kMost = 1000;
-  return *ninth > 0 ? std::min(kMost, round_factor(least_width(survey.tunnel) / 5 / *ninth)) : 1;
+  return magnification_for(survey.tunnel, std::move(sizes));
 }
 
 // --- plan ---
-
-Ellipse ellipse_of(const Vector2d& centre, const Matrix2d& covariance, double factor) {
-  const PrincipalAxes axes = principal_axes(covariance);
-  const Vector2d sigmas = axes.values.cwiseMax(0).cwiseSqrt();
-  const Vector2d first = axes.vectors.col(0);
-  Ellipse ellipse;
-  ellipse.at = centre;
-  ellipse.semi_axes = factor * kEllipse95 * sigmas;
-  ellipse.angle = std::atan2(first.y(), first.x());
-  ellipse.line = {colours::kBlue, kNarrow, {}};
-  return ellipse;
-}
 
 constexpr std::size_t kMostNames = 60;  // on one strip; more would run into each other
 
@@ -117,7 +86,7 @@ void add_mark(Sketch& sketch, const PlanStrip& strip, const Mark& mark, double f
     const Vector2d shown = origin + factor * (in_view(*mark.fix) - origin);
     if (mark.covariance) {
       const Matrix2d covariance = turn * *mark.covariance * turn.transpose();
-      sketch.layer("ellipses").add(ellipse_of(shown, covariance, factor));
+      sketch.layer("ellipses").add(ellipse95(shown, covariance, factor));
     }
     if (mark.truth) {
       sketch.layer("errors").add(Arrow{origin, shown, {colours::kRed, kNarrow, {}}, 0.0015});

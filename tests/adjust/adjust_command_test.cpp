@@ -86,6 +86,22 @@ TEST_CASE("a run puts a tag in its place, in a survey that keeps its comments") 
   CHECK(std::abs(tag.p_in_grid.z() - 0.4) < 3 * tag.sigma + 0.001);
 }
 
+TEST_CASE("the changes alone make the survey that is written, and a drawing shows them") {
+  const MovedCorridor corridor;
+  const std::string diff = corridor.output + ".diff", drawing = corridor.output + ".svg";
+  const std::string as_surveyed = contents(corridor.survey);
+  corridor.run(kRun + " --json --date 2026-03-31 -o " + corridor.output + " --diff " + diff +
+               " --drawing " + drawing);
+  if (has_program("patch")) {
+    CHECK(run_shell("patch -s " + corridor.survey + " " + diff).exit_code == 0);
+    CHECK(contents(corridor.survey) == contents(corridor.output));
+  }
+  CHECK(contents(corridor.survey) != as_surveyed);
+  const std::string svg = contents(drawing);
+  CHECK(has(svg, "id=\"moved\""));
+  CHECK((has(svg, ">-30.") || has(svg, ">-29.")));  // 002L, millimetres below its surveyed place
+}
+
 TEST_CASE("lines of verify take the place of the photos") {
   const MovedCorridor corridor;
   const ProgramOutput by_photos = corridor.run(kRun + " --json");

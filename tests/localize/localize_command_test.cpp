@@ -436,7 +436,7 @@ TEST_CASE("live measurements set a tag aside once those before show where it han
   CHECK(lines[1].at("status") == "no_position");
   CHECK(lines[2].at("status") == "ok");
   CHECK(std::ranges::find(lines[2].at("tags"), "001R") == lines[2].at("tags").end());
-  for (const std::size_t later : {3, 4, 5}) {
+  for (const std::size_t later : {3U, 4U, 5U}) {
     CHECK(lines[later].at("status") == "ok");
     const auto says_it = [](const json& note) {
       return note.get<std::string>().find("001R hangs") != std::string::npos;

@@ -242,7 +242,7 @@ TEST_CASE("rows before the first fix and after the last are predicted too") {
   }
   const auto smoothed = smooth_fixes(drive.fixes, drive.run, hall(), level_rig());
   REQUIRE(smoothed.has_value());
-  for (const std::size_t row : {0, 9}) {
+  for (const std::size_t row : {0U, 9U}) {
     REQUIRE((*smoothed)[row].position_in_grid.has_value());
     CHECK((*smoothed)[row].predicted);
     CHECK(std::abs((*smoothed)[row].position_in_grid->y() - 0.1 * static_cast<double>(row)) < 0.01);

@@ -64,7 +64,7 @@ TEST_CASE("the number of a symbol leaves its corners' letters alone") {
     const GrayImage a = drawn_as(1, one.corners);
     const GrayImage b = drawn_as(2, one.corners);
     CHECK(a.samples != b.samples);
-    for (const std::size_t named : {0, 1, 3}) {
+    for (const std::size_t named : {0U, 1U, 3U}) {
       CHECK(differing_at_letter(a, b, one.corners[named]) == 0);
     }
   }

@@ -51,7 +51,7 @@ TEST_CASE("the bars tell which corners may be P") {
 
 TEST_CASE("a frame's symbol is the same from whichever corner the frame begins") {
   const DrawnSymbol symbol(kDigits, 3);
-  for (const std::size_t turn : {0, 1, 2, 3}) {
+  for (const std::size_t turn : {0U, 1U, 2U, 3U}) {
     CAPTURE(turn);
     const RefinedFrame frame = turned_by(symbol.frame(), turn);
     const auto found = quick_hypothesis(symbol.image.view(), frame, {});

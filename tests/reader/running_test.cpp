@@ -22,8 +22,8 @@ std::vector<float> random_line(std::size_t size) {
 }  // namespace
 
 TEST_CASE("a sliding window shows what each window alone shows") {
-  for (const std::size_t size : {1, 2, 7, 40, 91, 333}) {
-    for (const std::size_t window : {0, 1, 3, 15, 45, 400}) {
+  for (const std::size_t size : {1U, 2U, 7U, 40U, 91U, 333U}) {
+    for (const std::size_t window : {0U, 1U, 3U, 15U, 45U, 400U}) {
       CAPTURE(size);
       CAPTURE(window);
       const std::vector<float> line = random_line(size);
