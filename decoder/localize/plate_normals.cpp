@@ -57,6 +57,7 @@ void PlateNormals::add(const std::vector<std::size_t>& plates, const MatrixXd& i
   const std::vector<Index> columns = columns_of(plates);
   for (std::size_t i = 0; i < columns.size(); ++i) {
     gradient_[columns[i]] += gradient[static_cast<Index>(i)];
+    if (by_shared_.cols() == 0) continue;  // Eigen would count rows from no address
     by_shared_.row(columns[i]) += information.row(static_cast<Index>(i)).tail(by_shared_.cols());
   }
   for (std::size_t i = 0; i < plates.size(); ++i) {
