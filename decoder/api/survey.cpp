@@ -83,7 +83,7 @@ void check_tags(const detail::Survey& survey, const std::vector<detail::SourcedT
   detail::FindingLog log("survey " + survey.name);
   check_code_range(survey, tags, {}, log);
   check_codes(survey, tags, {}, log);
-  check_walls(survey, tags, log);
+  check_walls(survey, tags, {}, log);
   if (log.has_errors()) throw_invalid(to_string(log.sorted(), true));
 }
 

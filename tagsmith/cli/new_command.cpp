@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,11 +16,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
 #include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/survey/check_points.hpp"
 #include "tagsmith/survey/draft_survey.hpp"
 #include "tagsmith/survey/fit_tunnel.hpp"
 #include "tagsmith/survey/point_list.hpp"
@@ -41,6 +44,12 @@ struct NewOptions {
   double tolerance_mm = 30;
   std::optional<double> mount_height;
   std::optional<double> tunnel_height;
+  // The layout to propose, where no plate hangs.
+  std::optional<double> height;
+  std::optional<double> spacing;
+  std::optional<double> first;
+  std::optional<double> to;
+  bool split = false;
   bool json = false;
 };
 
@@ -69,20 +78,30 @@ Result<void> check_name(const NewOptions& options) {
   return {};
 }
 
-Result<void> write_files(const NewOptions& options, const std::string& survey,
-                         const std::optional<std::string>& rig) {
+struct NamedText {
+  std::string name;
+  std::string text;
+};
+
+Result<void> write_files(const NewOptions& options, const std::vector<NamedText>& texts) {
+  for (const NamedText& file : texts) {
+    const fs::path path = fs::path(options.name) / file.name;
+    std::error_code ignored;
+    if (fs::exists(path, ignored)) return fail(path.string() + ": is there already");
+  }
   Result<StagedFiles> files = StagedFiles::begin(options.name);
   if (!files) return fail(files.error().message);
-  if (auto added = files->add("survey.yaml", survey); !added) return added;
-  if (rig) {
-    if (auto added = files->add("rig.yaml", *rig); !added) return added;
+  for (const NamedText& file : texts) {
+    if (auto added = files->add(file.name, file.text); !added) return added;
   }
   return files->publish();
 }
 
 Result<void> write_to_edit(const NewOptions& options) {
   const std::string name = survey_name(options);
-  if (auto written = write_files(options, survey_to_edit(name), rig_to_edit(name)); !written) {
+  if (auto written = write_files(
+          options, {{"survey.yaml", survey_to_edit(name)}, {"rig.yaml", rig_to_edit(name)}});
+      !written) {
     return written;
   }
   const fs::path folder = options.name;
@@ -101,43 +120,123 @@ Result<TagTemplate> named_template(const std::string& name, const fs::path& fold
   return *reading->tag;
 }
 
-Result<SurveyDraft> make_draft(const NewOptions& options) {
+TunnelFitOptions fit_options(const NewOptions& options) {
+  TunnelFitOptions fit;
+  fit.tolerance = options.tolerance_mm / 1000;
+  fit.mount_height = options.mount_height;
+  fit.roof_height = options.tunnel_height;
+  fit.measured_walls = options.walls == "measured";
+  return fit;
+}
+
+// A layout is proposed exactly where no plate hangs.
+Result<void> check_layout(const NewOptions& options, const PointList& list) {
+  const bool has_tags = std::ranges::any_of(list.points, is_tag);
+  const bool wished = options.height || options.spacing || options.first || options.to;
+  if (has_tags && wished) {
+    return fail(options.points +
+                ": the list has tags that hang: leave --height, --spacing, --first and --to out");
+  }
+  if (has_tags || (options.height && options.spacing)) return {};
+  return fail(options.points +
+              ": the list has no tags (TL, TR or names as 000L): for a layout that is to hang, "
+              "give --height M of P above the floor and the gap --spacing M, and if you like "
+              "--first M and --to M");
+}
+
+// What is wrong with single points is said before a fit that would only suffer from it.
+Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>& warnings) {
   Result<PointListReading> reading = read_point_list(options.points, options.list);
   if (!reading) return tl::unexpected(reading.error());
   if (!reading->list) return fail(to_string(reading->diagnostics, true));
+  warnings = reading->diagnostics;
   PointList& list = *reading->list;
-  SurveyDraft draft;
+  FindingLog log(options.points);
+  check_exchanged(list.points, log);
+  if (log.has_errors()) return fail(to_string(log.sorted(), true));
+  if (auto layout = check_layout(options, list); !layout) return fail(layout.error().message);
+  return std::move(list);
+}
+
+// Tags get names, or are proposed, and a code.
+Result<void> complete_tags(const NewOptions& options, const std::optional<ListedSurvey>& listed,
+                           SurveyDraft& draft) {
+  if (options.height) {
+    Result<TagSeries> series =
+        propose_series(draft.fit.tunnel, draft.tag,
+                       {*options.height, *options.spacing, options.first, options.to});
+    if (!series) return fail(series.error().message);
+    draft.series = *series;
+  }
+  number_tags(draft.points, draft.fit);
+  draft.code.check = *parse_check_digit(options.check_digit);
+  if (options.split) return {};
+  Result<PositionCode> code =
+      listed ? listed->code : code_for(tag_positions(draft), draft.code.check);
+  if (!code) return fail(code.error().message);
+  draft.code = *code;
+  return {};
+}
+
+struct Drafted {
+  SurveyDraft whole;
+  std::vector<DraftPart> parts;  // what is written, one at least
+  std::vector<Diagnostic> warnings;
+};
+
+Result<Drafted> make_draft(const NewOptions& options) {
+  Drafted drafted;
+  Result<PointList> list = read_points(options, drafted.warnings);
+  if (!list) return tl::unexpected(list.error());
+  SurveyDraft& draft = drafted.whole;
   draft.name = survey_name(options);
   draft.source = fs::path(options.points).filename().string();
-  draft.template_name = list.survey ? list.survey->tag_template : options.template_name;
-  draft.grid = list.survey ? list.survey->grid : Grid{options.x_axis == "left"};
+  draft.template_name = list->survey ? list->survey->tag_template : options.template_name;
+  draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
   const auto tag = named_template(draft.template_name, options.name);
   if (!tag) return tl::unexpected(tag.error());
-  TunnelFitOptions fit_options;
-  fit_options.tolerance = options.tolerance_mm / 1000;
-  fit_options.mount_height = options.mount_height;
-  fit_options.roof_height = options.tunnel_height;
-  fit_options.measured_walls = options.walls == "measured";
   draft.tag = *tag;
-  Result<TunnelFit> fit = fit_tunnel(list.points, draft.grid, *tag, fit_options);
+  Result<TunnelFit> fit = fit_tunnel(list->points, draft.grid, *tag, fit_options(options));
   if (!fit) return fail(options.points + ": " + fit.error().message);
   draft.fit = std::move(*fit);
-  draft.points = std::move(list.points);
-  number_tags(draft.points, draft.fit);
-  const Result<PositionCode> code =
-      list.survey ? list.survey->code
-                  : code_for(draft.points, *parse_check_digit(options.check_digit));
-  if (!code) return fail(options.points + ": " + code.error().message);
-  draft.code = *code;
-  return draft;
+  draft.points = std::move(list->points);
+  FindingLog log(options.points);
+  if (!list->survey) check_heights(draft.points, draft.fit, log);
+  std::ranges::move(log.sorted(), std::back_inserter(drafted.warnings));
+  if (auto tags = complete_tags(options, list->survey, draft); !tags) {
+    return fail(options.points + ": " + tags.error().message);
+  }
+  Result<std::vector<DraftPart>> parts =
+      options.split ? split_draft(draft)
+                    : std::vector{DraftPart{draft, 0, draft.fit.tunnel.centerline.length()}};
+  if (!parts) return fail(options.points + ": " + parts.error().message);
+  drafted.parts = std::move(*parts);
+  return drafted;
 }
 
 std::string point_name(const SurveyedPoint& point) {
   return point.tag ? tag_name(point.tag->pair, point.tag->side) : point.name;
 }
 
-void print_json(const SurveyDraft& draft) {
+// survey.yaml, or survey-1.yaml and so on.
+std::string file_name(const Drafted& drafted, std::size_t part) {
+  return drafted.parts.size() == 1 ? "survey.yaml" : "survey-" + std::to_string(part + 1) + ".yaml";
+}
+
+nlohmann::ordered_json part_json(const NewOptions& options, const Drafted& drafted,
+                                 std::size_t index) {
+  const DraftPart& part = drafted.parts[index];
+  return {{"file", (fs::path(options.name) / file_name(drafted, index)).string()},
+          {"survey", part.draft.name},
+          {"from", std::round(part.from * 1e6) / 1e6},
+          {"to", std::round(part.to * 1e6) / 1e6},
+          {"tags", tag_positions(part.draft).size()},
+          {"resolution", part.draft.code.resolution[0]}};
+}
+
+void print_json(const NewOptions& options, const Drafted& drafted) {
   using Json = nlohmann::ordered_json;
+  const SurveyDraft& draft = drafted.whole;
   const auto length = [](const std::optional<double>& value) {
     return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);
   };
@@ -152,6 +251,10 @@ void print_json(const SurveyDraft& draft) {
                                  {"up", length(residual.up)}}));
   }
   const Tunnel& tunnel = draft.fit.tunnel;
+  Json parts = Json::array();
+  for (std::size_t i = 0; i < drafted.parts.size(); ++i) {
+    parts.push_back(part_json(options, drafted, i));
+  }
   to_stdout("{}\n", json_text({{"summary",
                                 {{"points", draft.points.size()},
                                  {"width", length(width_at(tunnel, 0))},
@@ -161,7 +264,8 @@ void print_json(const SurveyDraft& draft) {
                                  {"length", length(tunnel.centerline.length())},
                                  {"elements", tunnel.centerline.elements().size()},
                                  {"rms_across", length(draft.fit.rms_across)},
-                                 {"rms_up", length(draft.fit.rms_up)}}}}));
+                                 {"rms_up", length(draft.fit.rms_up)},
+                                 {"surveys", parts}}}}));
 }
 
 void print_table(const SurveyDraft& draft) {
@@ -190,12 +294,31 @@ void print_table(const SurveyDraft& draft) {
             draft.fit.rms_up * 1000);
 }
 
+void print_parts(const Drafted& drafted) {
+  if (drafted.parts.size() == 1) return;
+  for (const DraftPart& part : drafted.parts) {
+    to_stdout("{}: chainage {:.3f} to {:.3f} m, {} tags\n", part.draft.name, part.from, part.to,
+              tag_positions(part.draft).size());
+  }
+}
+
+// A code too coarse for what is surveyed is said, not only chosen.
+void report_resolution(const SurveyDraft& draft) {
+  constexpr double kUsual = 0.01;
+  const double resolution = draft.code.resolution[0];
+  if (resolution <= kUsual) return;
+  to_stderr(
+      "the tags lie so far apart that eleven digits say their positions to {} m only; --split "
+      "makes several surveys with codes of {} m\n",
+      format_number(resolution), format_number(kUsual));
+}
+
 // What validate says of the file that was written: findings, then how many. Exit code.
-Result<int> report_draft(const NewOptions& options) {
-  const std::string file = (fs::path(options.name) / "survey.yaml").string();
+Result<int> report_draft(const NewOptions& options, const std::string& name,
+                         FindingPrinter& printer) {
+  const std::string file = (fs::path(options.name) / name).string();
   const Result<SurveyReading> reading = read_survey(file);
   if (!reading) return tl::unexpected(reading.error());
-  FindingPrinter printer;
   for (const Diagnostic& finding : reading->diagnostics) {
     to_stderr("{}", Lines{printer.text_of(finding)});
   }
@@ -208,15 +331,45 @@ Result<int> report_draft(const NewOptions& options) {
   return errors > 0 ? kExitFindings : kExitOk;
 }
 
-Result<int> write_draft(const NewOptions& options) {
-  const Result<SurveyDraft> draft = make_draft(options);
-  if (!draft) return fail(draft.error().message);
-  if (auto written = write_files(options, draft_survey(*draft), std::nullopt); !written) {
-    return fail(written.error().message);
+// A layout that nobody hung yet is proposed whole or not at all.
+Result<void> check_proposal(const NewOptions& options, const std::string& text) {
+  const SurveyReading reading = read_survey_text(fs::path(options.name) / "survey.yaml", text);
+  std::string faults;
+  for (const Diagnostic& finding : reading.diagnostics) {
+    if (finding.severity != Severity::error) continue;
+    faults += "\n" + finding.message + " [" + finding.code + "]";
   }
-  options.json ? print_json(*draft) : print_table(*draft);
+  if (faults.empty()) return {};
+  return fail(options.points +
+              ": the layout of --height, --spacing, --first and --to does not fit:" + faults);
+}
+
+Result<int> write_draft(const NewOptions& options) {
+  const Result<Drafted> drafted = make_draft(options);
+  if (!drafted) return fail(drafted.error().message);
+  std::vector<NamedText> files;
+  for (std::size_t i = 0; i < drafted->parts.size(); ++i) {
+    files.push_back({file_name(*drafted, i), draft_survey(drafted->parts[i].draft)});
+    if (auto fits = check_proposal(options, files.back().text); options.height && !fits) {
+      return fail(fits.error().message);
+    }
+  }
+  if (auto written = write_files(options, files); !written) return fail(written.error().message);
+  FindingPrinter printer;
+  for (const Diagnostic& warning : drafted->warnings) {
+    to_stderr("{}", Lines{printer.text_of(warning)});
+  }
+  options.json ? print_json(options, *drafted) : print_table(drafted->whole);
+  if (!options.json) print_parts(*drafted);
   std::fflush(stdout);  // residuals before findings
-  return report_draft(options);
+  report_resolution(drafted->parts.front().draft);
+  int worst = kExitOk;
+  for (const NamedText& file : files) {
+    const Result<int> code = report_draft(options, file.name, printer);
+    if (!code) return fail(code.error().message);
+    worst = std::max(worst, *code);
+  }
+  return worst;
 }
 
 Result<int> run_new(const NewOptions& options) {
@@ -282,8 +435,35 @@ std::vector<CommandOption> draft_options(NewOptions& options) {
        .help = "parallel (default): one width for all; measured: walls and roof run through "
                "their points, the center line through CL",
        .choices = {"parallel", "measured"}},
+      {.names = "--height",
+       .target = &options.height,
+       .help = "For lists without tags: propose a layout with P so many metres above the floor",
+       .placeholder = "M",
+       .least = 0,
+       .greatest = 100,
+       .needs = {"--spacing"}},
+      {.names = "--spacing",
+       .target = &options.spacing,
+       .help = "Of the layout: metres of clear gap between neighbouring plates of one wall",
+       .placeholder = "M",
+       .least = 0.001,
+       .greatest = 100'000,
+       .needs = {"--height"}},
+      {.names = "--first",
+       .target = &options.first,
+       .help = "Of the layout: chainage of the first left P (default: where the points begin)",
+       .placeholder = "M",
+       .needs = {"--height"}},
+      {.names = "--to",
+       .target = &options.to,
+       .help = "Of the layout: chainage up to which a left P may lie (default: where they end)",
+       .placeholder = "M",
+       .needs = {"--height"}},
+      {.names = "--split",
+       .target = &options.split,
+       .help = "Write several surveys where one code cannot say all positions to a centimetre"},
       json_flag(options.json, "One JSON object a point, then a summary")};
-  for (CommandOption& option : draft) option.needs = {"--from"};
+  for (CommandOption& option : draft) option.needs.emplace_back("--from");
   return draft;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "tagsmith/base/text.hpp"
@@ -72,7 +73,16 @@ class SeriesFindings {
 
   void log_all(Place place, const std::string& code, const std::string& hint, FindingLog& log,
                Severity severity = Severity::error) const {
+    log_all([&](const std::string&) { return place; }, code, hint, log, severity);
+  }
+
+  // `place_of`: the place for a kind.
+  template <class PlaceOf>
+  requires std::is_invocable_r_v<Place, PlaceOf, const std::string&>
+  void log_all(PlaceOf place_of, const std::string& code, const std::string& hint, FindingLog& log,
+               Severity severity = Severity::error) const {
     for (const auto& [kind, group] : groups_) {
+      const Place place = place_of(kind);
       std::string message = group.message;
       if (group.count > 1) {
         message += "; " + std::to_string(group.count) + " tags in all, the last is " + group.last;
@@ -345,7 +355,8 @@ void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Plac
   }
 }
 
-void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, FindingLog& log) {
+void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
+                 const SeriesPlaces& series, FindingLog& log) {
   const Rectangle plate = draw_tag(survey.tag_template, Digits{}).plate;
   const char* kStepHint = "move the tag off the step, or give it a support that bridges it";
   SeriesFindings sticking_out;
@@ -376,12 +387,17 @@ void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, Find
     }
     if (!stands_free) walls[entry.tag.side == Side::left ? 0 : 1].push_back({extent, &entry});
   }
-  sticking_out.log_all(series_place, "outside-tunnel",
+  const auto known = [&](Place place) { return place.line > 0 ? place : series_place; };
+  const auto place_of = [&](const std::string& kind) {
+    if (kind == "before") return known(series.first);
+    return known(kind == "beyond" ? series.count : series.height);
+  };
+  sticking_out.log_all(place_of, "outside-tunnel",
                        "fewer pairs, another first or height, or a longer or higher tunnel", log);
   over_steps.log_all(series_place, "wall-step", kStepHint, log, Severity::warning);
   SeriesFindings overlaps;
   for (std::vector<WallPlate>& wall : walls) check_overlaps(std::move(wall), overlaps, log);
-  overlaps.log_all(series_place, "overlap", "a wider spacing", log);
+  overlaps.log_all(known(series.spacing), "overlap", "a wider spacing", log);
 }
 
 }  // namespace tagsmith::detail

@@ -27,8 +27,18 @@ void check_code_range(const Survey& survey, const std::vector<SourcedTag>& tags,
 void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
                  FindingLog& log);
 
+// The keys that say where regular tags hang, where the survey file has them; others have line 0.
+struct SeriesPlaces {
+  Place height;
+  Place spacing;
+  Place first;
+  Place count;  // pairs, or to
+};
+
 // Plates that stick out of the tunnel, hang off their wall, or overlap on one wall. Takes
-// O(n log n) time for n tags.
-void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags, FindingLog& log);
+// O(n log n) time for n tags. Findings about regular tags stand at the key to change, if the file
+// has it.
+void check_walls(const Survey& survey, const std::vector<SourcedTag>& tags,
+                 const SeriesPlaces& series, FindingLog& log);
 
 }  // namespace tagsmith::detail

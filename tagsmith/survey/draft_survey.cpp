@@ -4,24 +4,23 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 constexpr int kPayloadDigits = kDigitCount - 1;
-
-bool is_tag(const SurveyedPoint& point) {
-  return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;
-}
 
 Side side_of(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag ? Side::left : Side::right;
@@ -97,11 +96,27 @@ std::string tunnel_text(const SurveyDraft& draft) {
   return text;
 }
 
-// The plate, and how well the points fit a tunnel of one width; walls that run through their points
-// do not tell.
+// Plates that are to hang.
+std::string series_text(const TagSeries& series) {
+  return fmt::format(
+      "  height: {}   # of P above the floor\n"
+      "  spacing: {}\n"
+      "  first: {}   # chainage of the first left P\n"
+      "  pairs: {}\n",
+      format_number(series.mount_height), format_number(series.spacing),
+      format_number(series.first), series.pairs);
+}
+
+// The plate, and how well the points fit a tunnel of one width. Walls that run through their
+// points, or are rougher than any survey, do not tell, nor is anything known of plates to come.
 std::string tags_text(const SurveyDraft& draft) {
+  constexpr double kRoughest = 0.03;
   const Tunnel& tunnel = draft.fit.tunnel;
-  if (!tunnel.left.is_constant() || !tunnel.right.is_constant()) {
+  if (draft.series) {
+    return "tags:\n  template: " + draft.template_name + "\n" + series_text(*draft.series);
+  }
+  if (!tunnel.left.is_constant() || !tunnel.right.is_constant() ||
+      draft.fit.rms_across > kRoughest) {
     return "tags: { template: " + draft.template_name + " }\n";
   }
   const auto points = std::ranges::count_if(draft.fit.residuals, [](const PointResidual& residual) {
@@ -149,6 +164,146 @@ std::string placed_text(const SurveyDraft& draft, const SurveyedPoint& point) {
 // Digits that `extent` metres take.
 int digits_for(double extent, double resolution) {
   return std::max(1, static_cast<int>(std::ceil(std::log10(extent / resolution + 2))));
+}
+
+// The tags of one pair that a draft has, one or two.
+struct PairOfTags {
+  int pair = 0;
+  double first = 0;  // chainages of its tags
+  double last = 0;
+  std::vector<Eigen::Vector3d> positions;
+};
+
+std::vector<PairOfTags> pairs_of(const SurveyDraft& draft) {
+  std::map<int, PairOfTags> pairs;
+  const auto add = [&](int pair, double chainage, const Eigen::Vector3d& p_in_grid) {
+    PairOfTags& tags = pairs.emplace(pair, PairOfTags{pair, chainage, chainage, {}}).first->second;
+    tags.first = std::min(tags.first, chainage);
+    tags.last = std::max(tags.last, chainage);
+    tags.positions.push_back(p_in_grid);
+  };
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    const SurveyedPoint& point = draft.points[i];
+    if (is_tag(point)) add(point.tag->pair, draft.fit.residuals[i].chainage, point.in_grid);
+  }
+  if (draft.series) {
+    Survey survey;
+    survey.grid = draft.grid;
+    survey.tunnel = draft.fit.tunnel;
+    survey.tag_template = draft.tag;
+    survey.series = draft.series;
+    for (int pair = 0; pair < draft.series->pairs; ++pair) {
+      for (const Side side : {Side::left, Side::right}) {
+        const PlacedTag tag = place_in_series(survey, pair, side);
+        add(pair, tag.chainage, tag.p_in_grid);
+      }
+    }
+  }
+  std::vector<PairOfTags> result;
+  for (auto& [number, pair] : pairs) result.push_back(std::move(pair));
+  return result;
+}
+
+// ---- Parts of a draft.
+
+constexpr double kFinestResolution = 0.01;  // metres
+
+std::vector<Eigen::Vector3d> positions_of(std::span<const PairOfTags> pairs) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const PairOfTags& pair : pairs) {
+    positions.insert(positions.end(), pair.positions.begin(), pair.positions.end());
+  }
+  return positions;
+}
+
+// One beyond the last pair that a code of the finest resolution reaches from `begin` on.
+std::size_t end_of_part(const std::vector<PairOfTags>& pairs, std::size_t begin, CheckDigit check) {
+  std::vector<Eigen::Vector3d> corners;  // of the box around the pairs so far
+  std::size_t end = begin;
+  for (; end < pairs.size(); ++end) {
+    std::vector<Eigen::Vector3d> tried = corners;
+    tried.insert(tried.end(), pairs[end].positions.begin(), pairs[end].positions.end());
+    const Result<PositionCode> code = code_for(tried, check);
+    if (!code || code->resolution[0] > kFinestResolution) break;
+    Eigen::Vector3d low = tried.front();
+    Eigen::Vector3d high = low;
+    for (const Eigen::Vector3d& p : tried) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    corners = {low, high};
+  }
+  return end;
+}
+
+// A code for the pairs with which none of them has digits that are taken; then theirs are.
+PositionCode untaken_code(std::span<const PairOfTags> pairs, CheckDigit check,
+                          std::set<Digits>& taken) {
+  constexpr int kMostShifts = 9;  // metres: stays within the digits that reach below a range
+  const std::vector<Eigen::Vector3d> positions = positions_of(pairs);
+  const PositionCode usual = *code_for(positions, check);
+  PositionCode code = usual;
+  for (int shift = 0; shift <= kMostShifts; ++shift, code.origin[0] -= 1) {
+    std::set<Digits> digits;
+    const bool is_free = std::ranges::all_of(positions, [&](const Eigen::Vector3d& p) {
+      const auto encoded = encode_position(code, {p.x(), p.y(), p.z()});
+      if (encoded) digits.insert(encoded->digits);
+      return encoded && !taken.contains(encoded->digits);
+    });
+    if (!is_free) continue;
+    taken.merge(digits);
+    return code;
+  }
+  return usual;
+}
+
+ChainageProfile profile_between(const ChainageProfile& profile, double from, double to) {
+  if (profile.is_constant()) return profile;
+  std::vector<ProfileStation> stations{{0, profile.at(from)}};
+  for (const ProfileStation& station : profile.stations()) {
+    if (station.chainage <= from || station.chainage >= to) continue;
+    stations.push_back({station.chainage - from, station.value});
+  }
+  stations.push_back({to - from, profile.before(to)});
+  return ChainageProfile(std::move(stations));
+}
+
+Tunnel tunnel_between(const Tunnel& tunnel, double from, double to) {
+  const CenterlinePoint start = tunnel.centerline.at(from);
+  Tunnel part = tunnel;
+  part.centerline = Centerline(start.position, start.heading,
+                               elements_between(tunnel.centerline.elements(), from, to));
+  part.left = profile_between(tunnel.left, from, to);
+  part.right = profile_between(tunnel.right, from, to);
+  part.height = profile_between(tunnel.height, from, to);
+  return part;
+}
+
+// The draft between two chainages, with these pairs alone.
+SurveyDraft part_between(const SurveyDraft& draft, std::span<const PairOfTags> pairs, double from,
+                         double to) {
+  SurveyDraft part = draft;
+  part.points.clear();
+  part.fit.residuals.clear();
+  part.fit.tunnel = tunnel_between(draft.fit.tunnel, from, to);
+  std::set<int> numbers;
+  for (const PairOfTags& pair : pairs) numbers.insert(pair.pair);
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    const SurveyedPoint& point = draft.points[i];
+    PointResidual residual = draft.fit.residuals[i];
+    const bool inside = is_tag(point) ? numbers.contains(point.tag->pair)
+                                      : residual.chainage >= from && residual.chainage < to;
+    if (!inside) continue;
+    residual.chainage -= from;
+    part.points.push_back(point);
+    part.fit.residuals.push_back(residual);
+  }
+  if (part.series) {
+    const double pitch = draft.tag.plate_length + draft.series->spacing;
+    part.series->first = draft.series->first + *numbers.begin() * pitch - from;
+    part.series->pairs = static_cast<int>(pairs.size());
+  }
+  return part;
 }
 
 }  // namespace
@@ -237,12 +392,40 @@ void number_tags(std::vector<SurveyedPoint>& points, const TunnelFit& fit) {
   }
 }
 
-Result<PositionCode> code_for(const std::vector<SurveyedPoint>& points, CheckDigit check) {
-  Eigen::Vector3d low = points.front().in_grid;
+Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
+                                 const LayoutWish& wish) {
+  constexpr double kStep = 0.1;  // metres: chainages that are easily set out
+  constexpr double kNudge = 1e-9;
+  const double end = tunnel.centerline.length() - tag.plate_length;  // of what is surveyed
+  TagSeries series;
+  series.mount_height = wish.height;
+  series.spacing = wish.spacing;
+  series.first = wish.first.value_or(std::ceil(tag.plate_length / kStep - kNudge) * kStep);
+  const double last = wish.to.value_or(end - tag.plate_length);
+  const double count =
+      std::floor((last - series.first) / (tag.plate_length + wish.spacing) + kNudge);
+  if (count < 0) {
+    return fail(
+        fmt::format("no pair of plates fits between chainage {} and {} m of a tunnel {} m "
+                    "long: other values of --first and --to",
+                    format_number(series.first, 3), format_number(last, 3),
+                    format_number(tunnel.centerline.length(), 3)));
+  }
+  if (count >= kMostTags / 2) return fail("more than a million plates: a wider --spacing");
+  series.pairs = 1 + static_cast<int>(count);
+  return series;
+}
+
+std::vector<Eigen::Vector3d> tag_positions(const SurveyDraft& draft) {
+  return positions_of(pairs_of(draft));
+}
+
+Result<PositionCode> code_for(const std::vector<Eigen::Vector3d>& positions, CheckDigit check) {
+  Eigen::Vector3d low = positions.front();
   Eigen::Vector3d high = low;
-  for (const SurveyedPoint& point : points) {
-    low = low.cwiseMin(point.in_grid);
-    high = high.cwiseMax(point.in_grid);
+  for (const Eigen::Vector3d& p : positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
   }
   PositionCode code;
   code.check = check;
@@ -261,7 +444,40 @@ Result<PositionCode> code_for(const std::vector<SurveyedPoint>& points, CheckDig
     code.origin = {origin.x(), origin.y(), origin.z()};
     return code;
   }
-  return fail("the points lie too far apart for eleven digits: make several surveys of them");
+  const Eigen::Vector3d span = high - low;
+  return fail(
+      fmt::format("the tags lie {:.0f} m, {:.0f} m and {:.0f} m apart along x, y and z, too "
+                  "far for eleven digits: check the farthest, or --split",
+                  span.x(), span.y(), span.z()));
+}
+
+Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft) {
+  std::vector<PairOfTags> pairs = pairs_of(draft);
+  std::ranges::stable_sort(pairs, {}, &PairOfTags::first);
+  const double length = draft.fit.tunnel.centerline.length();
+  const double plate = draft.tag.plate_length;
+  std::vector<DraftPart> parts;
+  std::set<Digits> taken;
+  double from = 0;
+  for (std::size_t begin = 0; begin < pairs.size();) {
+    const std::size_t end = end_of_part(pairs, begin, draft.code.check);
+    if (end == begin)
+      return fail("a pair's tags lie too far apart for one code: check " +
+                  tag_name(pairs[begin].pair, Side::left));
+    const std::span<const PairOfTags> run = std::span(pairs).subspan(begin, end - begin);
+    const double last = std::ranges::max(run, {}, &PairOfTags::last).last;
+    const bool is_last = end == pairs.size();
+    // Halfway to the next tag, or further, so that the whole of each plate hangs in its part.
+    const double border = is_last ? length : (last + pairs[end].first) / 2;
+    const double to = is_last ? length : std::min(length, std::max(border, last + plate));
+    DraftPart part{part_between(draft, run, from, to), from, to};
+    part.draft.name += "-" + std::to_string(parts.size() + 1);
+    part.draft.code = untaken_code(run, draft.code.check, taken);
+    parts.push_back(std::move(part));
+    if (!is_last) from = std::clamp(pairs[end].first - plate, 0.0, border);
+    begin = end;
+  }
+  return parts;
 }
 
 std::string draft_survey(const SurveyDraft& draft) {
@@ -278,7 +494,6 @@ std::string draft_survey(const SurveyDraft& draft) {
   text += fmt::format("code: {{ check_digit: {}, resolution: {}, digits: {}, origin: {} }}\n",
                       to_string(code.check), joined(code.resolution), joined(code.digit_counts),
                       joined(code.origin));
-  text += "placed:   # P as surveyed\n";
   std::vector<const SurveyedPoint*> tags;
   for (const SurveyedPoint& point : draft.points) {
     if (is_tag(point)) tags.push_back(&point);
@@ -286,6 +501,7 @@ std::string draft_survey(const SurveyDraft& draft) {
   std::ranges::sort(tags, {}, [](const SurveyedPoint* point) {
     return std::pair(point->tag->pair, point->tag->side);
   });
+  if (!tags.empty()) text += "placed:   # P as surveyed\n";
   for (const SurveyedPoint* tag : tags) text += placed_text(draft, *tag);
   return text;
 }

@@ -2,8 +2,11 @@
 // Survey and rig files to begin with.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/fit_tunnel.hpp"
@@ -27,15 +30,44 @@ struct SurveyDraft {
   PositionCode code;
   TunnelFit fit;
   std::vector<SurveyedPoint> points;  // their tags become `placed`
+  std::optional<TagSeries> series;    // proposed, where no plate hangs yet
 };
+
+// A layout to propose, metres.
+struct LayoutWish {
+  double height = 0;            // of P above the floor
+  double spacing = 0;           // clear gap between neighbouring plates of one wall
+  std::optional<double> first;  // chainage of the first left P
+  std::optional<double> to;     // chainage up to which a left P may lie
+};
+
+// As many regular pairs as there is room for; without `first` and `to` from where the surveyed
+// walls begin to where they end. Fails when not one pair fits.
+Result<TagSeries> propose_series(const Tunnel& tunnel, const TagTemplate& tag,
+                                 const LayoutWish& wish);
 
 // The tags among the points that have no name, numbered on each wall in the order of their
 // chainages, from the first free pair on.
 void number_tags(std::vector<SurveyedPoint>& points, const TunnelFit& fit);
 
-// A code for these positions: centimetres (or the next coarser of 2, 5, 10 ... where eleven digits
-// do not reach), from a whole metre below them.
-Result<PositionCode> code_for(const std::vector<SurveyedPoint>& points, CheckDigit check);
+// P of every tag of the draft, in the grid: surveyed ones, then those of the series.
+std::vector<Eigen::Vector3d> tag_positions(const SurveyDraft& draft);
+
+// A code for these positions (one at least): centimetres (or the next coarser of 2, 5, 10 ... where
+// eleven digits do not reach), from a whole metre below them.
+Result<PositionCode> code_for(const std::vector<Eigen::Vector3d>& positions, CheckDigit check);
+
+// A part of a draft that was split.
+struct DraftPart {
+  SurveyDraft draft;  // its chainages begin anew
+  double from = 0;    // chainages of the whole
+  double to = 0;
+};
+
+// The draft in as few parts along the drive as have codes of one centimetre, named NAME-1, NAME-2
+// and so on; pairs stay together, and no two tags of all parts have one code. Surveyed tags keep
+// their names; a series begins anew in each part. Fails when one pair alone spans too much.
+Result<std::vector<DraftPart>> split_draft(const SurveyDraft& draft);
 
 // The survey file of a draft. Positions of P are those of the list, to the micrometre.
 std::string draft_survey(const SurveyDraft& draft);

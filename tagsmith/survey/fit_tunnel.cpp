@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/QR>
@@ -12,6 +13,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
+#include "tagsmith/survey/neighbour_heights.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -19,8 +21,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-bool is_tag(PointKind kind) { return kind == PointKind::left_tag || kind == PointKind::right_tag; }
 
 // -1 left, 1 right, 0 middle; nothing for points that are anywhere across.
 std::optional<int> side_of(PointKind kind) {
@@ -44,23 +44,22 @@ std::string point_text(const SurveyedPoint& point) {
 
 // ---- The floor: its height over the chainage.
 
-struct FloorPoint {
-  double chainage = 0;
-  double z = 0;
-  std::size_t index = 0;  // of the point
-};
+double rms(const VectorXd& values) {
+  return values.size() == 0 ? 0
+                            : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
 
-std::vector<FloorPoint> floor_points(const std::vector<SurveyedPoint>& points,
-                                     const std::vector<double>& chainages,
-                                     const std::optional<double>& mount_height) {
-  std::vector<FloorPoint> floor;
+std::vector<HeightStation> floor_points(const std::vector<SurveyedPoint>& points,
+                                        const std::vector<double>& chainages,
+                                        const std::optional<double>& mount_height) {
+  std::vector<HeightStation> floor;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SurveyedPoint& point = points[i];
     const double z = point.in_grid.z();
     const std::optional<double> above = point.height ? point.height : mount_height;
     if (point.kind == PointKind::floor || point.kind == PointKind::centerline) {
       floor.push_back({chainages[i], z, i});
-    } else if (is_tag(point.kind) && above) {
+    } else if (is_tag(point) && above) {
       floor.push_back({chainages[i], z - *above, i});
     }
   }
@@ -88,7 +87,7 @@ VectorXd lengths_before(const std::vector<CenterlineElement>& elements, double c
 }
 
 Floor fit_floor(const std::vector<CenterlineElement>& elements,
-                const std::vector<FloorPoint>& points) {
+                const std::vector<HeightStation>& points) {
   const auto rows = static_cast<Eigen::Index>(points.size());
   const auto grades = static_cast<Eigen::Index>(elements.size());
   constexpr double kSmooth = 1e-6;  // elements without floor points go on as their neighbours do
@@ -96,10 +95,10 @@ Floor fit_floor(const std::vector<CenterlineElement>& elements,
   MatrixXd a = MatrixXd::Zero(rows + grades, 1 + grades);
   VectorXd b = VectorXd::Zero(rows + grades);
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const FloorPoint& point = points[static_cast<std::size_t>(i)];
+    const HeightStation& point = points[static_cast<std::size_t>(i)];
     a(i, 0) = 1;
     a.row(i).tail(grades) = lengths_before(elements, point.chainage).transpose();
-    b[i] = point.z;
+    b[i] = point.height;
   }
   for (Eigen::Index i = 0; i < grades; ++i) {
     a(rows + i, 1 + i) = kSmooth;
@@ -118,10 +117,10 @@ Floor fit_floor(const std::vector<CenterlineElement>& elements,
 // or where a part would have fewer than three floor points: one wrong height is no hump.
 std::optional<std::vector<CenterlineElement>> cut_at(std::vector<CenterlineElement> elements,
                                                      double chainage,
-                                                     const std::vector<FloorPoint>& floor) {
+                                                     const std::vector<HeightStation>& floor) {
   constexpr double kSlack = 1e-6;
   const auto points_within = [&](double from, double to) {
-    return std::ranges::count_if(floor, [&](const FloorPoint& point) {
+    return std::ranges::count_if(floor, [&](const HeightStation& point) {
       return point.chainage > from - kSlack && point.chainage < to + kSlack;
     });
   };
@@ -145,7 +144,7 @@ std::optional<std::vector<CenterlineElement>> cut_at(std::vector<CenterlineEleme
 // Elements are cut where the grade changes, at one of at most 60 chainages of floor points, while
 // the floor is further off than the tolerance.
 Floor fit_grades(const std::vector<CenterlineElement>& elements,
-                 const std::vector<FloorPoint>& points, double tolerance) {
+                 const std::vector<HeightStation>& points, double tolerance) {
   constexpr std::size_t kMostTried = 60;
   Floor floor = fit_floor(elements, points);
   for (int cut = 0; cut < kMostFittedElements; ++cut) {
@@ -164,7 +163,118 @@ Floor fit_grades(const std::vector<CenterlineElement>& elements,
   return floor;
 }
 
+// How far the floor lies below each of the points.
+VectorXd ups_of(const Floor& floor, const std::vector<HeightStation>& points) {
+  const Centerline line({0, 0, floor.start}, 0, floor.elements);
+  VectorXd ups(static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ups[static_cast<Eigen::Index>(i)] = points[i].height - line.at(points[i].chainage).position.z();
+  }
+  return ups;
+}
+
+// The points' places in the order of how far they are off their neighbours, the farthest first.
+std::vector<std::size_t> likely_slips(const std::vector<HeightStation>& points) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return points[i].chainage; });
+  std::vector<HeightStation> sorted;
+  for (const std::size_t i : order) sorted.push_back(points[i]);
+  const std::vector<double> offs = offs_from_neighbours(sorted);
+  std::vector<std::size_t> places(offs.size());
+  std::iota(places.begin(), places.end(), 0U);
+  std::ranges::stable_sort(places, std::greater{},
+                           [&](std::size_t i) { return std::abs(offs[i]); });
+  places.resize(std::min(kMost, places.size()));
+  for (std::size_t& place : places) place = order[place];
+  return places;
+}
+
+// As fit_grades, without one to three points whose absence makes the rest fit three times as well:
+// grades would follow a slip of the staff. The floor's `ups` are those of all points.
+Floor fit_floor_without_slips(const std::vector<CenterlineElement>& elements,
+                              const std::vector<HeightStation>& points, double tolerance) {
+  constexpr int kMostSlips = 3;
+  constexpr double kBetter = 3;
+  constexpr std::size_t kMostPoints = 2'000;  // of more, a few tell too little to try
+  Floor floor = fit_grades(elements, points, tolerance);
+  std::vector<HeightStation> kept = points;
+  for (int slip = 0; slip < kMostSlips && points.size() <= kMostPoints; ++slip) {
+    const bool suspect =
+        floor.elements.size() > elements.size() || floor.ups.cwiseAbs().maxCoeff() > tolerance;
+    if (!suspect) break;
+    std::optional<Floor> best;
+    std::vector<HeightStation> rest;
+    for (const std::size_t i : likely_slips(kept)) {
+      std::vector<HeightStation> tried = kept;
+      tried.erase(tried.begin() + static_cast<std::ptrdiff_t>(i));
+      Floor without = fit_grades(elements, tried, tolerance);
+      const double rms_without = rms(without.ups);
+      if (kBetter * rms_without > rms(floor.ups) || (best && rms_without >= rms(best->ups)))
+        continue;
+      best = std::move(without);
+      rest = std::move(tried);
+    }
+    if (!best) break;
+    floor = std::move(*best);
+    kept = std::move(rest);
+  }
+  floor.ups = ups_of(floor, points);
+  return floor;
+}
+
 // ---- What is said when it does not work.
+
+bool says_offsets(const std::vector<SurveyedPoint>& points) {
+  return std::ranges::all_of(points,
+                             [](const SurveyedPoint& point) { return point.offset.has_value(); });
+}
+
+// Walls of rock that no line keeps to within the tolerance.
+struct Roughness {
+  double rms = 0;
+  double tolerance = 0;  // that takes them, whole centimetres
+};
+
+// The least tolerance, in steps of a third from what the best fit leaves, with which the points fit
+// a tunnel; nothing where even a quarter of its width does not do.
+std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& points, const PlanFit& best,
+                                      double tolerance) {
+  constexpr double kStep = 1.33;
+  constexpr double kOfWidth = 0.25;
+  constexpr double kGreatest = 2;
+  std::vector<double> sizes;
+  for (const double residual : best.residuals) sizes.push_back(std::abs(residual));
+  const double least = std::max(kStep * tolerance, 2 * median(std::move(sizes)));
+  for (double tried = least; tried < kGreatest; tried *= kStep) {
+    const double rounded = std::ceil(100 * tried) / 100;
+    const std::optional<PlanFit> fit = fit_plan(points, rounded, kMostFittedElements);
+    if (!fit || rounded > kOfWidth * fit->width) return std::nullopt;
+    const auto residuals = Eigen::Map<const VectorXd>(
+        fit->residuals.data(), static_cast<Eigen::Index>(fit->residuals.size()));
+    if (residuals.cwiseAbs().maxCoeff() <= rounded) return Roughness{rms(residuals), rounded};
+  }
+  return std::nullopt;
+}
+
+// Plates, whose offsets the list says, are not rough.
+std::string advice_on(const std::vector<PlanPoint>& fitted, const PlanFit& fit, std::size_t off,
+                      double tolerance, bool says_offsets) {
+  if (off * 4 <= fitted.size()) return "\nmeasure these again, or take them out";
+  const auto rough = says_offsets ? std::nullopt : roughness_of(fitted, fit, tolerance);
+  std::string text;
+  if (rough) {
+    text = fmt::format(
+        "\nthe points scatter by {:.0f} mm rms across the best tunnel that takes them all: for "
+        "walls as rough as that, --tolerance {:.0f}; --walls measured then lets the walls run "
+        "through their points",
+        1000 * rough->rms, 1000 * rough->tolerance);
+  }
+  return text +
+         "\nlist the points of each kind along the drive; check their descriptions, the order of "
+         "the columns (--order) and the grid's handedness (--x-axis)";
+}
 
 Error misfit_error(const std::vector<SurveyedPoint>& points, const std::vector<PlanPoint>& fitted,
                    const PlanFit& fit, double tolerance) {
@@ -183,12 +293,7 @@ Error misfit_error(const std::vector<SurveyedPoint>& points, const std::vector<P
                         fit.residuals[off[i]]);
   }
   if (off.size() > kMostNamed) text += fmt::format("\n  and {} more", off.size() - kMostNamed);
-  text += off.size() * 4 <= fitted.size()
-              ? "\nmeasure these again, or take them out"
-              : "\nlist the points of each kind along the drive; check their descriptions, the "
-                "order of the columns (--order) and the grid's handedness (--x-axis); rough walls "
-                "need a larger --tolerance";
-  return {text};
+  return {text + advice_on(fitted, fit, off.size(), tolerance, says_offsets(points))};
 }
 
 Result<void> check_sides(const std::vector<PlanPoint>& points, const PlanFit& fit) {
@@ -208,11 +313,6 @@ Result<void> check_sides(const std::vector<PlanPoint>& points, const PlanFit& fi
       "or does the grid's x grow to the left (--x-axis left)?");
 }
 
-double rms(const VectorXd& values) {
-  return values.size() == 0 ? 0
-                            : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
-}
-
 // The points with a place across the tunnel, in the world; with `measured_walls` only those that do
 // not depend on where the walls are.
 std::vector<PlanPoint> plan_points(const std::vector<SurveyedPoint>& points, const Grid& grid,
@@ -222,7 +322,7 @@ std::vector<PlanPoint> plan_points(const std::vector<SurveyedPoint>& points, con
     const SurveyedPoint& point = points[i];
     const std::optional<int> side = side_of(point.kind);
     if (!side || (measured_walls && *side != 0 && !point.offset)) continue;
-    const double half = is_tag(point.kind) ? tag.frame_inner_length / 2 : 0;
+    const double half = is_tag(point) ? tag.frame_inner_length / 2 : 0;
     result.push_back({world_from_grid(grid, point.in_grid).head<2>(), *side, half,
                       measured_walls ? point.offset : std::nullopt, i});
   }
@@ -277,33 +377,18 @@ Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const G
   const auto fit = [&](bool measured) {
     return fit_walls(points, grid, tag, options.tolerance, measured);
   };
-  Result<WallPlan> plan = fit(options.measured_walls);
-  const bool says_offsets = std::ranges::all_of(
-      points, [](const SurveyedPoint& point) { return point.offset.has_value(); });
-  if (plan || options.measured_walls || !says_offsets) return plan;
+  // Without points of its own the center line runs between the walls.
+  const bool has_line = std::ranges::any_of(points, [](const SurveyedPoint& point) {
+    return point.kind == PointKind::centerline || point.offset;
+  });
+  Result<WallPlan> plan = fit(options.measured_walls && has_line);
+  if (plan) plan->measured_walls = options.measured_walls;
+  if (plan || options.measured_walls || !says_offsets(points)) return plan;
   Result<WallPlan> by_offsets = fit(true);
   return by_offsets ? by_offsets : plan;
 }
 
 // ---- Ends of the line.
-
-// Elements between two chainages; a line before the first element's start prolongs it.
-std::vector<CenterlineElement> trimmed(const std::vector<CenterlineElement>& elements, double from,
-                                       double to) {
-  std::vector<CenterlineElement> result;
-  double start = 0;
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const double end = start + elements[i].length;
-    const double low = i == 0 ? from : std::max(from, start);
-    const double high = i + 1 == elements.size() ? to : std::min(to, end);
-    start = end;
-    if (high - low > 1e-6) {
-      result.push_back(elements[i]);
-      result.back().length = high - low;
-    }
-  }
-  return result;
-}
 
 // Where the list has its chainage 0, in the fitted line's chainage.
 std::optional<double> listed_start(const WallPlan& plan, const std::vector<SurveyedPoint>& points) {
@@ -328,7 +413,7 @@ Centerline with_ends(const WallPlan& plan, const std::vector<SurveyedPoint>& poi
   }
   if (!straight) from = std::max(from, 0.0);
   const CenterlinePoint start = line.at(from);
-  return {start.position, start.heading, trimmed(line.elements(), from, most + margin)};
+  return {start.position, start.heading, elements_between(line.elements(), from, most + margin)};
 }
 
 // ---- Walls and roof through their points.
@@ -456,6 +541,23 @@ Result<ChainageProfile> fit_roof(const Centerline& line, const std::vector<Surve
 
 }  // namespace
 
+std::vector<CenterlineElement> elements_between(const std::vector<CenterlineElement>& elements,
+                                                double from, double to) {
+  std::vector<CenterlineElement> result;
+  double start = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const double end = start + elements[i].length;
+    const double low = i == 0 ? from : std::max(from, start);
+    const double high = i + 1 == elements.size() ? to : std::min(to, end);
+    start = end;
+    if (high - low > 1e-6) {
+      result.push_back(elements[i]);
+      result.back().length = high - low;
+    }
+  }
+  return result;
+}
+
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options) {
   if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
@@ -468,11 +570,11 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   for (const SurveyedPoint& point : points) {
     chainages.push_back(level.locate(world_from_grid(grid, point.in_grid).head<2>()).chainage);
   }
-  const std::vector<FloorPoint> on_floor = floor_points(points, chainages, options.mount_height);
+  const std::vector<HeightStation> on_floor = floor_points(points, chainages, options.mount_height);
   if (on_floor.empty()) {
     return fail("no points of the floor (CL, FL): give the height of P above it, --mount-height");
   }
-  const Floor floor = fit_grades(level.elements(), on_floor, options.tolerance);
+  const Floor floor = fit_floor_without_slips(level.elements(), on_floor, options.tolerance);
   Vector3d start = level.at(0).position;
   start.z() = floor.start;
 

@@ -22,7 +22,8 @@ struct TunnelFitOptions {
   std::optional<double> roof_height;  // of the roof above the floor, where there are no roof points
   // Walls that run through their points, and a roof through its own, instead of one width and one
   // height. The center line then comes from its own points (CL), or from the offsets that the list
-  // says; nothing tells a wrong point of a wall from a bulge.
+  // says, and nothing tells a wrong point of a wall from a bulge; without either it runs midway
+  // between walls that keep to the tolerance.
   bool measured_walls = false;
 };
 
@@ -50,6 +51,11 @@ struct TunnelFit {
 // the points.
 Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Grid& grid,
                              const TagTemplate& tag, const TunnelFitOptions& options);
+
+// The elements between two chainages of their line; an element before the first one's start, or
+// beyond the last one's end, is prolonged.
+std::vector<CenterlineElement> elements_between(const std::vector<CenterlineElement>& elements,
+                                                double from, double to);
 
 inline constexpr int kMostFittedElements = 12;
 

@@ -46,6 +46,11 @@ struct SurveyedPoint {
   std::optional<Eigen::Vector3d> design_in_grid;
 };
 
+// TL, TR or the name of a tag.
+inline bool is_tag(const SurveyedPoint& point) {
+  return point.kind == PointKind::left_tag || point.kind == PointKind::right_tag;
+}
+
 // What a list of `tagsmith export` says of all its tags.
 struct ListedSurvey {
   std::string tag_template;

@@ -221,6 +221,14 @@ std::vector<SourcedTag> place_tags(const Survey& survey,
   return tags;
 }
 
+SeriesPlaces series_places(const MapReader& tags) {
+  const auto place_of = [&](const char* key) {
+    return tags.has(key) ? tags.find(key)->place : Place{};
+  };
+  return {place_of("height"), place_of("spacing"), place_of("first"),
+          place_of(tags.has("pairs") ? "pairs" : "to")};
+}
+
 // A theta that cannot be meant (in radians, a typing error), and one that moves the right plates.
 void check_pair_angle(const Survey& survey, Place place, FindingLog& log) {
   if (!survey.series || !survey.series->pair_angle) return;
@@ -292,7 +300,7 @@ std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, Find
       check_codes(survey, placed_tags, code.place(), log);
       lint_codes(survey, placed_tags, code.place(), log);
     }
-    check_walls(survey, placed_tags, log);
+    check_walls(survey, placed_tags, series_places(tags), log);
     lint_places(survey, placed_tags, log);
   }
   lint_series(survey, tags.place(), log);

@@ -95,9 +95,11 @@ constexpr std::array kRules{
     Rule{"duplicate-tag", "a placed tag twice",
          "Each tag has one position. Keep the one that was measured last."},
     Rule{"empty-file", "a file without content", "The file has no keys or no rows."},
-    Rule{"exchanged-axes", "x and y of the placed tags are exchanged",
+    Rule{"exchanged-axes", "x and y of the placed tags, or of a point, are exchanged",
          "Hardly any tag lies at its wall, but nearly all do with x and y exchanged. "
-         "Many instruments list north (y) before east (x)."},
+         "Many instruments list north (y) before east (x). In a list of points one point that "
+         "lies far from the others, and among them with its two coordinates exchanged, is named "
+         "alone."},
     Rule{"exchanged-code", "digits that say where another tag hangs",
          "The code identifies a tag and says roughly where it hangs. Digits that say the "
          "place of another tag, of this survey or of one given together with it, mostly "
@@ -114,6 +116,10 @@ constexpr std::array kRules{
          "Compared with the design, or with three tags on either side of its wall. Where "
          "one slip of the pen explains it, the finding says so. A tag that does hang "
          "there is allowed with a comment."},
+    Rule{"height-slip", "a surveyed point above or below what its neighbours say",
+         "Of each kind of point of a list, the line through the six nearest says how high each "
+         "one should be. This one is off by more than eight times the scatter of its kind and "
+         "30 mm: a slip in the height of the staff or of the instrument, or in one digit."},
     Rule{"hole-misplaced", "a drill hole where it must not be",
          "Holes lie on the plate, clear of the feature frame, the label and the edge."},
     Rule{"leading-zero", "a number with leading zeros",

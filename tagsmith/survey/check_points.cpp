@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/check_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/expected_place.hpp"
+#include "tagsmith/survey/neighbour_heights.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+using Eigen::Vector2d;
+
+Vector2d middle_of(const std::vector<SurveyedPoint>& points) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (const SurveyedPoint& point : points) {
+    x.push_back(point.in_grid.x());
+    y.push_back(point.in_grid.y());
+  }
+  return {median(std::move(x)), median(std::move(y))};
+}
+
+// ---- Units.
+
+// At most 200 points of the kinds, seen from above, evenly spread over the list.
+std::vector<Vector2d> sample_of(const std::vector<SurveyedPoint>& points, PointKind kind,
+                                PointKind other) {
+  constexpr std::size_t kMost = 200;
+  std::vector<Vector2d> all;
+  for (const PointKind wanted : {kind, other}) {
+    for (const SurveyedPoint& point : points) {
+      if (point.kind == wanted) all.emplace_back(point.in_grid.head<2>());
+    }
+    if (!all.empty()) break;
+  }
+  std::vector<Vector2d> sample;
+  const std::size_t step = (all.size() + kMost - 1) / kMost;
+  for (std::size_t i = 0; i < all.size(); i += step) sample.push_back(all[i]);
+  return sample;
+}
+
+double distance_to_line(const Vector2d& p, const std::vector<Vector2d>& line) {
+  double least = (p - line.front()).norm();
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vector2d along = line[i] - line[i - 1];
+    const double length = along.squaredNorm();
+    const double share =
+        length > 0 ? std::clamp((p - line[i - 1]).dot(along) / length, 0.0, 1.0) : 0;
+    least = std::min(least, (p - line[i - 1] - share * along).norm());
+  }
+  return least;
+}
+
+std::optional<double> apparent_width(const std::vector<SurveyedPoint>& points) {
+  const auto left = sample_of(points, PointKind::left_wall, PointKind::left_tag);
+  const auto right = sample_of(points, PointKind::right_wall, PointKind::right_tag);
+  if (left.empty() || right.empty()) return std::nullopt;
+  std::vector<double> distances;
+  for (const Vector2d& p : left) distances.push_back(distance_to_line(p, right));
+  return median(std::move(distances));
+}
+
+// Of the roof above the nearest floor point.
+std::optional<double> apparent_height(const std::vector<SurveyedPoint>& points) {
+  constexpr std::size_t kMost = 200;
+  std::vector<double> heights;
+  for (const SurveyedPoint& roof : points) {
+    if (roof.kind != PointKind::roof || heights.size() == kMost) continue;
+    double least = std::numeric_limits<double>::infinity();
+    double height = 0;
+    for (const SurveyedPoint& floor : points) {
+      if (floor.kind != PointKind::floor && floor.kind != PointKind::centerline) continue;
+      const double away = (floor.in_grid - roof.in_grid).head<2>().norm();
+      if (away >= least) continue;
+      least = away;
+      height = roof.in_grid.z() - floor.in_grid.z();
+    }
+    if (std::isfinite(least)) heights.push_back(height);
+  }
+  if (heights.empty()) return std::nullopt;
+  return median(std::move(heights));
+}
+
+// ---- Heights.
+
+struct HeightSlip {
+  std::size_t index = 0;
+  double off = 0;
+  double sigma = 0;  // of the kind's other points
+};
+
+// Slips among the stations of one kind, in the order of the drive.
+std::vector<HeightSlip> slips_of(const std::vector<HeightStation>& stations) {
+  constexpr double kLeastSlip = 0.03;
+  constexpr double kTimes = 8;
+  constexpr double kAtEnds = 2;  // lines that are prolonged err more
+  constexpr double kSigmaOfMedian = 1.4826;
+  const std::vector<double> offs = offs_from_neighbours(stations);
+  std::vector<double> sizes;
+  for (const double off : offs) sizes.push_back(std::abs(off));
+  const double sigma = kSigmaOfMedian * median(std::move(sizes));
+  const double tolerance = std::max(kLeastSlip, kTimes * sigma);
+  std::vector<HeightSlip> slips;
+  for (std::size_t i = 0; i < offs.size(); ++i) {
+    const bool at_end = i < kNeighboursBeside || i + kNeighboursBeside >= stations.size();
+    if (std::abs(offs[i]) <= (at_end ? kAtEnds : 1) * tolerance) continue;
+    slips.push_back({stations[i].index, offs[i], sigma});
+  }
+  return slips;
+}
+
+}  // namespace
+
+void check_exchanged(const std::vector<SurveyedPoint>& points, FindingLog& log) {
+  constexpr std::size_t kLeastPoints = 5;
+  constexpr double kSlack = 10;  // metres
+  if (points.size() < kLeastPoints) return;
+  const Vector2d middle = middle_of(points);
+  const auto away = [&](double x, double y) { return (Vector2d(x, y) - middle).norm(); };
+  std::vector<double> distances;
+  for (const SurveyedPoint& point : points) {
+    distances.push_back(away(point.in_grid.x(), point.in_grid.y()));
+  }
+  // Three quarters of the points of an even drive lie within 3/8 of its length.
+  std::vector<double> sorted = distances;
+  const double reach = quantile(sorted, 0.75);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d& p = points[i].in_grid;
+    if (distances[i] <= 3 * reach + kSlack || away(p.y(), p.x()) > 2 * reach + kSlack) continue;
+    log.error({points[i].line, 0}, "exchanged-axes",
+              fmt::format("point {} lies {} m from the others; with its two coordinates exchanged, "
+                          "x = {} and y = {}, it lies among them",
+                          points[i].name.substr(0, 60), format_number(distances[i], 0),
+                          format_number(p.y(), 3), format_number(p.x(), 3)),
+              "exchange east and north of this point");
+  }
+}
+
+std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points) {
+  constexpr double kWidest = 12;
+  constexpr double kNarrowest = 0.5;
+  constexpr double kWideAndHigh = 7.5;
+  const std::optional<double> width = apparent_width(points);
+  if (!width) return std::nullopt;
+  const std::optional<double> height = apparent_height(points);
+  const bool big = *width > kWideAndHigh && height && *height > kWideAndHigh;
+  if (*width >= kNarrowest && *width <= kWidest && !big) return std::nullopt;
+  return fmt::format(
+      "the walls lie {} apart{}: say in which unit the list is, --units m ({} m), ft ({:.2f} m), "
+      "us-ft or mm ({:.3f} m)",
+      format_number(*width, 2),
+      height ? " and the roof " + format_number(*height, 2) + " above the floor" : "",
+      format_number(*width, 2), *width * 0.3048, *width / 1000);
+}
+
+void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fit,
+                   FindingLog& log) {
+  std::map<PointKind, std::vector<HeightStation>> kinds;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double chainage = fit.residuals[i].chainage;
+    const double floor = fit.tunnel.centerline.at(chainage).position.z();
+    kinds[points[i].kind].push_back({chainage, points[i].in_grid.z() - floor, i});
+  }
+  for (auto& [kind, stations] : kinds) {
+    std::ranges::stable_sort(stations, {}, &HeightStation::chainage);
+    for (const HeightSlip& slip : slips_of(stations)) {
+      const SurveyedPoint& point = points[slip.index];
+      log.warning({point.line, 0}, "height-slip",
+                  fmt::format("point {} ({}) lies {:+.3f} m from the height that its neighbours "
+                              "say; the others of its kind scatter by {:.3f} m",
+                              point.name.substr(0, 60), to_string(kind), slip.off, slip.sigma),
+                  "measure its height again, or take it out");
+    }
+  }
+}
+
+}  // namespace tagsmith::detail

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slips in lists of surveyed points that a fit would explain badly, or not see.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/fit_tunnel.hpp"
+#include "tagsmith/survey/point_list.hpp"
+
+namespace tagsmith::detail {
+
+// Logs an error for each point that lies far from all others, and among them with its x and y
+// exchanged. Of fewer than five points nothing is said.
+void check_exchanged(const std::vector<SurveyedPoint>& points, FindingLog& log);
+
+// Where numbers taken for metres make walls that no drive has: further apart than 12, nearer than
+// 0.5, or both walls and roof 7.5 apart (three metres in feet, which few drives reach in metres).
+// In words, with the remedy; nothing where the numbers may be metres.
+std::optional<std::string> doubt_of_unit(const std::vector<SurveyedPoint>& points);
+
+// Logs a warning for each point whose height disagrees with the line through the six nearest of
+// its kind along the drive, by more than eight times the scatter of that kind and 30 mm. Of kinds
+// with fewer than seven points nothing is said.
+void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fit, FindingLog& log);
+
+}  // namespace tagsmith::detail
