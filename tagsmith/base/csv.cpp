@@ -36,12 +36,12 @@ std::string csv_field(const std::string& text) {
   return quoted + "\"";
 }
 
-std::optional<std::vector<std::string>> split_csv(std::string_view line) {
+std::optional<std::vector<std::string>> split_csv(std::string_view line, char separator) {
   std::vector<std::string> fields;
   while (true) {
     const std::size_t start = line.find_first_not_of(" \t");
     if (start == std::string_view::npos || line[start] != '"') {
-      const std::size_t end = line.find(',');
+      const std::size_t end = line.find(separator);
       const std::string_view field = trim(line.substr(0, end));
       if (field.find('"') != std::string_view::npos) return std::nullopt;
       fields.push_back(unmarked(field));
@@ -61,7 +61,7 @@ std::optional<std::vector<std::string>> split_csv(std::string_view line) {
       line.remove_prefix(1);
     }
     fields.push_back(unmarked(field));
-    const std::size_t end = line.find(',');
+    const std::size_t end = line.find(separator);
     if (!trim(line.substr(0, end)).empty()) return std::nullopt;
     if (end == std::string_view::npos) return fields;
     line.remove_prefix(end + 1);

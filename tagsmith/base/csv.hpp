@@ -9,9 +9,10 @@
 
 namespace tagsmith::detail {
 
-// A line's fields, trimmed, without the apostrophe that csv_field puts before text; a quoted field
-// ends on its own line. Nothing when a quote is not closed or stands in the middle of a field.
-std::optional<std::vector<std::string>> split_csv(std::string_view line);
+// A line's fields between the separators, trimmed, without the apostrophe that csv_field puts
+// before text; a quoted field ends on its own line. Nothing when a quote is not closed or stands in
+// the middle of a field.
+std::optional<std::vector<std::string>> split_csv(std::string_view line, char separator = ',');
 
 // A field as it is written: in quotes where it needs them. Text that a spreadsheet would take for a
 // formula, because it begins with = + - @, a tab or CR after any apostrophes, gets an apostrophe in

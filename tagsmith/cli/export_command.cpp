@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/tag_list.hpp"
 #include "tagsmith/render/dxf.hpp"
+#include "tagsmith/render/survey_exchange.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith::detail {
@@ -27,17 +30,30 @@ struct ExportOptions {
 Result<std::string> format_of(const ExportOptions& options) {
   if (!options.format.empty()) return options.format;
   if (options.output == "-") return std::string("csv");
-  for (const char* format : {"wpilib.json", "csv", "json", "dxf"}) {
-    if (!options.output.ends_with(std::string(".") + format)) continue;
-    return std::string(format).substr(0, std::string(format).find('.'));
+  static const std::vector<std::pair<std::string, std::string>> formats{{".wpilib.json", "wpilib"},
+                                                                        {".csv", "csv"},
+                                                                        {".json", "json"},
+                                                                        {".dxf", "dxf"},
+                                                                        {".geojson", "geojson"},
+                                                                        {".gpkg", "gpkg"},
+                                                                        {".landxml", "landxml"},
+                                                                        {".xml", "landxml"},
+                                                                        {".gsi", "gsi"}};
+  for (const auto& [ending, format] : formats) {
+    if (options.output.ends_with(ending)) return format;
   }
   return fail("--output " + options.output +
-              ": expected a name that ends in .csv, .json, .wpilib.json or .dxf, or --format");
+              ": expected a name that ends in .csv, .json, .geojson, .gpkg, .landxml, .xml, .gsi, "
+              ".wpilib.json or .dxf, or --format");
 }
 
-std::string render(const Survey& survey, const std::string& format) {
+Result<std::string> render(const Survey& survey, const std::string& format) {
   if (format == "json") return tags_json(survey);
   if (format == "wpilib") return field_layout_json(survey);
+  if (format == "geojson") return tags_geojson(survey);
+  if (format == "gpkg") return tags_geopackage(survey);
+  if (format == "landxml") return render_landxml(survey);
+  if (format == "gsi") return render_gsi(survey);
   return format == "dxf" ? render_dxf(survey) : tags_csv(survey);
 }
 
@@ -46,18 +62,25 @@ Result<void> run_export(const ExportOptions& options) {
   if (!format) return fail(format.error().message);
   const Result<Survey> survey = load_survey(options.survey);
   if (!survey) return fail(survey.error().message);
+  const Result<std::string> bytes = render(*survey, *format);
+  if (!bytes) return fail(bytes.error().message);
   if (options.output == "-") {
-    bytes_to_stdout(render(*survey, *format));
+    bytes_to_stdout(*bytes);
     return {};
   }
   CommandFiles files;
   files.reads(*survey);
   files.writes(options.output, "--output");
   if (auto usable = files.check(); !usable) return usable;
-  if (auto written = publish_files({{options.output, render(*survey, *format)}}); !written) {
+  if (auto written = publish_files({{options.output, *bytes}}); !written) {
     return written;
   }
   to_stderr("{} tags in {}\n", survey->tags.size(), options.output);
+  if (*format == "geojson" && survey->grid.epsg == 0) {
+    to_stderr(
+        "the survey does not name its grid (grid: {{ crs: EPSG:25832 }}): many programs will "
+        "take the coordinates for degrees\n");
+  }
   return {};
 }
 
@@ -67,19 +90,21 @@ Command export_command() {
   const auto options = std::make_shared<ExportOptions>();
   return {
       .name = "export",
-      .summary = "A survey's tags as CSV, JSON, DXF or WPILib field layout",
+      .summary = "A survey's tags for CAD, GIS, instruments and other programs",
       .options = {survey_argument(&options->survey, "Survey file (YAML)"),
                   required(file_option(
                       "-o,--output", &options->output,
-                      "FILE.csv, FILE.json, FILE.wpilib.json or FILE.dxf; - for standard "
-                      "output")),
+                      "FILE.csv, .json, .geojson, .gpkg, .landxml (or .xml), .gsi, .wpilib.json "
+                      "or .dxf; - for standard output")),
                   {.names = "--format",
                    .target = &options->format,
                    .help = "What is written (default: by the file's name; csv for -)",
-                   .choices = {"csv", "json", "wpilib", "dxf"}}},
+                   .choices = {"csv", "json", "geojson", "gpkg", "landxml", "gsi", "wpilib",
+                               "dxf"}}},
       .notes =
-          "The CSV goes back by `tagsmith new NAME --from FILE --order own`. CSV, JSON and DXF are "
-          "in the grid, the WPILib field layout in the right-handed frame that WPILib wants.\n\n"
+          "The CSV goes back by `tagsmith new NAME --from FILE --order own`. All are in the grid; "
+          "only the WPILib field layout is in the right-handed frame that WPILib wants. GeoJSON, "
+          "GeoPackage and LandXML name the grid by the survey's key grid.crs.\n\n"
           "Example:\n"
           "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.csv\n"
           "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.dxf",

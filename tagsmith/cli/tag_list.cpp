@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/tag_list.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/geopackage.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/side_line.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/revision.hpp"
@@ -85,6 +89,42 @@ Json stations_json(const ChainageProfile& offset) {
     stations.push_back({micrometre(station.chainage), micrometre(std::abs(station.value))});
   }
   return stations;
+}
+
+// The center line as straight pieces that miss it by at most a millimetre.
+Json line_json(const Survey& survey) {
+  constexpr double kSag = 0.001;
+  const Centerline& line = survey.tunnel.centerline;
+  Json points = Json::array();
+  for (const SidePoint& point : side_points(line, 0.0, 0, line.length(), kSag)) {
+    points.push_back(point_json(grid_from_world(survey.grid, point.position)));
+  }
+  return points;
+}
+
+Json feature_json(const char* type, Json coordinates, Json properties) {
+  return {{"type", "Feature"},
+          {"geometry", {{"type", type}, {"coordinates", std::move(coordinates)}}},
+          {"properties", std::move(properties)}};
+}
+
+Json tag_feature(const Survey& survey, const PlacedTag& tag) {
+  Json properties = tag_json(survey, tag);
+  for (const char* point : {"position", "coded_position", "design"}) properties.erase(point);
+  return feature_json("Point", point_json(tag.p_in_grid), std::move(properties));
+}
+
+Json line_feature(const Survey& survey) {
+  return feature_json("LineString", line_json(survey),
+                      {{"survey", survey.name},
+                       {"revision", survey_revision(survey)},
+                       {"length", micrometre(survey.tunnel.centerline.length())}});
+}
+
+Json grid_json(const Survey& survey) {
+  Json grid{{"x_axis", survey.grid.x_axis_left ? "left" : "right"}};
+  if (survey.grid.epsg != 0) grid["crs"] = "EPSG:" + std::to_string(survey.grid.epsg);
+  return grid;
 }
 
 Json tunnel_json(const Survey& survey) {
@@ -168,7 +208,7 @@ std::string tags_json(const Survey& survey) {
   return dump({{"survey", survey.name},
                {"revision", survey_revision(survey)},
                {"assumed", assumed_json(survey)},
-               {"grid", {{"x_axis", x_axis(survey)}}},
+               {"grid", grid_json(survey)},
                {"template",
                 {{"name", plate.name},
                  {"plate", {plate.plate_length, plate.plate_height}},
@@ -180,6 +220,38 @@ std::string tags_json(const Survey& survey) {
                  {"resolution", code.resolution},
                  {"origin", code.origin}}},
                {"tags", tags}});
+}
+
+std::string tags_geojson(const Survey& survey) {
+  const std::string urn = "urn:ogc:def:crs:EPSG::" + std::to_string(survey.grid.epsg);
+  const Json crs{{"type", "name"}, {"properties", {{"name", urn}}}};
+  Json features = Json::array();
+  for (const PlacedTag& tag : survey.tags) features.push_back(tag_feature(survey, tag));
+  features.push_back(line_feature(survey));
+  return dump({{"type", "FeatureCollection"},
+               {"name", survey.name},
+               {"crs", survey.grid.epsg == 0 ? Json(nullptr) : crs},
+               {"features", std::move(features)}});
+}
+
+Result<std::string> tags_geopackage(const Survey& survey) {
+  Json features = Json::array();
+  GeoLayer tags{"tags", "POINT", {}, &features};
+  tags.columns = {{"tag", "TEXT"},          {"side", "TEXT"},       {"digits", "TEXT"},
+                  {"chainage", "DOUBLE"},   {"offset", "DOUBLE"},   {"height", "DOUBLE"},
+                  {"facing_deg", "DOUBLE"}, {"tilt_deg", "DOUBLE"}, {"roll_deg", "DOUBLE"},
+                  {"as_built", "BOOLEAN"},  {"sigma", "DOUBLE"},    {"date", "DATE"}};
+  std::string newest;
+  for (const PlacedTag& tag : survey.tags) {
+    features.push_back(tag_feature(survey, tag));
+    newest = std::max(newest, tag.date);
+  }
+  const Json lines = Json::array({line_feature(survey)});
+  const GeoLayer line{"centerline",
+                      "LINESTRING",
+                      {{"survey", "TEXT"}, {"revision", "TEXT"}, {"length", "DOUBLE"}},
+                      &lines};
+  return geopackage({tags, line}, survey.grid.epsg, newest);
 }
 
 std::string field_layout_json(const Survey& survey) {

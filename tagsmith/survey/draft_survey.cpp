@@ -486,9 +486,10 @@ std::string draft_survey(const SurveyDraft& draft) {
       "# Drafted from {}: {} points, {:.1f} mm rms across the tunnel, {:.1f} mm up and down.\n"
       "# Check it with `tagsmith validate`, look at it with `tagsmith draw`.\n"
       "survey: {}\n"
-      "grid: {{ x_axis: {} }}\n",
+      "grid: {{ x_axis: {}{} }}\n",
       terminal_text(draft.source), draft.points.size(), draft.fit.rms_across * 1000,
-      draft.fit.rms_up * 1000, draft.name, draft.grid.x_axis_left ? "left" : "right");
+      draft.fit.rms_up * 1000, draft.name, draft.grid.x_axis_left ? "left" : "right",
+      draft.grid.epsg == 0 ? "" : fmt::format(", crs: EPSG:{}", draft.grid.epsg));
   text += tunnel_text(draft);
   text += tags_text(draft);
   text += fmt::format("code: {{ check_digit: {}, resolution: {}, digits: {}, origin: {} }}\n",

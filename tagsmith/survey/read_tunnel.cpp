@@ -132,8 +132,23 @@ std::optional<Tunnel> read_tunnel(const YamlNode* node, const Grid& grid, Findin
 }
 
 Grid read_grid(const YamlNode* node, FindingLog& log) {
-  const MapReader map(node, "grid", {"x_axis"}, log);
-  return Grid{map.choice("x_axis", {"right", "left"}) == "left"};
+  const MapReader map(node, "grid", {"x_axis", "crs"}, log);
+  Grid grid{map.choice("x_axis", {"right", "left"}) == "left"};
+  const auto crs = read_text(map.find("crs"), map.name_of("crs"), log);
+  if (!crs) return grid;
+  const std::optional<int> epsg = parse_crs(*crs);
+  if (!epsg) {
+    log.error(map.find("crs")->place, "bad-crs",
+              map.name_of("crs") + " is `" + *crs +
+                  "`, expected a grid in metres by its number in the EPSG register",
+              "for example crs: EPSG:25832, ETRS89 / UTM zone 32N");
+  } else if (grid.x_axis_left) {
+    log.error(map.find("crs")->place, "bad-crs",
+              map.name_of("crs") + " is east and north, but grid.x_axis is left",
+              "leave crs out, or give the grid with x to the east");
+  }
+  grid.epsg = epsg.value_or(0);
+  return grid;
 }
 
 }  // namespace tagsmith::detail

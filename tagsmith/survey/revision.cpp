@@ -53,6 +53,7 @@ void add_room(Content& content, const Tunnel& tunnel) {
 
 void add_tunnel(Content& content, const Survey& survey) {
   content.number(survey.grid.x_axis_left ? 1 : 0);
+  if (survey.grid.epsg != 0) content.text("EPSG:" + std::to_string(survey.grid.epsg));
   add_room(content, survey.tunnel);
   const Centerline& line = survey.tunnel.centerline;
   const CenterlinePoint start = line.at(0);

@@ -20,6 +20,10 @@ constexpr std::array kRules{
          "a rule and give a reason; errors cannot be allowed."},
     Rule{"bad-choice", "a word that is none of the allowed ones",
          "The key takes one of a few words; the finding lists them."},
+    Rule{"bad-crs", "a coordinate reference system that the grid cannot have",
+         "grid.crs names the mine's grid by its number in the EPSG register, as EPSG:25832, so "
+         "that exported maps lie where they belong. It is a grid in metres, x to the east and y "
+         "to the north; systems in degrees and grids with x to the left are none."},
     Rule{"bad-date", "a date that is none", "Dates are written year, month, day: 2026-03-31."},
     Rule{"bad-digit-counts", "the digits of x, y and z do not sum to eleven",
          "A symbol has eleven digits and a check digit. code.digits shares the eleven "

@@ -30,6 +30,16 @@ Eigen::Vector3d grid_from_world(const Grid& grid, const Eigen::Vector3d& point_i
   return world_from_grid(grid, point_in_world);  // a mirror is its own inverse
 }
 
+std::optional<int> parse_crs(std::string_view text) {
+  constexpr std::string_view kRegister = "EPSG:";
+  constexpr std::array kInDegrees{4326, 4258, 4269, 4267, 4979, 4171};
+  if (!text.starts_with(kRegister)) return std::nullopt;
+  const std::optional<int> number = parse_integer(text.substr(kRegister.size()));
+  if (!number || *number < 1024 || *number > 999'999) return std::nullopt;
+  if (std::ranges::find(kInDegrees, *number) != kInDegrees.end()) return std::nullopt;
+  return number;
+}
+
 double world_heading_from_grid(const Grid& grid, double heading) {
   return grid.x_axis_left ? -heading : heading;
 }

@@ -21,7 +21,11 @@ namespace tagsmith::detail {
 // grid whose x axis points to the left of +y is mirrored here and nowhere else.
 struct Grid {
   bool x_axis_left = false;
+  int epsg = 0;  // number of the coordinate reference system in the EPSG register; 0 = not named
 };
+
+// "EPSG:25832" as its number; nothing for other text, and for systems in degrees that are common.
+std::optional<int> parse_crs(std::string_view text);
 
 Eigen::Vector3d world_from_grid(const Grid& grid, const Eigen::Vector3d& point_in_grid);
 Eigen::Vector3d grid_from_world(const Grid& grid, const Eigen::Vector3d& point_in_world);

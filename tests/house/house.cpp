@@ -41,7 +41,7 @@ constexpr std::array<ThirdParty, 20> kThirdParty{{
     {"libpng", "png\\.h", "tagsmith/render", true},
     {"libjpeg", "jpeglib\\.h", "decoder/image", true},
     {"libheif", "libheif/heif\\.h", "decoder/image", true},
-    {"SQLite", "sqlite3\\.h", "decoder/ledger", true},
+    {"SQLite", "sqlite3\\.h", "tagsmith/cli|decoder/ledger", true},
     {"CLI11", "CLI/.*", "tagsmith/cli", true},
     {"OpenCV", "opencv2/(core|imgproc|imgcodecs|calib3d)\\.hpp",
      "decoder/(image|simulate|feature_frame|reader|paper|localize|grade)", true},
