@@ -39,7 +39,7 @@ std::string csv_field(const std::string& text) {
 std::optional<std::vector<std::string>> split_csv(std::string_view line, char separator) {
   std::vector<std::string> fields;
   while (true) {
-    const std::size_t start = line.find_first_not_of(" \t");
+    const std::size_t start = line.find_first_not_of(separator == '\t' ? " " : " \t");
     if (start == std::string_view::npos || line[start] != '"') {
       const std::size_t end = line.find(separator);
       const std::string_view field = trim(line.substr(0, end));

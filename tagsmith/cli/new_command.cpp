@@ -25,6 +25,7 @@
 #include "tagsmith/survey/check_points.hpp"
 #include "tagsmith/survey/draft_survey.hpp"
 #include "tagsmith/survey/fit_tunnel.hpp"
+#include "tagsmith/survey/length_units.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
@@ -152,6 +153,9 @@ Result<PointList> read_points(const NewOptions& options, std::vector<Diagnostic>
   warnings = reading->diagnostics;
   PointList& list = *reading->list;
   FindingLog log(options.points);
+  if (const auto doubt = doubt_of_unit(list.points); doubt && !list.unit_is_known) {
+    return fail(options.points + ": " + *doubt);
+  }
   check_exchanged(list.points, log);
   if (log.has_errors()) return fail(to_string(log.sorted(), true));
   if (auto layout = check_layout(options, list); !layout) return fail(layout.error().message);
@@ -193,6 +197,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
   draft.source = fs::path(options.points).filename().string();
   draft.template_name = list->survey ? list->survey->tag_template : options.template_name;
   draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
+  if (!draft.grid.x_axis_left) draft.grid.epsg = list->epsg;
   const auto tag = named_template(draft.template_name, options.name);
   if (!tag) return tl::unexpected(tag.error());
   draft.tag = *tag;
@@ -212,6 +217,16 @@ Result<Drafted> make_draft(const NewOptions& options) {
   if (!parts) return fail(options.points + ": " + parts.error().message);
   drafted.parts = std::move(*parts);
   return drafted;
+}
+
+// How far the fitted center line is off the file's, at most, metres; nothing where it has none.
+std::optional<double> alignment_off(const SurveyDraft& draft) {
+  std::optional<double> off;
+  for (std::size_t i = 0; i < draft.points.size(); ++i) {
+    if (!draft.points[i].of_alignment) continue;
+    off = std::max(off.value_or(0), std::abs(draft.fit.residuals[i].across.value_or(0)));
+  }
+  return off;
 }
 
 std::string point_name(const SurveyedPoint& point) {
@@ -265,6 +280,7 @@ void print_json(const NewOptions& options, const Drafted& drafted) {
                                  {"elements", tunnel.centerline.elements().size()},
                                  {"rms_across", length(draft.fit.rms_across)},
                                  {"rms_up", length(draft.fit.rms_up)},
+                                 {"alignment_off", length(alignment_off(draft))},
                                  {"surveys", parts}}}}));
 }
 
@@ -292,6 +308,9 @@ void print_table(const SurveyDraft& draft) {
             elements, elements == 1 ? "" : "s");
   to_stdout("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
             draft.fit.rms_up * 1000);
+  if (const auto off = alignment_off(draft)) {
+    to_stdout("the lines and arcs are at most {:.1f} mm off the file's alignment\n", *off * 1000);
+  }
 }
 
 void print_parts(const Drafted& drafted) {
@@ -378,18 +397,54 @@ Result<int> run_new(const NewOptions& options) {
     if (auto written = write_to_edit(options); !written) return fail(written.error().message);
     return kExitOk;
   }
-  if (options.list.order.empty()) {
-    return fail("--from needs --order, the order of the file's columns: PENZD, PNEZD or own");
-  }
   return write_draft(options);
 }
 
-// The options that shape a draft from points.
-std::vector<CommandOption> draft_options(NewOptions& options) {
-  std::vector<CommandOption> draft{
+// Metres.
+double unit_named(const std::string& unit) {
+  if (unit == "ft") return kFoot;
+  if (unit == "us-ft") return kSurveyFoot;
+  return unit == "mm" ? 0.001 : 1;
+}
+
+// The layout to propose, and how it is written.
+std::vector<CommandOption> layout_options(NewOptions& options) {
+  return {
+      {.names = "--height",
+       .target = &options.height,
+       .help = "For lists without tags: propose a layout with P so many metres above the floor",
+       .placeholder = "M",
+       .least = 0,
+       .greatest = 100,
+       .needs = {"--spacing"}},
+      {.names = "--spacing",
+       .target = &options.spacing,
+       .help = "Of the layout: metres of clear gap between neighbouring plates of one wall",
+       .placeholder = "M",
+       .least = 0.001,
+       .greatest = 100'000,
+       .needs = {"--height"}},
+      {.names = "--first",
+       .target = &options.first,
+       .help = "Of the layout: chainage of the first left P (default: where the points begin)",
+       .placeholder = "M",
+       .needs = {"--height"}},
+      {.names = "--to",
+       .target = &options.to,
+       .help = "Of the layout: chainage up to which a left P may lie (default: where they end)",
+       .placeholder = "M",
+       .needs = {"--height"}},
+      {.names = "--split",
+       .target = &options.split,
+       .help = "Write several surveys where one code cannot say all positions to a centimetre"}};
+}
+
+// How the points are listed.
+std::vector<CommandOption> list_options(NewOptions& options) {
+  return {
       {.names = "--order",
        .target = &options.list.order,
-       .help = "Columns of the list: P point, E east (x), N north (y), Z, D description, - "
+       .help = "Columns of a table: P point, E east (x), N north (y), Z, D description, - "
                "skipped, as PENZD; or own: a list of `tagsmith export`",
        .placeholder = "ORDER"},
       {.names = "--header",
@@ -397,9 +452,20 @@ std::vector<CommandOption> draft_options(NewOptions& options) {
        .help = "The list's first line names its columns"},
       {.names = "--ignore",
        .target = &options.list.ignore,
-       .help = "Leave points with these descriptions out, separated by commas",
+       .help = "Leave points with these descriptions out, or alignments of these names",
        .placeholder = "D,...",
        .by_commas = true},
+      {.names = "--units",
+       .target =
+           [&options](const std::string& unit) { options.list.metres_per_unit = unit_named(unit); },
+       .help = "Of the list: m, ft (0.3048 m), us-ft (1200/3937 m) or mm (default: what the file "
+               "says, else m)",
+       .choices = {"m", "ft", "us-ft", "mm"}}};
+}
+
+// The options that shape a draft from points.
+std::vector<CommandOption> draft_options(NewOptions& options) {
+  const std::vector<CommandOption> fit{
       {.names = "--template",
        .target = &options.template_name,
        .help = "Plate (default: tag-400x300)",
@@ -434,35 +500,11 @@ std::vector<CommandOption> draft_options(NewOptions& options) {
        .target = &options.walls,
        .help = "parallel (default): one width for all; measured: walls and roof run through "
                "their points, the center line through CL",
-       .choices = {"parallel", "measured"}},
-      {.names = "--height",
-       .target = &options.height,
-       .help = "For lists without tags: propose a layout with P so many metres above the floor",
-       .placeholder = "M",
-       .least = 0,
-       .greatest = 100,
-       .needs = {"--spacing"}},
-      {.names = "--spacing",
-       .target = &options.spacing,
-       .help = "Of the layout: metres of clear gap between neighbouring plates of one wall",
-       .placeholder = "M",
-       .least = 0.001,
-       .greatest = 100'000,
-       .needs = {"--height"}},
-      {.names = "--first",
-       .target = &options.first,
-       .help = "Of the layout: chainage of the first left P (default: where the points begin)",
-       .placeholder = "M",
-       .needs = {"--height"}},
-      {.names = "--to",
-       .target = &options.to,
-       .help = "Of the layout: chainage up to which a left P may lie (default: where they end)",
-       .placeholder = "M",
-       .needs = {"--height"}},
-      {.names = "--split",
-       .target = &options.split,
-       .help = "Write several surveys where one code cannot say all positions to a centimetre"},
-      json_flag(options.json, "One JSON object a point, then a summary")};
+       .choices = {"parallel", "measured"}}};
+  std::vector<CommandOption> draft = list_options(options);
+  draft.insert(draft.end(), fit.begin(), fit.end());
+  std::ranges::move(layout_options(options), std::back_inserter(draft));
+  draft.push_back(json_flag(options.json, "One JSON object a point, then a summary"));
   for (CommandOption& option : draft) option.needs.emplace_back("--from");
   return draft;
 }
@@ -481,14 +523,17 @@ Command new_command() {
                    .required = true},
                   {.names = "--from",
                    .target = &options->points,
-                   .help = "Draft the survey from this list of points (CSV)",
-                   .placeholder = "FILE.csv",
+                   .help = "Draft the survey from these points: a table (CSV), LandXML, Leica "
+                           "GSI, RW5 or DXF",
+                   .placeholder = "FILE",
                    .kind = ValueKind::table}},
       .notes =
           "Descriptions of points, by their first word: TL TR a tag's P on the left or right wall "
           "(or its name, as 000L), WL WR the wall in the plates' plane, CL the center line on the "
           "floor, FL the floor, RF the roof. Left and right are those of the drive; list the "
-          "points of each kind along the drive. Nothing about the columns is guessed.\n\n"
+          "points of each kind along the drive. Nothing about the columns is guessed, nor the unit "
+          "where the walls lie too far apart for metres. The kind of file is told by its content; "
+          "in a DXF the layers are the descriptions.\n\n"
           "Example:\n"
           "  tagsmith new drift-7\n"
           "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8",

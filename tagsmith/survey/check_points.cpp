@@ -166,6 +166,7 @@ void check_heights(const std::vector<SurveyedPoint>& points, const TunnelFit& fi
                    FindingLog& log) {
   std::map<PointKind, std::vector<HeightStation>> kinds;
   for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].of_alignment) continue;
     const double chainage = fit.residuals[i].chainage;
     const double floor = fit.tunnel.centerline.at(chainage).position.z();
     kinds[points[i].kind].push_back({chainage, points[i].in_grid.z() - floor, i});

@@ -55,6 +55,7 @@ std::vector<HeightStation> floor_points(const std::vector<SurveyedPoint>& points
   std::vector<HeightStation> floor;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SurveyedPoint& point = points[i];
+    if (!point.has_height) continue;
     const double z = point.in_grid.z();
     const std::optional<double> above = point.height ? point.height : mount_height;
     if (point.kind == PointKind::floor || point.kind == PointKind::centerline) {
@@ -239,11 +240,15 @@ struct Roughness {
 
 // The least tolerance, in steps of a third from what the best fit leaves, with which the points fit
 // a tunnel; nothing where even a quarter of its width does not do.
-std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& points, const PlanFit& best,
+std::optional<Roughness> roughness_of(const std::vector<PlanPoint>& all, const PlanFit& best,
                                       double tolerance) {
+  constexpr std::size_t kMostPoints = 2'000;  // they tell the scatter
   constexpr double kStep = 1.33;
   constexpr double kOfWidth = 0.25;
   constexpr double kGreatest = 2;
+  std::vector<PlanPoint> points;
+  const std::size_t step = 1 + all.size() / kMostPoints;
+  for (std::size_t i = 0; i < all.size(); i += step) points.push_back(all[i]);
   std::vector<double> sizes;
   for (const double residual : best.residuals) sizes.push_back(std::abs(residual));
   const double least = std::max(kStep * tolerance, 2 * median(std::move(sizes)));

@@ -14,12 +14,17 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/length_units.hpp"
+#include "tagsmith/survey/point_formats.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kCodes = "TL, TR, WL, WR, CL, FL, RF or the name of a tag, as 000L";
+
+// What numbers may be before their unit is known; check_reach says the rest.
+constexpr double kFarthestInMillimetres = 1000 * kFarthest;
 
 std::string upper(std::string_view text) {
   std::string result(text);
@@ -70,9 +75,10 @@ Result<std::vector<std::string>> columns_of_order(const std::string& order) {
 // One line with its columns by name.
 class ListRow {
  public:
-  ListRow(const std::vector<std::string>& columns, std::vector<std::string> fields, int line,
-          FindingLog& log)
-      : columns_(columns), fields_(std::move(fields)), line_(line), log_(log) {}
+  // `comma`: the decimal sign may be a comma, because fields are separated by something else.
+  ListRow(const std::vector<std::string>& columns, std::vector<std::string> fields, bool comma,
+          int line, FindingLog& log)
+      : columns_(columns), fields_(std::move(fields)), comma_(comma), line_(line), log_(log) {}
 
   int line() const { return line_; }
 
@@ -83,9 +89,10 @@ class ListRow {
   }
 
   std::optional<double> number(const std::string& column) const {
-    const std::string& field = text(column);
+    std::string field = text(column);
+    if (comma_ && field.find('.') == std::string::npos) std::ranges::replace(field, ',', '.');
     const std::optional<double> value = parse_number(field);
-    if (value && std::abs(*value) <= kFarthest) return value;
+    if (value && std::abs(*value) <= kFarthestInMillimetres) return value;
     const bool comma = field.find(',') != std::string::npos;
     error(
         column, "bad-number",
@@ -109,7 +116,11 @@ class ListRow {
 
   void error(const std::string& column, const std::string& code, const std::string& message,
              const std::string& hint = {}) const {
-    log_.error({line_, static_cast<int>(index_of(column)) + 1}, code, message, hint);
+    log_.error(place(column), code, message, hint);
+  }
+
+  Place place(const std::string& column) const {
+    return {line_, static_cast<int>(index_of(column)) + 1};
   }
 
  private:
@@ -119,33 +130,55 @@ class ListRow {
 
   const std::vector<std::string>& columns_;
   std::vector<std::string> fields_;
+  bool comma_;
   int line_;
   FindingLog& log_;
 };
 
-std::optional<SurveyedPoint> read_point(const ListRow& row,
-                                        const std::vector<std::string>& ignore) {
-  const std::string& description = row.text("code");
-  const std::string code = upper(description.substr(0, description.find_first_of(" \t")));
-  if (std::ranges::any_of(ignore, [&](const auto& word) { return upper(word) == code; })) {
-    return std::nullopt;
-  }
+std::string code_of(std::string_view description) {
+  return upper(description.substr(0, description.find_first_of(" \t")));
+}
+
+bool is_point_description(std::string_view description) {
+  const std::string code = code_of(description);
+  return kind_of(code).has_value() || parse_tag_name(code).has_value();
+}
+
+bool is_ignored(const RawPoint& raw, const std::vector<std::string>& ignore) {
+  const std::string code = code_of(raw.description);
+  return std::ranges::any_of(ignore, [&](const auto& word) { return upper(word) == code; });
+}
+
+// The point that the description says; `column` is its place in the line, for findings.
+std::optional<SurveyedPoint> described_point(const RawPoint& raw, int column, FindingLog& log) {
+  const std::string code = code_of(raw.description);
   SurveyedPoint point;
-  point.line = row.line();
-  point.name = row.text("name");
+  point.line = raw.line;
+  point.name = raw.name;
+  point.in_grid = raw.in_grid;
+  point.has_height = raw.has_height;
+  point.of_alignment = raw.of_alignment;
   point.tag = parse_tag_name(code);
   const std::optional<PointKind> kind = point.tag ? kind_of(point.tag->side) : kind_of(code);
-  const auto in_grid = row.point();
-  if (!kind) {
-    row.error("code", "unknown-code",
-              "point " + point.name.substr(0, 60) + " has the description `" +
-                  description.substr(0, 60) + "`, expected " + kCodes,
-              "or leave such points out: --ignore " + (code.empty() ? "CODE" : code.substr(0, 20)));
+  if (kind) {
+    point.kind = *kind;
+    return point;
   }
-  if (!kind || !in_grid) return std::nullopt;
-  point.kind = *kind;
-  point.in_grid = *in_grid;
-  return point;
+  log.error({raw.line, column}, "unknown-code",
+            "point " + raw.name.substr(0, 60) + " has the description `" +
+                raw.description.substr(0, 60) + "`, expected " + kCodes,
+            "or leave such points out: --ignore " + (code.empty() ? "CODE" : code.substr(0, 20)));
+  return std::nullopt;
+}
+
+std::optional<SurveyedPoint> read_point(const ListRow& row, const PointListOptions& options,
+                                        FindingLog& log) {
+  RawPoint raw{row.line(), row.text("name"), row.text("code")};
+  if (is_ignored(raw, options.ignore)) return std::nullopt;
+  const auto in_grid = row.point();
+  raw.in_grid = options.metres_per_unit.value_or(1) * in_grid.value_or(Eigen::Vector3d::Zero());
+  std::optional<SurveyedPoint> point = described_point(raw, row.place("code").column, log);
+  return in_grid ? point : std::nullopt;
 }
 
 // Lists of older versions do not have it.
@@ -242,25 +275,140 @@ void check_names(const std::vector<SurveyedPoint>& points, FindingLog& log) {
   }
 }
 
-struct Line {
-  int number = 0;
-  std::vector<std::string> fields;
+// ---- Tables.
+
+// What separates the columns in the first lines of a table.
+struct Separator {
+  char sign;
+  const char* name;
+  std::size_t fitting = 0;         // lines with columns enough
+  std::size_t first = 0;           // columns of the first line
+  std::set<std::size_t> counts{};  // of columns
 };
 
-std::vector<Line> lines_of(const std::string& text, FindingLog& log) {
-  std::vector<Line> lines;
-  int number = 0;
-  for (const std::string& line : split(text, '\n')) {
-    ++number;
-    if (trim(line).empty()) continue;
-    auto fields = split_csv(line);
+// The one that gives columns enough in most of the first lines; of several, the one that always
+// gives the same number of them. An error, once, where there is none.
+std::optional<char> separator_of(std::string_view text, std::size_t least, FindingLog& log) {
+  constexpr std::size_t kMostLines = 200;
+  std::array<Separator, 3> tried{{{',', "commas"}, {';', "semicolons"}, {'\t', "tabs"}}};
+  std::size_t lines = 0;
+  int first_line = 0;
+  for_each_line(text, [&](int number, std::string_view line) {
+    for (Separator& each : tried) {
+      const auto fields = split_csv(line, each.sign);
+      const std::size_t count = fields ? fields->size() : 0;
+      if (lines == 0) each.first = count;
+      each.fitting += count >= least ? 1 : 0;
+      each.counts.insert(count);
+    }
+    if (lines == 0) first_line = number;
+    return ++lines < kMostLines;
+  });
+  if (lines == 0) return ',';
+  std::vector<const Separator*> fitting;
+  for (const Separator& each : tried) {
+    if (2 * each.fitting > lines) fitting.push_back(&each);
+  }
+  if (fitting.size() > 1) {
+    std::erase_if(fitting, [](const Separator* each) { return each->counts.size() > 1; });
+  }
+  if (fitting.size() == 1) return fitting.front()->sign;
+  std::string found;
+  for (const Separator& each : tried) {
+    found += (found.empty() ? "" : ", ") + std::to_string(each.first) + " by " + each.name;
+  }
+  log.error({first_line, 0}, "wrong-length",
+            "the line has " + found + " fields, expected " + std::to_string(least) +
+                " by one of them, and as many on the others",
+            "--order says all columns of the file, - for those to skip");
+  return std::nullopt;
+}
+
+void read_table(std::string_view text, const PointListOptions& options,
+                std::vector<std::string> columns, PointList& list, FindingLog& log) {
+  const bool own = options.order == "own";
+  list.unit_is_known = own || options.metres_per_unit;
+  const std::size_t least = own ? kOldColumns : columns.size();
+  FindingLog unheard("");  // of an own list the header says what is wrong
+  auto separator = separator_of(text, least, own ? unheard : log);
+  if (!separator && own) separator = ',';
+  bool is_header = own || options.header;
+  if (!separator) return;
+  for_each_line(text, [&](int number, std::string_view line) {
+    auto fields = split_csv(line, *separator);
     if (!fields) {
       log.error({number, 0}, "bad-quotes", "a quoted field is not closed");
+    } else if (std::exchange(is_header, false)) {
+      if (own) check_own_header(*fields, number, columns, log);
+      return !log.has_errors();
+    } else if (fields->size() < columns.size()) {
+      log.error({number, 0}, "wrong-length",
+                "the line has " + std::to_string(fields->size()) + " fields, expected " +
+                    std::to_string(columns.size()));
+    } else if (list.points.size() == kMostPoints) {
+      log.error({number, 0}, "too-many-points", "more than a million points", "divide the file");
+      return false;
     } else {
-      lines.push_back({number, std::move(*fields)});
+      const ListRow row(columns, std::move(*fields), *separator != ',', number, log);
+      if (own && !list.survey) list.survey = read_listed_survey(row);
+      auto point = own ? read_own_point(row) : read_point(row, options, log);
+      if (point) list.points.push_back(std::move(*point));
     }
+    return true;
+  });
+}
+
+// Logs once that points lie beyond all grids, as they do in millimetres.
+void check_reach(const PointList& list, FindingLog& log) {
+  const auto is_far = [](const SurveyedPoint& point) {
+    return !(point.in_grid.cwiseAbs().maxCoeff() <= kFarthest);
+  };
+  const auto first = std::ranges::find_if(list.points, is_far);
+  if (first == list.points.end()) return;
+  const auto count = std::ranges::count_if(list.points, is_far);
+  log.error({first->line, 0}, list.unit_is_known ? "bad-number" : "no-units",
+            "point " + first->name.substr(0, 60) + " lies more than 100 000 km from zero" +
+                (count > 1 ? ", and so do " + std::to_string(count - 1) + " others" : ""),
+            list.unit_is_known ? "correct its coordinates"
+                               : "are these millimetres? --units mm, or ft, us-ft, m");
+}
+
+// ---- Files of other kinds.
+
+// Metres of the file's unit.
+double unit_of(const RawPoints& raw, const std::optional<double>& asked, FindingLog& log) {
+  const bool asked_feet = asked == kFoot || asked == kSurveyFoot;
+  if (raw.in_some_feet && !asked_feet) {
+    log.error({}, "no-units", "the file is in feet, but does not say in which",
+              "--units ft (0.3048 m) or --units us-ft (1200/3937 m)");
+  } else if (asked && raw.metres_per_unit && !raw.unit_is_advice &&
+             *asked != *raw.metres_per_unit) {
+    log.error({}, "no-units",
+              "the file says that its unit is " + format_number(*raw.metres_per_unit, 9) + " m",
+              "leave --units out");
   }
-  return lines;
+  return asked.value_or(raw.metres_per_unit.value_or(1));
+}
+
+void read_other(PointFormat format, std::string_view text, const PointListOptions& options,
+                PointList& list, FindingLog& log) {
+  RawPoints raw = format == PointFormat::landxml ? landxml_points(text, options.ignore, log)
+                  : format == PointFormat::gsi   ? gsi_points(text, log)
+                  : format == PointFormat::rw5   ? rw5_points(text, log)
+                                                 : dxf_points(text, is_point_description, log);
+  const double unit = unit_of(raw, options.metres_per_unit, log);
+  list.unit_is_known = options.metres_per_unit || (raw.metres_per_unit && !raw.unit_is_advice);
+  list.epsg = raw.epsg;
+  const bool has_line = std::ranges::any_of(raw.points, &RawPoint::of_alignment);
+  for (RawPoint& point : raw.points) {
+    if (is_ignored(point, options.ignore)) continue;
+    point.in_grid *= unit;
+    auto described = described_point(point, 0, log);
+    if (!described) continue;
+    const bool is_line = described->kind == PointKind::centerline;
+    if (has_line && is_line && !point.of_alignment) described->kind = PointKind::floor;
+    list.points.push_back(std::move(*described));
+  }
 }
 
 }  // namespace
@@ -294,32 +442,32 @@ std::vector<std::string> own_columns() {
 
 Result<PointListReading> read_point_list(const std::filesystem::path& path,
                                          const PointListOptions& options) {
-  const bool own = options.order == "own";
-  Result<std::vector<std::string>> columns = own ? own_columns() : columns_of_order(options.order);
-  if (!columns) return tl::unexpected(columns.error());
   const Result<std::string> text = read_file(path);
   if (!text) return tl::unexpected(text.error());
+  const Result<PointFormat> format = format_of_points(*text);
+  if (!format) return fail(path.string() + ": is " + format.error().message);
   FindingLog log(path.string());
   PointList list;
-  std::vector<Line> lines = lines_of(*text, log);
-  if (own && !lines.empty()) {
-    check_own_header(lines.front().fields, lines.front().number, *columns, log);
-  }
-  if (log.has_errors()) lines.clear();
-  if ((own || options.header) && !lines.empty()) lines.erase(lines.begin());
-  if (lines.empty() && !log.has_errors()) log.error({}, "no-points", "the file has no points");
-  for (Line& line : lines) {
-    if (line.fields.size() < columns->size()) {
-      log.error({line.number, 0}, "wrong-length",
-                "the line has " + std::to_string(line.fields.size()) + " fields, expected " +
-                    std::to_string(columns->size()) + " separated by commas");
-      continue;
+  if (*format != PointFormat::table) {
+    if (!options.order.empty() || options.header) {
+      return fail(path.string() + ": is no table of columns: leave --order and --header out");
     }
-    const ListRow row(*columns, std::move(line.fields), line.number, log);
-    if (own && !list.survey) list.survey = read_listed_survey(row);
-    auto point = own ? read_own_point(row) : read_point(row, options.ignore);
-    if (point) list.points.push_back(std::move(*point));
+    read_other(*format, *text, options, list, log);
+  } else if (options.order.empty()) {
+    return fail(path.string() +
+                ": a table needs --order, the order of its columns: PENZD, PNEZD or own");
+  } else {
+    const bool own = options.order == "own";
+    Result<std::vector<std::string>> columns =
+        own ? own_columns() : columns_of_order(options.order);
+    if (!columns) return tl::unexpected(columns.error());
+    if (own && options.metres_per_unit) return fail("--order own is in metres: leave --units out");
+    read_table(*text, options, std::move(*columns), list, log);
   }
+  if (list.points.empty() && !log.has_errors()) {
+    log.error({}, "no-points", "the file has no points");
+  }
+  check_reach(list, log);
   check_names(list.points, log);
   PointListReading reading;
   reading.diagnostics = log.sorted();

@@ -32,6 +32,8 @@ struct SurveyedPoint {
   std::string name;
   PointKind kind = PointKind::floor;
   Eigen::Vector3d in_grid = Eigen::Vector3d::Zero();
+  bool has_height = true;          // false: z says nothing
+  bool of_alignment = false;       // sampled from a designed center line, not surveyed
   int line = 0;                    // in the file
   std::optional<TagName> tag;      // nothing: to be numbered along the drive
   std::string digits;              // as printed; empty = not given
@@ -61,17 +63,21 @@ struct ListedSurvey {
 struct PointList {
   std::vector<SurveyedPoint> points;
   std::optional<ListedSurvey> survey;  // of an own list
+  bool unit_is_known = false;          // said by the file or the user, not taken for metres
+  int epsg = 0;                        // where the file names its grid
 };
 
 // The columns of an own list.
 std::vector<std::string> own_columns();
 
 struct PointListOptions {
-  // Letters of the columns in the order of the file: P name, E or X, N or Y, Z, D description, `-`
-  // a column that is skipped; or `own`, the CSV of `tagsmith export`.
+  // Of tables, letters of the columns in the order of the file: P name, E or X, N or Y, Z, D
+  // description, `-` a column that is skipped; or `own`, the CSV of `tagsmith export`. Empty for
+  // other files.
   std::string order;
-  bool header = false;              // the first line names the columns (own lists always do)
-  std::vector<std::string> ignore;  // descriptions that are left out
+  bool header = false;                    // the first line names the columns (own lists always do)
+  std::vector<std::string> ignore;        // descriptions that are left out, and names of alignments
+  std::optional<double> metres_per_unit;  // as the user says; else the file does, or it is 1
 };
 
 struct PointListReading {
@@ -79,8 +85,11 @@ struct PointListReading {
   std::vector<Diagnostic> diagnostics;
 };
 
-// Descriptions are compared by their first word, in any case of letters. Fails when the file cannot
-// be read, or the order names no usable columns.
+// A table with commas, semicolons or tabs, whichever gives enough columns, LandXML, Leica GSI, RW5
+// or ASCII DXF, told apart by content. With semicolons and tabs a decimal comma is one.
+// Descriptions are compared by their first word, in any case of letters. Where there is an
+// alignment, points CL of the file are floor points. Fails when the file cannot be read, is of no
+// such kind, or the order names no usable columns.
 Result<PointListReading> read_point_list(const std::filesystem::path& path,
                                          const PointListOptions& options);
 

@@ -31,9 +31,15 @@ constexpr std::array kRules{
     Rule{"bad-digits", "digits that are no code",
          "Printed digits are text in quotes: eleven digits, or twelve with the check "
          "digit. As a number they would lose their leading zeros."},
+    Rule{"bad-dxf", "a drawing that is no ASCII DXF",
+         "A DXF has group codes and values, a line each. This file has a line where a group code "
+         "should be and none is: save the drawing again."},
     Rule{"bad-element", "an element of the center line that is neither line nor arc",
          "Each element is either { line: LENGTH } or { arc: RADIUS, turn: left|right, "
          "angle: DEGREES }, with an optional grade in percent."},
+    Rule{"bad-gsi", "a word that is none of Leica GSI",
+         "A word has six characters of index, information and unit, a sign, and 8 or in lines that "
+         "begin with * 16 characters of data."},
     Rule{"bad-name", "a name that cannot name files or columns",
          "Names become file names and columns of tables: they begin with a letter or "
          "digit and have no / \\ , : or quotes. Cameras and ranges take letters, digits, "
@@ -128,6 +134,9 @@ constexpr std::array kRules{
          "Holes lie on the plate, clear of the feature frame, the label and the edge."},
     Rule{"leading-zero", "a number with leading zeros",
          "Some programs read 012 as octal ten. Write 12."},
+    Rule{"left-out", "parts of a drawing that were not read",
+         "Of a drawing only points, lines, polylines and blocks are read, on layers whose names "
+         "are descriptions of points."},
     Rule{"lens-model", "a lens model that is not clear",
          "Four distortion coefficients may be those of a perspective lens or of a "
          "fisheye: `model` in the rig's camera says which. Thin-prism and tilt terms are "
@@ -169,6 +178,9 @@ constexpr std::array kRules{
     Rule{"no-template", "a template that is not found",
          "A template is named by its name, and then lies beside the survey or among the "
          "tool's own, or by a path that ends in .yaml."},
+    Rule{"no-units", "a list in a unit that is not clear",
+         "The file says feet, but international and US survey feet differ by 11 m in 5 000 km; or "
+         "it says another unit than --units; or points of one file differ in their unit."},
     Rule{"not-finite", "no finite number", "Infinity and nan are no measurements."},
     Rule{"not-utf-8", "bytes that are no text",
          "Save the file as UTF-8. A file from a word processor or a spreadsheet is no "
@@ -206,6 +218,9 @@ constexpr std::array kRules{
     Rule{"part-of-image", "a calibration of a part of the image",
          "The camera was calibrated with binning or a region of interest. Calibrate with "
          "the images that the vehicle takes."},
+    Rule{"several-alignments", "a file with several center lines",
+         "A survey has one center line. Leave the other alignments out by their names, with "
+         "--ignore."},
     Rule{"several-cameras", "a calibration file of several cameras",
          "The rig says which: calibration: { file: FILE, camera: NAME }."},
     Rule{"several-documents", "several YAML documents in one file", "One file, one survey."},
@@ -233,6 +248,7 @@ constexpr std::array kRules{
          "The radius is that of the center line; the inner wall needs one above zero "
          "too."},
     Rule{"too-deep", "nested too deeply", "The formats need five levels at most."},
+    Rule{"too-many-points", "more points than are read", "A list has at most a million points."},
     Rule{"too-many-tags", "more tags than one survey may have", "Split the survey."},
     Rule{"too-many-values", "more values than a file may have", "Split the file."},
     Rule{"unknown-camera", "a camera that the calibration file does not have",
