@@ -174,6 +174,9 @@ Result<void> complete_tags(const NewOptions& options, const std::optional<Listed
   }
   number_tags(draft.points, draft.fit);
   draft.code.check = *parse_check_digit(options.check_digit);
+  if (options.split && listed) {
+    return fail("the list says the code that is printed on its plates: leave --split out");
+  }
   if (options.split) return {};
   Result<PositionCode> code =
       listed ? listed->code : code_for(tag_positions(draft), draft.code.check);

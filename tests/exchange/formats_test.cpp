@@ -215,6 +215,26 @@ TEST_CASE("what export writes for surveyors, new reads back") {
   }
 }
 
+TEST_CASE("a list of export that a spreadsheet wrote with semicolons and commas reads back") {
+  const TemporaryFolder folder;
+  const fs::path csv = folder.path() / "tags.csv";
+  REQUIRE(run_tagsmith("export surveys/curved/survey.yaml -o " + quoted(csv)).exit_code == 0);
+  std::string text = read_file(csv).value();
+  for (char& c : text) c = c == ',' ? ';' : c == '.' ? ',' : c;
+  const ProgramOutput made = draft(folder.path(), text, "--order own");
+  REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  const Survey before = load_survey("surveys/curved/survey.yaml").value();
+  const Survey after = load_survey(folder.path() / "out" / "survey.yaml").value();
+  REQUIRE(after.tags.size() == before.tags.size());
+  for (std::size_t i = 0; i < after.tags.size(); ++i) {
+    CHECK(after.tags[i].digits == before.tags[i].digits);
+    CHECK((after.tags[i].p_in_grid - before.tags[i].p_in_grid).norm() < 2e-6);
+  }
+  fs::remove_all(folder.path() / "out");
+  CHECK(draft(folder.path(), text, "--order own --split").exit_code == 2);
+  CHECK(draft(folder.path(), text, "--order own --units ft").exit_code == 2);
+}
+
 TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation is told") {
   // 20 m straight, a clothoid of 20 m to a radius of 40 m to the right, 30 m of arc.
   constexpr double kRadius = 40;
