@@ -34,6 +34,7 @@ struct ProofTag {
   std::vector<std::pair<const ProofPage*, const PageTag*>> pieces;
 
   const TagDrawing& drawing() const { return pieces.front().second->drawing; }
+  Rectangle frame_on_page() const { return on_page(*pieces.front().second, drawing().frame_outer); }
 };
 
 std::vector<ProofTag> tags_on(std::span<const ProofPage> pages) {
@@ -77,6 +78,11 @@ struct ReadyTag {
   PixelPoint p;
 };
 
+// The inner corner P of the feature frame on the page.
+PlatePoint p_on_page(const PageTag& tag) {
+  return on_page(tag, PlatePoint{tag.drawing.frame_inner.x, tag.drawing.frame_inner.y});
+}
+
 // The part of the rectangle that lies in the other.
 Rectangle common_part(const Rectangle& a, const Rectangle& b) {
   const double left = std::max(a.x, b.x);
@@ -89,8 +95,8 @@ Rectangle common_part(const Rectangle& a, const Rectangle& b) {
 // Every piece stands where its page shows P; sheets glued together are the pieces over each other.
 Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
   const double per_metre = dots_per_inch / kMetresPerInch;
-  const Rectangle& outer = tag.drawing().frame_outer;
-  const Rectangle& inner = tag.drawing().frame_inner;
+  const Rectangle outer = tag.frame_on_page();
+  const PlatePoint inner = p_on_page(*tag.pieces.front().second);
   const int around = pixel_at(kAround, per_metre);
   const int left = pixel_at(inner.x - outer.x, per_metre) + around;  // pixels from the edge to P
   const int up = pixel_at(inner.y - outer.y, per_metre) + around;
@@ -102,9 +108,9 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
   image.samples.assign(
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 255);
   for (const auto& [page, shown] : tag.pieces) {
-    const Rectangle& frame = shown->drawing.frame_inner;
-    const int p_x = pixel_at(frame.x, per_metre);
-    const int p_y = pixel_at(frame.y, per_metre);
+    const PlatePoint p = p_on_page(*shown);
+    const int p_x = pixel_at(p.x, per_metre);
+    const int p_y = pixel_at(p.y, per_metre);
     Rectangle part = common_part({(p_x - left) / per_metre, (p_y - up) / per_metre,
                                   image.width / per_metre, image.height / per_metre},
                                  {0, 0, page->page->width, page->page->height});
@@ -116,7 +122,7 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
     const Result<GrayImage> piece = rasterize_part(page->file, page->number, dots_per_inch, region);
     if (!piece) return fail(piece.error().message);
     paste(*piece, image, region.x - p_x + left, region.y - p_y + up);
-    ready.p = {left + frame.x * per_metre - p_x - 0.5, up + frame.y * per_metre - p_y - 0.5};
+    ready.p = {left + p.x * per_metre - p_x - 0.5, up + p.y * per_metre - p_y - 0.5};
   }
   return ready;
 }
@@ -159,11 +165,17 @@ void compare_digits(const Survey& survey, const ProofTag& tag, const Reading& re
 void compare_corners(const Survey& survey, const ProofTag& tag, const Reading& reading,
                      const PixelPoint& p, double metres_per_pixel, TagProof& proof) {
   const auto& [corner_p, corner_f, corner_r, corner_q] = reading.corners;
+  const PageTag& shown = *tag.pieces.front().second;
   const Rectangle& frame = tag.drawing().frame_inner;
-  const double right = frame.width / metres_per_pixel;
-  const double down = frame.height / metres_per_pixel;
-  const FrameCorners expected{
-      {p, {p.x + right, p.y}, {p.x + right, p.y + down}, {p.x, p.y + down}}};
+  const PlatePoint origin = p_on_page(shown);
+  const auto expected_at = [&](double right, double down) {
+    const PlatePoint corner = on_page(shown, PlatePoint{frame.x + right, frame.y + down});
+    return PixelPoint{p.x + (corner.x - origin.x) / metres_per_pixel,
+                      p.y + (corner.y - origin.y) / metres_per_pixel};
+  };
+  const FrameCorners expected{{expected_at(0, 0), expected_at(frame.width, 0),
+                               expected_at(frame.width, frame.height),
+                               expected_at(0, frame.height)}};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     proof.corner_error =
         std::max(proof.corner_error, distance(reading.corners[i], expected[i]) * metres_per_pixel);

@@ -164,6 +164,11 @@ void report_proof(const PrintRecord& record) {
             format_number(farthest * 1000, 3));
 }
 
+void report_roll(const PrintJob& job) {
+  to_stderr("tagsmith print: {} m of {}, {} % waste\n", format_number(job.roll->length, 2),
+            job.style.paper->name, format_number(job.roll->waste() * 100, 0));
+}
+
 Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   const Result<Survey> survey = load_survey(options.survey);
@@ -189,6 +194,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
     return kExitFindings;
   }
   if (record->proofs) report_proof(*record);
+  if (job->roll) report_roll(*job);
   report(*record, options);
   return kExitOk;
 }

@@ -80,7 +80,7 @@ Result<void> check_bar_adjustment(const PrintJob& job) {
 }
 
 // Chooses among one page a plate, several plates a page and several pages a plate.
-Result<void> plan_pages(PrintJob& job) {
+Result<void> plan_pages(PrintJob& job, std::size_t tags) {
   const PrintStyle& style = job.style;
   if (!style.paper) return {};
   const Rectangle plate = draw_tag(job.printed, Digits{}).plate;
@@ -91,8 +91,9 @@ Result<void> plan_pages(PrintJob& job) {
     job.tiles = *tiles;
     return {};
   }
-  job.nest = plan_nest(plate, *style.paper, style.bleed, job.png_dots_per_inch());
+  job.nest = plan_nest(plate, *style.paper, style.bleed, job.png_dots_per_inch(), tags);
   if (!job.nest) return tl::unexpected(paper_too_small(job.printed, plate, style));
+  if (job.nest->roll) job.roll = roll_use(plate, *job.nest, tags);
   return {};
 }
 
@@ -202,7 +203,7 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   job.printed = survey.tag_template;
   if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn.error().message);
   if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted.error().message);
-  if (auto planned = plan_pages(job); !planned) return fail(planned.error().message);
+  if (auto planned = plan_pages(job, tags.size()); !planned) return fail(planned.error().message);
   job.units = units_of(job, tags);
   return job;
 }

@@ -55,6 +55,7 @@ struct PrintJob {
   TagTemplate printed;   // the survey's template as it is drawn on the printer's dots
   std::string rounding;  // what that changed, for people; empty = nothing
   std::optional<NestPlan> nest;
+  std::optional<RollUse> roll;  // of all pages on a roll
   std::optional<TilePlan> tiles;
   std::vector<PrintUnit> units;
 

@@ -71,6 +71,11 @@ Json proofs_json(const std::vector<TagProof>& proofs) {
   return list;
 }
 
+Json roll_json(const RollUse& roll) {
+  return {{"length_m", std::round(roll.length * 1e3) / 1e3},
+          {"waste_percent", std::round(roll.waste() * 1e3) / 10}};
+}
+
 std::string mm_text(double metres) { return format_number(metres * 1000, 6); }
 
 }  // namespace
@@ -118,6 +123,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
       {"documents", record.documents},
       {"sha256", record.sha256}};
   if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
+  if (job.roll) manifest["roll"] = roll_json(*job.roll);
   if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
   return json_text(manifest, 2) + "\n";
 }

@@ -3,49 +3,56 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-constexpr double kRounding = 1e-9;
-
 // A plate's share of the page: itself and half the gap around it, which holds its crop marks.
 double gap_of(double bleed) { return 2 * std::max(bleed, kPaperMarkGap + kPaperMarkLength); }
 
-int count_along(double room, double side, double gap) {
-  return static_cast<int>(std::floor((room + kRounding) / (side + gap)));
-}
-
-NestPlan plan_on(const Rectangle& plate, double width, double height, double bleed) {
-  const Rectangle area = content_area(width, height);
+PlateSize room_of(const Rectangle& plate, double bleed) {
   const double gap = gap_of(bleed);
-  return {count_along(area.width, plate.width, gap),
-          count_along(area.height, plate.height, gap),
-          width,
-          height,
-          false,
-          false,
-          bleed};
+  return {plate.width + gap, plate.height + gap};
 }
 
-// Plates per metre of the roll.
-double density(const NestPlan& plan) {
-  return plan.plates() / std::max(plan.page_width, plan.page_height);
+NestPlan plan_on(const Rectangle& plate, double width, double height, double bleed,
+                 std::size_t plates, bool may_turn) {
+  const Rectangle area = content_area(width, height);
+  const PlateSize room = room_of(plate, bleed);
+  const double most = area.width * area.height / (room.width * room.height) + 1;
+  const auto count = static_cast<std::size_t>(std::min(most, static_cast<double>(plates)));
+  const std::vector<PlateSize> rooms(count, room);
+  return {width, height, pack_plates(rooms, area.width, area.height, may_turn).places,
+          false, bleed,  0};
 }
 
-std::optional<NestPlan> better(std::optional<NestPlan> first, std::optional<NestPlan> second) {
-  if (first->plates() == 0 && second->plates() == 0) return std::nullopt;
-  return density(*second) > density(*first) ? second : first;
+double page_height_of(const PlatePacking& packing) {
+  const double least = kScaleBarLength + PaperBorder::kTop + PaperBorder::kBottom;
+  return std::max(PaperBorder::kTop + packing.length + PaperBorder::kBottom, least);
 }
 
-// Where the plate of this column and row lies.
-PlatePoint place_of(const Rectangle& plate, const NestPlan& plan, int column, int row) {
+// The plates on a piece of the roll.
+PlatePacking pack_on_roll(std::span<const PlateSize> rooms, double width) {
+  return pack_plates(rooms, content_area(width, kLongestPage).width,
+                     content_area(width, kLongestPage).height, true);
+}
+
+// The tag in the room at this place, P on a whole dot. Turned, it stands on its left edge.
+PageTag placed_tag(const NamedDrawing& tag, const PlatePlace& place, const NestPlan& plan) {
   const Rectangle area = content_area(plan.page_width, plan.page_height);
-  const double gap = gap_of(plan.bleed);
-  return {area.x + gap / 2 + column * (plate.width + gap),
-          area.y + gap / 2 + row * (plate.height + gap)};
+  const Rectangle& plate = tag.drawing.plate;
+  const double left = area.x + place.x + gap_of(plan.bleed) / 2;
+  const double top = area.y + place.y + gap_of(plan.bleed) / 2;
+  const double p_right = place.turned ? -plate.y : -plate.x;  // of the plate's corner on the page
+  const double p_down = place.turned ? plate.x + plate.width : -plate.y;
+  const PlatePoint p{at_dot(left + p_right, plan.dots_per_inch),
+                     at_dot(top + p_down, plan.dots_per_inch)};
+  PageTag placed{tag.name, moved(tag.drawing, p.x, p.y)};
+  if (place.turned) placed.turned_about = p;
+  return placed;
 }
 
 std::string mm(double metres) { return format_number(std::ceil(metres * 1000 - 1e-6)); }
@@ -53,15 +60,24 @@ std::string mm(double metres) { return format_number(std::ceil(metres * 1000 - 1
 }  // namespace
 
 std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& paper, double bleed,
-                                  int dots_per_inch) {
-  const double length = paper.roll() ? kLongestPage : paper.height;
-  NestPlan upright = plan_on(plate, paper.width, length, bleed);
-  NestPlan across = plan_on(plate, length, paper.width, bleed);
-  upright.shortened_down = paper.roll();
-  across.shortened_right = paper.roll();
-  std::optional<NestPlan> plan = better(upright, across);
-  if (plan) plan->dots_per_inch = dots_per_inch;
-  return plan;
+                                  int dots_per_inch, std::size_t plates) {
+  NestPlan best;
+  if (paper.roll()) {
+    best =
+        plan_on(plate, paper.width, kLongestPage, bleed, std::min(plates, kMostNestedPlates), true);
+    best.roll = true;
+  } else {
+    const auto attempt = [&](double width, double height, bool may_turn) {
+      NestPlan plan = plan_on(plate, width, height, bleed, kMostNestedPlates, may_turn);
+      if (best.places.empty() || plan.plates() > best.plates()) best = std::move(plan);
+    };
+    attempt(paper.width, paper.height, false);
+    attempt(paper.height, paper.width, false);
+    attempt(paper.width, paper.height, true);
+  }
+  if (best.places.empty()) return std::nullopt;
+  best.dots_per_inch = dots_per_inch;
+  return best;
 }
 
 std::string papers_for(const Rectangle& plate, double bleed) {
@@ -69,42 +85,49 @@ std::string papers_for(const Rectangle& plate, double bleed) {
   for (const PrintPaper& paper : print_papers()) {
     if (plan_nest(plate, paper, bleed, 0)) text += (text.empty() ? "" : ", ") + paper.name;
   }
-  const double gap = gap_of(bleed);
-  const double upright = plate.width + gap + PaperBorder::kLeft + PaperBorder::kRight;
-  const double across = plate.height + gap + PaperBorder::kTop + PaperBorder::kBottom;
-  return text + (text.empty() ? "" : " or ") + "a roll of " + mm(std::min(upright, across)) + " mm";
+  const PlateSize room = room_of(plate, bleed);
+  const double across =
+      std::min(room.width, room.height) + PaperBorder::kLeft + PaperBorder::kRight;
+  return text + (text.empty() ? "" : " or ") + "a roll of " + mm(across) + " mm";
 }
 
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan) {
   Page page;
   page.notes = notes;
-  page.width = plan.page_width;
+  page.width =
+      std::max(plan.page_width, kScaleBarLength + PaperBorder::kLeft + PaperBorder::kRight);
   page.height = plan.page_height;
-  const Rectangle plate = tags.front().drawing.plate;
-  const int count = static_cast<int>(tags.size());
-  const int rows = (count + plan.columns - 1) / plan.columns;
-  if (plan.shortened_down) {
-    page.height = place_of(plate, plan, 0, rows).y + PaperBorder::kBottom;
-  } else if (plan.shortened_right) {
-    const int columns = rows > 1 ? plan.columns : count;
-    page.width = place_of(plate, plan, columns, 0).x + PaperBorder::kRight;
+  std::vector<PlatePlace> places = plan.places;
+  if (plan.roll) {
+    std::vector<PlateSize> rooms;
+    for (const NamedDrawing& tag : tags) rooms.push_back(room_of(tag.drawing.plate, plan.bleed));
+    PlatePacking packing = pack_on_roll(rooms, plan.page_width);
+    page.height = page_height_of(packing);
+    places = std::move(packing.places);
   }
-  page.width = std::max(page.width, kScaleBarLength + PaperBorder::kLeft + PaperBorder::kRight);
-  page.height = std::max(page.height, kScaleBarLength + PaperBorder::kTop + PaperBorder::kBottom);
-  for (int i = 0; i < count; ++i) {
-    const PlatePoint place = place_of(plate, plan, i % plan.columns, i / plan.columns);
-    const NamedDrawing& tag = tags[static_cast<std::size_t>(i)];
-    const TagDrawing drawing = moved(tag.drawing, at_dot(place.x - plate.x, plan.dots_per_inch),
-                                     at_dot(place.y - plate.y, plan.dots_per_inch));
-    add_crop_marks(page, drawing.plate, kPaperMarkGap, kPaperMarkLength);
-    page.tags.push_back({tag.name, drawing});
+  for (std::size_t i = 0; i < std::min(tags.size(), places.size()); ++i) {
+    page.tags.push_back(placed_tag(tags[i], places[i], plan));
+    const PageTag& placed = page.tags.back();
+    add_crop_marks(page, on_page(placed, placed.drawing.plate), kPaperMarkGap, kPaperMarkLength);
   }
   add_scale_bars(page, 0.007, page.height - 0.007);
   add_paper_notes(page, notes.title + "  \u00b7  " + notes.subject,
                   what_to_measure(tags.front().drawing),
                   page.width - PaperBorder::kLeft - PaperBorder::kRight);
   return page;
+}
+
+RollUse roll_use(const Rectangle& plate, const NestPlan& plan, std::size_t plates) {
+  const auto length_of = [&](std::size_t count) {
+    const std::vector<PlateSize> rooms(count, room_of(plate, plan.bleed));
+    return count > 0 ? page_height_of(pack_on_roll(rooms, plan.page_width)) : 0;
+  };
+  const std::size_t full = plates / plan.places.size();
+  const double length = static_cast<double>(full) * length_of(plan.places.size()) +
+                        length_of(plates % plan.places.size());
+  return {length, length * plan.page_width,
+          static_cast<double>(plates) * plate.width * plate.height};
 }
 
 }  // namespace tagsmith::detail

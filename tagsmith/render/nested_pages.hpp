@@ -2,32 +2,37 @@
 // Several plates on one sheet of paper or piece of a roll.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "tagsmith/render/pack_plates.hpp"
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/render/print_paper.hpp"
 
 namespace tagsmith::detail {
 
 struct NestPlan {
-  int columns = 0;
-  int rows = 0;  // of a full page
   double page_width = 0;
-  double page_height = 0;        // of a full page
-  bool shortened_down = false;   // a roll's last page is cut off below its last row
-  bool shortened_right = false;  // or right of its last column
+  double page_height = 0;          // of a full page
+  std::vector<PlatePlace> places;  // on a full page, within its content_area
+  bool roll = false;               // a page ends below its lowest plates
   double bleed = 0;
   int dots_per_inch = 0;
 
-  int plates() const { return columns * rows; }
+  int plates() const { return static_cast<int>(places.size()); }
 };
 
-// As many plates of this size as the paper holds, turned whichever way holds more; nothing when it
-// holds none.
+// More plates are put on several pages.
+inline constexpr std::size_t kMostNestedPlates = 2000;
+
+// As many plates of this size as the paper holds, at most `plates` on a roll and kMostNestedPlates
+// on a page; nothing when it holds none. The way that holds more is taken, or is shorter on a roll:
+// rows on the page, rows on the page lying, then with single plates turned by a quarter.
 std::optional<NestPlan> plan_nest(const Rectangle& plate, const PrintPaper& paper, double bleed,
-                                  int dots_per_inch);
+                                  int dots_per_inch, std::size_t plates = kMostNestedPlates);
 
 // What carries a plate of this size: "A2, A1, A0 or a roll of 323 mm".
 std::string papers_for(const Rectangle& plate, double bleed);
@@ -37,8 +42,21 @@ struct NamedDrawing {
   TagDrawing drawing;  // in the plate frame
 };
 
-// One page with these plates, at most plan.plates() of them and all of one size, row by row.
+// One page with these plates, at most plan.plates() of them and on a sheet all of one size. A page
+// of a roll is as short as its plates allow, which may be of several sizes.
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,
                     const NestPlan& plan);
+
+// What pages use of a roll.
+struct RollUse {
+  double length = 0;  // metres
+  double area = 0;    // square metres
+  double plates = 0;  // square metres of it
+
+  double waste() const { return area > 0 ? 1 - plates / area : 0; }  // share of the area
+};
+
+// Of so many plates of one size on pages of the plan, which is of a roll.
+RollUse roll_use(const Rectangle& plate, const NestPlan& plan, std::size_t plates);
 
 }  // namespace tagsmith::detail

@@ -70,6 +70,19 @@ Rectangle grown(const Rectangle& box, double by) {
 
 }  // namespace
 
+PlatePoint on_page(const PageTag& tag, const PlatePoint& point) {
+  if (!tag.turned_about) return point;
+  const auto& [x, y] = *tag.turned_about;
+  return {x + point.y - y, y - (point.x - x)};
+}
+
+Rectangle on_page(const PageTag& tag, const Rectangle& rectangle) {
+  const auto& [x, y, width, height] = rectangle;
+  if (!tag.turned_about) return rectangle;
+  const PlatePoint upper_left = on_page(tag, PlatePoint{x + width, y});
+  return {upper_left.x, upper_left.y, height, width};
+}
+
 double least_margin(double bleed) {
   constexpr double kUnprinted = 0.005;
   constexpr double kNotes = 0.022;  // two lines, marks and the scale bars

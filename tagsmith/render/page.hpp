@@ -31,7 +31,13 @@ struct PageTag {
   TagDrawing drawing;                 // at its place on the page
   std::optional<Rectangle> window{};  // the part that is shown; none = all
   bool at_true_scale = true;
+  // The drawing stands a quarter turn counter-clockwise about this point; none = as it is.
+  std::optional<PlatePoint> turned_about{};
 };
+
+// Where a point or a rectangle of the tag's drawing stands on the page, its turn included.
+PlatePoint on_page(const PageTag& tag, const PlatePoint& point);
+Rectangle on_page(const PageTag& tag, const Rectangle& rectangle);
 
 // Page frame: origin at the page's upper left corner, x to the right, y down, metres.
 struct Page {

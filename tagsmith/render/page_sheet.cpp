@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/page_sheet.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace tagsmith::detail {
@@ -101,11 +104,30 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   return layers;
 }
 
-void add_contour(SheetLayer& contour, const TagDrawing& tag, double line_width) {
+std::vector<SheetItem> contour_of(const TagDrawing& tag, double line_width) {
   const LineStyle line{kCutColour, line_width};
-  contour.items.push_back(SheetLine{rounded(tag.plate, tag.corner_radius), line, true});
+  std::vector<SheetItem> contour{SheetLine{rounded(tag.plate, tag.corner_radius), line, true}};
   for (const HoleOutline& hole : tag.holes) {
-    contour.items.push_back(SheetLine{circle(hole), line, true});
+    contour.push_back(SheetLine{circle(hole), line, true});
+  }
+  return contour;
+}
+
+// Every item of the tag's drawing where its turn brings it.
+void turn(const PageTag& tag, std::vector<SheetItem>& items) {
+  if (!tag.turned_about) return;
+  const auto turn_point = [&](Vector2d& at) {
+    at = point(on_page(tag, PlatePoint{at.x(), at.y()}));
+  };
+  for (SheetItem& item : items) {
+    if (auto* area = std::get_if<SheetArea>(&item)) {
+      for (Points& outline : area->outlines) std::ranges::for_each(outline, turn_point);
+    } else if (auto* line = std::get_if<SheetLine>(&item)) {
+      std::ranges::for_each(line->points, turn_point);
+    } else if (auto* words = std::get_if<SheetText>(&item)) {
+      turn_point(words->at);
+      words->angle += std::numbers::pi / 2;
+    }
   }
 }
 
@@ -137,9 +159,13 @@ Sheet sheet_of(const Page& page, bool with_contour) {
         layer.title = tag.name;
       }
       if (tag.window) layer.window = box_of(*tag.window);
+      turn(tag, layer.items);
       sheet.layers.push_back(std::move(layer));
     }
-    if (cut) add_contour(contour, tag.drawing, page.line_width);
+    if (!cut) continue;
+    std::vector<SheetItem> outlines = contour_of(tag.drawing, page.line_width);
+    turn(tag, outlines);
+    std::ranges::move(outlines, std::back_inserter(contour.items));
   }
   if (!contour.items.empty()) sheet.layers.push_back(std::move(contour));
   sheet.layers.push_back(marks_of(page));
