@@ -51,4 +51,11 @@ CommandOption file_option(const std::string& names, const ValueTarget& target,
           .kind = ValueKind::file};
 }
 
+std::vector<std::string> drawing_papers() { return {"a3", "a4", "letter"}; }
+
+Paper paper_of(const std::string& name) {
+  if (name == "letter") return Paper::letter;
+  return name == "a4" ? Paper::a4 : Paper::a3;
+}
+
 }  // namespace tagsmith::detail

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tagsmith/cli/command.hpp"
+#include "tagsmith/render/drawing_title.hpp"
 
 namespace tagsmith::detail {
 
@@ -29,5 +31,9 @@ CommandOption folder_option(const std::string& names, const ValueTarget& target,
                             const std::string& help);
 CommandOption file_option(const std::string& names, const ValueTarget& target,
                           const std::string& help);
+
+// Papers of drawings, as options name them, and the paper of such a name.
+std::vector<std::string> drawing_papers();
+Paper paper_of(const std::string& name);
 
 }  // namespace tagsmith::detail

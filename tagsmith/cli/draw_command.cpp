@@ -74,7 +74,7 @@ Result<void> draw(const DrawOptions& options) {
     if (!loaded) return fail(loaded.error().message);
     rig = std::move(*loaded);
   }
-  const auto sheets = all_sheets(*surveys, rig, options.paper == "a4" ? Paper::a4 : Paper::a3);
+  const auto sheets = all_sheets(*surveys, rig, paper_of(options.paper));
   if (!sheets) return fail(sheets.error().message);
   const auto files = render_sheets(*sheets, options.output);
   if (!files) return fail(files.error().message);
@@ -107,7 +107,7 @@ Command draw_command() {
                   {.names = "--paper",
                    .target = &options->paper,
                    .help = "Paper, landscape (default: a3)",
-                   .choices = {"a3", "a4"}}},
+                   .choices = drawing_papers()}},
       .notes =
           "Compare the drawing with the tunnel before anything is printed. It is to scale: print "
           "it at 100 %. The plan is never mirrored; a grid whose x grows to the left shows so in "

@@ -37,6 +37,7 @@ struct PrintOptions {
   std::string only;               // file that names tags; empty = none
   std::string paper;
   std::string point_order = "PENZD";
+  std::string setting_out_paper = "a3";
   bool no_setting_out = false;
   bool proof = false;
   bool json = false;
@@ -83,6 +84,7 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   if (options.has("png")) style.formats.push_back(SheetFormat::png);
   style.revision = survey_revision(survey);
   style.setting_out = !options.no_setting_out;
+  style.setting_out_paper = paper_of(options.setting_out_paper);
   style.northing_first = options.point_order == "PNEZD";
   if (options.proof) style.prove = prove;
   if (style.single && style.formats.front() != SheetFormat::pdf) {
@@ -273,6 +275,11 @@ std::vector<CommandOption> installer_options(PrintOptions& options) {
   return {{.names = "--no-setting-out",
            .target = &options.no_setting_out,
            .help = "Without the installer's setting-out.csv and setting-out.pdf"},
+          {.names = "--setting-out-paper",
+           .target = &options.setting_out_paper,
+           .help = "Of setting-out.pdf: its drawing on this paper, its table on Letter or else A4 "
+                   "(default: a3)",
+           .choices = drawing_papers()},
           length_option("--tolerance", options.style.tolerance,
                         "How far P may hang from its place, mm, for the setting-out list (default: "
                         "twice the survey's sigma, at least 5)",

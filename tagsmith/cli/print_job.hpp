@@ -10,6 +10,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/print_proof.hpp"
 #include "tagsmith/cli/staged_files.hpp"
+#include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/nested_pages.hpp"
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/render/print_paper.hpp"
@@ -30,6 +31,7 @@ struct PrintStyle {
   double overlap = 0.010;             // of neighbouring tiles, metres
   std::string revision{};             // of the survey, for labels and files; empty = none is shown
   bool setting_out = true;            // the installer's list, table and drawing go along
+  Paper setting_out_paper = Paper::a3;
   double tolerance = 0;         // of a plate's place in that list, metres; 0 = usual_tolerance
   bool northing_first = false;  // y before x in that list (PNEZD instead of PENZD)
   ProvePages prove{};           // none = no proof

@@ -51,9 +51,11 @@ std::string setting_out_csv(const Survey& survey, std::span<const SettingOut> li
 }
 
 Result<std::string> setting_out_pdf(const Survey& survey, std::span<const SettingOut> list,
-                                    const std::string& revision) {
-  std::vector<Sheet> sheets = setting_out_table(survey, list, revision);
-  Result<std::vector<Sheet>> drawing = setting_out_drawing(survey, list, revision);
+                                    const PrintStyle& style) {
+  std::vector<Sheet> sheets =
+      setting_out_table(survey, list, style.revision, style.setting_out_paper);
+  Result<std::vector<Sheet>> drawing =
+      setting_out_drawing(survey, list, style.revision, style.setting_out_paper);
   if (!drawing) return fail(drawing.error().message);
   std::ranges::move(*drawing, std::back_inserter(sheets));
   return render_pdf(sheets);
@@ -69,7 +71,7 @@ Result<void> write_setting_out(const PrintJob& job, const PrintRecord& record,
   const std::vector<SettingOut> list = setting_out(survey, tags, tolerance);
   auto added = files.add(kSettingOutList, setting_out_csv(survey, list, job.style.northing_first));
   if (!added) return added;
-  const Result<std::string> pdf = setting_out_pdf(survey, list, job.style.revision);
+  const Result<std::string> pdf = setting_out_pdf(survey, list, job.style);
   return pdf ? files.add(kSettingOutPdf, *pdf) : fail(pdf.error().message);
 }
 

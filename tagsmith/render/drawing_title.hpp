@@ -7,7 +7,7 @@
 
 namespace tagsmith::detail {
 
-enum class Paper { a4, a3 };  // landscape
+enum class Paper { a4, a3, letter };  // landscape
 
 struct TitleField {
   std::string name;

@@ -199,9 +199,10 @@ double distance(const PlacedTag& a, const PlacedTag& b) {
 
 }  // namespace
 
-DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view) {
-  DrawingPart part{{}, {paper, coarsest_plan_scale(survey)}};
-  for (const PlanStrip& strip : plan_strips(survey, paper)) {
+DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view,
+                            const PlanLegibility& least) {
+  DrawingPart part{{}, {paper, coarsest_plan_scale(survey, least)}};
+  for (const PlanStrip& strip : plan_strips(survey, paper, least)) {
     const bool first = part.views.empty();
     part.views.push_back(annotated_plan(survey, strip, first));
     for (const Side side : {Side::left, Side::right}) {
@@ -243,7 +244,7 @@ DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side si
 DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, Side side,
                                   std::span<const SettingOut> places) {
   DrawingView view = wall_elevation(survey, strip, side, false);
-  view.title += "; distances are straight from P to P";
+  view.title += "; below: chainage and height of P, straight distances from P to P";
   const Unrolled wall(survey, strip, side);
   SketchLayer& layer = view.sketch.layer("dimensions");
   std::optional<Vector2d> last;
@@ -253,13 +254,16 @@ DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, 
     if (!inside || place.tag->side != side) continue;
     const Vector2d p = wall.on_plate(*place.tag, 0, 0);
     const Vector2d foot(p.x(), 0);
-    layer.add(Dimension{.from = foot, .to = p, .offset = 0, .text = to_millimetre(place.height)});
-    layer.add(Polyline{{foot, {foot, Vector2d(0, -0.005)}}, {.width = kExtraNarrow}});
-    layer.add(Words{.text = to_millimetre(place.chainage),
-                    .at = {foot, Vector2d(-0.0013, -0.0055)},
-                    .angle = std::numbers::pi / 2,
-                    .align = TextAlign::right,
-                    .level = TextLevel::middle});
+    layer.add(Polyline{{p, {foot, Vector2d(0, -0.0055)}}, {.width = kExtraNarrow}});
+    const auto say = [&](const std::string& text, double right) {
+      layer.add(Words{.text = text,
+                      .at = {foot, Vector2d(right, -0.0055)},
+                      .angle = std::numbers::pi / 2,
+                      .align = TextAlign::right,
+                      .level = TextLevel::middle});
+    };
+    say(to_millimetre(place.chainage), -0.0018);
+    say("h " + to_millimetre(place.height), 0.0018);
     if (last) {
       const bool rightwards = foot.x() > last->x();
       layer.add(Dimension{.from = rightwards ? *last : foot,

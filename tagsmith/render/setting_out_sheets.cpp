@@ -17,13 +17,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPageWidth = 0.210;  // A4, upright
-constexpr double kPageHeight = 0.297;
 constexpr double kLeft = 0.015;
 constexpr double kRight = 0.200;
 constexpr double kHeadTop = 0.044;
 constexpr double kRowHeight = 0.0065;
-constexpr double kLastRowEnd = 0.280;
+constexpr double kBelowRows = 0.017;
 constexpr double kTextHeight = 0.0022;  // of a capital letter
 constexpr double kPadding = 0.0012;
 
@@ -47,13 +45,20 @@ constexpr std::array<Column, 11> kColumns{{{"tag", 0.015},
 // A text for each column, or a single one across them all.
 using TableRow = std::vector<std::string>;
 
-constexpr auto kRowsAPage = static_cast<std::size_t>((kLastRowEnd - kHeadTop) / kRowHeight) - 1;
+struct PageSize {
+  double width = 0.210;  // A4, upright
+  double height = 0.297;
+
+  std::size_t rows() const {
+    return static_cast<std::size_t>((height - kBelowRows - kHeadTop) / kRowHeight) - 1;
+  }
+};
 
 class TablePage {
  public:
-  explicit TablePage(const std::string& title) {
-    sheet_.width = kPageWidth;
-    sheet_.height = kPageHeight;
+  TablePage(const std::string& title, const PageSize& size) {
+    sheet_.width = size.width;
+    sheet_.height = size.height;
     sheet_.title = title;
     sheet_.layers = {{"table", {}}};
   }
@@ -150,17 +155,19 @@ void add_head(TablePage& page) {
 }  // namespace
 
 std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const SettingOut> list,
-                                     const std::string& revision) {
+                                     const std::string& revision, Paper paper) {
+  const PageSize size = paper == Paper::letter ? PageSize{0.2159, 0.2794} : PageSize{};
+  const std::size_t rows_a_page = size.rows();
   const std::vector<TableRow> rows = rows_of(survey, list);
-  const std::size_t count = std::max<std::size_t>(1, (rows.size() + kRowsAPage - 1) / kRowsAPage);
+  const std::size_t count = std::max<std::size_t>(1, (rows.size() + rows_a_page - 1) / rows_a_page);
   std::vector<Sheet> sheets;
   for (std::size_t number = 0; number < count; ++number) {
-    TablePage page(survey.name + " setting-out");
+    TablePage page(survey.name + " setting-out", size);
     add_heading(page, survey, revision, number + 1, count);
     add_head(page);
     double top = kHeadTop + kRowHeight;
-    const std::size_t last = std::min(rows.size(), (number + 1) * kRowsAPage);
-    for (std::size_t i = number * kRowsAPage; i < last; ++i) {
+    const std::size_t last = std::min(rows.size(), (number + 1) * rows_a_page);
+    for (std::size_t i = number * rows_a_page; i < last; ++i) {
       page.row(top, rows[i]);
       top += kRowHeight;
     }
@@ -171,7 +178,8 @@ std::vector<Sheet> setting_out_table(const Survey& survey, std::span<const Setti
 
 Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
                                                std::span<const SettingOut> list,
-                                               const std::string& revision) {
+                                               const std::string& revision, Paper paper) {
+  constexpr double kLeastPlate = 0.0015;  // a shorter one is a dot
   const Rectangle plate = plate_outline(survey.tag_template);
   TitleBlock block{survey.name, "Setting-out of position tags", {}};
   if (!revision.empty()) block.fields.push_back({"Revision", revision});
@@ -180,9 +188,11 @@ Result<std::vector<Sheet>> setting_out_drawing(const Survey& survey,
       {"P from its upper left corner", format_number(-plate.x * 1000, 1) + " right, " +
                                            format_number(-plate.y * 1000, 1) + " down (mm)"});
   const DrawingPart part =
-      drive_by_strips(survey, Paper::a3, [&](const PlanStrip& strip, Side side, bool) {
-        return setting_out_elevation(survey, strip, side, list);
-      });
+      drive_by_strips(survey, paper,
+                      [&](const PlanStrip& strip, Side side, bool) {
+                        return setting_out_elevation(survey, strip, side, list);
+                      },
+                      {kSettingOutPitch, kLeastPlate});
   return lay_out_sheets(block, std::span(&part, 1));
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "tagsmith/render/label_room.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/tag/drawing.hpp"
 
@@ -166,7 +167,11 @@ class Drafter {
     const Vector2d down = -turned_left(reading);
     const double back = align == TextAlign::left ? 0 : align == TextAlign::centre ? 0.5 : 1;
     const double drop = level == TextLevel::baseline ? 0 : level == TextLevel::middle ? 0.5 : 1;
-    const Vector2d start = at - reading * (width * back) + down * (height * drop);
+    Vector2d start = at - reading * (width * back) + down * (height * drop);
+    const Vector2d by = room_.take({start, reading * width, down * -height},
+                                   moves_of(reading, height, align == TextAlign::right));
+    start += by;
+    if (std::abs(by.dot(reading)) > height) add_line({at, at + by}, {colours::kGrey, kExtraNarrow});
     for (const double along : {0.0, width}) {
       for (const double below : {-kTextAscent, kTextDescent}) {
         result_.bounds.extend(start + reading * along + down * (height * below));
@@ -174,6 +179,24 @@ class Drafter {
     }
     result_.layers.back().items.push_back(
         SheetText{text, start, height, angle, width * 1.001, colour});
+  }
+
+  // Where words may move to, the nearest first, when their place is taken: lines up or down the
+  // sheet, and upright words away from what they name.
+  static std::vector<Vector2d> moves_of(const Vector2d& reading, double height, bool ends_there) {
+    constexpr int kMostLines = 40;
+    const bool upright = std::abs(reading.y()) > 0.7;
+    std::vector<Vector2d> moves;
+    for (int i = 1; i <= kMostLines; ++i) {
+      const double by = 0.6 * height * i;
+      if (upright) {
+        moves.emplace_back(reading * (ends_there ? -by : by));
+      } else {
+        moves.emplace_back(turned_left(reading) * by);
+        moves.emplace_back(turned_left(reading) * -by);
+      }
+    }
+    return moves;
   }
 
   void add_line(std::vector<Vector2d> points, const LineStyle& line, bool closed = false) {
@@ -191,6 +214,7 @@ class Drafter {
   }
 
   double scale_;
+  LabelRoom room_;
   SketchOnPaper result_;
 };
 

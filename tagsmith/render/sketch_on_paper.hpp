@@ -21,6 +21,8 @@ struct SketchOnPaper {
 // The item at another place of its sheet.
 SheetItem moved(SheetItem item, const Eigen::Vector2d& by);
 
+// Words whose place others have taken move by lines, upright ones away from what they name, with a
+// line to there.
 SketchOnPaper sketch_on_paper(const Sketch& sketch, double scale_denominator);
 
 // Width and height of the sketch's points on the ground, metres; nothing when a point

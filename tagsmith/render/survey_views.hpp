@@ -22,11 +22,12 @@ std::string metres(double length);
 // Of corner P above the floor at its chainage.
 double height_of_p(const Survey& survey, const PlacedTag& tag);
 
-// The plan and the elevation of each wall by strips, at the scale at which the plan can be read.
+// The plan and the elevation of each wall by strips, at a scale at which `least` can be read.
 // The first plan shows the start of the drive with its coordinates and heading, and each the grid's
 // origin where it is near.
 using WallView = std::function<DrawingView(const PlanStrip& strip, Side side, bool first)>;
-DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view);
+DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& wall_view,
+                            const PlanLegibility& least = {});
 
 // A wall seen from inside the tunnel, unrolled along the chainage, heights above the floor. Facing
 // the left wall the drive runs to the right, facing the right wall to the left. `dimensions` adds
@@ -34,8 +35,9 @@ DrawingPart drive_by_strips(const Survey& survey, Paper paper, const WallView& w
 DrawingView wall_elevation(const Survey& survey, const PlanStrip& strip, Side side,
                            bool dimensions);
 
-// As wall_elevation, with the chainage and the height of corner P of each of these places, and its
-// distance from the one before.
+// As wall_elevation, with the chainage and the height of corner P of each of these places below it,
+// and its distance from the one before. Tags should be kSettingOutPitch apart on paper.
+inline constexpr double kSettingOutPitch = 0.008;
 DrawingView setting_out_elevation(const Survey& survey, const PlanStrip& strip, Side side,
                                   std::span<const SettingOut> places);
 

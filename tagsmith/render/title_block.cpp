@@ -90,6 +90,11 @@ void add_scale_bar(SheetLayer& layer, double scale, const Vector2d& left_end) {
   add_text(layer, text, left_end + Vector2d(0, 0.0055), 0.0025, text_width(text, 0.0025) * 1.001);
 }
 
+Vector2d size_of(Paper paper) {
+  if (paper == Paper::letter) return {0.2794, 0.2159};
+  return paper == Paper::a4 ? Vector2d(0.297, 0.210) : Vector2d(0.420, 0.297);
+}
+
 }  // namespace
 
 std::string scale_text(double denominator) {
@@ -110,7 +115,7 @@ SheetFrame sheet_frame(Paper paper) {
   constexpr double kMargin = 0.010;
   constexpr double kInset = 0.005;
   SheetFrame frame;
-  frame.paper = paper == Paper::a4 ? Vector2d(0.297, 0.210) : Vector2d(0.420, 0.297);
+  frame.paper = size_of(paper);
   frame.border =
       AlignedBox2d(Vector2d(kFiling, kMargin), Vector2d(frame.paper - Vector2d(kMargin, kMargin)));
   const Vector2d corner = frame.border.max();

@@ -17,7 +17,6 @@ using Eigen::Vector2d;
 
 // On paper, metres.
 constexpr double kNameHeight = 0.0018;
-constexpr double kNamePitch = 0.0030;   // of names beside each other
 constexpr double kLeastDrive = 0.0060;  // between the walls
 constexpr double kPlateThickness = 0.0007;
 constexpr double kNameClear = 0.0022;       // between wall and name
@@ -217,11 +216,13 @@ double tight_gap(const Survey& survey) {
 
 }  // namespace
 
-double coarsest_plan_scale(const Survey& survey) {
-  const double by_names = tight_gap(survey) / kNamePitch;
+double coarsest_plan_scale(const Survey& survey, const PlanLegibility& least) {
+  const double by_names = tight_gap(survey) / least.name_pitch;
+  const double by_plates =
+      least.plate > 0 ? survey.tag_template.plate_length / least.plate : by_names;
   const double by_walls = least_width(survey.tunnel) / kLeastDrive;
   // round_scale goes to the next coarser one; the one before it is wanted.
-  const double most = std::min(by_names, by_walls);
+  const double most = std::min({by_names, by_plates, by_walls});
   double scale = round_scale(most / 2.6);
   while (round_scale(scale * 1.01) <= most) scale = round_scale(scale * 1.01);
   return scale;
@@ -247,15 +248,15 @@ PlanStrip plan_strip(const Survey& survey, double from, double to) {
   return make_strip(survey.tunnel.centerline, from, to);
 }
 
-std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper) {
+std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper, const PlanLegibility& least) {
   const auto [from, to] = drawn_chainages(survey);
   const Vector2d room = room_for_strips(paper);
   const PlanStrip whole = make_strip(survey.tunnel.centerline, from, to);
   const double needed = (extent_of(survey, whole).array() / room.array()).maxCoeff();
-  double scale = coarsest_plan_scale(survey);
+  double scale = coarsest_plan_scale(survey, least);
   if (needed <= scale) return {whole};
-  const double least = (to - from) / (kMostStrips / 2 * room.x());
-  scale = round_scale(std::max(scale, least));
+  const double by_count = (to - from) / (kMostStrips / 2 * room.x());
+  scale = round_scale(std::max(scale, by_count));
   return cut_into_strips(survey, from, to, room * scale);
 }
 

@@ -21,9 +21,15 @@ struct PlanStrip {
   Eigen::Isometry2d view_from_world = Eigen::Isometry2d::Identity();
 };
 
+// What has to be readable of a plan, metres on paper.
+struct PlanLegibility {
+  double name_pitch = 0.0030;  // from tag to tag of a wall
+  double plate = 0;            // length of a plate
+};
+
 // The least scale (its denominator) at which the tags' names do not run into each other and the
 // walls can be told apart.
-double coarsest_plan_scale(const Survey& survey);
+double coarsest_plan_scale(const Survey& survey, const PlanLegibility& least = {});
 
 inline constexpr int kMostStrips = 400;
 
@@ -33,7 +39,8 @@ PlanStrip plan_strip(const Survey& survey, double from, double to);
 // The tunnel, and its ends beyond where tags hang there, in as few strips as can be read: one when
 // it fits the paper at coarsest_plan_scale or better, else pieces of a sheet's width that end at
 // round chainages; at most kMostStrips, which makes a very long tunnel's scale less.
-std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper = Paper::a3);
+std::vector<PlanStrip> plan_strips(const Survey& survey, Paper paper = Paper::a3,
+                                   const PlanLegibility& least = {});
 
 // Layers `floor`, `walls`, `centerline` (with chainage ticks), `tags` (plates,
 // corner P as a dot, an arrow for the way they face) and `names`. Points are in the strip's view:
