@@ -5,6 +5,7 @@
 #include "decoder/cli/calibrate_command.hpp"
 #include "decoder/cli/demo_command.hpp"
 #include "decoder/cli/localize_command.hpp"
+#include "decoder/cli/printer_command.hpp"
 #include "decoder/cli/read_command.hpp"
 #include "decoder/cli/report_command.hpp"
 #include "decoder/cli/simulate_command.hpp"
@@ -23,12 +24,12 @@ namespace tagsmith::detail {
 
 std::vector<Command> all_commands() {
   return {
-      new_command(),    validate_command(),  draw_command(),
-      plan_command(),   export_command(),    print_command(prove_pages),
-      board_command(),  calibrate_command(), diff_command(),
-      read_command(),   verify_command(),    report_command(),
-      adjust_command(), localize_command(),  simulate_command(),
-      demo_command(),
+      new_command(),      validate_command(), draw_command(),
+      plan_command(),     export_command(),   print_command(prove_pages),
+      printer_command(),  board_command(),    calibrate_command(),
+      diff_command(),     read_command(),     verify_command(),
+      report_command(),   adjust_command(),   localize_command(),
+      simulate_command(), demo_command(),
   };
 }
 

@@ -38,7 +38,8 @@ Result<PageImage> assemble_tiles(const TilePlan& plan, const std::vector<TilePag
   for (std::size_t i = 0; i < pages.size(); ++i) {
     const auto column = static_cast<int>(i) % plan.columns;
     const auto row = static_cast<int>(i) / plan.columns;
-    const Result<GrayImage> tile = rasterize_part(pages[i].file, pages[i].number, dpi, window);
+    const Result<GrayImage> tile =
+        rasterize_part(pages[i].file, pages[i].number, dpi, window, pages[i].scale);
     if (!tile) return fail(tile.error().message);
     paste(*tile, plate, pixels(column * plan.step_right, per_metre),
           pixels(row * plan.step_down, per_metre));

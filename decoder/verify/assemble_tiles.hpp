@@ -14,7 +14,8 @@ namespace tagsmith::detail {
 // Where one tile is drawn.
 struct TilePage {
   std::filesystem::path file;
-  int number = 0;  // of the page in a PDF, from 1; 0 in a picture
+  int number = 0;        // of the page in a PDF, from 1; 0 in a picture
+  PrinterScale scale{};  // of the printer that a PDF is for
 };
 
 // The plate at 150 dpi (pictures: at their own `dots_per_inch`; fewer when it would have more than

@@ -110,6 +110,15 @@ std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
   return {};
 }
 
+PrinterScale parse_scale(const json& root) {
+  const auto object = root.find("printer");
+  if (object == root.end()) return {};
+  const auto scale = get<std::array<double, 2>>(*object, "scale");
+  const auto is_usual = [](double value) { return std::abs(value - 1) <= kMostPrinterScale; };
+  if (!scale || !std::ranges::all_of(*scale, is_usual)) return {};
+  return {(*scale)[0], (*scale)[1]};
+}
+
 std::optional<TilePlan> parse_tiles(const json& root) {
   constexpr int kMostTiles = 100;  // along a side
   const auto object = root.find("tiles");
@@ -148,6 +157,7 @@ void read_details(const json& root, PrintManifest& manifest) {
                         .value_or(std::map<std::string, std::string>{});
   manifest.tiled = get<bool>(root, "tiled").value_or(false);
   manifest.tiles = parse_tiles(root);
+  manifest.scale = parse_scale(root);
   const double dots = get<double>(root, "png_dots_per_inch").value_or(0);
   if (dots >= 1 && dots <= kMostDotsPerInch) manifest.dots_per_inch = static_cast<int>(dots);
 }

@@ -19,6 +19,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/printer_profile.hpp"
 
 namespace tagsmith::detail {
 
@@ -38,6 +39,7 @@ struct PrintManifest {
   std::map<std::string, std::array<double, 2>> sizes{};  // plate_mm and others, millimetres
   bool tiled = false;                                    // the files hold pieces of tags
   std::optional<TilePlan> tiles{};                       // how these go together, when it is said
+  PrinterScale scale{};                                  // of the printer that PDFs are for
   int dots_per_inch = 0;                                 // of PNG files; 0 = not said
 };
 

@@ -119,7 +119,8 @@ Result<ReadyTag> assemble(const ProofTag& tag, double dots_per_inch) {
                              static_cast<int>(part.width * per_metre),
                              static_cast<int>(part.height * per_metre)};
     if (region.width <= 0 || region.height <= 0) continue;
-    const Result<GrayImage> piece = rasterize_part(page->file, page->number, dots_per_inch, region);
+    const Result<GrayImage> piece =
+        rasterize_part(page->file, page->number, dots_per_inch, region, page->scale);
     if (!piece) return fail(piece.error().message);
     paste(*piece, image, region.x - p_x + left, region.y - p_y + up);
     ready.p = {left + p.x * per_metre - p_x - 0.5, up + p.y * per_metre - p_y - 0.5};

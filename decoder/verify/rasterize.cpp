@@ -77,9 +77,16 @@ std::string svg_problem(const std::string& error, const std::string& path) {
 
 // A page, or the part of it that `part` asks for, at so many dots per inch.
 Result<PageImage> draw_page(const std::filesystem::path& path, int number, const std::string& dpi,
-                            const std::vector<std::string>& part) {
+                            const std::vector<std::string>& part, const PrinterScale& scale) {
   const std::string page = std::to_string(number);
-  std::vector<std::string> argv{"pdftoppm", "-gray", "-r", dpi, "-f", page, "-l", page};
+  std::vector<std::string> argv{"pdftoppm", "-gray", "-f", page, "-l", page};
+  if (scale.is_true()) {
+    argv.insert(argv.end(), {"-r", dpi});
+  } else {
+    const double dots = *parse_number(dpi);
+    argv.insert(argv.end(), {"-rx", format_number(dots * scale.right, 6), "-ry",
+                             format_number(dots * scale.down, 6)});
+  }
   argv.insert(argv.end(), part.begin(), part.end());
   argv.push_back(argument_of(path));
   const Result<ProcessOutput> drawn = run_poppler(path, argv);
@@ -128,8 +135,8 @@ Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path) {
 }
 
 Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
-                                 const PageSize& size) {
-  return draw_page(path, number, format_number(dots_per_inch(size), 3), {});
+                                 const PageSize& size, const PrinterScale& scale) {
+  return draw_page(path, number, format_number(dots_per_inch(size), 3), {}, scale);
 }
 
 Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_per_inch) {
@@ -150,12 +157,14 @@ Result<PageImage> rasterize_svg(const std::filesystem::path& path, double dots_p
 }
 
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
-                                 double dots_per_inch, const PixelRegion& region) {
+                                 double dots_per_inch, const PixelRegion& region,
+                                 const PrinterScale& scale) {
   if (number > 0) {
     Result<PageImage> drawn =
         draw_page(path, number, format_number(dots_per_inch, 6),
                   {"-x", std::to_string(region.x), "-y", std::to_string(region.y), "-W",
-                   std::to_string(region.width), "-H", std::to_string(region.height)});
+                   std::to_string(region.width), "-H", std::to_string(region.height)},
+                  scale);
     if (!drawn) return fail(drawn.error().message);
     return std::move(drawn->image);
   }

@@ -10,6 +10,7 @@
 
 #include "decoder/image/gray.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/tag/printer_profile.hpp"
 
 namespace tagsmith::detail {
 
@@ -38,10 +39,11 @@ bool is_svg(const std::filesystem::path& path);
 // more than 1000 pages.
 Result<std::vector<PageSize>> pdf_pages(const std::filesystem::path& path);
 
-// Page `number` (from 1) at 150 dpi, or fewer when the page would have more than 40 million pixels.
+// Page `number` (from 1) at 150 dpi, or fewer when the page would have more than 40 million pixels,
+// as a printer of this scale prints it.
 // Fails when the page takes longer than a minute.
 Result<PageImage> rasterize_page(const std::filesystem::path& path, int number,
-                                 const PageSize& size);
+                                 const PageSize& size, const PrinterScale& scale = {});
 
 // A part of a page in whole pixels at some resolution, counted from the page's upper left corner.
 struct PixelRegion {
@@ -52,9 +54,11 @@ struct PixelRegion {
 };
 
 // That part of any print file: page `number` of a PDF, or an SVG or a picture (number 0), which is
-// taken to have so many dots per inch. Fails when the region is not wholly in it.
+// taken to have so many dots per inch; the scale is a PDF's alone. Fails when the region is not
+// wholly in it.
 Result<GrayImage> rasterize_part(const std::filesystem::path& path, int number,
-                                 double dots_per_inch, const PixelRegion& region);
+                                 double dots_per_inch, const PixelRegion& region,
+                                 const PrinterScale& scale = {});
 
 // Lays the piece over the image, its upper left corner at pixel (x, y); what sticks out is lost.
 void paste(const GrayImage& piece, GrayImage& image, int x, int y);

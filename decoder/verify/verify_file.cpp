@@ -177,7 +177,8 @@ Result<VerifiedFile> verify_pdf(const Task& task) {
   file.pages = static_cast<int>(pages->size());
   for (int number = 1; number <= file.pages; ++number) {
     const Result<PageImage> page =
-        rasterize_page(path, number, (*pages)[static_cast<std::size_t>(number - 1)]);
+        rasterize_page(path, number, (*pages)[static_cast<std::size_t>(number - 1)],
+                       task.manifest ? task.manifest->scale : PrinterScale{});
     if (!page) return fail(page.error().message);
     if (!page->error.empty()) {
       file.notes.push_back(
@@ -227,7 +228,7 @@ Result<VerifiedFile> verify_tiled_pdf(const Task& task) {
   for (int first = 1; first <= file.pages; first += a_tag) {
     std::vector<TilePage> tiles;
     for (int tile = 1; tile <= plan.tiles(); ++tile) {
-      tiles.push_back({task.input.path, first + tile});
+      tiles.push_back({task.input.path, first + tile, task.manifest->scale});
     }
     const Result<PageImage> plate = assemble_tiles(plan, tiles);
     if (!plate) return fail(plate.error().message);

@@ -23,6 +23,7 @@
 #include "tagsmith/cli/print_only.hpp"
 #include "tagsmith/cli/print_run.hpp"
 #include "tagsmith/render/text.hpp"
+#include "tagsmith/survey/read_printer.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/revision.hpp"
 
@@ -38,6 +39,7 @@ struct PrintOptions {
   std::string paper;
   std::string point_order = "PENZD";
   std::string setting_out_paper = "a3";
+  std::string profile;  // of the printer; empty = none
   bool no_setting_out = false;
   bool proof = false;
   bool json = false;
@@ -92,6 +94,12 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   }
   if (style.tiled && options.paper.empty()) {
     return fail("--tile needs the paper of the tiles: --paper A4");
+  }
+  if (!options.profile.empty()) {
+    Result<PrinterProfile> profile = read_printer_profile(options.profile);
+    if (!profile) return fail(profile.error().message);
+    style.bar_adjustment = bar_adjustment_for(*profile);
+    style.printer = std::move(*profile);
   }
   if (options.paper.empty()) return style;
   const Result<PrintPaper> paper = parse_print_paper(options.paper);
@@ -188,6 +196,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   CommandFiles files;
   files.reads(*survey);
   files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
+  if (!options.profile.empty()) files.reads(options.profile, "--profile");
   const Result<PrintRecord> record = run_print(*job, options.folder, std::move(files));
   if (!record) return fail(record.error().message);
   warn(*job);
@@ -265,6 +274,13 @@ std::vector<CommandOption> printer_options(PrintOptions& options) {
                         "Added to the width of every bar and of the frame, mm; -0.1 takes away "
                         "what the ink adds (default: 0)",
                         -10, 10),
+          {.names = "--profile",
+           .target = &options.profile,
+           .help = "Printer's profile, from `tagsmith printer`: takes the growth of its bars away, "
+                   "and in PDF files its scale",
+           .placeholder = "FILE",
+           .kind = ValueKind::file,
+           .excludes = {"--bar-adjust"}},
           {.names = "--proof",
            .target = &options.proof,
            .help = "Draw the files as pixels, read them, and write nothing unless digits, sizes "

@@ -149,9 +149,16 @@ bool in_one_pdf(const PrintJob& job, SheetFormat format) {
   return job.style.single && format == SheetFormat::pdf;
 }
 
-std::vector<Sheet> sheets_of(const std::vector<Page>& pages) {
+// As a PDF has it, for a printer that scales.
+Sheet pdf_sheet(const PrintJob& job, const Page& page) {
+  const PrinterScale scale = job.printer_scale();
+  Sheet sheet = sheet_of(page);
+  return scale.is_true() ? sheet : scaled(std::move(sheet), 1 / scale.right, 1 / scale.down);
+}
+
+std::vector<Sheet> sheets_of(const PrintJob& job, const std::vector<Page>& pages) {
   std::vector<Sheet> sheets;
-  for (const Page& page : pages) sheets.push_back(sheet_of(page));
+  for (const Page& page : pages) sheets.push_back(pdf_sheet(job, page));
   return sheets;
 }
 
@@ -160,7 +167,7 @@ Result<void> write_unit(const PrintJob& job, std::size_t unit, const StagedFiles
   const std::vector<Page> pages = pages_of(job, job.units[unit]);
   const auto bytes_of = [&](const PageInFile& place) -> Result<std::string> {
     const Page& page = pages[place.index];
-    if (place.format == SheetFormat::pdf) return render_pdf(sheets_of(pages));
+    if (place.format == SheetFormat::pdf) return render_pdf(sheets_of(job, pages));
     if (place.format == SheetFormat::svg) return render_svg(sheet_of(page));
     return render_png(sheet_of(page, false), job.png_dots_per_inch(), PngColours::grey);
   };
@@ -184,7 +191,7 @@ Result<void> write_single(const PrintJob& job, const StagedFiles& files,
     for (const PrintUnit& unit : job.units) {
       for (Page& page : pages_of(job, unit)) {
         page.notes = notes;
-        add(sheet_of(page));
+        add(pdf_sheet(job, page));
       }
       done();
     }

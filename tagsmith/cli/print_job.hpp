@@ -17,6 +17,7 @@
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/printer_profile.hpp"
 
 namespace tagsmith::detail {
 
@@ -25,12 +26,13 @@ struct PrintStyle {
   bool single = false;        // all pages in one PDF, tags.pdf
   int dots_per_inch = 0;      // edges stand on whole dots of this printer; 0 = of the template's
   double bar_adjustment = 0;  // metres added to the width of every bar; negative = less
-  double bleed = 0.003;       // metres
-  std::optional<PrintPaper> paper{};  // none = the page is the plate with its margin
-  bool tiled = false;                 // plates in pieces on several sheets of the paper
-  double overlap = 0.010;             // of neighbouring tiles, metres
-  std::string revision{};             // of the survey, for labels and files; empty = none is shown
-  bool setting_out = true;            // the installer's list, table and drawing go along
+  std::optional<PrinterProfile> printer{};  // its scale is taken out of PDF files
+  double bleed = 0.003;                     // metres
+  std::optional<PrintPaper> paper{};        // none = the page is the plate with its margin
+  bool tiled = false;                       // plates in pieces on several sheets of the paper
+  double overlap = 0.010;                   // of neighbouring tiles, metres
+  std::string revision{};   // of the survey, for labels and files; empty = none is shown
+  bool setting_out = true;  // the installer's list, table and drawing go along
   Paper setting_out_paper = Paper::a3;
   double tolerance = 0;         // of a plate's place in that list, metres; 0 = usual_tolerance
   bool northing_first = false;  // y before x in that list (PNEZD instead of PENZD)
@@ -61,6 +63,9 @@ struct PrintJob {
   std::optional<TilePlan> tiles;
   std::vector<PrintUnit> units;
 
+  PrinterScale printer_scale() const {
+    return style.printer ? style.printer->scale : PrinterScale{};
+  }
   int dots_per_inch() const { return printed.dots_per_inch; }
   int png_dots_per_inch() const {
     return dots_per_inch() > 0 ? dots_per_inch() : kUsualDotsPerInch;

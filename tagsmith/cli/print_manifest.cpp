@@ -76,6 +76,12 @@ Json roll_json(const RollUse& roll) {
           {"waste_percent", std::round(roll.waste() * 1e3) / 10}};
 }
 
+// Micrometres on a metre: finer than paper keeps.
+Json printer_json(const PrinterProfile& printer) {
+  return {{"profile", printer.name},
+          {"scale", {micrometre(printer.scale.right), micrometre(printer.scale.down)}}};
+}
+
 std::string mm_text(double metres) { return format_number(metres * 1000, 6); }
 
 }  // namespace
@@ -123,6 +129,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
       {"documents", record.documents},
       {"sha256", record.sha256}};
   if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);
+  if (job.style.printer) manifest["printer"] = printer_json(*job.style.printer);
   if (job.roll) manifest["roll"] = roll_json(*job.roll);
   if (record.proofs) manifest["proof"] = proofs_json(*record.proofs);
   return json_text(manifest, 2) + "\n";

@@ -12,6 +12,7 @@
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/render/page.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/tag/printer_profile.hpp"
 
 namespace tagsmith::detail {
 
@@ -20,6 +21,7 @@ struct ProofPage {
   std::filesystem::path file;
   int number = 0;  // of the page in a PDF, from 1; 0 in a picture
   const Page* page = nullptr;
+  PrinterScale scale{};  // with which the file comes out as the page was laid out
 };
 
 // One tag in the files of one format.

@@ -85,7 +85,8 @@ Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const StagedFiles&
     std::vector<ProofPage> list;
     for (const PageInFile& place : places) {
       if (place.format != format) continue;
-      list.push_back({files.staged(place.file), place.number, &pages[place.index]});
+      list.push_back({files.staged(place.file), place.number, &pages[place.index],
+                      format == SheetFormat::pdf ? job.printer_scale() : PrinterScale{}});
     }
     Result<std::vector<TagProof>> more =
         job.style.prove(*job.survey, list, job.png_dots_per_inch());

@@ -113,6 +113,22 @@ std::vector<SheetItem> contour_of(const TagDrawing& tag, double line_width) {
   return contour;
 }
 
+// Calls the function with every place that the item stands at.
+template <class Function>
+void for_each_place(SheetItem& any, const Function& function) {
+  std::visit(
+      [&](auto& item) {
+        if constexpr (requires { item.outlines; }) {
+          for (Points& outline : item.outlines) std::ranges::for_each(outline, function);
+        } else if constexpr (requires { item.points; }) {
+          std::ranges::for_each(item.points, function);
+        } else {
+          function(item.at);
+        }
+      },
+      any);
+}
+
 // Every item of the tag's drawing where its turn brings it.
 void turn(const PageTag& tag, std::vector<SheetItem>& items) {
   if (!tag.turned_about) return;
@@ -172,6 +188,21 @@ Sheet sheet_of(const Page& page, bool with_contour) {
   SheetLayer notes{"notes", {}};
   for (const TextItem& item : page.texts) notes.items.push_back(text(item));
   sheet.layers.push_back(std::move(notes));
+  return sheet;
+}
+
+Sheet scaled(Sheet sheet, double right, double down) {
+  const Vector2d by(right, down);
+  const auto scale = [&](Vector2d& at) { at = at.cwiseProduct(by); };
+  const auto scale_box = [&](std::optional<Eigen::AlignedBox2d>& box) {
+    if (box) box = {Vector2d(box->min().cwiseProduct(by)), Vector2d(box->max().cwiseProduct(by))};
+  };
+  scale_box(sheet.trim);
+  scale_box(sheet.bleed);
+  for (SheetLayer& layer : sheet.layers) {
+    scale_box(layer.window);
+    for (SheetItem& item : layer.items) for_each_place(item, scale);
+  }
   return sheet;
 }
 

@@ -13,4 +13,8 @@ namespace tagsmith::detail {
 // layer CutContour; without it holes are circles to drill.
 Sheet sheet_of(const Page& page, bool with_contour = true);
 
+// The sheet's content larger or smaller about the upper left corner of the paper, which keeps its
+// size, as do letters and line widths.
+Sheet scaled(Sheet sheet, double right, double down);
+
 }  // namespace tagsmith::detail

@@ -17,6 +17,7 @@ struct FileKind {
 constexpr std::array kFileKinds{
     FileKind{"board", "a calibration board", "boards belong to photos that calibrate a camera"},
     FileKind{"survey", "a survey", "pass surveys as the argument SURVEY"},
+    FileKind{"printer", "a printer's profile", "pass profiles to print with --profile"},
     FileKind{"rig", "a rig", "pass rigs with --rig"},
     FileKind{"tag", "a template",
              "templates are named in surveys, at tags.template; `validate --template` checks them"},

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A printer's profile out of a scan of its test sheet.
+#pragma once
+
+#include <string>
+
+#include "decoder/image/gray.hpp"
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/tag/printer_profile.hpp"
+
+namespace tagsmith::detail {
+
+struct PrinterMeasurement {
+  PrinterProfile profile;
+  double growth_spread = 0;  // of single bars about the growth, root mean square, metres
+  double mark_error = 0;     // of the marks' corners about the fitted sheet, the same
+};
+
+// The scan may lie any way. Scale is that of the scan's stated resolution: the scanner's own error
+// goes into it. Fails when a mark was not read, the sheet does not lie flat, its size says another
+// resolution, or it has too little contrast; `name` begins the message.
+Result<PrinterMeasurement> measure_printer(const std::string& name, const GrayView& scan,
+                                           double dots_per_inch);
+
+}  // namespace tagsmith::detail

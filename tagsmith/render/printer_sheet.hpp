@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// A printer's test sheet to be printed.
+#pragma once
+
+#include "tagsmith/base/result.hpp"
+#include "tagsmith/render/print_paper.hpp"
+#include "tagsmith/render/sheet.hpp"
+#include "tagsmith/tag/printer_profile.hpp"
+
+namespace tagsmith::detail {
+
+// In the middle of the paper, which stands upright. `profile`: what is taken away of the printer's
+// growth and scale; the default takes nothing. Fails on paper that it does not fit.
+Result<Sheet> printer_sheet(const PrintPaper& paper, const PrinterProfile& profile = {});
+
+}  // namespace tagsmith::detail

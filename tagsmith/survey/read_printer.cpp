@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/survey/read_printer.hpp"
+
+#include <fmt/format.h>
+
+#include "tagsmith/base/file.hpp"
+#include "tagsmith/base/text.hpp"
+#include "tagsmith/survey/file_kind.hpp"
+#include "tagsmith/survey/yaml_reader.hpp"
+
+namespace tagsmith::detail {
+namespace {
+
+PrinterProfile read_profile(const YamlNode& root, FindingLog& log) {
+  const MapReader file(&root, "", {"printer", "scale", "bar_growth_mm", "dot_gain_percent"}, log);
+  PrinterProfile profile;
+  profile.name = read_name(file.need("printer", "printer: NAME"), "printer", log).value_or("");
+  const auto scale =
+      read_numbers(file.need("scale", "scale: [1.001, 0.999], printed over drawn"), "scale", 2,
+                   between(1 - kMostPrinterScale, 1 + kMostPrinterScale, ""), log);
+  if (scale) profile.scale = {(*scale)[0], (*scale)[1]};
+  const auto growth = read_numbers(file.need("bar_growth_mm", "bar_growth_mm: [0.08, 0.06]"),
+                                   "bar_growth_mm", 2, between(-2, 2, "mm"), log);
+  if (growth) {
+    profile.growth_right = (*growth)[0] / 1000;
+    profile.growth_down = (*growth)[1] / 1000;
+  }
+  profile.dot_gain = file.number_or("dot_gain_percent", 0, between(-60, 60, "%")) / 100;
+  return profile;
+}
+
+}  // namespace
+
+Result<PrinterProfile> read_printer_profile(const std::filesystem::path& path) {
+  constexpr std::size_t kMostBytes = 1U << 20U;
+  const Result<std::string> text = read_file(path, kMostBytes);
+  if (!text) return tl::unexpected(text.error());
+  FindingLog log(path.string());
+  const std::optional<YamlNode> root = parse_yaml(*text, log);
+  PrinterProfile profile;
+  if (root && !is_other_kind(*root, "printer", log)) profile = read_profile(*root, log);
+  if (log.has_errors()) return fail(to_string(log.sorted(), true));
+  return profile;
+}
+
+std::string printer_profile_text(const PrinterProfile& profile) {
+  return fmt::format(
+      "# What a printer does to a page, measured by `tagsmith printer`; for `tagsmith print\n"
+      "# --profile`. First across, then down the page as it leaves the printer.\n"
+      "printer: \"{}\"\n"
+      "scale: [{:.5f}, {:.5f}]          # printed length over drawn length\n"
+      "bar_growth_mm: [{:.3f}, {:.3f}]      # that every bar is too wide\n"
+      "dot_gain_percent: {:.1f}             # that a tone of 50 % covers beyond 50 %\n",
+      profile.name, profile.scale.right, profile.scale.down, profile.growth_right * 1000 + 0.0,
+      profile.growth_down * 1000 + 0.0, profile.dot_gain * 100 + 0.0);
+}
+
+}  // namespace tagsmith::detail
