@@ -39,6 +39,7 @@ struct PrintOptions {
   std::string paper;
   std::string point_order = "PENZD";
   std::string setting_out_paper = "a3";
+  std::string zip;      // all files in one; empty = none
   std::string profile;  // of the printer; empty = none
   bool no_setting_out = false;
   bool proof = false;
@@ -89,6 +90,11 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   style.setting_out_paper = paper_of(options.setting_out_paper);
   style.northing_first = options.point_order == "PNEZD";
   if (options.proof) style.prove = prove;
+  style.zip = options.zip;
+  style.order = style.order || !options.zip.empty();
+  if (!options.zip.empty() && style.zip.extension() != ".zip") {
+    return fail("--zip " + options.zip + ": expected a name that ends in .zip");
+  }
   if (style.single && style.formats.front() != SheetFormat::pdf) {
     return fail("--single makes one PDF, but --format has no pdf");
   }
@@ -141,6 +147,7 @@ void report(const PrintRecord& record, const PrintOptions& options) {
   }
   for (const std::string& file : record.documents) others.push_back(folder + file);
   others.insert(others.end(), {folder + "manifest.json", folder + "manifest.csv"});
+  if (!options.zip.empty()) others.push_back(options.zip);
   if (!options.json) {
     for (const std::string& file : others) to_stdout("{}\n", file);
     return;
@@ -291,6 +298,15 @@ std::vector<CommandOption> installer_options(PrintOptions& options) {
   return {{.names = "--no-setting-out",
            .target = &options.no_setting_out,
            .help = "Without the installer's setting-out.csv and setting-out.pdf"},
+          {.names = "--order",
+           .target = &options.style.order,
+           .help = "With order.pdf for the sign maker (counts, sizes, material), and the contours "
+                   "of each page as DXF"},
+          {.names = "--zip",
+           .target = &options.zip,
+           .help = "All of it, the order too, in this ZIP as well",
+           .placeholder = "FILE",
+           .kind = ValueKind::file},
           {.names = "--setting-out-paper",
            .target = &options.setting_out_paper,
            .help = "Of setting-out.pdf: its drawing on this paper, its table on Letter or else A4 "

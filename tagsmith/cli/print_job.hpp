@@ -2,6 +2,7 @@
 // What one run of `print` makes: which pages, in which files.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -31,8 +32,10 @@ struct PrintStyle {
   std::optional<PrintPaper> paper{};        // none = the page is the plate with its margin
   bool tiled = false;                       // plates in pieces on several sheets of the paper
   double overlap = 0.010;                   // of neighbouring tiles, metres
-  std::string revision{};   // of the survey, for labels and files; empty = none is shown
-  bool setting_out = true;  // the installer's list, table and drawing go along
+  std::string revision{};       // of the survey, for labels and files; empty = none is shown
+  bool setting_out = true;      // the installer's list, table and drawing go along
+  bool order = false;           // the sign maker's order sheet and cut files go along
+  std::filesystem::path zip{};  // all of it in one file as well; empty = none
   Paper setting_out_paper = Paper::a3;
   double tolerance = 0;         // of a plate's place in that list, metres; 0 = usual_tolerance
   bool northing_first = false;  // y before x in that list (PNEZD instead of PENZD)

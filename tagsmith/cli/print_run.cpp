@@ -14,8 +14,10 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/cli/print_order.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/setting_out_sheets.hpp"
+#include "tagsmith/render/zip_file.hpp"
 #include "tagsmith/survey/setting_out.hpp"
 
 namespace tagsmith::detail {
@@ -119,11 +121,27 @@ Result<void> prove_all(const PrintJob& job, const StagedFiles& files, PrintRecor
 PrintRecord planned_record(const PrintJob& job) {
   PrintRecord record{printed_tags(job), {}};
   if (job.style.setting_out) record.documents = {kSettingOutList, kSettingOutPdf};
+  std::ranges::move(order_files(job), std::back_inserter(record.documents));
   for (const std::string& name : record.documents) record.sha256[name];
   for (const PrintedTag& printed : record.tags) {
     for (const std::string& name : printed.files) record.sha256[name];
   }
   return record;
+}
+
+// The folder's files, and the ZIP of them.
+Result<void> publish_with_zip(const PrintJob& job, const PrintRecord& record, StagedFiles& files) {
+  std::vector<ZipEntry> entries;
+  for (const auto& [name, hash] : record.sha256) entries.push_back({name, files.staged(name)});
+  for (const char* name : {kManifestJson, kManifestCsv}) {
+    entries.push_back({name, files.staged(name)});
+  }
+  const std::filesystem::path& zip = job.style.zip;
+  Result<StagedFiles> beside = StagedFiles::begin(zip.has_parent_path() ? zip.parent_path() : ".");
+  if (!beside) return fail(beside.error().message);
+  if (auto written = write_zip(beside->staged(zip.filename()), entries); !written) return written;
+  if (auto published = files.publish(); !published) return published;
+  return beside->publish();
 }
 
 Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& record) {
@@ -133,6 +151,7 @@ Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& rec
     if (!written) return written;
   }
   if (auto written = write_setting_out(job, record, files); !written) return written;
+  if (auto written = write_order(job, record, files); !written) return written;
   if (auto proved = prove_all(job, files, record); !proved || has_problems(record)) return proved;
   for (auto& [name, hash] : record.sha256) {
     const Result<std::string> found = sha256_of_file(files.staged(name));
@@ -141,7 +160,8 @@ Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& rec
   }
   auto added = files.add(kManifestJson, print_manifest_json(job, record));
   if (added) added = files.add(kManifestCsv, print_manifest_csv(job, record));
-  return added ? files.publish() : added;
+  if (!added || job.style.zip.empty()) return added ? files.publish() : added;
+  return publish_with_zip(job, record, files);
 }
 
 }  // namespace
@@ -157,6 +177,7 @@ Result<PrintRecord> run_print(const PrintJob& job, const std::filesystem::path& 
   PrintRecord record = planned_record(job);
   for (const auto& [name, hash] : record.sha256) files.writes(folder / name, "--output");
   for (const char* name : {kManifestJson, kManifestCsv}) files.writes(folder / name, "--output");
+  if (!job.style.zip.empty()) files.writes(job.style.zip, "--zip");
   if (auto usable = files.check(); !usable) return fail(usable.error().message);
   Result<StagedFiles> staged = StagedFiles::begin(folder);
   if (!staged) return fail(staged.error().message);
