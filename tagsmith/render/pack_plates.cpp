@@ -116,12 +116,14 @@ PlatePacking pack(std::span<const PlateSize> plates, const std::vector<std::size
   return packing;
 }
 
-std::vector<Way> ways_to_pack(std::size_t plates, bool may_turn) {
+// `mixed`: the plates differ in size.
+std::vector<Way> ways_to_pack(std::size_t plates, bool may_turn, bool mixed) {
   std::vector<Way> ways{{}};
   if (!may_turn) return ways;
   constexpr std::size_t kMostChanges = 100;
   const std::size_t step = plates / kMostChanges + 1;
   for (const bool largest_first : {false, true}) {
+    if (largest_first && !mixed) break;
     ways.push_back({Stand::turned, Stand::turned, 0, largest_first});
     ways.push_back({Stand::higher, Stand::higher, 0, largest_first});
     if (largest_first) ways.push_back({Stand::as_it_is, Stand::as_it_is, 0, true});
@@ -149,8 +151,11 @@ PlatePacking pack_plates(std::span<const PlateSize> plates, double width, double
   std::ranges::stable_sort(by_size, std::greater<>(), [&](std::size_t i) {
     return std::max(plates[i].width, plates[i].height);
   });
+  const bool mixed = std::ranges::any_of(plates, [&](const PlateSize& size) {
+    return size.width != plates.front().width || size.height != plates.front().height;
+  });
   PlatePacking best;
-  for (const Way& way : ways_to_pack(plates.size(), may_turn)) {
+  for (const Way& way : ways_to_pack(plates.size(), may_turn, mixed)) {
     PlatePacking packing = pack(plates, by_size, {width, length, may_turn}, way);
     if (better(packing, best)) best = std::move(packing);
   }

@@ -14,6 +14,7 @@
 
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/read_board.hpp"
+#include "tagsmith/survey/read_printer.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -137,16 +138,21 @@ TEST_CASE("the examples in docs/formats.md load without a finding") {
     at += fence.size();
     examples.push_back(text.substr(at, text.find("```", at) - at));
   }
-  REQUIRE(examples.size() == 4);
+  REQUIRE(examples.size() == 5);
   const test::TemporaryFolder folder;
   const auto survey = read_survey(test::write_text(folder.path() / "s.yaml", examples[0]));
   const auto tag = read_template(test::write_text(folder.path() / "t.yaml", examples[1]));
   const auto board = read_board(test::write_text(folder.path() / "b.yaml", examples[2]));
-  const auto rig = read_rig(test::write_text(folder.path() / "r.yaml", examples[3]));
+  const auto rig = read_rig(test::write_text(folder.path() / "r.yaml", examples[4]));
+  const auto printer =
+      read_printer_profile(test::write_text(folder.path() / "p.yaml", examples[3]));
   CHECK_MESSAGE(survey.value().diagnostics.empty(), to_string(survey->diagnostics));
   CHECK_MESSAGE(tag.value().diagnostics.empty(), to_string(tag->diagnostics));
   CHECK_MESSAGE(board.value().diagnostics.empty(), to_string(board->diagnostics));
   CHECK_MESSAGE(rig.value().diagnostics.empty(), to_string(rig->diagnostics));
+  REQUIRE_MESSAGE(printer, printer.error().message);
+  CHECK(printer->scale.right == 1.00308);
+  CHECK(printer->growth_down == doctest::Approx(0.123e-3));
 }
 
 TEST_CASE("the corridor's plates hang where its photos show them") {
