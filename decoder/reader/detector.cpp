@@ -127,7 +127,7 @@ void Detector::look_at(const Outline& outline) {
 }
 
 void Detector::note_cut(const Outline& outline) {
-  if (options_.code_book.empty()) return;
+  if (options_.code_book.empty() && options_.likely_codes.empty()) return;
   const auto cut = cut_by_border(outline.level, outline.quad);
   if (!cut || !looks_framed(outline.level.image, *cut, shape_, {true, false, true, true})) return;
   const Quad in_full = to_full(outline.level, *cut);
@@ -138,12 +138,15 @@ void Detector::note_cut(const Outline& outline) {
 }
 
 void Detector::read_parts() {
+  if (read_cuts_ == cut_.size()) return;
+  ReadOptions options = options_;
+  if (options.code_book.empty()) options.code_book = options.likely_codes;
   for (; read_cuts_ < cut_.size(); ++read_cuts_) {
     const Quad& cut = cut_[read_cuts_];
     const PixelPoint centre = centre_of(cut);
     const auto is_there = [&](const PartReading& part) { return contains(part.corners, centre); };
     if (has_reading_at(centre) || std::ranges::any_of(parts_, is_there)) continue;
-    if (auto part = read_part(image_, cut, options_)) parts_.push_back(*std::move(part));
+    if (auto part = read_part(image_, cut, options)) parts_.push_back(*std::move(part));
   }
 }
 

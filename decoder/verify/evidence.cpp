@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/grow_ink.hpp"
@@ -150,6 +151,27 @@ void see_hidden(const PictureReading& read, PictureEvidence& evidence) {
   }
 }
 
+// In the place of what was refused there. A tag that was read otherwise stays.
+void see_part(const PartReading& part, PictureEvidence& evidence) {
+  TagEvidence seen;
+  seen.sight = Sight::part;
+  seen.tag.corners = part.corners;
+  seen.tag.module_px = part.module_px;
+  std::vector<std::string> names;
+  for (const PartCandidate& candidate : part.candidates) {
+    names.push_back(name_of(evidence.survey, candidate.digits));
+  }
+  seen.fits = fmt::format("{}", fmt::join(names, " or "));
+  if (names.size() == 1) seen.tag.tag = names.front();
+  const auto is_there = [&](const TagEvidence& other) {
+    return overlap(part.corners, other.tag.corners);
+  };
+  std::erase_if(evidence.tags, [&](const TagEvidence& other) {
+    return other.sight == Sight::refused && is_there(other);
+  });
+  if (std::ranges::none_of(evidence.tags, is_there)) evidence.tags.push_back(std::move(seen));
+}
+
 }  // namespace
 
 void see_tags(const PictureReading& read, PictureEvidence& evidence) {
@@ -174,6 +196,8 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence) {
     seen.tag.page = evidence.page;
   }
   if (evidence.readings.tags.empty()) see_hidden(read, evidence);
+  if (!evidence.is_photo) return;
+  for (const PartReading& part : evidence.readings.parts) see_part(part, evidence);
 }
 
 ReadResult without_repeats(ReadResult result) {

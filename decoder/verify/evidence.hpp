@@ -26,6 +26,7 @@ enum class Sight {
   thinned,    // read after ink was taken away
   thickened,  // read after ink was added
   bars,       // read by its bars, without a frame
+  part,       // cut by the picture's border, and known by what is in sight
 };
 
 struct TagEvidence {
@@ -33,6 +34,7 @@ struct TagEvidence {
   Sight sight = Sight::read;
   const Rejection* refusal = nullptr;  // why it was refused
   std::string by_bars{};               // of what was refused: which tag it is by its bars, in words
+  std::string fits{};                  // of a part: the tags of the survey that it fits, in words
   std::string mirrored{};  // how it is seen that the print is mirrored; empty = it is not
 };
 
@@ -64,7 +66,8 @@ using PictureReading = std::function<ReadResult(const GrayView&, const ReadOptio
 // Reads the picture and fills `readings` and `tags`: as any code, so that a tag that should not be
 // there is seen for what it is; what is refused so, as one of the survey's, for tags too small or
 // too worn otherwise. Where no tag is read by its frame, also the picture's negative and the
-// survey's tags by their bars; and a page with more ink and with less.
+// survey's tags by their bars; and a page with more ink and with less. Tags of a photo that its
+// border cuts are compared with the survey's.
 void see_tags(const PictureReading& read, PictureEvidence& evidence);
 
 // A result without refusals that lie on any reading. Of refusals that lie on each other one is

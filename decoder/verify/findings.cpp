@@ -193,6 +193,10 @@ std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEv
         TagStatus::cut_off, "cut-off",
         "a tag at the picture's edge, not read: " + describe(*seen.refusal) + seen.by_bars};
   }
+  if (seen.sight == Sight::part) {
+    return Finding{TagStatus::cut_off, "cut-off",
+                   "a tag at the picture's edge; what is in sight fits " + seen.fits};
+  }
   if (seen.sight == Sight::bars &&
       frame_may_leave(evidence.image, evidence.survey.tag_template, corners)) {
     return Finding{TagStatus::cut_off, "cut-off",
@@ -205,6 +209,7 @@ std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEv
 std::optional<Finding> find_unread(const PictureEvidence& evidence, const TagEvidence& seen) {
   switch (seen.sight) {
     case Sight::read:
+    case Sight::part:
       return std::nullopt;
     case Sight::refused:
       return refused(evidence, seen);

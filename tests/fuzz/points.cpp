@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists of surveyed points, and the tunnels fitted to them. The first line says the columns.
+// Files of surveyed points of all formats, and the tunnels fitted to them. The first line says the
+// order of the columns; it is empty for formats that have none.
 #include "tagsmith/survey/fit_tunnel.hpp"
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_template.hpp"

@@ -51,6 +51,26 @@ TEST_CASE("a photo is read once, and its negative where no tag was read") {
   CHECK(reads == 2);
 }
 
+TEST_CASE("tags that the border cuts are named by what is in sight, where that fits the survey") {
+  const Survey corridor = load_survey("surveys/corridor/survey.yaml").value();
+  const Survey curved = load_survey("surveys/curved/survey.yaml").value();
+  const auto cut_off = [](const Survey& survey, const std::string& photo) {
+    const VerifyRequest request{survey};
+    const VerifiedFile file =
+        verify_file(request, "surveys/corridor/photos/" + photo + ".jpg").value();
+    std::set<std::string> names;
+    for (const VerifiedTag& tag : file.tags) {
+      if (tag.status == TagStatus::cut_off) names.insert(tag.tag);
+    }
+    return names;
+  };
+  CHECK(cut_off(corridor, "corridor_03_left") == std::set<std::string>{"001L", "003L"});
+  CHECK(cut_off(corridor, "corridor_06_right") == std::set<std::string>{"004R"});
+  // What is in sight fits 000L and 006R.
+  CHECK(cut_off(corridor, "corridor_02_left") == std::set<std::string>{""});
+  CHECK(cut_off(curved, "corridor_03_left").empty());
+}
+
 TEST_CASE("of refusals that lie on each other one is kept, that which came nearest to a reading") {
   const Rejection outer{RejectionReason::element_widths, reading_of("019000000404", 100).corners};
   const Rejection doubtful{RejectionReason::doubtful, outer.corners};
