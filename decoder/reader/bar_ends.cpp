@@ -235,10 +235,9 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
   return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
 }
 
-bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
-                   const LensDistortion& lens) {
-  const Symbol symbol(image, bar_field(corners, layout, lens));
-  const double height = height_px(corners);
+bool bars_end_near(const GrayView& image, const BarField& field) {
+  const Symbol symbol(image, field);
+  const double height = height_px(field.corners);
   const double near = std::max(1.5 / height, tolerance_of(height));
   std::size_t above = 0, below = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
@@ -247,8 +246,8 @@ bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayou
     const auto shown = [&](double v) {
       return static_cast<double>(share_of(pattern, symbol.row(window, v))) > kHalfShown;
     };
-    above += shown(layout.bars_top + near) && !shown(layout.bars_top - near) ? 1U : 0U;
-    below += shown(layout.bars_bottom - near) && !shown(layout.bars_bottom + near) ? 1U : 0U;
+    above += shown(field.top + near) && !shown(field.top - near) ? 1U : 0U;
+    below += shown(field.bottom - near) && !shown(field.bottom + near) ? 1U : 0U;
   }
   return above >= kBarEnds.least_right && below >= kBarEnds.least_right;
 }
@@ -292,7 +291,8 @@ double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, do
 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
                               const SymbolLayout& layout, const LensDistortion& lens) {
-  if (bars_end_near(image, corners, layout, lens)) return {EndsVerdict::suited, corners, 0, 0};
+  if (bars_end_near(image, bar_field(corners, layout, lens)))
+    return {EndsVerdict::suited, corners, 0, 0};
   const BarField field = bar_field(corners, layout, lens);
   const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
                                    layout.bars_top - kBarEnds.outside);

@@ -39,10 +39,9 @@ struct BarEnds {
 std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
                                      double to);
 
-// Whether the bars end above and below where the layout has them end in a frame with these corners
-// (clockwise from P), to a pixel or two: a quick look.
-bool bars_end_near(const GrayView& image, const Quad& corners, const SymbolLayout& layout,
-                   const LensDistortion& lens = {});
+// Whether the bars end above and below where the field has them end, to a pixel or two: a quick
+// look.
+bool bars_end_near(const GrayView& image, const BarField& field);
 
 // What the bars' ends say of a frame's upper and lower side.
 struct EndsVerdict {

@@ -239,16 +239,10 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
   const SeenModule seen =
       seen_module(stretched(profile.bins, length, layout), best->decoding, sought);
   const double module = (seen.at + quiet) * length - quiet;
-  best->decoding.fit.image.shift = best->decoding.fit.image.stretch = 0;
-  best->decoding.fit.image.bend = 0;
   Quad quad = frame.corners;
   quad[1] = place_of(map, layout, module, 0);
   quad[2] = place_of(map, layout, module, 1);
-  auto around = fit_cut_frame(image, quad, layout.frame);
-  if (!around) return std::nullopt;
-  const RobustProfile rows(image, *around, 0, layout);
-  const Part rough{*std::move(around), layout, rows, {}, *std::move(best)};
-  return read_anew(image, with_far_side(rough.frame.corners, far_side_of(rough)), layout, options);
+  return read_anew(image, quad, layout, options);
 }
 
 // The share of the frame's inner width, from side 3 on, that the profile shows.
@@ -264,17 +258,7 @@ bool bars_end_right(const GrayView& image, const Part& part) {
   const double end = width_in_sight(part);
   const Quad shown{map(0, 0), map(end, 0), map(end, 1), map(0, 1)};
   const double first = layout.quiet_zone_modules / modules_inside(layout) / end;
-  const BarField field{shown, first, 1, layout.bars_top, layout.bars_bottom};
-  const double height = (distance(shown[0], shown[3]) + distance(shown[1], shown[2])) / 2;
-  const double tolerance = kBarEnds.tolerance_px + kBarEnds.tolerance * height;
-  const auto ends_at = [&](double v, double inside, double outside) {
-    const auto ends = find_bar_ends(image, field, v + inside, v - outside);
-    const auto off = [&](double at) { return std::abs(at - v) * height; };
-    return ends &&
-           std::max(off(ends->at(first)), off(ends->at(1))) < tolerance + 3 * ends->sigma_px;
-  };
-  return ends_at(layout.bars_top, kBarEnds.inside, kBarEnds.outside) &&
-         ends_at(layout.bars_bottom, -kBarEnds.inside, -kBarEnds.outside);
+  return bars_end_near(image, {shown, first, 1, layout.bars_top, layout.bars_bottom});
 }
 
 // Whether something lies along the bars over all of their height: it may turn a digit into another.

@@ -93,16 +93,16 @@ TEST_CASE("what is dark in front of the bars' ends hides them") {
 TEST_CASE("bars that end a few pixels elsewhere are told from those that end where they should") {
   const SeenTag tag = tag_seen_aslant();
   const GrayImage image = tag.image();
-  CHECK(bars_end_near(image.view(), tag.corners(), kLayout));
+  CHECK(bars_end_near(image.view(), bar_field(tag.corners(), kLayout)));
   for (const double off : {-4.0, 4.0}) {
     CAPTURE(off);
     Quad quad = tag.corners();
     for (PixelPoint& corner : quad) corner.y += off;
-    CHECK(!bars_end_near(image.view(), quad, kLayout));
+    CHECK(!bars_end_near(image.view(), bar_field(quad, kLayout)));
     quad = tag.corners();
     quad[0].y += off * 1.2;
     quad[1].y += off * 1.2;
-    CHECK(!bars_end_near(image.view(), quad, kLayout));
+    CHECK(!bars_end_near(image.view(), bar_field(quad, kLayout)));
   }
 }
 
@@ -111,10 +111,10 @@ TEST_CASE("bars that end too far out or too far in, on either side, are told") {
     CAPTURE(off);
     SeenTag tag = tag_seen_aslant();
     tag.bars_top += off;
-    CHECK(!bars_end_near(tag.image().view(), tag.corners(), kLayout));
+    CHECK(!bars_end_near(tag.image().view(), bar_field(tag.corners(), kLayout)));
     tag = tag_seen_aslant();
     tag.bars_bottom += off;
-    CHECK(!bars_end_near(tag.image().view(), tag.corners(), kLayout));
+    CHECK(!bars_end_near(tag.image().view(), bar_field(tag.corners(), kLayout)));
   }
 }
 
