@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -55,8 +58,29 @@ struct Proposed {
   SearchedImage picture;
   Detector detector{picture, options};
   std::vector<Proposal> all;
+  std::deque<GrayImage> levels;  // of these: a proposer's own are gone when it is done
   SearchContext search{picture, options, detector,
-                       [this](const Proposal& proposal) { all.push_back(proposal); }};
+                       [this](const Proposal& proposal) { keep(proposal); }};
+
+ private:
+  void keep(Proposal proposal) {
+    std::visit(
+        [this](auto& place) {
+          if constexpr (requires { place.level; }) {
+            place.level.image = levels.emplace_back(copy_of(place.level.image)).view();
+          }
+        },
+        proposal);
+    all.push_back(std::move(proposal));
+  }
+
+  static GrayImage copy_of(const GrayView& level) {
+    GrayImage copy{level.width, level.height, {}};
+    for (int y = 0; y < level.height; ++y) {
+      for (int x = 0; x < level.width; ++x) copy.samples.push_back(level.at(x, y));
+    }
+    return copy;
+  }
 };
 
 bool is_of(const BarRegion& region, const SeenTag& tag) {
