@@ -152,6 +152,12 @@ TEST_CASE("the derivative of the pixel is that of finite differences") {
       CHECK((projection->by_point.col(axis) - by_difference).norm() <
             1e-5 * (1 + by_difference.norm()));
     }
+    constexpr double kChange = 1e-6;
+    Camera more = camera, less = camera;
+    more.distortion[0] += kChange;
+    less.distortion[0] -= kChange;
+    const Vector2d by_k1 = (*project(more, point) - *project(less, point)) / (2 * kChange);
+    CHECK((projection->by_k1 - by_k1).norm() < 1e-4 * (1 + by_k1.norm()));
   }
 }
 

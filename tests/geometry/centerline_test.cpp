@@ -110,6 +110,19 @@ TEST_CASE("a place found again has the chainage and offset it was made with") {
   }
 }
 
+TEST_CASE("the places where elements meet are found, too") {
+  for (const auto& [name, line] : named_lines()) {
+    CAPTURE(name);
+    double chainage = 0;
+    for (const CenterlineElement& element : line.elements()) {
+      const CenterlineAddress address = line.locate(line.at(chainage).position.head<2>());
+      CHECK(address.chainage == doctest::Approx(chainage).epsilon(1e-9));
+      CHECK(std::abs(address.offset) < 1e-9);
+      chainage += element.length;
+    }
+  }
+}
+
 TEST_CASE("nothing on a line of many elements is nearer than the place located") {
   constexpr unsigned kSeed = 32;
   CAPTURE(kSeed);
