@@ -17,12 +17,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <set>
-#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -271,13 +269,12 @@ bool shows_the_same(const PartReading& part, const Digits& code) {
   return true;
 }
 
-// Whether a symbol's digits in sight can be those of its code. Where one character is no digit,
-// it may be out of sight. The right half of an EAN-13 is that of a UPC-A.
-bool has_digits(mass::Kind kind, const PartReading& part) {
-  const auto left_half = std::span(part.in_sight).first<kDigitCount / 2>();
-  const bool is_right_half = std::ranges::none_of(left_half, std::identity());
-  return mass::may_be_read(kind) || kind == mass::Kind::wrong_check ||
-         kind == mass::Kind::foreign || (kind == mass::Kind::ean13 && is_right_half);
+// Whether a symbol's digits in sight can be those of its code. Where one character is no digit, or
+// guards are cut off, that may be out of sight; an EAN-13 has digits like those of a UPC-A, too.
+bool has_digits(mass::Kind kind) {
+  using enum mass::Kind;
+  return mass::may_be_read(kind) || kind == wrong_check || kind == foreign || kind == cut ||
+         kind == ean13;
 }
 
 // A third of the codes are in the book, a third strangers of which a code of the book differs in
@@ -313,7 +310,7 @@ Hostile run_hostile(std::uint64_t number) {
   const ReadResult result = read_tags(part_of, options);
   for (const PartReading& part : result.parts) {
     const bool single = part.candidates.size() == 1;
-    const bool is_right = has_digits(picture.kind, part) && shows_the_same(part, picture.code);
+    const bool is_right = has_digits(picture.kind) && shows_the_same(part, picture.code);
     hostile.identified = is_right && way == 0 && single;
     hostile.listed = is_right && way == 0 && !single;
     hostile.is_alike = is_right && way != 0;
