@@ -4,7 +4,6 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <tagsmith/localize.hpp>
 
 #include "decoder/api/data.hpp"
@@ -12,6 +11,7 @@
 #include "decoder/localize/live_track.hpp"
 #include "decoder/localize/locate.hpp"
 #include "decoder/localize/observation.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith {
 namespace {
@@ -56,8 +56,7 @@ detail::CornerCovariance covariance_from(const SeenTag& tag) {
   detail::CornerCovariance covariance = detail::eigen_from<8>(*tag.covariance);
   const bool symmetric = (covariance - covariance.transpose()).cwiseAbs().maxCoeff() <=
                          1e-9 * covariance.cwiseAbs().maxCoeff();
-  const bool positive = covariance.llt().info() == Eigen::Success;
-  if (!covariance.allFinite() || !symmetric || !positive) {
+  if (!covariance.allFinite() || !symmetric || !detail::cholesky_root(covariance)) {
     throw_invalid("the covariance of tag " + tag.digits +
                   " is none: expected a symmetric matrix that is positive definite");
   }

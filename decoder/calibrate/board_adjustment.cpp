@@ -7,7 +7,6 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -395,10 +394,9 @@ class Adjuster {
 std::optional<MatrixXd> inverse_of(const MatrixXd& matrix) {
   const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   if (!scale.allFinite()) return std::nullopt;
-  const Eigen::LLT<MatrixXd> solver(scale.asDiagonal() * matrix * scale.asDiagonal());
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  const MatrixXd inverse = solver.solve(MatrixXd::Identity(matrix.rows(), matrix.cols()));
-  return MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+  const auto inverse = inverse_of_positive(scale.asDiagonal() * matrix * scale.asDiagonal());
+  if (!inverse) return std::nullopt;
+  return MatrixXd(scale.asDiagonal() * *inverse * scale.asDiagonal());
 }
 
 // The relative change of one sighting's own focal length that fits it best, its pose going along,
@@ -428,8 +426,8 @@ std::pair<double, double> own_focal(const Adjuster& adjuster, const CalibrationP
 
 std::optional<TagObservation> observation_of(const Board& board, const BoardPlane& plane,
                                              const SeenBoardTag& seen) {
-  const Eigen::LLT<CornerCovariance> root(seen.covariance);
-  if (root.info() != Eigen::Success || !seen.pixels.allFinite()) return std::nullopt;
+  MatrixXd whitening = CornerCovariance::Identity();
+  if (!seen.pixels.allFinite() || !whiten(whitening, seen.covariance)) return std::nullopt;
   TagObservation tag;
   tag.tag = seen.tag;
   const std::array<PlatePoint, 4> corners = corners_of(board, board.tags[seen.tag]);
@@ -437,7 +435,7 @@ std::optional<TagObservation> observation_of(const Board& board, const BoardPlan
     tag.on_board[i] = Vector2d(corners[i].x, corners[i].y) - plane.middle;
   }
   tag.pixels = seen.pixels;
-  tag.whitening = root.matrixL().solve(CornerCovariance::Identity());
+  tag.whitening = whitening;
   return tag;
 }
 

@@ -6,13 +6,14 @@
 #include <numeric>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 #include "tagsmith/tag/printer_test.hpp"
 
@@ -52,7 +53,7 @@ PixelFromSheet fitted(const CornerPairs& pairs) {
     places.row(i) << pairs.on_sheet[static_cast<std::size_t>(i)].transpose(), 1;
     pixels.row(i) = pairs.in_scan[static_cast<std::size_t>(i)].transpose();
   }
-  const Eigen::Matrix<double, 3, 2> solution = places.colPivHouseholderQr().solve(pixels);
+  const Eigen::Matrix<double, 3, 2> solution = least_squares(places, pixels);
   PixelFromSheet pixel_from_sheet;
   pixel_from_sheet.setIdentity();
   pixel_from_sheet.affine() = solution.transpose();

@@ -5,10 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include <Eigen/LU>
-#include <Eigen/QR>
-
 #include "decoder/feature_frame/tuning.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 
@@ -83,7 +81,7 @@ SideSagitta bow_between(const LensDistortion& lens, const SideLine& side, PixelP
     double power = 1;
     for (Eigen::Index k = 0; k < kCount; ++k, power *= s) powers(i, k) = power;
   }
-  const Eigen::Matrix<double, kCount, 1> c = powers.partialPivLu().solve(series);
+  const Eigen::Matrix<double, kCount, 1> c = least_squares(powers, series);
   SideSagitta bow;
   std::ranges::copy(c, bow.c.begin());
   return bow;
@@ -234,7 +232,7 @@ void FrameHomography::fit_correction() {
       }
     }
   }
-  const Eigen::Matrix<double, kTerms, 2> fit = terms.householderQr().solve(changes);
+  const Eigen::Matrix<double, kTerms, 2> fit = least_squares(terms, changes);
   for (std::size_t j = 0; j < kAcross; ++j) {
     for (std::size_t i = 0; i < kAlong; ++i) {
       const auto term = static_cast<Eigen::Index>(j * kAlong + i);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <ceres/tiny_solver.h>
@@ -154,9 +153,9 @@ class Linearisation {
       const SightedPlate& plate = problem_.plates[group.plate];
       const Eigen::Matrix<double, 6, 1> variance = plate.survey_variance + plate.coding_variance;
       covariance += propagated_variances(by_plate, variance);
-      const Eigen::LLT<MatrixXd> root(covariance);
-      if (root.info() != Eigen::Success) return false;
-      group.root = root.matrixL();
+      auto root = cholesky_root(covariance);
+      if (!root) return false;
+      group.root = std::move(*root);
     }
     return true;
   }
@@ -166,10 +165,9 @@ class Linearisation {
     rows_.residual.resize(count_);
     rows_.jacobian.resize(count_, NumParameters());
     if (!evaluate(state, rows_.residual, rows_.jacobian)) return std::nullopt;
-    const MatrixXd information = rows_.jacobian.transpose() * rows_.jacobian;
-    const Eigen::LLT<MatrixXd> root(information);
-    if (root.info() != Eigen::Success) return std::nullopt;
-    fit.covariance = root.solve(MatrixXd::Identity(NumParameters(), NumParameters()));
+    auto covariance = inverse_of_positive(gram(rows_.jacobian));
+    if (!covariance) return std::nullopt;
+    fit.covariance = std::move(*covariance);
     fit.chi_square = rows_.residual.squaredNorm();
     fit.degrees_of_freedom = static_cast<int>(count_) - NumParameters();
     fit.state = state;

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/line_levels.hpp"
 #include "decoder/image/pixel.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -81,7 +81,7 @@ std::optional<double> fitted_bow(std::vector<Eigen::Vector2d> points) {
       terms.row(i) << 1, t, 4 * t * (1 - t);
       values[i] = points[static_cast<std::size_t>(i)].y();
     }
-    const Eigen::Vector3d fit = terms.colPivHouseholderQr().solve(values);
+    const Eigen::Vector3d fit = least_squares(terms, values);
     const Eigen::VectorXd residual = (values - terms * fit).cwiseAbs();
     Eigen::Index worst = 0;
     residual.maxCoeff(&worst);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 
 namespace tagsmith::detail {
 
@@ -18,6 +19,24 @@ double squared_mahalanobis(const Eigen::Ref<const Eigen::VectorXd>& residual,
 Eigen::MatrixXd solve_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
                                 const Eigen::Ref<const Eigen::MatrixXd>& right) {
   return Eigen::LDLT<Eigen::MatrixXd>(matrix).solve(right);
+}
+
+Eigen::MatrixXd least_squares(const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                              const Eigen::Ref<const Eigen::MatrixXd>& right) {
+  return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(rows).solve(right);
+}
+
+std::optional<Eigen::MatrixXd> cholesky_root(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  const Eigen::LLT<Eigen::MatrixXd> root(matrix);
+  if (root.info() != Eigen::Success) return std::nullopt;
+  return root.matrixL();
+}
+
+std::optional<Eigen::MatrixXd> inverse_of_positive(
+    const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  const Eigen::LLT<Eigen::MatrixXd> root(matrix);
+  if (root.info() != Eigen::Success) return std::nullopt;
+  return root.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
 }
 
 Eigen::MatrixXd propagated(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a covariance says of a vector, and how covariances pass on. These are functions of matrices
-// of any size, so that Eigen's solvers and products are compiled here alone.
+// What a covariance says of a vector, how covariances pass on, and linear least squares. These are
+// functions of matrices of any size, so that Eigen's solvers and products are compiled here alone:
+// each file that has its own costs the compiler several seconds.
 #pragma once
+
+#include <optional>
 
 #include <Eigen/Core>
 
@@ -15,6 +18,15 @@ double squared_mahalanobis(const Eigen::Ref<const Eigen::VectorXd>& residual,
 // X with matrix X = right. matrix: symmetric, semidefinite.
 Eigen::MatrixXd solve_symmetric(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
                                 const Eigen::Ref<const Eigen::MatrixXd>& right);
+
+// X that makes the squares of rows X - right least. rows: at least as many rows as columns.
+Eigen::MatrixXd least_squares(const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                              const Eigen::Ref<const Eigen::MatrixXd>& right);
+
+// The lower triangular L with L L^T = matrix, and the inverse of a symmetric matrix; nothing unless
+// it is positive definite.
+std::optional<Eigen::MatrixXd> cholesky_root(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
+std::optional<Eigen::MatrixXd> inverse_of_positive(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
 // J C J^T: the covariance of J v where C is that of v.
 Eigen::MatrixXd propagated(const Eigen::Ref<const Eigen::MatrixXd>& jacobian,

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/geometry/vehicle_stance.hpp"
 
 namespace tagsmith::detail {
@@ -18,7 +19,7 @@ using Eigen::Vector3d;
 
 // The inverse of a symmetric matrix; nothing unless it is positive definite (its leading minors
 // are).
-std::optional<Matrix3d> inverse_of_positive(const Matrix3d& matrix) {
+std::optional<Matrix3d> inverse_in_closed_form(const Matrix3d& matrix) {
   const double minor = matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0);
   const double scale = matrix(0, 0) * matrix(1, 1) * matrix(2, 2);
   constexpr double kSingular = 1e-14;  // of the product of the diagonal
@@ -100,10 +101,10 @@ void add_tag(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
     variance.segment<kPlateRows>(row).setConstant(sigma * sigma);
     row += kPlateRows;
   }
-  Eigen::MatrixXd covariance = by_plate * by_plate.transpose();
+  Eigen::MatrixXd covariance =
+      propagated_variances(by_plate, Eigen::VectorXd::Ones(by_plate.cols()));
   covariance.diagonal() += variance;
-  Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solveInPlace(by_all);
-  information.noalias() += by_all.transpose() * by_all;
+  if (whiten(by_all, covariance)) information += gram(by_all);
 }
 
 bool sees_a_tag_twice(std::span<const PlateSight> sights) {
@@ -175,8 +176,8 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
   }
   const Eigen::MatrixXd shared = information.topRightCorner(kVehicleCount, calibrated);
   return information.topLeftCorner<kVehicleCount, kVehicleCount>() -
-         shared *
-             information.bottomRightCorner(calibrated, calibrated).llt().solve(shared.transpose());
+         VehicleCovariance(shared.lazyProduct(solve_symmetric(
+             information.bottomRightCorner(calibrated, calibrated), shared.transpose())));
 }
 
 VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
@@ -208,12 +209,13 @@ VehicleCovariance rig_information(const Survey& survey, const Rig& rig,
 
 std::optional<VehicleCovariance> covariance_from(const VehicleCovariance& information) {
   // By blocks of three, whose inverses have a closed form: millions of poses are planned.
-  const std::optional<Matrix3d> of_place = inverse_of_positive(information.topLeftCorner<3, 3>());
+  const std::optional<Matrix3d> of_place =
+      inverse_in_closed_form(information.topLeftCorner<3, 3>());
   if (!of_place) return std::nullopt;
   const Matrix3d shared = information.topRightCorner<3, 3>();
   const Matrix3d carried = *of_place * shared;
   const std::optional<Matrix3d> attitude =
-      inverse_of_positive(information.bottomRightCorner<3, 3>() - shared.transpose() * carried);
+      inverse_in_closed_form(information.bottomRightCorner<3, 3>() - shared.transpose() * carried);
   if (!attitude) return std::nullopt;
   VehicleCovariance covariance;
   const Matrix3d mixed = -carried * *attitude;

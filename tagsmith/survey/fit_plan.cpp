@@ -7,8 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 
 namespace tagsmith::detail {
@@ -301,7 +300,8 @@ PlanModel adjusted(PlanModel model, const std::vector<PlanPoint>& points, double
       MatrixXd normal = jacobian.transpose() * weights.asDiagonal() * jacobian;
       normal.diagonal() += damping * normal.diagonal() + VectorXd::Constant(normal.rows(), 1e-12);
       PlanModel moved = model;
-      moved.values -= normal.ldlt().solve(jacobian.transpose() * weights.asDiagonal() * residuals);
+      moved.values -= solve_symmetric(
+          normal, jacobian.transpose() * (weights.array() * residuals.array()).matrix());
       const VectorXd left = residuals_of(moved, points);
       const double before = robust_cost(residuals, used);
       const double after = robust_cost(left, used);

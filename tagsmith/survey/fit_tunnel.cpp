@@ -7,10 +7,10 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 #include "tagsmith/survey/expected_place.hpp"
 #include "tagsmith/survey/fit_plan.hpp"
 #include "tagsmith/survey/neighbour_heights.hpp"
@@ -105,7 +105,7 @@ Floor fit_floor(const std::vector<CenterlineElement>& elements,
     a(rows + i, 1 + i) = kSmooth;
     if (i > 0) a(rows + i, i) = -kSmooth;
   }
-  const VectorXd solution = a.colPivHouseholderQr().solve(b);
+  const VectorXd solution = least_squares(a, b);
   Floor floor{elements, solution[0], (b - a * solution).head(rows)};
   for (Eigen::Index i = 0; i < grades; ++i) {
     const double grade = solution[1 + i];
