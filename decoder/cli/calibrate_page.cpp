@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "decoder/cli/calibrate_drawing.hpp"
-#include "decoder/cli/web_page.hpp"
 #include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/printable.hpp"
+#include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/picture_sheet.hpp"
 #include "tagsmith/render/svg.hpp"
@@ -19,30 +19,16 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr const char* kStyle = R"css(
-:root { color-scheme: light; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; --card: #f6f8fa;
-  --good: #0d7a31; --weak: #a85a00; --refused: #b01818; --advice: #1f5fb0; }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink); background: #fff;
-  font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.35rem; margin: 0 0 4px; overflow-wrap: anywhere; }
-h2 { font-size: 1.05rem; margin: 28px 0 8px; }
-p { margin: 0 0 8px; }
-.sub { color: var(--grey); font-size: .9rem; }
-.good { color: var(--good); } .weak { color: var(--weak); } .refused { color: var(--refused); }
-.advice { color: var(--advice); }
+.good { color: var(--ok); } .weak { color: var(--poor); } .refused { color: var(--faulty); }
+.advice { color: #1f5fb0; }
 .verdict { font-size: 1.1rem; font-weight: 600; }
 .finding { background: var(--card); border: 1px solid var(--line); border-radius: 8px;
   padding: 10px 12px; margin: 0 0 8px; overflow-wrap: anywhere; }
 .finding p { margin: 0; }
 img { display: block; width: 100%; height: auto; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: right; padding: 5px 8px 5px 0; border-top: 1px solid var(--line);
-  font-size: .9rem; }
+th, td { text-align: right; padding: 5px 8px 5px 0; }
 th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; }
-th { font-weight: 600; }
-@media print { body { max-width: none; padding: 0; font-size: 11pt; } h2 { break-after: avoid; }
-  img, tr, .finding { break-inside: avoid; } }
+@media print { img, .finding { break-inside: avoid; } }
 )css";
 
 std::string findings_text(const BoardCalibration& result) {

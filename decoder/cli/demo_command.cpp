@@ -130,6 +130,7 @@ Verified verify_files(const Demo& demo, const std::vector<fs::path>& files) {
       }
     };
   });
+  finish(verified.merged);
   return verified;
 }
 

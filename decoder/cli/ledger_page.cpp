@@ -8,9 +8,9 @@
 #include <fmt/ranges.h>
 
 #include "decoder/cli/report_ledger.hpp"
-#include "decoder/cli/web_page.hpp"
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/base/printable.hpp"
+#include "tagsmith/cli/web_page.hpp"
 #include "tagsmith/survey/revision.hpp"
 
 namespace tagsmith::detail {

@@ -45,6 +45,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
+#include "tagsmith/survey/survey_of_codes.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -68,6 +69,8 @@ struct LocalizeOptions {
   bool json = false;
   bool explain = false;
   bool unsurveyed = false;
+  std::string own_template;     // of tags that no survey knows; empty = there is a survey
+  std::optional<double> width;  // then of the tunnel, metres
   bool follow = false;
   bool confirmed = false;
   int jobs = 0;  // 0 = as many as the process may use
@@ -79,8 +82,15 @@ struct LocalizeInput {
   Run run;
 };
 
+Result<std::vector<Survey>> surveys_of(const LocalizeOptions& options) {
+  if (options.own_template.empty()) return load_surveys(options.surveys);
+  auto survey = survey_of_codes(options.own_template, *options.width);
+  if (!survey) return fail(survey.error().message);
+  return std::vector<Survey>{std::move(*survey)};
+}
+
 Result<LocalizeInput> load(const LocalizeOptions& options) {
-  auto surveys = load_surveys(options.surveys);
+  auto surveys = surveys_of(options);
   if (!surveys) return fail(surveys.error().message);
   auto rig = load_rig(options.rig);
   if (!rig) return fail(rig.error().message);
@@ -93,6 +103,13 @@ Result<LocalizeInput> load(const LocalizeOptions& options) {
 ReaderChoice reader_for(const LocalizeOptions& options) {
   if (options.reader == "paper") return {read_tags_paper, kOutlineCornerSigmaPx};
   return {read_tags, kFittedCornerSigmaPx, options.unsurveyed};
+}
+
+// What was taken for granted, a sentence each.
+std::vector<std::string> assumed(const LocalizeInput& input, const LocalizeOptions& options) {
+  std::vector<std::string> sentences = assumptions(input.surveys, input.rig);
+  if (options.width) sentences.insert(sentences.begin(), assumed_of_codes(*options.width));
+  return sentences;
 }
 
 // The fixes of all measurements by each method asked for, the one to rely on first.
@@ -185,20 +202,19 @@ FollowInput live_input(const LocalizeInput& input, const LocalizeOptions& option
 
 // --- JSON ---
 
-void print_json(const Located& located, const LocalizeInput& input, bool explain,
+void print_json(const Located& located, const LocalizeInput& input, const LocalizeOptions& options,
                 const RunFindings& findings) {
   const std::vector<Measurement>& measurements = input.run.measurements;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     for (const std::vector<Fix>& fixes : located) {
-      to_stdout("{}\n", fix_json_line(fixes[i], measurements[i], explain));
+      to_stdout("{}\n", fix_json_line(fixes[i], measurements[i], options.explain));
     }
   }
   std::vector<FixSummary> summaries;
   for (const std::vector<Fix>& fixes : located) {
     summaries.push_back(summarize(fixes, measurements));
   }
-  to_stdout("{}\n", summary_json_line(summaries, assumptions(input.surveys, input.rig), findings,
-                                      input.rig));
+  to_stdout("{}\n", summary_json_line(summaries, assumed(input, options), findings, input.rig));
 }
 
 // --- table ---
@@ -365,6 +381,15 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
 
 // What can be known to be wrong before the work.
 Result<void> check_options(const LocalizeOptions& options) {
+  if (options.surveys.empty() == options.own_template.empty()) {
+    return fail(options.surveys.empty()
+                    ? "expected SURVEY; or, to take tags by what their digits say, --template NAME "
+                      "with --width M"
+                    : "--template is for tags of which there is no survey: leave one of them out");
+  }
+  if (options.own_template.empty() != !options.width) {
+    return fail("--template and --width go together: the plates' template, the tunnel's width");
+  }
   if (options.follow == !options.run.empty()) {
     return fail(options.follow
                     ? "--follow reads measurements from standard input, expected no --run"
@@ -387,7 +412,7 @@ Result<void> check_options(const LocalizeOptions& options) {
     return fail("--confirmed needs --method joint: the paper's closed form has nothing to spare");
   }
   if (options.unsurveyed && options.method == "paper") {
-    return fail("--unsurveyed needs --method joint");
+    return fail("tags that no survey has need --method joint");
   }
   if (options.unsurveyed && options.surveys.size() > 1) {
     return fail("--unsurveyed: expected one survey, whose code and tunnel hold for all tags");
@@ -405,13 +430,14 @@ Result<void> check_options(const LocalizeOptions& options) {
   return {};
 }
 
-int run_localize(const LocalizeOptions& options) {
+int run_localize(LocalizeOptions options) {
+  options.unsurveyed = options.unsurveyed || !options.own_template.empty();
   if (const auto usable = check_options(options); !usable) {
     return report_failure(kName, usable.error());
   }
   const Result<LocalizeInput> input = load(options);
   if (!input) return report_failure(kName, input.error());
-  print_assumptions(kName, assumptions(input->surveys, input->rig));
+  print_assumptions(kName, assumed(*input, options));
   if (options.follow) {
     return follow(live_input(*input, options));
   }
@@ -449,7 +475,7 @@ int run_localize(const LocalizeOptions& options) {
     if (!written) return report_failure(kName, written.error());
   }
   if (options.json) {
-    print_json(located, *input, options.explain, findings);
+    print_json(located, *input, options, findings);
   } else {
     print_tables(located, *input, options.explain);
     if (!findings.another_drive.empty()) to_stdout("{}\n", findings.another_drive);
@@ -468,7 +494,10 @@ Command localize_command() {
   return {
       .name = kName,
       .summary = "The vehicle's position at each measurement of a run, from what its cameras saw",
-      .options = {survey_argument(&options->surveys, "Survey files of the tunnel (survey.yaml)"),
+      .options = {{.names = "SURVEY",
+                   .target = &options->surveys,
+                   .help = "Survey files of the tunnel (survey.yaml)",
+                   .kind = ValueKind::survey},
                   required(rig_option(&options->rig,
                                       "The vehicle's cameras and range sensors (rig.yaml)")),
                   {.names = "--run",
@@ -498,6 +527,17 @@ Command localize_command() {
                   {.names = "--unsurveyed",
                    .target = &options->unsurveyed,
                    .help = "Use tags that are not in the survey too, at their coded positions"},
+                  {.names = "--template",
+                   .target = &options->own_template,
+                   .help = "Without a survey: the tags' template; they hang where their digits say",
+                   .placeholder = "NAME"},
+                  {.names = "--width",
+                   .target = &options->width,
+                   .help = "Without a survey: width of the straight tunnel, m; its right wall is "
+                           "at x = 0",
+                   .placeholder = "M",
+                   .least = 0.1,
+                   .greatest = 100},
                   {.names = "--confirmed",
                    .target = &options->confirmed,
                    .help = "No position where a wrong plate would go unnoticed: by one tag alone, "

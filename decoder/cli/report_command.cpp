@@ -103,7 +103,7 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
               merged.other_revisions == 1 ? "1 file was"
                                           : fmt::format("{} files were", merged.other_revisions));
   }
-  sort_faults(merged);
+  finish(merged);
   if (options.report.shows_pictures()) load_pictures(merged, options.files, files);
   return merged;
 }

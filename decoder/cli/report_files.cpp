@@ -78,7 +78,7 @@ Result<GrayImage> load_photo(const FaultRecord& fault, const std::vector<std::st
 Result<std::string> cut_from_photo(const FaultRecord& fault, const std::vector<std::string>& lines,
                                    CutPhoto& last, CommandFiles& files) {
   const bool is_in_photo = fault.corners || (fault.shows_whole && !fault.sha256.empty());
-  if (!is_in_photo) return fail("no crop was saved of it: verify with --crops");
+  if (!is_in_photo) return fail("no crop of it was saved when it was verified");
   if (last.file != fault.file) last = {fault.file, load_photo(fault, lines, files)};
   if (!last.image) return fail(last.image.error().message);
   if (fault.shows_whole) {

@@ -7,11 +7,12 @@
 #include <fmt/format.h>
 
 #include "decoder/cli/report_files.hpp"
-#include "decoder/cli/web_page.hpp"
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/base64.hpp"
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/web_page.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
 #include "tagsmith/survey/revision.hpp"
 
@@ -226,6 +227,40 @@ std::string tag_rows(const Survey& survey, const VerifyMerge& merged) {
   return rows;
 }
 
+// Where the tags hang, as one sees them who faces the wall; empty where none was judged.
+std::string hanging_table(const VerifyMerge& merged) {
+  if (merged.hung.empty()) return {};
+  std::string rows;
+  for (const auto& [name, tag] : merged.hung) {
+    const char* verdict = tag.verdict == HangVerdict::fits  ? "ok"
+                          : tag.verdict == HangVerdict::off ? "faulty"
+                                                            : "poor";
+    rows += fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td>", markup_text(name), verdict,
+                        tag.verdict == HangVerdict::fits  ? "fits"
+                        : tag.verdict == HangVerdict::off ? markup_text(tag.rule)
+                                                          : "in doubt");
+    const bool is_measured = !tag.offset.sigma.isZero();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      rows += is_measured ? fmt::format("<td>{:+.1f} &plusmn; {:.1f}</td>",
+                                        1e3 * tag.offset.value[i], 1e3 * tag.offset.sigma[i])
+                          : "<td>-</td>";
+    }
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      rows += is_measured ? fmt::format("<td class=\"more\">{:+.2f} &plusmn; {:.2f}</td>",
+                                        degrees(tag.turn.value[i]), degrees(tag.turn.sigma[i]))
+                          : "<td class=\"more\">-</td>";
+    }
+    rows += fmt::format("<td>{}</td></tr>\n", tag.stations);
+  }
+  return "<h2>Where the tags hang</h2>\n<p class=\"sub\">Against the survey, as one sees them who "
+         "faces the wall, with standard deviations; seen: places of the cameras that show the tag "
+         "together with another.</p>\n<div class=\"scroll\"><table><thead><tr><th>tag</th>"
+         "<th>verdict</th><th>right, mm</th><th>up, mm</th><th>out, mm</th>"
+         "<th class=\"more\">clockwise, &deg;</th><th class=\"more\">right edge out, &deg;</th>"
+         "<th class=\"more\">top out, &deg;</th><th>seen</th></tr></thead><tbody>\n" +
+         rows + "</tbody></table></div>\n";
+}
+
 std::string fault_card(const FaultRecord& fault) {
   const VerifyRule* rule = find_verify_rule(fault.rule);
   const std::string heading = markup_text((fault.tag.empty() ? "" : fault.tag + ": ") +
@@ -335,8 +370,8 @@ std::string report_page(const Survey& survey, const VerifyMerge& merged) {
          "<th class=\"more\">chainage, m</th><th>seen</th><th>faults</th><th>best</th>"
          "<th>worst</th><th class=\"more\">blame</th><th class=\"more\">upright</th></tr></thead>"
          "<tbody>\n" +
-         tag_rows(survey, merged) + "</tbody></table></div>\n<script>" + kScript +
-         "</script>\n</body>\n</html>\n";
+         tag_rows(survey, merged) + "</tbody></table></div>\n" + hanging_table(merged) +
+         "<script>" + kScript + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace tagsmith::detail

@@ -90,15 +90,20 @@ void print_in_words(const VerifiedFile& file) {
   for (const VerifiedTag& tag : file.tags) {
     if (tag.status == TagStatus::ok) good.push_back(good_in_words(tag));
   }
-  to_stdout("{}: {}{}{}\n", file.file.string(), findings.empty() ? "ok" : "WRONG",
+  const bool is_without_tag = file.only_lacks_tags();
+  to_stdout("{}: {}{}{}\n", file.file.string(),
+            findings.empty() ? "ok"
+            : is_without_tag ? "no tag"
+                             : "WRONG",
             good.empty() ? "" : "  ", fmt::join(good, " "));
+  for (const std::string& note : file.notes) to_stdout("  note: {}\n", note);
+  if (is_without_tag) return;
   for (const std::string& finding : findings) to_stdout("  {}\n", finding);
   for (const std::string& code : rules_of(file)) {
     if (const VerifyRule* rule = find_verify_rule(code)) {
       to_stdout("  {}: {}\n", code, rule->remedy);
     }
   }
-  for (const std::string& note : file.notes) to_stdout("  note: {}\n", note);
 }
 
 // The counts, and what was not seen or not checked.
@@ -379,7 +384,7 @@ Result<Outcome> verify_all(const Job& job, const std::vector<fs::path>& files) {
   }
   tell_failure(job.ledger.flush(), outcome);
   job.ledger.print_tally();
-  sort_faults(outcome.merged);
+  finish(outcome.merged);
   if (options.report.shows_pictures()) {
     load_pictures(outcome.merged, {options.resume}, *options.named);
   }

@@ -193,6 +193,7 @@ void observe_image(Observation& observation, const RigCamera& camera, const Gray
     return;
   }
   if (reader.unsurveyed) options->code_book.clear();
+  if (surveys.front().tags.empty()) options->check.reset();  // no survey says which
   add_result(observation, reader.read(image, *options), name, camera, surveys, reader);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/verified_file.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -31,6 +32,11 @@ std::string message_of(const VerifiedTag& tag) {
   if (!tag.hung || tag.hung->placed.empty()) return tag.message;
   return fmt::format("{}; or, when it stays, write it into the survey's `placed`: - {}",
                      tag.message, tag.hung->placed);
+}
+
+bool VerifiedFile::only_lacks_tags() const {
+  return is_photo() && rules == std::set<std::string>{"no-tag"} &&
+         std::ranges::none_of(tags, &VerifiedTag::is_fault);
 }
 
 void VerifiedFile::add_finding(std::string_view rule, std::string words) {

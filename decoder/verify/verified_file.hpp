@@ -106,6 +106,9 @@ struct VerifiedFile {
   FaultPicture picture{};            // of a file without a tag
 
   bool is_photo() const { return width > 0; }
+  // A photo in which nothing is wrong but that it shows no whole tag: of a set whose other photos
+  // show tags it is a picture of the wall, of a set without any it is a finding.
+  bool only_lacks_tags() const;
   void add_finding(std::string_view rule, std::string words);
 };
 

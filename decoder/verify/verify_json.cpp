@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +18,7 @@
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/cli/json_text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -281,8 +281,7 @@ CornerCovariance covariance_from(const json& list) {
       covariance(row, column) = covariance(column, row) = pixels_from(list.at(at++));
     }
   }
-  const Eigen::LLT<CornerCovariance> root(covariance);
-  return root.info() == Eigen::Success ? covariance : CornerCovariance::Zero();
+  return cholesky_root(covariance) ? covariance : CornerCovariance::Zero();
 }
 
 SymbolGrade grade_from(const json& tag) {
@@ -416,6 +415,7 @@ std::string verify_summary_line(const Survey& survey, const VerifyMerge& merged,
     object[to_string(status)] = merged.by_status[static_cast<std::size_t>(status)];
   }
   object["stale"] = merged.stale;
+  object["photos_without_tag"] = merged.without_tag_count;
   object["missing"] = missing_tags(survey, merged);
   object["skipped"] = skipped;
   add_completeness(survey, merged, object);
@@ -429,6 +429,7 @@ std::string report_summary_line(const Survey& survey, const VerifyMerge& merged,
               {"faults", merged.fault_count},
               {"repeated", merged.repeated},
               {"other_revisions", merged.other_revisions},
+              {"photos_without_tag", merged.without_tag_count},
               {"notes", notes_json(merged)}};
   add_completeness(survey, merged, object);
   add_hanging(hung, object);

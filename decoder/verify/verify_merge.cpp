@@ -63,6 +63,8 @@ void add_grade(TagRecord& record, const SymbolGrade& grade) {
 
 void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
   if (tag.status == TagStatus::cut_off) return;
+  merged.shows_tag = merged.shows_tag || file.is_photo();
+  if (tag.hung && tag.hung->verdict != HangVerdict::unchecked) merged.hung[tag.tag] = *tag.hung;
   count_noted_up(merged.noted_up, file.up, tag);
   const bool in_order = tag.status == TagStatus::ok;
   if (!tag.tag.empty()) ++merged.own_tags;
@@ -108,8 +110,7 @@ std::string placement_in_words(const Completeness& covered) {
   if (count == 0) return {};
   if (covered.placement_checked == 0) {
     return "Placement not checked: whether the tags in the photos hang where the survey has them, "
-           "or were exchanged, is not known; give the rig that took them (--rig), or take photos "
-           "of "
+           "or were exchanged, is not known; give the rig that took them, or take photos of "
            "two tags and more with a camera that names its lens (EXIF, as phones do)";
   }
   return fmt::format(
@@ -129,13 +130,15 @@ std::string up_in_words(const Completeness& covered) {
                                               covered.photographed, count == 1 ? "was" : "were");
   return which +
          " checked for hanging upside down: the photos do not say which way is up. Look where the "
-         "arrows point, use a camera that notes how it was held (phones do), or give --rig";
+         "arrows point, use a camera that notes how it was held (phones do), or give the rig that "
+         "took them";
 }
 
 }  // namespace
 
 void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) {
-  if (!findings_of(file).empty()) ++merged.files_with_findings;
+  const bool only_lacks_tags = file.only_lacks_tags();
+  if (!only_lacks_tags && !findings_of(file).empty()) ++merged.files_with_findings;
   if (file.stale) merged.stale.push_back(file.file.string());
   for (const VerifiedTag& tag : file.tags) {
     ++merged.by_status[static_cast<std::size_t>(tag.status)];
@@ -154,6 +157,13 @@ void merge(const std::string& revision, VerifiedFile file, VerifyMerge& merged) 
   for (VerifiedTag& tag : file.tags) {
     if (tag.is_fault()) rules.erase(tag.rule);
     add_tag(file, tag, merged);
+  }
+  if (only_lacks_tags) {
+    ++merged.without_tag_count;
+    if (merged.without_tag.size() < kMostListedFaults) {
+      merged.without_tag.push_back(fault_of(file, "no-tag"));
+    }
+    return;
   }
   // What is left is wrong with the whole file.
   for (const std::string& rule : rules) add_fault(merged, fault_of(file, rule));
@@ -184,7 +194,13 @@ void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged) {
   fault.no_picture.clear();
 }
 
-void sort_faults(VerifyMerge& merged) {
+void finish(VerifyMerge& merged) {
+  if (!merged.shows_tag) {
+    merged.files_with_findings += std::exchange(merged.without_tag_count, 0);
+    for (FaultRecord& fault : std::exchange(merged.without_tag, {})) {
+      add_fault(merged, std::move(fault));
+    }
+  }
   std::ranges::stable_sort(merged.faults, {}, [](const FaultRecord& fault) {
     return std::tie(fault.file, fault.tag, fault.rule, fault.message);
   });
@@ -223,6 +239,19 @@ std::vector<FaultRecord> faults_by_plate(const VerifyMerge& merged) {
   return plates;
 }
 
+std::string without_tag_in_words(const VerifyMerge& merged) {
+  constexpr std::size_t kMostNamed = 8;
+  const std::size_t count = merged.without_tag_count;
+  if (count == 0) return {};
+  std::vector<std::string> names;
+  for (const FaultRecord& photo : merged.without_tag) names.push_back(photo.file);
+  std::ranges::sort(names);
+  names.resize(std::min(names.size(), kMostNamed));
+  return fmt::format("{} without a tag: {}{}",
+                     count == 1 ? "1 photo" : fmt::format("{} photos", count),
+                     fmt::join(names, ", "), count > names.size() ? ", ..." : "");
+}
+
 TagRecord record_of(const VerifyMerge& merged, const std::string& tag) {
   const auto found = merged.tags.find(tag);
   return found == merged.tags.end() ? TagRecord{} : found->second;
@@ -256,7 +285,9 @@ std::string noted_up_in_words(const NotedUp& noted) {
   if (noted.upright == 0 && all > 1) {
     return fmt::format(
         "All {} tags in photos with an EXIF orientation are upside down by it: the camera was "
-        "mounted upside down, rather than all tags. Up is not known from these photos; give --rig",
+        "mounted upside down, rather than all tags. Up is not known from these photos; give the "
+        "rig that took "
+        "them",
         all);
   }
   return fmt::format(
@@ -265,7 +296,7 @@ std::string noted_up_in_words(const NotedUp& noted) {
       noted.on_head < noted.upright
           ? "those plates hang wrong, or a camera was held upside down and did not note it"
           : "a camera that is mounted upside down notes a wrong orientation; its photos need "
-            "--rig");
+            "the rig");
 }
 
 Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
@@ -299,6 +330,7 @@ Completeness completeness_of(const Survey& survey, const VerifyMerge& merged) {
 std::vector<std::string> unchecked_words(const Completeness& covered, const VerifyMerge& merged) {
   std::vector<std::string> words{covered.another_drive, placement_in_words(covered),
                                  up_in_words(covered), noted_up_in_words(merged.noted_up)};
+  words.push_back(without_tag_in_words(merged));
   std::erase(words, "");
   return words;
 }

@@ -80,6 +80,10 @@ struct VerifyMerge {
   std::map<std::string, TagRecord> tags;
   std::vector<FaultRecord> faults;
   std::size_t fault_count = 0;
+  std::vector<FaultRecord> without_tag;  // photos that only lack tags; see finish()
+  std::size_t without_tag_count = 0;
+  bool shows_tag = false;               // some photo does
+  std::map<std::string, HungTag> hung;  // where tags hang that were judged, by name
   std::size_t picture_bytes = 0;
   std::size_t whole_bytes = 0;  // of these, of whole photos and pages
   std::vector<NoteRecord> notes;
@@ -102,9 +106,14 @@ bool has_room(const VerifyMerge& merged, const FaultRecord& fault, std::size_t b
 // Gives the fault its picture if there is room for it; else the fault says that there is none.
 void take_picture(std::string jpeg, FaultRecord& fault, VerifyMerge& merged);
 
-// Puts the faults in one order, by file, tag, rule and words, and the notes, whatever order the
-// files came in.
-void sort_faults(VerifyMerge& merged);
+// When all files are merged: photos without a tag are faults where no photo shows any, else notes
+// on the set. Puts the faults in one order, by file, tag, rule and words, and the notes, whatever
+// order the files came in.
+void finish(VerifyMerge& merged);
+
+// "3 photos show no tag: 1.jpg, 2.jpg, 7.jpg"; nothing where every photo does, or where that is a
+// fault.
+std::string without_tag_in_words(const VerifyMerge& merged);
 
 // The listed faults, one a plate and rule: what several photos show of one plate, or of one code
 // that the survey does not have, is one fault with the picture that is at hand, whose `file` names

@@ -13,8 +13,7 @@ constexpr std::array kRules{
     VerifyRule{
         "bars-grown", "unreadable: the bars are wider or narrower than drawn",
         "Ink spread or a wrong exposure of the plate. Print it again, with less ink, on whole "
-        "dots of the printer with `tagsmith print --dpi`, or with narrower bars with "
-        "`tagsmith print --bar-adjust`."},
+        "dots of the printer, or with narrower bars: the print command does both."},
     VerifyRule{"bent", "a plate that is not flat: the sides of its feature frame bow",
                "Screw or glue it down flat, or replace it: positions from a bent plate are off."},
     VerifyRule{"blurred", "unreadable: blur wider than the reader follows",
@@ -25,7 +24,7 @@ constexpr std::array kRules{
         "The file is damaged, empty, protected or of another kind, as the message says. Copy "
         "it again from the camera or print it again."},
     VerifyRule{"changed-file", "a print file that is not the one that was printed",
-               "Somebody saved or converted the file. Take the one that `tagsmith print` wrote."},
+               "Somebody saved or converted the file. Take the one that was made from the survey."},
     VerifyRule{
         "check-digit", "a check digit that neither scheme gives",
         "The plate was typed by hand or damaged in a digit. Print it again from the survey."},
@@ -50,7 +49,7 @@ constexpr std::array kRules{
                "Move the lamp or the camera to the side, or expose less."},
     VerifyRule{"inverted", "a tag printed white on black",
                "Print it again without `negative`, `invert` or a dark theme. In an SVG or PDF that "
-               "was edited, take the file that `tagsmith print` wrote."},
+               "was edited, take the file that was made from the survey."},
     VerifyRule{"low-contrast", "unreadable: bars and ground are nearly equal",
                "Clean the plate, light it from the front, and see whether dust or fog is in the "
                "air. Replace a faded plate."},
@@ -71,7 +70,7 @@ constexpr std::array kRules{
         "no-common-place", "photos taken together that no place of the cameras explains",
         "Compare the labels of the plates that are named with the setting-out list: a "
         "second copy of a plate hangs wrong, or plates were exchanged. If all hang right, "
-        "the photos were not taken together: verify them with --camera, or correct the run."},
+        "the photos were not taken together: say which camera took them, or correct the run."},
     VerifyRule{
         "no-frame", "bars whose feature frame is cropped, covered or missing",
         "Photograph, scan or crop so that the whole black frame is there, with white around it and "
@@ -80,11 +79,10 @@ constexpr std::array kRules{
         "no-tag", "a picture or page without any tag",
         "If there is a plate in the picture: go nearer, hold still, light it, keep the whole "
         "frame in view. If it is sharp and whole: measure a bar, bars that ran together are "
-        "not found; `tagsmith read` also shows codes outside the survey. A print file without "
-        "a tag must be printed again."},
+        "not found. A print file without a tag must be printed again."},
     VerifyRule{"not-in-survey", "a good reading of a code that the survey does not have",
                "Is it the right survey? Otherwise the plate is of another drive or of an older "
-               "survey: give that survey with --also to be told, and take the plate down."},
+               "survey. Verify together with that survey to be told, and take the plate down."},
     VerifyRule{"other-file", "a tag that belongs in another print file",
                "Files were renamed or mixed up. Print them again."},
     VerifyRule{"other-survey", "a tag of another survey that was given, or a print from one",
@@ -102,15 +100,15 @@ constexpr std::array kRules{
     VerifyRule{"too-small", "unreadable: too few pixels a module",
                "Go nearer or use a longer lens or more pixels."},
     VerifyRule{"undecodable", "unreadable for none of the other causes",
-               "Look at the crop, and at `tagsmith read --explain`. Clean the plate; replace it if "
-               "a sharp photo from one metre says the same. It may be no tag of this template."},
+               "Look at the picture of it. Clean the plate; replace it if a sharp photo from one "
+               "metre says the same. It may be no tag of this template."},
     VerifyRule{"upside-down", "a tag upside down on its page or wall",
                "Hang the plate with the arrow upwards, or turn the page. If it points up already, "
                "the print "
                "is mirrored: print it again with mirroring switched off."},
     VerifyRule{"wrong-scale", "a frame that is not of the template's size",
                "Print at 100 %, without `fit to page`, and measure the frame before hanging. Of a "
-               "scan: is its resolution the one given with --dpi?"},
+               "scan: is its resolution the one that was stated?"},
     VerifyRule{"wrong-wall", "a tag on the wrong wall, or tags of opposite walls side by side",
                "One of the plates hangs on the wrong wall. Compare both labels with the "
                "setting-out list."},

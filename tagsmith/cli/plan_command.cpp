@@ -38,6 +38,7 @@ struct PlanCommandOptions {
   std::string survey;
   std::string rig;
   std::string folder;
+  std::string paper = "a3";
   PlanOptions plan;
   bool optimise = false;
   OptimiseOptions optimisation;
@@ -121,7 +122,7 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
       files.push_back({folder / file.name, file.bytes});
     }
   }
-  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan);
+  const auto sheets = draw_plan(drive.survey, drive.rig, drive.plan, paper_of(options.paper));
   if (!sheets) return fail(sheets.error().message);
   for (const char* name : {"plan.pdf", "plan.svg"}) {
     const auto rendered = render_sheets(*sheets, folder / name);
@@ -258,6 +259,11 @@ Command plan_command() {
                   folder_option("-o,--output", &options->folder,
                                 "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
                                 "--optimise, the chosen survey; made if missing"),
+                  {.names = "--paper",
+                   .target = &options->paper,
+                   .help = "Paper of plan.pdf and plan.svg, landscape (default: a3)",
+                   .choices = drawing_papers(),
+                   .needs = {"--output"}},
                   json_flag(options->json, "One JSON object instead of the report"),
                   {.names = "--optimise",
                    .target = &options->optimise,

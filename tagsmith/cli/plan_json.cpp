@@ -82,14 +82,22 @@ Json one_tag_lost(const PlannedDrive& drive) {
   return {{"covered_share", drive.summary.covered_share_one_lost}, {"indispensable", tags}};
 }
 
+Json json_of(const TagView& view) {
+  return {{"distance", rounded(view.distance)},
+          {"module_px", rounded(view.module_px)},
+          {"incidence_deg", rounded(degrees(view.incidence))}};
+}
+
 Json tags(const PlannedDrive& drive) {
   Json list = Json::array();
   for (std::size_t i = 0; i < drive.plan.tags.size(); ++i) {
     const TagUse& use = drive.plan.tags[i];
     Json tag{{"tag", drive.survey.tags[i].name}, {"read", use.is_read}};
-    tag["from"] = use.is_read ? Json(use.first) : Json(nullptr);
-    tag["to"] = use.is_read ? Json(use.last) : Json(nullptr);
-    tag["first_distance"] = use.is_read ? Json(use.first_distance) : Json(nullptr);
+    tag["from"] = use.is_read ? Json(use.first.chainage) : Json(nullptr);
+    tag["to"] = use.is_read ? Json(use.last.chainage) : Json(nullptr);
+    tag["first_distance"] = use.is_read ? Json(use.first.distance) : Json(nullptr);
+    tag["first_read"] = use.is_read ? json_of(use.first) : Json(nullptr);
+    tag["last_read"] = use.is_read ? json_of(use.last) : Json(nullptr);
     list.push_back(tag);
   }
   return list;

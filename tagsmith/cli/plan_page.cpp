@@ -10,6 +10,8 @@
 
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/cli/json_text.hpp"
+#include "tagsmith/cli/web_page.hpp"
+#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/render/plan_drawing.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 
@@ -21,13 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostPoints = 1500;  // of the profile and of the map's lines
 
 constexpr const char* kStyle = R"css(
-:root { color-scheme: light; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink); background: #fff;
-  font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.35rem; margin: 0 0 4px; }
-h2 { font-size: 1.05rem; margin: 28px 0 8px; }
-p.sub, .key { color: var(--grey); font-size: .9rem; margin: 0 0 8px; }
+.key { color: var(--grey); font-size: .9rem; }
 .key span { display: inline-block; margin-right: 14px; white-space: nowrap; }
 .key i { display: inline-block; width: 18px; height: 5px; margin-right: 5px; vertical-align: middle; }
 svg { display: block; width: 100%; touch-action: pan-y; }
@@ -37,10 +33,8 @@ dl { margin: 0; }
 dl div { padding: 8px 0; border-top: 1px solid var(--line); }
 dt { color: var(--grey); }
 dd { margin: 0; overflow-wrap: anywhere; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: right; padding: 5px 4px; border-top: 1px solid var(--line); font-size: .9rem; }
+th, td { text-align: right; padding: 5px 4px; }
 th:first-child, td:first-child { text-align: left; }
-th { font-weight: 600; }
 @media (min-width: 700px) { dl div { display: grid; grid-template-columns: 200px 1fr; } }
 )css";
 
@@ -309,6 +303,30 @@ std::string answers(const PlannedDrive& drive) {
   return list + "</dl>\n";
 }
 
+void add_cells(const TagView& view, std::string& row) {
+  row += fmt::format("<td>{:.2f} m</td><td>{:.2f} m</td><td>{:.2f}</td><td>{:.0f}&deg;</td>",
+                     view.chainage, view.distance, view.module_px, degrees(view.incidence));
+}
+
+std::string tag_table(const PlannedDrive& drive) {
+  std::string table =
+      "<table><tr><th></th><th colspan=\"4\">first read</th><th colspan=\"4\">last read</th></tr>\n"
+      "<tr><th>tag</th><th>at</th><th>distance</th><th>px/module</th><th>angle</th><th>at</th>"
+      "<th>distance</th><th>px/module</th><th>angle</th></tr>\n";
+  for (std::size_t i = 0; i < drive.plan.tags.size(); ++i) {
+    const TagUse& use = drive.plan.tags[i];
+    table += "<tr><td>" + markup_text(drive.survey.tags[i].name) + "</td>";
+    if (use.is_read) {
+      add_cells(use.first, table);
+      add_cells(use.last, table);
+    } else {
+      table += "<td colspan=\"8\">never read</td>";
+    }
+    table += "</tr>\n";
+  }
+  return table + "</table>\n";
+}
+
 std::string key(const std::vector<std::pair<std::string, std::string>>& entries) {
   std::string text = "<p class=\"key\">";
   for (const auto& [colour, words] : entries) {
@@ -335,12 +353,9 @@ std::string embedded(const Json& data) {
 std::string plan_page(const PlannedDrive& drive) {
   const Json data = page_data(drive);
   const auto colour = [&](const char* name) { return data["colours"][name].get<std::string>(); };
-  std::string page =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Plan of " +
-      markup_text(drive.survey.name) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n";
-  page += "<h1>Plan of the drive " + markup_text(drive.survey.name) + "</h1>\n<p class=\"sub\">" +
-          markup_text(plan_heading(drive)) + "</p>\n";
+  const std::string name = markup_text(drive.survey.name);
+  std::string page = page_head("Plan of " + name, kStyle, true) + "<h1>Plan of the drive " + name +
+                     "</h1>\n<p class=\"sub\">" + markup_text(plan_heading(drive)) + "</p>\n";
   for (const std::string& assumed : assumptions(std::span(&drive.survey, 1), drive.rig)) {
     page += "<p class=\"sub\">" + markup_text(assumed) + "</p>\n";
   }
@@ -365,6 +380,8 @@ std::string plan_page(const PlannedDrive& drive) {
       share_row("tag seen whole", drive.summary.seen) +
       share_row("read without survey", drive.summary.read_plain) +
       share_row("read with the survey", drive.summary.read) + "</table>\n";
+  page += "<h2>Tags as they are read from the center line</h2>\n<div class=\"scroll\">" +
+          tag_table(drive) + "</div>\n";
   page += "<script type=\"application/json\" id=\"data\">" + embedded(data) +
           "</script>\n<script>" + kScript + "</script>\n</body>\n</html>\n";
   return page;

@@ -129,6 +129,32 @@ std::string coverage_row(const std::string& name, const WallShare& share) {
                      percent(share.both), percent(share.one), percent(share.none));
 }
 
+std::string view_text(const TagView& view) {
+  return fmt::format("{:8.2f} {:8.2f} {:6.2f} {:6.1f}", view.chainage, view.distance,
+                     view.module_px, degrees(view.incidence));
+}
+
+std::string tag_table(const PlannedDrive& drive) {
+  constexpr std::size_t kMostRows = 40;
+  const std::vector<TagUse>& uses = drive.plan.tags;
+  if (uses.size() > kMostRows) {
+    return fmt::format(
+        "{} tags: how each is first and last read is in plan.html of --output, and in --json\n",
+        uses.size());
+  }
+  constexpr const char* kHead = "      at distance     px  angle";
+  std::string text = fmt::format("{:<8}{:<29}   {}\n{:<8}{}   {}\n", "tag", "first read",
+                                 "last read", "", kHead, kHead);
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    text += fmt::format("{:<8}{}\n", drive.survey.tags[i].name,
+                        uses[i].is_read ? view_text(uses[i].first) + "   " + view_text(uses[i].last)
+                                        : "never read");
+  }
+  return text +
+         "From the center line: chainage of the vehicle and distance from the camera in metres, "
+         "pixels a module, degrees to the plate's normal.\n";
+}
+
 }  // namespace
 
 std::string plan_heading(const PlannedDrive& drive) {
@@ -196,7 +222,7 @@ std::string plan_report(const PlannedDrive& drive) {
   for (const PlanAnswer& answer : plan_answers(drive)) {
     text += fmt::format("{:<20}{}\n", answer.question, answer.answer);
   }
-  return text;
+  return text + "\n" + tag_table(drive);
 }
 
 }  // namespace tagsmith::detail

@@ -303,10 +303,12 @@ class Sweep {
     for (const PlateSight& sight : scratch.read) {
       const auto known =
           std::ranges::find(result.uses, sight.tag, [](const auto& use) { return use.first; });
+      const TagView view{chainage, sight.distance, sight.module_px, std::acos(sight.cosine)};
       if (known == result.uses.end()) {
-        result.uses.emplace_back(sight.tag, TagUse{true, chainage, chainage, sight.distance});
-      } else {
-        known->second.last = chainage;
+        result.uses.emplace_back(sight.tag, TagUse{true, view, view});
+      } else if (known->second.last.chainage < chainage ||
+                 known->second.last.module_px < view.module_px) {
+        known->second.last = view;  // of two cameras, the one that sees it larger
       }
     }
   }

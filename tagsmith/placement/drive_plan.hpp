@@ -93,12 +93,19 @@ struct PlanColumn {
   ColumnPaper paper;
 };
 
+// How a tag is seen where it is read.
+struct TagView {
+  double chainage = 0;   // of the vehicle
+  double distance = 0;   // from the camera, metres
+  double module_px = 0;  // width of a module, pixels
+  double incidence = 0;  // between the line of sight and the plate's normal, radians
+};
+
 // A tag on the nominal drive.
 struct TagUse {
   bool is_read = false;
-  double first = 0;  // chainages of the vehicle between which it is read
-  double last = 0;
-  double first_distance = 0;  // from the camera at `first`, metres
+  TagView first;
+  TagView last;
 };
 
 // A tag without which some pose of the column has none.

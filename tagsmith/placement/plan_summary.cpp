@@ -131,8 +131,8 @@ void find_first_readings(const DrivePlan& plan, PlanSummary& summary) {
     const TagUse& use = plan.tags[tag];
     if (!use.is_read) {
       summary.unread_tags.push_back(tag);
-    } else if (use.first > plan.columns.front().chainage) {
-      distances.push_back(use.first_distance);  // else it may have been read before the start
+    } else if (use.first.chainage > plan.columns.front().chainage) {
+      distances.push_back(use.first.distance);  // else it may have been read before the start
     }
   }
   if (distances.empty()) return;

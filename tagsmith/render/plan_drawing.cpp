@@ -25,7 +25,7 @@ using Eigen::Vector2d;
 
 constexpr double kCoverageWidth = 0.0012;  // of the coloured center line, metres on paper
 constexpr double kProfileHeight = 0.050;   // of the profile, metres on paper
-constexpr double kProfileLength = 0.330;
+constexpr double kProfileRoom = 0.055;     // beside it, for the words of its axes
 
 // The runs of columns within [from, to] that are served alike.
 struct Run {
@@ -69,7 +69,7 @@ void draw_coverage(const Survey& survey, const DrivePlan& plan, const PlanStrip&
 double usual_reach(const Survey& survey, const DrivePlan& plan) {
   std::vector<double> distances;
   for (const TagUse& use : plan.tags) {
-    if (use.is_read) distances.push_back(use.first_distance);
+    if (use.is_read) distances.push_back(use.first.distance);
   }
   if (distances.empty()) return least_width(survey.tunnel);
   std::ranges::sort(distances);
@@ -93,13 +93,14 @@ struct LegendEntry {
 };
 
 // Lines with what they mean, beside each other; `y`: of their words, metres on paper.
-void draw_legend(SketchLayer& layer, const std::vector<LegendEntry>& entries, double y) {
+void draw_legend(SketchLayer& layer, const std::vector<LegendEntry>& entries, double y,
+                 double room) {
   const auto on_paper = [](double x, double at_y) { return SketchPoint({0, 0}, {x, at_y}); };
   double x = 0;
   for (const auto& [line, text] : entries) {
     layer.add(Polyline{{on_paper(x, y + 0.001), on_paper(x + 0.010, y + 0.001)}, line});
     layer.add(Words{text, on_paper(x + 0.012, y), 0.0018});
-    x += 0.070;
+    x += std::min(0.070, room / 4);
   }
 }
 
@@ -109,9 +110,10 @@ struct ProfileAxes {
   double to = 1;
   double least = 1e-3;  // metres, the lowest decade
   int decades = 3;
+  double length = 0;  // on paper
 
   SketchPoint at(double chainage, double sigma) const {
-    const double x = kProfileLength * (chainage - from) / (to - from);
+    const double x = length * (chainage - from) / (to - from);
     const double above = std::clamp(std::log10(sigma / least), 0.0, static_cast<double>(decades));
     return SketchPoint({0, 0}, {x, kProfileHeight * above / decades});
   }
@@ -180,7 +182,7 @@ void draw_curve(const DrivePlan& plan, const ProfileAxes& axes, const LineStyle&
 }
 
 // Whole decades around all that is drawn.
-ProfileAxes profile_axes(const DrivePlan& plan) {
+ProfileAxes profile_axes(const DrivePlan& plan, double room) {
   constexpr int kMostDecades = 5;
   constexpr double kFinest = 1e-6;
   double least = 1e-3;
@@ -197,11 +199,12 @@ ProfileAxes profile_axes(const DrivePlan& plan) {
   const int decades = static_cast<int>(
       std::min(std::ceil(std::log10(most)) - lowest, static_cast<double>(kMostDecades)));
   return {plan.columns.front().chainage, plan.columns.back().chainage, std::pow(10.0, lowest),
-          decades};
+          decades, room - kProfileRoom};
 }
 
-DrawingView profile_view(const DrivePlan& plan) {
-  const ProfileAxes axes = profile_axes(plan);
+// `room`: of the sheet from side to side, metres on paper.
+DrawingView profile_view(const DrivePlan& plan, double room) {
+  const ProfileAxes axes = profile_axes(plan, room);
   DrawingView view;
   view.title = "Standard deviation in the plane along the chainage";
   view.new_row = true;
@@ -220,7 +223,7 @@ DrawingView profile_view(const DrivePlan& plan) {
               {{nominal, "on the center line"},
                {worst, "worst pose of the envelope"},
                {paper, "the paper's method"}},
-              kProfileHeight + 0.0042);
+              kProfileHeight + 0.0042, room);
   return view;
 }
 
@@ -274,7 +277,8 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
   return fields;
 }
 
-Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan) {
+Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan,
+                                     Paper paper) {
   std::vector<DrawingView> views;
   for (const PlanStrip& strip : plan_strips(survey)) {
     DrawingView view = plan_view(survey, strip);
@@ -285,6 +289,7 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
     if (from < to) draw_fields(fields_of_view(survey, rig, plan, from, to), strip, view.sketch);
     views.push_back(std::move(view));
   }
+  const double room = drawing_area(paper).x();
   DrawingView legend;
   legend.title = "Position along the center line";
   legend.new_row = true;
@@ -293,9 +298,9 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
                {line_of(Service::one_wall), "a tag, every pose"},
                {line_of(Service::some_poses), "some poses have none"},
                {line_of(Service::none), "no tag"}},
-              0);
+              0, room);
   views.push_back(std::move(legend));
-  views.push_back(profile_view(plan));
+  views.push_back(profile_view(plan, room));
   TitleBlock block;
   block.title = "Plan of the drive " + survey.name;
   block.subject = "What the cameras of " + rig.name + " read, and the expected accuracy";
@@ -305,6 +310,7 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
       {"Tags", fmt::format("{}", survey.tags.size())},
       {"Speed", plan.speed > 0 ? format_number(plan.speed, 2) + " m/s" : "standing still"}};
   DrawingStyle style;
+  style.paper = paper;
   style.coarsest_scale = coarsest_plan_scale(survey);
   return lay_out_sheets(block, views, style);
 }

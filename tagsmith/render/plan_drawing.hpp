@@ -7,6 +7,7 @@
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
+#include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/sheet.hpp"
 #include "tagsmith/render/sketch.hpp"
 #include "tagsmith/survey/rig.hpp"
@@ -28,6 +29,7 @@ std::vector<std::vector<Eigen::Vector3d>> fields_of_view(const Survey& survey, c
 
 // Sheets with the plan of the tunnel and the profile of the plane's sigma. Fails when there is
 // nothing to draw.
-Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan);
+Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const DrivePlan& plan,
+                                     Paper paper = Paper::a3);
 
 }  // namespace tagsmith::detail

@@ -113,6 +113,40 @@ TEST_CASE("the corridor photos: what is located is near the truth, the rest has 
   CHECK(located >= 2);
 }
 
+TEST_CASE("without a survey tags are taken where their digits say") {
+  const std::string seen =
+      "localize --rig surveys/corridor/rig.yaml --run surveys/corridor/run.csv";
+  const ProgramOutput output = run_tagsmith(seen + " --template tag-400x300 --width 1.9 --json");
+  CHECK(output.exit_code == 0);
+  const std::vector<json> lines = json_lines(output.out);
+  REQUIRE(lines.size() == 11);
+  for (std::size_t i = 0; i < 10; ++i) {
+    CHECK(lines[i].at("tags").size() >= 2);
+    // Digits are rounded to centimetres.
+    CHECK(lines[i].at("error_plane").get<double>() < 0.02);
+    CHECK(lines[i].at("error_z").get<double>() < 0.02);
+    CHECK(lines[i].at("covariance").at(0).get<double>() > 1e-6);
+  }
+  CHECK(output.err.find("no survey") != std::string::npos);
+  CHECK(lines.back().at("summary").at("assumed").at(0).get<std::string>().starts_with("no survey"));
+
+  // In a tunnel of another width the digits are on no wall.
+  const ProgramOutput wide = run_tagsmith(seen + " --template tag-400x300 --width 2.6 --json");
+  CHECK(wide.exit_code == 1);
+  for (const json& line : json_lines(wide.out)) {
+    if (!line.contains("id")) continue;
+    for (const json& tag : line.at("tags")) CHECK(tag.get<std::string>().substr(0, 4) == "0000");
+  }
+
+  for (const char* wrong :
+       {" --template tag-400x300", " --width 1.9", "", " --template no-such --width 2",
+        " --template tag-400x300 --width 1.9 --method paper",
+        " --template tag-400x300 --width 1.9 surveys/corridor/survey.yaml"}) {
+    CAPTURE(wrong);
+    CHECK(run_tagsmith(seen + wrong).exit_code == 2);
+  }
+}
+
 TEST_CASE("the number of jobs changes nothing in the output") {
   const std::string arguments = by_paper("corridor", "surveys/corridor/run.csv") + " --json";
   CHECK(run_tagsmith(arguments + " --jobs 1").out == run_tagsmith(arguments + " --jobs 3").out);

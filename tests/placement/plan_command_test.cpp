@@ -61,6 +61,20 @@ TEST_CASE("plan --json is one object with the documented fields") {
   }
   CHECK(json["profile"]["chainage"].size() == 101);
   CHECK(json["tags"].size() == 16);
+  for (const auto& tag : json["tags"]) {
+    if (!tag["read"].get<bool>()) continue;
+    const auto& first = tag["first_read"];
+    const auto& last = tag["last_read"];
+    CHECK(first["distance"].get<double>() ==
+          doctest::Approx(tag["first_distance"].get<double>()).epsilon(1e-5));
+    CHECK(first["module_px"].get<double>() > 0.5);
+    CHECK(last["incidence_deg"].get<double>() >= 0);
+    CHECK(last["incidence_deg"].get<double>() < 90);
+    // A module of 3 mm from so far, by a lens of 1600 pixels, foreshortened.
+    const double foreshortened = std::cos(first["incidence_deg"].get<double>() * 0.017453292519943);
+    const double facing = first["module_px"].get<double>() * first["distance"].get<double>();
+    CHECK(facing == doctest::Approx(1600 * 0.343 / 113 * foreshortened).epsilon(0.35));
+  }
   CHECK(json["covered_share"] == 1.0);
 }
 
@@ -103,6 +117,18 @@ TEST_CASE("plan -o writes drawings and a page that needs no network") {
   CHECK(page.find("src=") == std::string::npos);
   CHECK(page.find("href=") == std::string::npos);
   CHECK(nlohmann::json::parse(contents(folder.path() / "plan.json")).contains("profile"));
+}
+
+TEST_CASE("the plan's drawing fits the paper that is asked for") {
+  const std::pair<const char*, const char*> papers[] = {
+      {"a4", "width=\"297mm\""}, {"a3", "width=\"420mm\""}, {"letter", "width=\"279.4mm\""}};
+  for (const auto& [paper, width] : papers) {
+    CAPTURE(paper);
+    const TemporaryFolder folder;
+    const std::string target = folder.path().string();
+    CHECK(run_tagsmith(kCorridor + " --to 5 --paper " + paper + " -o " + target).exit_code == 0);
+    CHECK(contents(folder.path() / "plan.svg").find(width) != std::string::npos);
+  }
 }
 
 TEST_CASE("the drawing's curves are steps, broken at gaps") {

@@ -175,4 +175,44 @@ TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   CHECK(missing_tags(survey, merged) == std::vector<std::string>{"001L", "001R"});
 }
 
+TEST_CASE("a photo without a tag is a fault only where no photo shows one") {
+  const Survey survey = survey_of_four();
+  VerifiedFile wall{"wall.jpg"};
+  wall.width = wall.height = 500;
+  wall.add_finding("no-tag", "no tag was found");
+  VerifiedFile page{"page.pdf"};
+  page.tags = check_tags(survey, {{reading_of("019000000404")}, {}});
+  VerifiedFile photo = page;
+  photo.file = "photo.jpg";
+  photo.width = photo.height = 500;
+
+  VerifyMerge alone;
+  merge("", wall, alone);
+  merge("", page, alone);  // a print file is no photo
+  finish(alone);
+  CHECK(alone.files_with_findings == 1);
+  CHECK(alone.fault_count == 1);
+  CHECK(alone.faults.at(0).rule == "no-tag");
+  CHECK(alone.without_tag_count == 0);
+
+  for (const bool is_first : {true, false}) {
+    VerifyMerge among;
+    merge("", is_first ? wall : photo, among);
+    merge("", is_first ? photo : wall, among);
+    finish(among);
+    CHECK(among.files_with_findings == 0);
+    CHECK(among.fault_count == 0);
+    CHECK(among.without_tag_count == 1);
+    CHECK(without_tag_in_words(among) == "1 photo without a tag: wall.jpg");
+  }
+
+  VerifiedFile dark = wall;
+  dark.rules = {"too-dark"};  // might hold any tag
+  VerifyMerge with_dark;
+  merge("", photo, with_dark);
+  merge("", dark, with_dark);
+  finish(with_dark);
+  CHECK(with_dark.files_with_findings == 1);
+}
+
 }  // namespace tagsmith::detail

@@ -6,11 +6,12 @@
 
 namespace tagsmith::detail {
 
-// All up to the begun body. `title` is markup. The page can load nothing, whatever the names in it
-// say, and runs scripts only if it has one.
+// All up to the begun body. `title` is markup; `style` follows what all pages have: colours,
+// headings, tables. The page can load nothing, whatever the names in it say, and runs scripts only
+// if it has one.
 std::string page_head(const std::string& title, const std::string& style, bool has_script);
 
-// Of pages that report tags: headings, tables, cards, the colours of what tags are.
+// Of pages that report tags: cards and maps, in the dark too.
 const char* report_style();
 
 }  // namespace tagsmith::detail

@@ -1,23 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/web_page.hpp"
+#include "tagsmith/cli/web_page.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kStyle = R"css(
-:root { color-scheme: light dark; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; --paper: #fff;
+constexpr const char* kCommon = R"css(
+:root { color-scheme: light; --ink: #1b1f24; --grey: #5b6570; --line: #d6dbe0; --paper: #fff;
   --card: #f6f8fa; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #6b7580; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e6e9ec; --grey: #9aa4ae; --line: #3a424b; --paper: #14181c; --card: #1d2329;
-    --ok: #46c06c; --poor: #f0a040; --faulty: #ff6b6b; --unseen: #9aa4ae; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 16px; max-width: 1100px; color: var(--ink);
   background: var(--paper); font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; }
 h1 { font-size: 1.35rem; margin: 0 0 4px; overflow-wrap: anywhere; }
 h2 { font-size: 1.05rem; margin: 28px 0 8px; }
 p { margin: 0 0 8px; }
-.known { margin-top: 8px; overflow-wrap: anywhere; }
 .sub { color: var(--grey); font-size: .9rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: 6px 10px 6px 0; border-top: 1px solid var(--line);
+  font-size: .9rem; vertical-align: top; }
+th { white-space: nowrap; }
+@media print { body { max-width: none; padding: 0; font-size: 11pt; } h2 { break-after: avoid; }
+  tr { break-inside: avoid; } }
+)css";
+
+constexpr const char* kReport = R"css(
+:root { color-scheme: light dark; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e9ec; --grey: #9aa4ae; --line: #3a424b; --paper: #14181c; --card: #1d2329;
+    --ok: #46c06c; --poor: #f0a040; --faulty: #ff6b6b; --unseen: #9aa4ae; } }
+.known { margin-top: 8px; overflow-wrap: anywhere; }
 .counts { display: flex; flex-wrap: wrap; gap: 8px; margin: 12px 0; }
 .counts button { font: inherit; color: inherit; background: var(--card); cursor: pointer;
   border: 1px solid var(--line); border-radius: 8px; padding: 8px 14px; min-height: 44px; }
@@ -54,11 +65,6 @@ input { font: inherit; color: inherit; background: var(--paper); border: 1px sol
   background: #80808022; }
 .crop[aria-expanded=true] { cursor: zoom-out; } .crop[aria-expanded=true] img { max-height: none; }
 .wide { grid-column: 1 / -1; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: 6px 10px 6px 0; border-top: 1px solid var(--line);
-  font-size: .9rem; vertical-align: top; }
-th { white-space: nowrap; }
 .ok { color: var(--ok); } .poor { color: var(--poor); } .faulty { color: var(--faulty); }
 .unseen { color: var(--unseen); }
 [hidden] { display: none !important; }
@@ -66,13 +72,11 @@ th { white-space: nowrap; }
 @media print {
   :root { color-scheme: light; --ink: #000; --grey: #444; --line: #bbb; --paper: #fff;
     --card: #fff; --ok: #0d7a31; --poor: #a85a00; --faulty: #b01818; --unseen: #666; }
-  body { max-width: none; padding: 0; font-size: 11pt; }
   .screen { display: none; }
-  h2 { break-after: avoid; }
   .map, .scroll { overflow: visible; } .map svg { min-width: 0; }
   .cards { grid-template-columns: repeat(3, 1fr); gap: 8px; } .crop img { max-height: 34mm; }
   .card { content-visibility: visible; padding: 8px; } .card h3 { font-size: 10pt; }
-  .card p { font-size: 8pt; margin: 0 0 4px; } .card, tr, .map { break-inside: avoid; } }
+  .card p { font-size: 8pt; margin: 0 0 4px; } .card, .map { break-inside: avoid; } }
 )css";
 
 }  // namespace
@@ -83,9 +87,9 @@ std::string page_head(const std::string& title, const std::string& style, bool h
          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src "
          "data:; style-src 'unsafe-inline'" +
          std::string(has_script ? "; script-src 'unsafe-inline'" : "") + "\">\n<title>" + title +
-         "</title>\n<style>" + style + "</style>\n</head>\n<body>\n";
+         "</title>\n<style>" + kCommon + style + "</style>\n</head>\n<body>\n";
 }
 
-const char* report_style() { return kStyle; }
+const char* report_style() { return kReport; }
 
 }  // namespace tagsmith::detail
