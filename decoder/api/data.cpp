@@ -58,6 +58,7 @@ TagTemplate template_from(const PlateTemplate& plate) {
   tag.frame_offset_up = plate.frame_offset_up;
   tag.quiet_zone_modules = plate.quiet_zone_modules;
   tag.margin_modules = plate.margin_modules;
+  tag.white_on_black = plate.white_on_black;
   constexpr double kLargest = 100;
   for (const auto& [name, length] : {std::pair{"the plate's length", tag.plate_length},
                                      {"the plate's height", tag.plate_height},

@@ -3,13 +3,20 @@
 
 #include "decoder/api/data.hpp"
 #include "decoder/grade/symbol_grade.hpp"
+#include "decoder/image/negative.hpp"
 
 namespace tagsmith {
 namespace {
 
+// In a negative, white stands for black, and light and reflectance for what is missing of them.
 std::optional<detail::ReflectanceReferences> references_from(
-    const std::optional<ReflectanceReferences>& references) {
+    const std::optional<ReflectanceReferences>& references, bool of_negative) {
   if (!references) return std::nullopt;
+  if (of_negative) {
+    return detail::ReflectanceReferences{
+        1 - references->black_light, 1 - references->black_reflectance, 1 - references->white_light,
+        1 - references->white_reflectance};
+  }
   return detail::ReflectanceReferences{references->white_light, references->white_reflectance,
                                        references->black_light, references->black_reflectance};
 }
@@ -27,9 +34,13 @@ void check_corners(const Corners& corners) {
 Grade grade(const ImageView& image, const Corners& corners, const PlateTemplate& plate,
             const std::optional<ReflectanceReferences>& references) {
   check_corners(corners);
-  const auto graded = detail::grade_symbol(
-      detail::checked(image), detail::frame_corners_from(corners),
-      detail::layout_of(detail::template_from(plate)), references_from(references));
+  const detail::GrayView view = detail::checked(image);
+  std::optional<detail::GrayImage> negative;
+  if (plate.white_on_black) negative = detail::exchange_black_and_white(view);
+  const auto graded =
+      detail::grade_symbol(negative ? negative->view() : view, detail::frame_corners_from(corners),
+                           detail::layout_of(detail::template_from(plate)),
+                           references_from(references, plate.white_on_black));
   if (!graded) throw Error(ErrorCode::failed, graded.error().message);
   Grade result;
   result.grade = graded->grade;

@@ -153,6 +153,7 @@ detail::ReadOptions options_from(const ReadOptions& options, const detail::GrayV
     detail::check_number("min_confidence", *options.min_confidence, 0, 1);
     read.min_confidence = options.min_confidence;
   }
+  read.white_on_black = read.white_on_black || options.white_on_black;
   read.frameless = frameless_from(options.frameless);
   return read;
 }

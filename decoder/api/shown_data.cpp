@@ -32,7 +32,8 @@ PlateTemplate plate_from(const detail::TagTemplate& tag) {
           tag.frame_offset_right,
           tag.frame_offset_up,
           tag.quiet_zone_modules,
-          tag.margin_modules};
+          tag.margin_modules,
+          tag.white_on_black};
 }
 
 CameraModel model_from(const detail::Camera& camera) {

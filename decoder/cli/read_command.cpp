@@ -40,6 +40,7 @@ corners P F lower-right Q in pixels or null, module_px, confidence, method), wit
 
 struct Options {
   std::vector<std::string> images;
+  bool white_on_black = false;
   std::vector<std::string> surveys;
   std::string check;
   std::string reader = "tagsmith";
@@ -61,6 +62,7 @@ struct Tally {
 Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
   ReadOptions read = read_options_for(surveys);
   if (!options.check.empty()) read.check = parse_check_digit(options.check);
+  read.white_on_black = read.white_on_black || options.white_on_black;
   read.tell_passed_over = !options.explain.empty();
   if (options.frameless != "never") {
     read.frameless = options.frameless == "always" ? Frameless::always : Frameless::fallback;
@@ -249,6 +251,9 @@ Command read_command() {
                    .target = &options->check,
                    .help = "Check digit that a tag must have (default: either)",
                    .choices = {"sum10", "gs1"}},
+                  {.names = "--white-on-black",
+                   .target = &options->white_on_black,
+                   .help = "The plates are white on black (a survey's template says so itself)"},
                   {.names = "--reader",
                    .target = &options->reader,
                    .help = "tagsmith, or paper: the published pipeline, literally, for comparison",

@@ -33,8 +33,9 @@ enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, 
 
 // The parameters as they enter every sample.
 struct StepModel {
-  StepModel(const Parameters& p, const SideLine& side)
-      : place(static_cast<float>(p[kPlace])),
+  StepModel(const Parameters& p, const SideLine& side, const ToneCurve& of_image)
+      : tone(of_image),
+        place(static_cast<float>(p[kPlace])),
         turn(static_cast<float>(p[kTurn])),
         per_blur(static_cast<float>(std::exp(-p[kLogBlur]))),
         stroke(static_cast<float>(std::exp(p[kLogStroke]))),
@@ -46,6 +47,7 @@ struct StepModel {
 
   Four stroke_at(const Four& along) const { return stroke * (1 + taper * along); }
 
+  const ToneCurve& tone;
   float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
 };
 
@@ -59,8 +61,8 @@ struct FourSamples {
 
 // The samples of a side.
 struct SideSamples {
-  explicit SideSamples(std::vector<EdgeSample> of_side)
-      : samples(std::move(of_side)), fours((samples.size() + 3) / 4) {
+  SideSamples(const GrayView& image, std::vector<EdgeSample> of_side)
+      : tone(ToneCurve::of(image)), samples(std::move(of_side)), fours((samples.size() + 3) / 4) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const auto lane = static_cast<Eigen::Index>(i % 4);
       FourSamples& four = fours[i / 4];
@@ -71,6 +73,7 @@ struct SideSamples {
     }
   }
 
+  const ToneCurve& tone;
   std::vector<EdgeSample> samples;
   std::vector<FourSamples> fours;  // the same
 };
@@ -87,7 +90,6 @@ struct Predicted {
 
 Predicted predict(const StepModel& model, const FourSamples& at) {
   const NormalTable& normal = NormalTable::get();
-  const ToneCurve& tone = ToneCurve::srgb();
   Predicted predicted;
   predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
   predicted.z_outer = predicted.z_inner - model.stroke_at(at.along) * model.per_blur;
@@ -101,7 +103,7 @@ Predicted predict(const StepModel& model, const FourSamples& at) {
   predicted.contrast = model.black + model.black_slope * at.along - white;
   const Four light = white + predicted.contrast * predicted.dark;
   for (Eigen::Index i = 0; i < 4; ++i) {
-    const ToneCurve::Point point = tone.point_of(light[i]);
+    const ToneCurve::Point point = model.tone.point_of(light[i]);
     predicted.sample[i] = point.sample;
     predicted.slope[i] = point.slope;
   }
@@ -156,7 +158,7 @@ WeighedSamples weighed(const StepModel& model, const FourSamples& samples, float
 
 NormalEquations accumulate(const Parameters& p, const SideSamples& samples, const SideLine& side,
                            double scale) {
-  const StepModel model(p, side);
+  const StepModel model(p, side, samples.tone);
   const float per_scale = 1 / static_cast<float>(scale);
   Four cost = Four::Zero(), total = Four::Zero();
   float squares = 0;
@@ -187,11 +189,10 @@ NormalEquations accumulate(const Parameters& p, const SideSamples& samples, cons
   return normal;
 }
 
-Parameters first_guess(const std::vector<EdgeSample>& samples, const SideLine& side) {
-  const ToneCurve& tone = ToneCurve::srgb();
+Parameters first_guess(const SideSamples& samples, const SideLine& side) {
   double white = 0, black = 0, whites = 0, blacks = 0;
-  for (const EdgeSample& sample : samples) {
-    const double light = tone.light_of(static_cast<int>(std::lround(sample.value)));
+  for (const EdgeSample& sample : samples.samples) {
+    const double light = samples.tone.light_of(static_cast<int>(std::lround(sample.value)));
     const auto weight = static_cast<double>(sample.weight);
     const auto across = static_cast<double>(sample.across);
     if (across < -0.4 * side.reach) {
@@ -219,7 +220,7 @@ void constrain(Parameters& p, double stroke) {
 
 // Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
 double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side) {
-  const StepModel model(p, side);
+  const StepModel model(p, side, samples.tone);
   std::vector<float> residuals;
   for (const FourSamples& four : samples.fours) {
     const Four off = (four.value - predict(model, four).sample).abs();
@@ -262,7 +263,7 @@ Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p
 
 // First with the scale of the guess, then with that of what was found.
 Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
-  Parameters p = first_guess(samples.samples, side);
+  Parameters p = first_guess(samples, side);
   p[kLogBlur] = std::log(start_blur);
   constrain(p, side.stroke);
   p = minimise(samples, side, p, noise_scale(samples, p, side), 4).parameters;
@@ -286,7 +287,7 @@ Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
 // one more parameter, eliminated from the others (a Schur complement).
 SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Solution& solution) {
   const NormalEquations& normal = solution.normal;
-  const StepModel model(solution.parameters, side);
+  const StepModel model(solution.parameters, side, samples.tone);
   const auto count = static_cast<Eigen::Index>(4 * samples.fours.size());
   Eigen::VectorXf by_bow(count);
   Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows(count, kParameters + 1);
@@ -318,7 +319,7 @@ SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Sol
 // residuals across it have in common up to the first places that have nothing.
 double correlation_factor(const SideSamples& samples, const Solution& solution,
                           const SideLine& side) {
-  const StepModel model(solution.parameters, side);
+  const StepModel model(solution.parameters, side, samples.tone);
   std::vector<float> residuals;
   for (const FourSamples& four : samples.fours) {
     const WeighedSamples rows = weighed(model, four, 1 / static_cast<float>(solution.scale));
@@ -405,7 +406,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
-    samples.emplace_back(edge_samples(sight.image, lines[i], thin));
+    samples.emplace_back(sight.image, edge_samples(sight.image, lines[i], thin));
     if (samples[i].samples.size() < 2 * kParameters) return fail(FrameFault::side_too_short);
     solutions[i] = solve_side(samples[i], lines[i], kEdgeFit.start_blur);
     if (!stays_near(solutions[i], lines[i])) {
@@ -588,7 +589,7 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
-    const SideSamples samples(edge_samples(image, lines[i]));
+    const SideSamples samples(image, edge_samples(image, lines[i]));
     if (samples.samples.size() < 2 * kParameters) continue;
     const Solution solution = solve_side(samples, lines[i], kEdgeFit.start_blur);
     if (!stays_near(solution, lines[i])) continue;

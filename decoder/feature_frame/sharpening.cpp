@@ -36,7 +36,9 @@ using OfSide = Eigen::Matrix<double, kOfSide, 1>;
 // The grey levels across one side, as the camera stores them.
 class SharpenedProfile {
  public:
-  SharpenedProfile(const Common& common, const OfSide& side, float first, float last) {
+  SharpenedProfile(const ToneCurve& tone, const Common& common, const OfSide& side, float first,
+                   float last)
+      : tone_(tone) {
     const auto sigma = static_cast<float>(std::exp(common[kLogSigma]));
     const auto reach = static_cast<std::size_t>(std::ceil(kReach * sigma / kStep));
     begin_ = first - static_cast<float>(reach + 1) * kStep;
@@ -72,7 +74,6 @@ class SharpenedProfile {
 
   std::vector<float> levels_of(const Common& common, const OfSide& side, std::size_t count) const {
     const NormalTable& normal = NormalTable::get();
-    const ToneCurve& tone = ToneCurve::srgb();
     const auto per_blur = static_cast<float>(std::exp(-common[kLogBlur]));
     const auto stroke = static_cast<float>(std::exp(side[kLogStroke]));
     const auto white = static_cast<float>(side[kWhite]), black = static_cast<float>(side[kBlack]);
@@ -84,17 +85,19 @@ class SharpenedProfile {
       const float inner = normal(across * per_blur).integral;
       const float outer = normal((across - stroke) * per_blur).integral;
       const float light = white + (black - white) * inner + (outside - black) * outer;
-      levels[i] = tone.point_of(light).sample;
+      levels[i] = tone_.point_of(light).sample;
     }
     return levels;
   }
 
+  const ToneCurve& tone_;
   float begin_ = 0;
   std::vector<float> levels_;
 };
 
 // The samples across one side, along it averaged.
 struct SideProfile {
+  const ToneCurve* tone = nullptr;  // of the image
   std::vector<EdgeSample> samples;
   float first = 0, last = 0;
   OfSide guess = OfSide::Zero();
@@ -111,7 +114,8 @@ SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::si
   profile.samples =
       edge_samples(image, side, std::min(kSharpening.beyond_px, 1.5 * side.reach), outward);
   const FrameSide& fitted = frame.sides[i];
-  const ToneCurve& tone = ToneCurve::srgb();
+  const ToneCurve& tone = ToneCurve::of(image);
+  profile.tone = &tone;
   for (EdgeSample& sample : profile.samples) {
     profile.first = std::min(profile.first, sample.across);
     profile.last = std::max(profile.last, sample.across);
@@ -159,7 +163,7 @@ struct Equations {
 };
 
 Eigen::VectorXd predicted(const SideProfile& side, const Common& common, const OfSide& own) {
-  const SharpenedProfile profile(common, own, side.first, side.last);
+  const SharpenedProfile profile(*side.tone, common, own, side.first, side.last);
   Eigen::VectorXd levels(static_cast<Eigen::Index>(side.samples.size()));
   for (Eigen::Index k = 0; k < levels.size(); ++k) {
     levels[k] = static_cast<double>(profile.at(side.samples[static_cast<std::size_t>(k)].across));
@@ -297,14 +301,14 @@ std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFram
   Sharpening sharpening{p[kAmount], std::exp(p[kLogSigma]), 0, 0};
   for (int i = 0; i < 4; ++i) {
     const int at = kCommon + i * kOfSide;
-    sharpening.black += ToneCurve::srgb().sample_of(p[at + kBlack]) / 4;
-    sharpening.white += ToneCurve::srgb().sample_of(p[at + kWhite]) / 4;
+    sharpening.black += ToneCurve::of(image).sample_of(p[at + kBlack]) / 4;
+    sharpening.white += ToneCurve::of(image).sample_of(p[at + kWhite]) / 4;
   }
   return sharpening;
 }
 
 UnsharpenedImage::UnsharpenedImage(const GrayView& image)
-    : sharp_(image), image_{image.width, image.height, {}} {
+    : sharp_(image), image_{image.width, image.height, {}, image.is_negative} {
   for (int y = 0; y < image.height; ++y) {
     image_.samples.insert(image_.samples.end(), image.row(y), image.row(y) + image.width);
   }

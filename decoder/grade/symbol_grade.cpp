@@ -32,7 +32,7 @@ struct ScanPlaces {
 TAGSMITH_WIDE void add_light(const GrayView& image, const Homography& image_from_frame,
                              const ScanPlaces& places, std::span<double> sums) {
   constexpr std::size_t kBlock = 64;
-  const ToneCurve& tone = ToneCurve::srgb();
+  const ToneCurve& tone = ToneCurve::of(image);
   std::array<double, kBlock> right, down, upper_left, upper_right, lower_left, lower_right;
   std::array<int, kBlock> left, top;
   for (std::size_t first = 0; first < sums.size(); first += kBlock) {

@@ -14,6 +14,7 @@ struct GrayView {
   int width = 0;
   int height = 0;
   std::ptrdiff_t stride = 0;  // bytes from one row to the next
+  bool is_negative = false;   // samples are 255 less what the camera stored (ToneCurve::of)
 
   const std::uint8_t* row(int y) const { return data + y * stride; }
   std::uint8_t at(int x, int y) const { return row(y)[x]; }
@@ -24,8 +25,9 @@ struct GrayImage {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> samples;
+  bool is_negative = false;  // as GrayView's
 
-  GrayView view() const { return {samples.data(), width, height, width}; }
+  GrayView view() const { return {samples.data(), width, height, width, is_negative}; }
 };
 
 }  // namespace tagsmith::detail

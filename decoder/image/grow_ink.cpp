@@ -9,7 +9,7 @@
 namespace tagsmith::detail {
 
 GrayImage grow_ink(const GrayView& image, int pixels) {
-  GrayImage result{image.width, image.height, {}};
+  GrayImage result{image.width, image.height, {}, image.is_negative};
   result.samples.resize(static_cast<std::size_t>(image.width) *
                         static_cast<std::size_t>(image.height));
   const cv::Mat source(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
@@ -21,16 +21,6 @@ GrayImage grow_ink(const GrayView& image, int pixels) {
     cv::erode(source, target, square);
   } else {
     cv::dilate(source, target, square);
-  }
-  return result;
-}
-
-GrayImage exchange_black_and_white(const GrayView& image) {
-  GrayImage result{image.width, image.height, {}};
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      result.samples.push_back(static_cast<std::uint8_t>(255 - image.at(x, y)));
-    }
   }
   return result;
 }

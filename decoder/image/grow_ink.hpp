@@ -10,7 +10,4 @@ namespace tagsmith::detail {
 // must not be empty.
 GrayImage grow_ink(const GrayView& image, int pixels);
 
-// Black for white.
-GrayImage exchange_black_and_white(const GrayView& image);
-
 }  // namespace tagsmith::detail

@@ -29,7 +29,7 @@ void halve_rows(const std::uint8_t* upper, const std::uint8_t* lower, std::uint8
 }  // namespace
 
 GrayImage half_size(const GrayView& image) {
-  GrayImage half{image.width / 2, image.height / 2, {}};
+  GrayImage half{image.width / 2, image.height / 2, {}, image.is_negative};
   const auto width = static_cast<std::size_t>(half.width);
   half.samples.resize(width * static_cast<std::size_t>(half.height));
   for (int y = 0; y < half.height; ++y) {

@@ -14,7 +14,7 @@ GrayImage shrunk_to(const GrayView& image, int most) {
   const int square = std::clamp(wanted, 1, std::max(1, std::min(image.width, image.height)));
   const auto width = static_cast<std::size_t>(image.width / square);
   const auto area = static_cast<std::uint32_t>(square) * static_cast<std::uint32_t>(square);
-  GrayImage small{image.width / square, image.height / square, {}};
+  GrayImage small{image.width / square, image.height / square, {}, image.is_negative};
   small.samples.reserve(width * static_cast<std::size_t>(small.height));
   std::vector<std::uint32_t> sums(width);
   for (int row = 0; row < small.height; ++row) {

@@ -17,20 +17,27 @@ double decode(double value) {
 
 }  // namespace
 
-ToneCurve::ToneCurve() {
+ToneCurve::ToneCurve(bool is_negative) {
   for (std::size_t i = 0; i < light_.size(); ++i) {
-    light_[i] = decode(static_cast<double>(i) / 255);
+    const double value = static_cast<double>(i) / 255;
+    light_[i] = is_negative ? 1 - decode(1 - value) : decode(value);
     light_table_[i] = static_cast<float>(light_[i]);
   }
   for (std::size_t i = 0; i < sample_.size(); ++i) {
-    sample_[i] = 255 * encode(static_cast<double>(i) / kSteps);
+    const double light = static_cast<double>(i) / kSteps;
+    sample_[i] = 255 * (is_negative ? 1 - encode(1 - light) : encode(light));
     rounded_[i] = static_cast<float>(sample_[i]);
   }
 }
 
 const ToneCurve& ToneCurve::srgb() {
-  static const ToneCurve curve;
+  static const ToneCurve curve(false);
   return curve;
+}
+
+const ToneCurve& ToneCurve::of(const GrayView& image) {
+  static const ToneCurve negative(true);
+  return image.is_negative ? negative : srgb();
 }
 
 double ToneCurve::sample_of(double light) const {

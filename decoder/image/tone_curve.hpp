@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 
+#include "decoder/image/gray.hpp"
+
 namespace tagsmith::detail {
 
 // sRGB (IEC 61966-2-1), with samples 0-255 and light 0-1. Blur happens in light, so edges are
@@ -13,6 +15,10 @@ namespace tagsmith::detail {
 class ToneCurve {
  public:
   static const ToneCurve& srgb();
+
+  // The curve of the image's samples: sRGB, or of a negative, whose light is 1 less that of the
+  // picture, so that its blur is as linear as the picture's.
+  static const ToneCurve& of(const GrayView& image);
 
   double light_of(int sample) const { return light_[static_cast<std::size_t>(sample)]; }
 
@@ -36,7 +42,7 @@ class ToneCurve {
   double sample_of(double light) const;
 
  private:
-  ToneCurve();
+  explicit ToneCurve(bool is_negative);
   static constexpr int kSteps = 4096;
   std::array<double, 256> light_{};
   std::array<float, 256> light_table_{};  // the same

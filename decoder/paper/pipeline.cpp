@@ -14,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "decoder/image/negative.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -286,6 +287,9 @@ tl::expected<PaperReading, PaperFailure> read_paper(const PaperSegmentation& seg
 }
 
 ReadResult read_tags_paper(const GrayView& image, const ReadOptions& options) {
+  if (options.white_on_black && !image.is_negative) {
+    return read_tags_paper(exchange_black_and_white(image).view(), options);
+  }
   const auto reading = read_paper(segment_paper(image));
   ReadResult result;
   if (!reading) {

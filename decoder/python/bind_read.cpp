@@ -35,10 +35,10 @@ std::optional<CameraModel> camera_from(const py::object& camera) {
 
 ReadResult read_picture(const py::object& image, const py::object& survey, const py::object& camera,
                         const std::optional<std::string>& check_digit, const std::string& frameless,
-                        std::optional<double> min_confidence) {
-  const ReadOptions options{surveys_from(survey), camera_from(camera),
-                            check_digit_from(check_digit), frameless_from(frameless),
-                            min_confidence};
+                        std::optional<double> min_confidence, bool white_on_black) {
+  const ReadOptions options{
+      surveys_from(survey),      camera_from(camera), check_digit_from(check_digit),
+      frameless_from(frameless), min_confidence,      white_on_black};
   const Picture picture = picture_from(image);
   const py::gil_scoped_release others_run;
   return read(picture.view, options);
@@ -140,12 +140,14 @@ void bind_read(py::module_& module) {
       "read", &read_picture, py::arg("image"), py::kw_only(), py::arg("survey") = py::none(),
       py::arg("camera") = py::none(), py::arg("check_digit") = py::none(),
       py::arg("frameless") = "never", py::arg("min_confidence") = py::none(),
+      py::arg("white_on_black") = false,
       "All tags in a picture: a uint8 array of shape (height, width), which is not copied, "
       "or a path.\n\n"
       "survey: a Survey or several; only their tags are read, and smaller ones too.\n"
       "camera: the CameraModel or RigCamera that took it; makes corners exact.\n"
       "check_digit: 'sum10' or 'gs1', that a tag must have; None = either, or the surveys'.\n"
-      "frameless: 'never', 'fallback' or 'always', when to read symbols without a frame.");
+      "frameless: 'never', 'fallback' or 'always', when to read symbols without a frame.\n"
+      "white_on_black: the plates are white on black, where no survey says so.");
 }
 
 }  // namespace tagsmith::python

@@ -40,6 +40,7 @@ void bind_plate(py::module_& module) {
       .def_readonly("frame_inner_length", &PlateTemplate::frame_inner_length)
       .def_readonly("frame_inner_height", &PlateTemplate::frame_inner_height)
       .def_readonly("frame_stroke", &PlateTemplate::frame_stroke)
+      .def_readonly("white_on_black", &PlateTemplate::white_on_black)
       .def("__repr__", [](const py::object& self) {
         return shown(self, "PlateTemplate", {"name", "plate_length", "plate_height"});
       });

@@ -44,7 +44,10 @@ float median_of(std::vector<float>& values) {
 class Symbol {
  public:
   Symbol(const GrayView& image, const BarField& field)
-      : image_(image), field_(field), image_from_unit_(field.corners, field.lens) {}
+      : tone_(ToneCurve::of(image)),
+        image_(image),
+        field_(field),
+        image_from_unit_(field.corners, field.lens) {}
 
   Row row(std::size_t window, double v) const {
     const double width = (field_.last - field_.first) / kWindows;
@@ -103,7 +106,7 @@ class Symbol {
     return static_cast<float>(tone_.light_of(static_cast<int>(level + 0.5)));
   }
 
-  const ToneCurve& tone_ = ToneCurve::srgb();
+  const ToneCurve& tone_;
   GrayView image_;
   BarField field_;
   FrameHomography image_from_unit_;

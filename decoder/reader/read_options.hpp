@@ -50,6 +50,8 @@ struct ReadOptions {
   std::optional<Camera> camera;
   // Which check digit a reading must satisfy; nothing = either (the reading says which held).
   std::optional<CheckDigit> check;
+  // The plates are white on black.
+  bool white_on_black = false;
   // Codes that exist (the survey's). When not empty, only these are returned, and reading works at
   // lower resolution.
   std::vector<Digits> code_book;

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "decoder/image/negative.hpp"
 #include "decoder/reader/detector.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/propose.hpp"
@@ -23,7 +25,12 @@ constexpr std::array<Proposer, 4> kCloserLook{propose_around_bars, propose_piece
 
 struct TagSearch::State {
   State(const GrayView& image, const ReadOptions& how)
-      : options(how), picture(image), detector(picture, options) {}
+      : options(how),
+        negative(how.white_on_black && !image.is_negative
+                     ? std::optional(exchange_black_and_white(image))
+                     : std::nullopt),
+        picture(negative ? negative->view() : image),
+        detector(picture, options) {}
 
   void look(std::span<const Proposer> proposers) {
     for (const Proposer propose : proposers) propose(search);
@@ -32,6 +39,7 @@ struct TagSearch::State {
   }
 
   ReadOptions options;
+  std::optional<GrayImage> negative;  // of plates that are white on black: read in its place
   SearchedImage picture;
   Detector detector;
   SearchContext search{picture, options, detector,

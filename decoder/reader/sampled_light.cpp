@@ -15,7 +15,7 @@ SampledLight::SampledLight(const GrayView& image)
 void SampledLight::make_rows(int first, int last) {
   const auto width = static_cast<std::size_t>(image_.width);
   if (!light_) light_ = std::make_unique_for_overwrite<float[]>(width * made_.size());
-  const std::array<float, 256>& light = ToneCurve::srgb().light_table();
+  const std::array<float, 256>& light = ToneCurve::of(image_).light_table();
   const int end = std::min(last, image_.height - 1) + 1;
   for (int y = std::max(0, first); y < end; ++y) {
     const auto at = static_cast<std::size_t>(y);

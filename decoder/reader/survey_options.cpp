@@ -17,6 +17,7 @@ ReadOptions read_options_of(std::span<const Survey* const> surveys) {
       options.layouts.push_back(layout);
     }
   }
+  options.white_on_black = surveys.front()->tag_template.white_on_black;
   const CheckDigit check = surveys.front()->code.check;
   const auto agrees = [&](const Survey* survey) { return survey->code.check == check; };
   if (std::ranges::all_of(surveys, agrees)) options.check = check;

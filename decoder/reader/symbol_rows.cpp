@@ -101,7 +101,7 @@ TAGSMITH_WIDE void places_in_unit(const std::array<float, 9>& h, int x, int x_st
 
 // Sums of the pixels in the cells that hold their centres.
 void add_pixels(const GrayView& image, const Quad& corners, SymbolRows& rows) {
-  const std::array<float, 256>& light = ToneCurve::srgb().light_table();
+  const std::array<float, 256>& light = ToneCurve::of(image).light_table();
   const PixelBox box = box_of(rows, image);
   const PixelSteps steps = pixel_steps(rows, corners);
   const CellPlaces places(rows);

@@ -212,11 +212,12 @@ Surface surface_at(const Job& job, const ScenePlate& plate, const Vector2d& pixe
       irradiance(job.options.lighting, distance, cosine) * shading_at(plate, point);
   const double clean = 1.0 - dirt_opacity(finish.dirt, point);
   const double glare = finish.glare ? light * glare_at(*finish.glare, point) : 0.0;
-  const double white = clean * finish.white_reflectance + (1 - clean) * finish.dirt.reflectance;
+  double ground = finish.white_reflectance, ink = finish.ink_reflectance;
+  if (plate.drawing.white_on_black) std::swap(ground, ink);
+  const double soiled = clean * ground + (1 - clean) * finish.dirt.reflectance;
   Surface surface;
-  surface.white = static_cast<float>(light * white + glare);
-  surface.ink =
-      static_cast<float>(light * clean * (finish.ink_reflectance - finish.white_reflectance));
+  surface.white = static_cast<float>(light * soiled + glare);
+  surface.ink = static_cast<float>(light * clean * (ink - ground));
   surface.cover = static_cast<float>(finish.cover ? light * finish.cover->reflectance : 0.0);
   if (job.backdrop != nullptr) {
     const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, job.camera.width - 1);

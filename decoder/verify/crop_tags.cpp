@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "decoder/image/half_size.hpp"
+#include "decoder/image/negative.hpp"
 #include "decoder/image/shrink.hpp"
 #include "decoder/image/upright.hpp"
 
@@ -27,6 +28,7 @@ std::optional<GrayImage> crop_around(const GrayView& image, const FrameCorners& 
   for (int y = y0; y < y1; ++y) {
     crop.samples.insert(crop.samples.end(), image.row(y) + x0, image.row(y) + x1);
   }
+  if (image.is_negative) crop = exchange_black_and_white(crop.view());  // people see the plate
   while (crop.width > kMostCrop) crop = half_size(crop.view());
   return orientation == 1 ? std::move(crop) : turn_upright(crop.view(), orientation);
 }
@@ -42,6 +44,7 @@ void crop_faults(const GrayView& image, std::vector<VerifiedTag>& tags, int orie
 GrayImage small_picture(const GrayView& image, int orientation) {
   constexpr int kMostSide = 480;
   GrayImage small = shrunk_to(image, kMostSide);
+  if (image.is_negative) small = exchange_black_and_white(small.view());
   return orientation == 1 ? small : turn_upright(small.view(), orientation);
 }
 

@@ -145,7 +145,8 @@ constexpr Lit kPicture{"the brightest parts of the picture are", "its darkest pa
 
 std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& corners,
                                      const Lit& lit) {
-  const Levels levels = levels_in(image, corners);
+  Levels levels = levels_in(image, corners);
+  if (image.is_negative) levels = {255 - levels.bright, 255 - levels.dark};  // as the camera saw it
   if (levels.bright < kDarkestWhite) {
     return Diagnosis{"too-dark", fmt::format("{} {:.0f} of 255, {:.0f} needed", lit.bright,
                                              levels.bright, kDarkestWhite)};

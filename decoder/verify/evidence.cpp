@@ -10,6 +10,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/grow_ink.hpp"
+#include "decoder/image/negative.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/survey_options.hpp"
@@ -75,6 +76,7 @@ TagEvidence seen_as(const PictureEvidence& evidence, Sight sight, const auto& re
 std::vector<TagEvidence> read_changed(const PictureReading& read, const PictureEvidence& evidence,
                                       const GrayImage& changed, Sight sight) {
   ReadOptions options = options_for(evidence);
+  options.white_on_black = false;  // black and white are exchanged already where they are to be
   if (!evidence.is_photo) {
     options.code_book.clear();
     options.check.reset();

@@ -216,7 +216,9 @@ std::optional<Finding> find_unread(const PictureEvidence& evidence, const TagEvi
     case Sight::negative:
       return Finding{TagStatus::misprinted, "inverted",
                      name_of(evidence.survey, *seen.tag.digits) +
-                         " is white on black, expected black on white"};
+                         (evidence.survey.tag_template.white_on_black
+                              ? " is black on white, expected white on black"
+                              : " is white on black, expected black on white")};
     case Sight::thinned:
     case Sight::thickened:
       return grown(evidence, seen);

@@ -16,7 +16,7 @@ namespace {
 std::optional<double> mean_light(const GrayView& image, const Homography& image_from_frame,
                                  const TagTemplate& tag, const Rectangle& area) {
   constexpr int kSteps = 8;
-  const ToneCurve& tone = ToneCurve::srgb();
+  const ToneCurve& tone = ToneCurve::of(image);
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
@@ -43,8 +43,13 @@ std::optional<ReflectanceReferences> find_references(const GrayView& image, cons
   const std::optional<double> black = mean_light(image, image_from_frame, tag, patches->black);
   constexpr double kOverexposed = 0.98;
   constexpr double kLeastDifference = 0.1;
-  if (!white || !black || *white > kOverexposed || *white - *black < kLeastDifference) {
+  const double brightest = image.is_negative ? 1 - black.value_or(0) : white.value_or(1);
+  if (!white || !black || brightest > kOverexposed || *white - *black < kLeastDifference) {
     return std::nullopt;
+  }
+  if (image.is_negative) {
+    return ReflectanceReferences{*white, 1 - kBlackPatchReflectance, *black,
+                                 1 - kWhitePatchReflectance};
   }
   return ReflectanceReferences{*white, kWhitePatchReflectance, *black, kBlackPatchReflectance};
 }

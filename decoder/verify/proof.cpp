@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "decoder/image/load.hpp"
+#include "decoder/image/negative.hpp"
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/survey_options.hpp"
@@ -198,7 +199,9 @@ void compare_corners(const Survey& survey, const ProofTag& tag, const Reading& r
 void ask_zbar(const Survey& survey, const ProofTag& tag, const GrayImage& image, double module_px,
               TagProof& proof) {
   if (survey.code.check != CheckDigit::gs1) return;
-  const std::optional<std::string> text = read_by_zbar(image, module_px);
+  const std::optional<std::string> text = read_by_zbar(
+      survey.tag_template.white_on_black ? exchange_black_and_white(image.view()) : image,
+      module_px);
   if (!text) return;
   proof.zbar = text->empty() ? "nothing" : *text;
   const std::string expected = "0" + to_string(find_tag(survey, tag.name)->digits);  // as EAN-13

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,7 @@
 
 #include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/image/negative.hpp"
 #include "decoder/verify/assemble_tiles.hpp"
 #include "decoder/verify/crop_tags.hpp"
 #include "decoder/verify/diagnose.hpp"
@@ -66,6 +68,12 @@ void note_dirt(const PictureEvidence& evidence, const VerifiedTag& tag, Verified
       fmt::format("{} reads, but {}: clean the plate, or replace it", tag.tag, cover->words));
 }
 
+// What is judged in the picture's place where the plates are white on black.
+std::optional<GrayImage> negative_for(const Survey& survey, const GrayImage& image) {
+  if (!survey.tag_template.white_on_black) return std::nullopt;
+  return exchange_black_and_white(image.view());
+}
+
 // Makes the findings, and adds the picture's tags to the file. True when there are some.
 bool judge(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFile& file) {
   const GrayView& image = evidence.image;
@@ -85,7 +93,9 @@ bool judge(const VerifyRequest& request, PictureEvidence& evidence, VerifiedFile
 // `page`: 0 of what has none; `name` begins what is said of a page without a tag.
 void judge_page(const Task& task, const PageImage& page, int number, const std::string& name,
                 VerifiedFile& file) {
-  PictureEvidence evidence{task.request.survey, page.image.view(), task.request.also};
+  const std::optional<GrayImage> negative = negative_for(task.request.survey, page.image);
+  PictureEvidence evidence{task.request.survey, negative ? negative->view() : page.image.view(),
+                           task.request.also};
   evidence.page = number;
   evidence.metres_per_pixel = page.metres_per_pixel;
   evidence.expected = task.expected;
@@ -131,7 +141,8 @@ Result<VerifiedFile> verify_photo(const Task& task) {
   const VerifyRequest& request = task.request;
   const Result<DecodedImage> loaded = decode_image(task.input.path.string(), task.input.bytes);
   if (!loaded) return fail(loaded.error().message);
-  const GrayView image = loaded->image.view();
+  const std::optional<GrayImage> negative = negative_for(request.survey, loaded->image);
+  const GrayView image = negative ? negative->view() : loaded->image.view();
   VerifiedFile file;
   if (!loaded->warning.empty()) file.notes.push_back(damaged_in_words(loaded->warning));
   file.width = image.width;

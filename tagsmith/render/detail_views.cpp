@@ -265,9 +265,14 @@ DrawingView plate_view(const Survey& survey, const PlacedTag& tag) {
   view.scale = scale;
   SketchLayer& layer = view.sketch.layer("tags");
   layer.add(Polyline{corners(drawing.plate), {.width = kNarrow}, true});
-  layer.add(Area{corners(drawing.frame_outer), colours::kBlack});
-  layer.add(Area{corners(drawing.frame_inner), colours::kWhite});
-  for (const Rectangle& bar : drawing.bars) layer.add(Area{corners(bar), colours::kBlack});
+  Colour ink = colours::kBlack, ground = colours::kWhite;
+  if (drawing.white_on_black) {
+    std::swap(ink, ground);
+    layer.add(Area{corners(drawing.plate), ground});
+  }
+  layer.add(Area{corners(drawing.frame_outer), ink});
+  layer.add(Area{corners(drawing.frame_inner), ground});
+  for (const Rectangle& bar : drawing.bars) layer.add(Area{corners(bar), ink});
   const Rectangle& inner = drawing.frame_inner;
   SketchLayer& points = view.sketch.layer("theta");
   const auto mark = [&](const char* name, double x, double y, const Vector2d& offset) {

@@ -67,6 +67,12 @@ SheetText text(const TextItem& item) {
           .centred = item.centred};
 }
 
+void make_white(SheetItem& item) {
+  if (auto* area = std::get_if<SheetArea>(&item)) area->fill = colours::kWhite;
+  if (auto* line = std::get_if<SheetLine>(&item)) line->line.colour = colours::kWhite;
+  if (auto* words = std::get_if<SheetText>(&item)) words->colour = colours::kWhite;
+}
+
 // The layers of one tag. The frame is one area, for four rectangles would leave hairline seams on
 // some printers. So are the bars: renderers move the edges of a rectangle that stands alone onto
 // whole pixels.
@@ -101,6 +107,10 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   auto& label = layer("label");
   for (const TextItem& item : tag.label) label.push_back(text(item));
   std::erase_if(layers, [](const SheetLayer& each) { return each.items.empty(); });
+  if (tag.white_on_black) {
+    for (SheetLayer& each : layers) std::ranges::for_each(each.items, make_white);
+    layers.insert(layers.begin(), {"ground", {SheetArea{{rounded(tag.plate, tag.corner_radius)}}}});
+  }
   return layers;
 }
 

@@ -119,6 +119,8 @@ std::string with_print_colours(std::string_view content, bool has_contour) {
     std::string_view instead;
     if (last == Words{"0", "0", "0", "rg"}) instead = "0 g";
     if (last == Words{"0", "0", "0", "RG"}) instead = "0 G";
+    if (last == Words{"1", "1", "1", "rg"}) instead = "1 g";
+    if (last == Words{"1", "1", "1", "RG"}) instead = "1 G";
     if (has_contour && last == Words{"1", "0", "1", "RG"}) instead = "/CutContour CS 1 SCN";
     if (instead.empty()) continue;
     const auto first = static_cast<std::size_t>(last[0].data() - content.data());

@@ -25,7 +25,7 @@ struct PdfPageSettings {
 // object at a time. What comes out is the same PDF with
 // - /ViewerPreferences that forbid scaling and pick the paper by the page's size (ISO 32000-2,
 //   12.2),
-// - black as DeviceGray 0, which a printer sets in black ink alone, not as a mixture,
+// - black and white as DeviceGray, which a printer sets in black ink alone, not as a mixture,
 // - the pages' settings; cut contours are strokes in the spot colour CutContour, which cutting
 //   plotters look for,
 // - no transparency groups, which mix colours as RGB, and an ID that follows from the content, so
@@ -64,8 +64,8 @@ class PrintSettingsFilter {
   bool has_catalog_ = false;
 };
 
-// The content of a page (ISO 32000-2, 7.8.2) with `0 0 0 rg` as `0 g` and `0 0 0 RG` as `0 G`, and
-// with a contour `1 0 1 RG` as the colour space CutContour in full. Text in brackets stays.
+// The content of a page (ISO 32000-2, 7.8.2) with `0 0 0 rg` as `0 g`, `1 1 1 RG` as `1 G` and so
+// on, and with a contour `1 0 1 RG` as the colour space CutContour in full. Text in brackets stays.
 std::string with_print_colours(std::string_view content, bool has_contour);
 
 }  // namespace tagsmith::detail

@@ -354,6 +354,14 @@ Result<std::vector<Survey>> load_surveys(const std::vector<fs::path>& paths) {
   return surveys;
 }
 
+namespace {
+
+std::string colours_of(const TagTemplate& tag) {
+  return tag.white_on_black ? "white on black" : "black on white";
+}
+
+}  // namespace
+
 std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
   struct Owner {
     const Survey* survey;
@@ -370,6 +378,13 @@ std::vector<Diagnostic> check_together(const std::vector<Survey>& surveys) {
           {}, "duplicate-survey",
           "the survey is named " + survey.name + ", and so is " + named->second->file.string(),
           "give each survey a name of its own");
+    }
+    const Survey& front = surveys.front();
+    if (survey.tag_template.white_on_black != front.tag_template.white_on_black) {
+      log.error({}, "mixed-colours",
+                "the plates are " + colours_of(survey.tag_template) + ", those of " +
+                    front.file.string() + " are " + colours_of(front.tag_template),
+                "read the pictures of each by itself");
     }
     for (const PlacedTag& tag : survey.tags) {
       const auto [first, is_new] = by_digits.emplace(tag.digits, Owner{&survey, &tag});

@@ -158,10 +158,10 @@ void check_dimensions(const TagTemplate& tag, const MapReader& file) {
 }
 
 TagTemplate read_tag(const YamlNode& root, FindingLog& log) {
-  const MapReader file(
-      &root, "",
-      {"tag", "plate", "feature_frame", "symbol", "label", "holes", "patches", "cut", "material"},
-      log);
+  const MapReader file(&root, "",
+                       {"tag", "plate", "feature_frame", "symbol", "label", "holes", "patches",
+                        "cut", "material", "white_on_black"},
+                       log);
   TagTemplate tag;
   tag.name = read_name(file.need("tag", "tag: NAME"), "tag", log).value_or("");
   const auto plate =
@@ -186,6 +186,8 @@ TagTemplate read_tag(const YamlNode& root, FindingLog& log) {
     tag.patch_size = kMillimetre * patches.number("size_mm", above_zero(1000, "mm")).value_or(0);
   }
   read_cut(MapReader(file.find("cut"), "cut", {"contour", "corner_radius_mm"}, log), tag);
+  tag.white_on_black =
+      read_bool(file.find("white_on_black"), "white_on_black", log).value_or(false);
   tag.material = read_text(file.find("material"), "material", log).value_or("");
   if (!log.has_errors()) check_dimensions(tag, file);
   if (!log.has_errors()) check_extras(tag, file);

@@ -83,6 +83,7 @@ void add_template(Content& content, const TagTemplate& tag) {
   }
   content.length(tag.cut.contour ? tag.cut.corner_radius : -1.0);
   content.text(tag.material);
+  if (tag.white_on_black) content.text("white on black");
 }
 
 void add_code(Content& content, const PositionCode& code) {

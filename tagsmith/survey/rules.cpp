@@ -164,6 +164,9 @@ constexpr std::array kRules{
     Rule{"missing-value", "a value without its partner",
          "Some columns come together: a tag and its distance, the three coordinates of "
          "the truth."},
+    Rule{"mixed-colours", "surveys with plates white on black and black on white together",
+         "A picture is read for plates of one kind. Read, verify and localize with the surveys of "
+         "one kind at a time."},
     Rule{"no-bars", "no height left for the bars",
          "The margin takes all of the inner height of the feature frame."},
     Rule{"no-dots", "a module narrower than a printer's dot",

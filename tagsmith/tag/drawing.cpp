@@ -258,6 +258,7 @@ TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText&
   drawing.patches = patches_of(tag);
   drawing.holes = holes_of(tag, drawing.plate);
   drawing.corner_radius = tag.cut.corner_radius;
+  drawing.white_on_black = tag.white_on_black;
   drawing.cut_contour = tag.cut.contour;
   add_label(drawing, tag, text);
   return drawing;

@@ -64,6 +64,7 @@ struct ReferencePatches {
   Rectangle black;
 };
 
+// What is called black here is white on a plate that is white on black, and the other way round.
 struct TagDrawing {
   Rectangle plate;              // white
   Rectangle frame_outer;        // black between the outer and the inner rectangle
@@ -75,6 +76,7 @@ struct TagDrawing {
   std::optional<ReferencePatches> patches{};
   std::vector<HoleOutline> holes{};
   double corner_radius = 0;  // of the plate
+  bool white_on_black = false;
   bool cut_contour = false;  // plate and holes are outlined for a cutting plotter
 };
 

@@ -46,6 +46,7 @@ struct TagTemplate {
   double patch_size = 0;  // side of the white and of the black reference patch; 0 = none
   std::vector<DrillHole> holes{};
   CutStyle cut{};
+  bool white_on_black = false;   // frame, bars and label are white, the plate is black
   std::string material{};        // what the plate is made of, for who makes it
   std::filesystem::path file{};  // it was read from; empty = from none
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the reader manages on tags as phones and webcams store them: simulated through camera chains
-// whose strengths are drawn anew for each tag, by resolution. Usage: bench_chain [N] [SEED] [-v]; N
-// tags for each chain and resolution.
+// whose strengths are drawn anew for each tag, by resolution. Usage: bench_chain [N] [SEED] [-v]
+// [-w]; N tags for each chain and resolution; -w: plates white on black.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,6 +37,8 @@ struct Outcome {
   double growth = 0;                  // pixels, of the bars
 };
 
+bool white_on_black = false;
+
 // The chain of that name with other strengths, as other cameras have them.
 CameraChain drawn_chain(const std::string& name, std::mt19937_64& random) {
   std::uniform_real_distribution<double> any(0, 1);
@@ -69,8 +71,9 @@ ScenePlate place(const Camera& camera, const Digits& code, double module_px,
   const double roll = 2 * std::numbers::pi * any(random);
   const double size = module_px * (0.92 + 0.16 * any(random));
   const Eigen::Vector2d pixel(camera.cx + 5 * any(random), camera.cy + 5 * any(random));
-  return bench::plate_at(camera, draw_tag(test::corridor_template(), code),
-                         {pixel, size, tilt, roll});
+  TagTemplate tag = test::corridor_template();
+  tag.white_on_black = white_on_black;
+  return bench::plate_at(camera, draw_tag(tag, code), {pixel, size, tilt, roll});
 }
 
 void note_corners(const Reading& reading, const PlateTruth& truth, Outcome& outcome) {
@@ -102,7 +105,9 @@ Result<Outcome> run_one(const std::string& name, double module_px, std::uint64_t
   const auto stored = compressed(picture.image.view(), chain.jpeg_quality);
   if (!stored) return tl::unexpected(stored.error());
   Outcome outcome;
-  for (const Reading& reading : read_tags(stored->view(), {}).tags) {
+  ReadOptions options;
+  options.white_on_black = white_on_black;
+  for (const Reading& reading : read_tags(stored->view(), options).tags) {
     if (reading.digits != code) {
       outcome.wrong = true;
       continue;
@@ -157,9 +162,11 @@ void list(const std::vector<Outcome>& outcomes) {
 int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 40;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  const bool verbose = argc > 3 && std::string(argv[3]) == "-v";
+  const std::vector<std::string> flags(argv + std::min(argc, 3), argv + argc);
+  const bool verbose = std::ranges::count(flags, "-v") > 0;
+  white_on_black = std::ranges::count(flags, "-w") > 0;
   if (count < 1) {
-    fmt::print(stderr, "usage: bench_chain [TAGS_PER_CELL] [SEED] [-v]\n");
+    fmt::print(stderr, "usage: bench_chain [TAGS_PER_CELL] [SEED] [-v] [-w]\n");
     return 2;
   }
   fmt::print(

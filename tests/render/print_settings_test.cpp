@@ -15,6 +15,7 @@ TEST_CASE("black and cut contours get their colour spaces, whatever the blanks")
   for (const Case& example : {
            Case{"0 0 0 rg 1 2 3 4 re f", "0 g 1 2 3 4 re f"},
            Case{"q\n0 0\n0 RG S", "q\n0 G S"},
+           Case{"1 1 1 rg 1 1 1 RG B", "1 g 1 G B"},
            Case{"1 0 1 RG S", "/CutContour CS 1 SCN S"},
            Case{"1 0 1 rg f", "1 0 1 rg f"},
            Case{"10 0 0 rg f", "10 0 0 rg f"},

@@ -8,8 +8,8 @@
 
 #include <doctest/doctest.h>
 
-#include "decoder/image/grow_ink.hpp"
 #include "decoder/image/load.hpp"
+#include "decoder/image/negative.hpp"
 #include "decoder/image/upright.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/exif_jpeg.hpp"

@@ -46,6 +46,8 @@ class PlateTemplate:
     def frame_inner_height(self) -> float: ...
     @property
     def frame_stroke(self) -> float: ...
+    @property
+    def white_on_black(self) -> bool: ...
 
 class TagDrawing:
     @property
@@ -203,6 +205,7 @@ def read(
     check_digit: Optional[Literal["sum10", "gs1"]] = None,
     frameless: Literal["never", "fallback", "always"] = "never",
     min_confidence: Optional[float] = None,
+    white_on_black: bool = False,
 ) -> ReadResult: ...
 
 class GradeParameter:

@@ -23,6 +23,7 @@ struct PlateTemplate {
   double frame_offset_up = 0;
   double quiet_zone_modules = 9;  // white inside the frame left and right of the bars
   double margin_modules = 9;      // and above and below them
+  bool white_on_black = false;    // frame and bars are white, the plate is black
 };
 
 // Plate frame: origin at P, the upper left inner corner of the feature frame, x to the right, y
@@ -34,7 +35,8 @@ struct Rectangle {
   double height = 0;
 };
 
-// What is printed, words and arrow apart.
+// What is printed, words and arrow apart. On a plate that is white on black, black and white are
+// exchanged.
 struct TagDrawing {
   Rectangle plate;              // white
   Rectangle frame_outer;        // black between this and the inner rectangle

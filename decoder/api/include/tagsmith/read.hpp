@@ -35,6 +35,8 @@ struct ReadOptions {
   // Readings below this confidence are refused; absent = the reader's own borders, at which about
   // one reading in 100,000 may be wrong (docs/accuracy.md, "Reliability").
   std::optional<double> min_confidence;
+  // The plates are white on black; surveys say so themselves.
+  bool white_on_black = false;
 };
 
 enum class ReadingMethod {
