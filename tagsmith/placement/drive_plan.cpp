@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -482,7 +483,8 @@ Result<DrivePlan> plan_drive(const Survey& survey, const Rig& rig, const PlanOpt
   const Sweep sweep(survey, rig, plan.options, plan);
   const auto blocks = blocks_of(plan);
   std::vector<BlockResult> results(blocks.size());
-  tbb::task_arena arena(options.jobs > 0 ? options.jobs : tbb::task_arena::automatic);
+  const int cores = tbb::info::default_concurrency();  // TBB warns on stderr of more than these
+  tbb::task_arena arena(options.jobs > 0 ? std::min(options.jobs, cores) : cores);
   tbb::enumerable_thread_specific<Scratch> scratches;
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size()), [&](const auto& range) {

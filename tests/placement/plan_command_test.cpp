@@ -31,6 +31,13 @@ TEST_CASE("plan answers what people ask, and says by its exit code whether there
   CHECK(run_tagsmith(kCorridor).exit_code == 1);  // no tags beyond 6 m
 }
 
+TEST_CASE("more jobs than the machine has cores change nothing and are not worth a word") {
+  const std::string plan = kCorridor + " --to 1 --json";
+  const ProgramOutput many = run_tagsmith(plan + " --jobs 1000");
+  CHECK(many.err == "");
+  CHECK(many.out == run_tagsmith(plan).out);
+}
+
 TEST_CASE("plan --json is one object with the documented fields") {
   const ProgramOutput output = run_tagsmith(kCorridor + " --to 5 --speed 1 --json");
   const auto json = nlohmann::json::parse(output.out);
