@@ -2,6 +2,7 @@
 #include "decoder/verify/hanging_check.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -198,6 +199,27 @@ void add_unchecked(const Survey& survey, const std::set<std::string>& seen,
   tags = std::move(all);
 }
 
+// Why photos could not be used: the first by name, whatever order they came in.
+class UnusedPhotos {
+ public:
+  void add(const std::string& note) {
+    ++count_;
+    first_.insert(note);
+    if (first_.size() > kMost) first_.erase(std::prev(first_.end()));
+  }
+
+  std::vector<std::string> notes() const {
+    std::vector<std::string> all(first_.begin(), first_.end());
+    if (count_ > kMost) all.push_back(fmt::format("{} more photos likewise", count_ - kMost));
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 20;
+  std::multiset<std::string> first_;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 Result<void> for_each_sighted(
@@ -216,28 +238,23 @@ Result<void> for_each_sighted(
 
 Result<HungTags> check_hanging(const Survey& survey, const HangingSetup& setup,
                                const EachFile& files) {
-  constexpr std::size_t kMostNotes = 20;  // on photos that could not be used
   SightingPick pick;
   std::set<std::string> seen;
-  std::vector<std::string> notes;
-  std::size_t unused = 0;
+  UnusedPhotos unused;
   const auto counted =
       for_each_sighted(survey, setup, files, [&](const auto& sighted, const std::string& note) {
         pick.count(sighted);
         for (const SightedTag& tag : sighted) seen.insert(tag.tag);
-        if (!note.empty() && ++unused <= kMostNotes) notes.push_back(note);
+        if (!note.empty()) unused.add(note);
       });
   if (!counted) return fail(counted.error().message);
-  if (unused > kMostNotes) {
-    notes.push_back(fmt::format("{} more photos likewise", unused - kMostNotes));
-  }
   pick.choose();
   const auto taken = for_each_sighted(survey, setup, files,
                                       [&](const auto& sighted, auto&) { pick.take(sighted); });
   if (!taken) return fail(taken.error().message);
   HungTags hung = check_hung_tags(survey, setup.rig, pick.taken(), setup.tolerance);
   add_unchecked(survey, seen, hung.tags);
-  hung.notes.insert(hung.notes.begin(), notes.begin(), notes.end());
+  hung.notes = unused.notes();
   for (const MixedStations& mixed : hung.mixed) hung.notes.push_back(in_words(mixed, setup.rig));
   if (!hung.rig_doubt.empty()) {
     hung.notes.push_back("the rig is in doubt, and no tag was judged by where it hangs: " +

@@ -2,6 +2,7 @@
 #include "decoder/verify/sighting_pick.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <tuple>
 
 namespace tagsmith::detail {
@@ -70,6 +71,16 @@ void SightingPick::take(std::span<const SightedTag> sighted) {
   for (const SightedTag& tag : sighted) {
     if (chosen_.contains(hash_of(tag.station))) taken_.push_back(tag);
   }
+}
+
+std::vector<SightedTag> SightingPick::taken() const {
+  std::vector<SightedTag> sorted = taken_;
+  std::ranges::sort(sorted, {}, [](const SightedTag& tag) {
+    const auto& p = tag.seen.corners[0];
+    return std::tuple(std::string_view(tag.station), tag.camera, std::string_view(tag.tag), p.x,
+                      p.y);
+  });
+  return sorted;
 }
 
 }  // namespace tagsmith::detail

@@ -37,7 +37,8 @@ class SightingPick {
   // The second time.
   void take(std::span<const SightedTag> sighted);
 
-  const std::vector<SightedTag>& taken() const { return taken_; }
+  // By station, camera and tag, whatever order they came in.
+  std::vector<SightedTag> taken() const;
 
  private:
   struct Seen {
