@@ -61,10 +61,21 @@ void add_grade(TagRecord& record, const SymbolGrade& grade) {
   record.blame = blame;
 }
 
+// Of several runs' judgements of a tag that by most places of the cameras, whatever order they come
+// in.
+void add_hung(const std::string& name, const HungTag& hung, VerifyMerge& merged) {
+  const auto rank = [](const HungTag& tag) {
+    return std::tuple(tag.stations, static_cast<int>(tag.verdict), tag.odds, tag.offset.value.x(),
+                      tag.offset.value.y(), tag.offset.value.z());
+  };
+  const auto [known, is_new] = merged.hung.try_emplace(name, hung);
+  if (!is_new && rank(known->second) < rank(hung)) known->second = hung;
+}
+
 void add_tag(const VerifiedFile& file, VerifiedTag& tag, VerifyMerge& merged) {
   if (tag.status == TagStatus::cut_off) return;
   merged.shows_tag = merged.shows_tag || file.is_photo();
-  if (tag.hung && tag.hung->verdict != HangVerdict::unchecked) merged.hung[tag.tag] = *tag.hung;
+  if (tag.hung && tag.hung->verdict != HangVerdict::unchecked) add_hung(tag.tag, *tag.hung, merged);
   count_noted_up(merged.noted_up, file.up, tag);
   const bool in_order = tag.status == TagStatus::ok;
   if (!tag.tag.empty()) ++merged.own_tags;

@@ -29,6 +29,7 @@
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/read_template.hpp"
+#include "tagsmith/survey/walls_beside.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -45,6 +46,7 @@ struct NewOptions {
   double tolerance_mm = 30;
   std::optional<double> mount_height;
   std::optional<double> tunnel_height;
+  std::optional<double> width;
   // The layout to propose, where no plate hangs.
   std::optional<double> height;
   std::optional<double> spacing;
@@ -201,6 +203,10 @@ Result<Drafted> make_draft(const NewOptions& options) {
   draft.template_name = list->survey ? list->survey->tag_template : options.template_name;
   draft.grid = list->survey ? list->survey->grid : Grid{options.x_axis == "left"};
   if (!draft.grid.x_axis_left) draft.grid.epsg = list->epsg;
+  if (options.width) {
+    const auto added = add_walls_beside(list->points, draft.grid, *options.width);
+    if (!added) return fail(options.points + ": " + added.error().message);
+  }
   const auto tag = named_template(draft.template_name, options.name);
   if (!tag) return tl::unexpected(tag.error());
   draft.tag = *tag;
@@ -493,6 +499,12 @@ std::vector<CommandOption> draft_options(NewOptions& options) {
        .placeholder = "M",
        .least = 0,
        .greatest = 100},
+      {.names = "--width",
+       .target = &options.width,
+       .help = "Metres between the walls, for lists without wall points: an alignment alone",
+       .placeholder = "M",
+       .least = 0.1,
+       .greatest = 1000},
       {.names = "--tunnel-height",
        .target = &options.tunnel_height,
        .help = "Metres of the roof above the floor, for lists without roof points",

@@ -14,6 +14,7 @@ struct CenterlineElement {
   double length = 0;     // metres, > 0
   double curvature = 0;  // 1/radius, positive when the drive turns right, 0 for a line
   double grade = 0;      // rise per horizontal metre
+  int clothoid = 0;      // number of the clothoid that it is a part of (clothoid.hpp); 0 = of none
 };
 
 // A place on the center line.

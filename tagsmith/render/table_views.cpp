@@ -30,6 +30,29 @@ std::string element_text(const CenterlineElement& element) {
          "\u00b0" + grade;
 }
 
+// A clothoid is one, whatever arcs it is made of.
+std::vector<std::string> element_texts(const std::vector<CenterlineElement>& elements) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < elements.size();) {
+    const CenterlineElement& first = elements[i];
+    if (first.clothoid == 0) {
+      texts.push_back(element_text(first));
+      ++i;
+      continue;
+    }
+    double length = 0;
+    double turned = 0;
+    for (; i < elements.size() && elements[i].clothoid == first.clothoid; ++i) {
+      length += elements[i].length;
+      turned += elements[i].length * elements[i].curvature;
+    }
+    texts.push_back(fmt::format("clothoid, {} m, {}\u00b0 to the {}", metres(length),
+                                format_number(degrees(std::abs(turned)), 3),
+                                turned > 0 ? "right" : "left"));
+  }
+  return texts;
+}
+
 void add_grid_words(std::vector<std::string>& lines, const Survey& survey) {
   lines.push_back(survey.grid.x_axis_left
                       ? "Grid: x to the left of +y, z up (left-handed; the plan shows it so)"
@@ -48,9 +71,9 @@ void add_tunnel_words(std::vector<std::string>& lines, const Survey& survey) {
       p.x() + 0.0, p.y() + 0.0, p.z() + 0.0,
       format_number(degrees(grid_heading_from_world(survey.grid, start.heading)), 4),
       metres(line.length())));
-  const std::vector<CenterlineElement>& elements = line.elements();
+  const std::vector<std::string> elements = element_texts(line.elements());
   for (std::size_t i = 0; i < std::min(kMostElements, elements.size()); ++i) {
-    lines.push_back("    " + element_text(elements[i]));
+    lines.push_back("    " + elements[i]);
   }
   if (elements.size() > kMostElements) {
     lines.push_back(fmt::format("    and {} more elements", elements.size() - kMostElements));

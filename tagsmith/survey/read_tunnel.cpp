@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/read_tunnel.hpp"
 
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/clothoid.hpp"
 #include "tagsmith/survey/read_room.hpp"
 
 namespace tagsmith::detail {
@@ -16,7 +21,9 @@ struct Elements {
   bool complete = true;  // false: some were faulty
 };
 
-const char* kElementHint = "{ line: LENGTH } or { arc: RADIUS, turn: left|right, angle: DEGREES }";
+const char* kElementHint =
+    "{ line: LENGTH }, { arc: RADIUS, turn: left|right, angle: DEGREES } or { clothoid: LENGTH, "
+    "turn: left|right, from_radius: RADIUS, to_radius: RADIUS }";
 
 std::optional<CenterlineElement> read_line(const MapReader& map) {
   const auto length = map.number("line", above_zero(kLongest, "m"));
@@ -24,16 +31,17 @@ std::optional<CenterlineElement> read_line(const MapReader& map) {
   return CenterlineElement{*length, 0, 0};
 }
 
-// False, with a finding, when the wall on the inner side of the arc has no radius left.
-bool leaves_room(const MapReader& map, double radius, bool turns_right, double start, double length,
-                 const Room& room) {
+// False, with a finding, when the wall on the inner side of the bend has no radius left. `key`: of
+// the radius.
+bool leaves_room(const MapReader& map, const char* key, double radius, bool turns_right,
+                 double start, double length, const Room& room) {
   const std::optional<ChainageProfile>& inner = turns_right ? room.right : room.left;
   if (!inner) return true;
   const double inner_wall =
       turns_right ? inner->greatest(start, start + length) : -inner->least(start, start + length);
   if (radius > inner_wall) return true;
-  map.log().error(map.find("arc")->place, "tight-arc",
-                  map.name_of("arc") + " has a radius of " + format_number(radius) +
+  map.log().error(map.find(key)->place, "tight-arc",
+                  map.name_of(key) + " has a radius of " + format_number(radius) +
                       " m, expected more than the distance of its inner wall, " +
                       format_number(inner_wall) + " m",
                   "the radius is that of the center line");
@@ -48,33 +56,83 @@ std::optional<CenterlineElement> read_arc(const MapReader& map, double start, co
   if (!radius || !turn || !angle) return std::nullopt;
   const bool turns_right = *turn == "right";
   const double length = *radius * radians(*angle);
-  if (!leaves_room(map, *radius, turns_right, start, length, room)) return std::nullopt;
+  if (!leaves_room(map, "arc", *radius, turns_right, start, length, room)) return std::nullopt;
   return CenterlineElement{length, (turns_right ? 1.0 : -1.0) / *radius, 0};
 }
 
-std::optional<CenterlineElement> read_element(const YamlNode& node, const std::string& name,
-                                              double start, const Room& room, FindingLog& log) {
-  const MapReader map(&node, name, {"line", "arc", "turn", "angle", "grade"}, log);
-  if (!map.is_map()) return std::nullopt;
-  const double grade = map.number_or("grade", 0, between(-100, 100, "percent")) / 100;
-  std::optional<CenterlineElement> element;
-  if (map.has("arc") == map.has("line")) {
-    log.error(map.place(), "bad-element",
-              name + " has " + (map.has("arc") ? "both" : "neither") +
-                  " `line` and `arc`, expected one of them",
-              kElementHint);
-  } else if (map.has("arc")) {
-    element = read_arc(map, start, room);
-  } else {
-    for (const char* key : {"turn", "angle"}) {
-      if (!map.has(key)) continue;
-      log.error(map.find(key)->place, "conflicting-keys",
-                "`" + map.name_of(key) + "` of a line, expected it with `arc` only", kElementHint);
-    }
-    element = read_line(map);
+// A clothoid between these radii, of which one that is not given is that of a straight line.
+std::vector<CenterlineElement> read_clothoid(const MapReader& map, double start, const Room& room,
+                                             int number) {
+  const auto length = map.number("clothoid", above_zero(kLongest, "m"));
+  const auto turn = map.choice("turn", {"left", "right"}, "turn: left or turn: right");
+  if (!length || !turn) return {};
+  const double sign = *turn == "right" ? 1 : -1;
+  std::array<double, 2> curvatures{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const char* key = i == 0 ? "from_radius" : "to_radius";
+    if (!map.has(key)) continue;
+    const auto radius = map.number(key, above_zero(kLongest, "m"));
+    if (!radius || !leaves_room(map, key, *radius, sign > 0, start, *length, room)) return {};
+    curvatures[i] = sign / *radius;
   }
-  if (element) element->grade = grade;
-  return element;
+  const double turned = *length * std::abs(curvatures[0] + curvatures[1]) / 2;
+  if (curvatures[0] == curvatures[1] || turned > 2 * std::numbers::pi) {
+    map.log().error(map.place(), "bad-element",
+                    curvatures[0] == curvatures[1]
+                        ? "the clothoid has the same radius at both ends, expected two, or one "
+                          "where its other end is straight"
+                        : "the clothoid turns by " + format_number(degrees(turned), 0) +
+                              " degrees, expected at most 360",
+                    kElementHint);
+    return {};
+  }
+  return arcs_of_clothoid(*length, curvatures[0], curvatures[1], number);
+}
+
+// Keys that belong to other kinds of elements than this one.
+void check_keys(const MapReader& map, const std::string& kind) {
+  const std::pair<const char*, std::string> owners[] = {{"turn", "arc clothoid"},
+                                                        {"angle", "arc"},
+                                                        {"from_radius", "clothoid"},
+                                                        {"to_radius", "clothoid"}};
+  for (const auto& [key, kinds] : owners) {
+    if (!map.has(key) || kinds.find(kind) != std::string::npos) continue;
+    map.log().error(map.find(key)->place, "conflicting-keys",
+                    "`" + map.name_of(key) + "` beside `" + kind + "`, expected it with `" +
+                        (kinds == "arc clothoid" ? "arc` or `clothoid" : kinds) + "` only",
+                    kElementHint);
+  }
+}
+
+// One, or the arcs of a clothoid; none where it is faulty. `number`: from 1.
+std::vector<CenterlineElement> read_element(const YamlNode& node, const std::string& name,
+                                            double start, int number, const Room& room,
+                                            FindingLog& log) {
+  const MapReader map(
+      &node, name,
+      {"line", "arc", "clothoid", "turn", "angle", "from_radius", "to_radius", "grade"}, log);
+  if (!map.is_map()) return {};
+  const double grade = map.number_or("grade", 0, between(-100, 100, "percent")) / 100;
+  std::vector<std::string> kinds;
+  for (const char* kind : {"line", "arc", "clothoid"}) {
+    if (map.has(kind)) kinds.emplace_back(kind);
+  }
+  if (kinds.size() != 1) {
+    log.error(map.place(), "bad-element",
+              name + " has " + (kinds.empty() ? "none" : "several") +
+                  " of `line`, `arc` and `clothoid`, expected one of them",
+              kElementHint);
+    return {};
+  }
+  check_keys(map, kinds.front());
+  std::vector<CenterlineElement> elements;
+  if (kinds.front() == "clothoid") {
+    elements = read_clothoid(map, start, room, number);
+  } else if (auto one = kinds.front() == "arc" ? read_arc(map, start, room) : read_line(map)) {
+    elements.push_back(*one);
+  }
+  for (CenterlineElement& element : elements) element.grade = grade;
+  return elements;
 }
 
 Elements read_elements(const MapReader& centerline, const Room& room) {
@@ -94,12 +152,11 @@ Elements read_elements(const MapReader& centerline, const Room& room) {
   }
   double start = 0;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto element =
-        read_element((*list)[i], name + "[" + std::to_string(i) + "]", start, room, log);
-    result.complete = result.complete && element.has_value();
-    if (!element) continue;
-    start += element->length;
-    result.elements.push_back(*element);
+    const auto elements = read_element((*list)[i], name + "[" + std::to_string(i) + "]", start,
+                                       static_cast<int>(i) + 1, room, log);
+    result.complete = result.complete && !elements.empty();
+    for (const CenterlineElement& element : elements) start += element.length;
+    result.elements.insert(result.elements.end(), elements.begin(), elements.end());
   }
   return result;
 }

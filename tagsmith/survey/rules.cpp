@@ -34,9 +34,10 @@ constexpr std::array kRules{
     Rule{"bad-dxf", "a drawing that is no ASCII DXF",
          "A DXF has group codes and values, a line each. This file has a line where a group code "
          "should be and none is: save the drawing again."},
-    Rule{"bad-element", "an element of the center line that is neither line nor arc",
-         "Each element is either { line: LENGTH } or { arc: RADIUS, turn: left|right, "
-         "angle: DEGREES }, with an optional grade in percent."},
+    Rule{"bad-element", "an element of the center line that is neither line, arc nor clothoid",
+         "Each element is { line: LENGTH }, { arc: RADIUS, turn: left|right, angle: DEGREES } or "
+         "{ clothoid: LENGTH, turn: left|right, from_radius: RADIUS, to_radius: RADIUS }, of which "
+         "one radius may be left out for a straight end, with an optional grade in percent."},
     Rule{"bad-gsi", "a word that is none of Leica GSI",
          "A word has six characters of index, information and unit, a sign, and 8 or in lines that "
          "begin with * 16 characters of data."},

@@ -300,6 +300,21 @@ TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation
           Approx(10 + 0.02 * 0.01 * static_cast<double>(i)).epsilon(0.001));
   }
 
+  // The alignment alone: its walls are said to be so far apart.
+  fs::remove_all(folder.path() / "out");
+  const ProgramOutput alone = draft(folder.path(), landxml(xml, metre), arguments + " --width 4");
+  REQUIRE_MESSAGE(alone.exit_code == 0, alone.err);
+  const Survey designed = load_survey(folder.path() / "out" / "survey.yaml").value();
+  CHECK(designed.tunnel.right.at(30) - designed.tunnel.left.at(30) == Approx(4).epsilon(0.003));
+  for (std::size_t i = 0; i < line.size(); i += 500) {
+    CHECK(std::abs(designed.tunnel.centerline.locate(line[i].head<2>()).offset) < 0.03);
+  }
+  fs::remove_all(folder.path() / "out");
+  const ProgramOutput both =
+      draft(folder.path(), landxml(xml + cg_points(walls), metre), arguments + " --width 4");
+  CHECK(both.exit_code == 2);
+  CHECK(both.err.find("--width is for lists without points of walls") != std::string::npos);
+
   // A spiral whose end contradicts its length; two alignments.
   std::string broken = xml;
   broken.replace(broken.find("length=\"20\""), 11, "length=\"25\"");
