@@ -88,10 +88,12 @@ class SheetLight {
   double mean(const Rectangle& r) const {
     constexpr int kSteps = 40;
     double sum = 0;
-    for (int i = 0; i < kSteps * kSteps; ++i) {
-      const double right = 0.25 + 0.5 * (i % kSteps + 0.5) / kSteps;
-      const double down = 0.25 + 0.5 * (i / kSteps + 0.5) / kSteps;
-      sum += at({r.x + right * r.width, r.y + down * r.height});
+    for (int row = 0; row < kSteps; ++row) {
+      for (int column = 0; column < kSteps; ++column) {
+        const double right = 0.25 + 0.5 * (column + 0.5) / kSteps;
+        const double down = 0.25 + 0.5 * (row + 0.5) / kSteps;
+        sum += at({r.x + right * r.width, r.y + down * r.height});
+      }
     }
     return sum / (kSteps * kSteps);
   }

@@ -33,7 +33,7 @@ struct RayGrid {
     bool has_ray = false;       // else the cell lies outside of a fisheye's circle
     int corners = 0;            // used ones that were seen there
   };
-  std::array<Cell, kColumns * kRows> cells{};  // row by row from the upper left
+  std::array<Cell, std::size_t{kColumns} * kRows> cells{};  // row by row from the upper left
 
   // The greatest of all cells.
   double worst_sigma_px() const;

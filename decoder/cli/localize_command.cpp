@@ -372,8 +372,7 @@ Result<void> write_pictures(const std::filesystem::path& folder, const Rig& rig,
   if (!files) return fail(files.error().message);
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     if (fixes[i].corners.empty()) continue;
-    const auto added =
-        files->add(picture_name(i + 1, fixes[i].id), residual_picture(fixes[i], rig));
+    auto added = files->add(picture_name(i + 1, fixes[i].id), residual_picture(fixes[i], rig));
     if (!added) return added;
   }
   return files->publish();

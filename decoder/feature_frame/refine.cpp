@@ -28,6 +28,7 @@ using Four = Eigen::Array4f;
 // at the middle and its slope, log blur, white and black at the middle and their slopes, log
 // stroke.
 constexpr int kParameters = 8;
+constexpr std::size_t kLeastSamples = 2 * std::size_t{kParameters};  // of a side
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, kLogStroke };
 
@@ -407,7 +408,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
     samples.emplace_back(sight.image, edge_samples(sight.image, lines[i], thin));
-    if (samples[i].samples.size() < 2 * kParameters) return fail(FrameFault::side_too_short);
+    if (samples[i].samples.size() < kLeastSamples) return fail(FrameFault::side_too_short);
     solutions[i] = solve_side(samples[i], lines[i], kEdgeFit.start_blur);
     if (!stays_near(solutions[i], lines[i])) {
       return fail(FrameFault::no_fit);
@@ -590,7 +591,7 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     frame.shown[i] = false;
     if (!shown[i]) continue;
     const SideSamples samples(image, edge_samples(image, lines[i]));
-    if (samples.samples.size() < 2 * kParameters) continue;
+    if (samples.samples.size() < kLeastSamples) continue;
     const Solution solution = solve_side(samples, lines[i], kEdgeFit.start_blur);
     if (!stays_near(solution, lines[i])) continue;
     const double doubt = bow_doubt(seen_bow(samples, lines[i], solution));

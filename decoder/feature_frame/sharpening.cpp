@@ -404,7 +404,9 @@ void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
   const double kept = 1 / (1 + sharpening.amount);
   const double fed_back = sharpening.amount * kept;
   Plane plain = sharp;
-  for (double left_over = 1; left_over > kAtRest; left_over *= fed_back) {
+  const int rounds =
+      std::max(1, static_cast<int>(std::ceil(std::log(kAtRest) / std::log(fed_back))));
+  for (int round = 0; round < rounds; ++round) {
     plain =
         static_cast<float>(kept) * sharp + static_cast<float>(fed_back) * smoothed(plain, weights);
     // What was clipped was darker than 0 or brighter than 255: it lies nearer to black or white.
@@ -412,8 +414,8 @@ void UnsharpenedImage::undo(const Sharpening& sharpening, const Quad& quad) {
     plain = (sharp > 253.5F && plain < white).select((plain + white) / 2, plain);
   }
   for (Eigen::Index y = 0; y < plain.cols(); ++y) {
-    std::uint8_t* samples = &image_.samples[static_cast<std::size_t>(
-        (area.top + static_cast<int>(y)) * image_.width + area.left)];
+    std::uint8_t* samples =
+        image_.samples.data() + (area.top + y) * image_.width + std::ptrdiff_t{area.left};
     for (Eigen::Index x = 0; x < plain.rows(); ++x) {
       samples[x] = static_cast<std::uint8_t>(std::clamp(std::lround(plain(x, y)), 0L, 255L));
     }

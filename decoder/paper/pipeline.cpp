@@ -111,8 +111,9 @@ std::vector<int> elements_of_row(const std::uint8_t* row, int s, int r) {
 }
 
 std::optional<std::uint8_t> digit_of(std::span<const int, kElementsPerDigit> elements) {
-  for (std::uint8_t digit = 0; digit < kDigitElements.size(); ++digit) {
-    if (std::ranges::equal(elements, kDigitElements[digit])) return digit;
+  for (std::size_t digit = 0; digit < kDigitElements.size(); ++digit) {
+    if (std::ranges::equal(elements, kDigitElements[digit]))
+      return static_cast<std::uint8_t>(digit);
   }
   return std::nullopt;
 }

@@ -103,7 +103,7 @@ class Symbol {
   // In light a blurred end is where half of the contrast is left; in grey levels it is not.
   float light_at(PixelPoint at) const {
     const double level = sample_bilinear(image_, at);
-    return static_cast<float>(tone_.light_of(static_cast<int>(level + 0.5)));
+    return static_cast<float>(tone_.light_of(static_cast<int>(std::lround(level))));
   }
 
   const ToneCurve& tone_;

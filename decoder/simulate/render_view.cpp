@@ -128,6 +128,7 @@ DrawnPlate draw(const Camera& camera, const ViewingFrustum& frustum, const Scene
 std::vector<Vector2d> motion_shifts(const Vector2d& motion_px) {
   const int count = std::clamp(static_cast<int>(std::ceil(4 * motion_px.norm())), 1, 1024);
   std::vector<Vector2d> shifts;
+  shifts.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) shifts.push_back(((i + 0.5) / count - 0.5) * motion_px);
   return shifts;
 }
@@ -292,8 +293,10 @@ void spread_background(Workspace& work, int cells) {
   for (int y = 0; y < work.light.height; ++y) {
     const float* source = work.background.row(y / cells);
     float* target = work.light.row(y);
-    for (int x = 0; x < work.background.width; ++x)
-      std::fill_n(target + x * cells, cells, source[x]);
+    for (int x = 0; x < work.background.width; ++x) {
+      std::fill_n(target, cells, source[x]);
+      target += cells;
+    }
   }
 }
 
@@ -362,7 +365,7 @@ void filter(const LightImage& source, LightImage& rows, const std::vector<float>
     }
     float* line = target.row(tile.y + y) + tile.x;
     for (int x = 0; x < width; ++x) {
-      const float* samples = sums + x * cells;
+      const float* samples = sums + std::ptrdiff_t{x} * cells;
       float sum = 0;
       for (std::size_t k = 0; k < weights.size(); ++k) sum += weights[k] * samples[k];
       line[x] = sum;
