@@ -48,6 +48,7 @@ void CommandFiles::reads(const fs::path& path, const std::string& role) {
 void CommandFiles::reads(const Survey& survey) {
   reads(survey.file, "the survey");
   reads(survey.tag_template.file, "the survey's template");
+  reads(survey.tag_template.logo.file, "the template's logo");
 }
 
 void CommandFiles::reads(const Rig& rig) {

@@ -41,6 +41,7 @@ struct PrintOptions {
   std::string setting_out_paper = "a3";
   std::string zip;      // all files in one; empty = none
   std::string profile;  // of the printer; empty = none
+  std::string press;    // its ICC profile; empty = no PDF/X
   bool no_setting_out = false;
   bool proof = false;
   bool json = false;
@@ -95,6 +96,11 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
   if (!options.zip.empty() && style.zip.extension() != ".zip") {
     return fail("--zip " + options.zip + ": expected a name that ends in .zip");
   }
+  const bool has_pdf = std::ranges::count(style.formats, SheetFormat::pdf) > 0;
+  if (!has_pdf && (!options.press.empty() || style.outline_text)) {
+    return fail(std::string(style.outline_text ? "--outline-text" : "--pdf-x") +
+                " is for PDF files, but --format has no pdf");
+  }
   if (style.single && style.formats.front() != SheetFormat::pdf) {
     return fail("--single makes one PDF, but --format has no pdf");
   }
@@ -106,6 +112,11 @@ Result<PrintStyle> style_of(const PrintOptions& options, const Survey& survey,
     if (!profile) return fail(profile.error().message);
     style.bar_adjustment = bar_adjustment_for(*profile);
     style.printer = std::move(*profile);
+  }
+  if (!options.press.empty()) {
+    Result<OutputIntent> intent = load_output_intent(options.press);
+    if (!intent) return fail(intent.error().message);
+    style.intent = std::move(*intent);
   }
   if (options.paper.empty()) return style;
   const Result<PrintPaper> paper = parse_print_paper(options.paper);
@@ -204,6 +215,7 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
   files.reads(*survey);
   files.reads(options.only == "-" ? "/dev/stdin" : options.only, "the list --only");
   if (!options.profile.empty()) files.reads(options.profile, "--profile");
+  if (!options.press.empty()) files.reads(options.press, "--pdf-x");
   const Result<PrintRecord> record = run_print(*job, options.folder, std::move(files));
   if (!record) return fail(record.error().message);
   warn(*job);
@@ -269,29 +281,39 @@ std::vector<CommandOption> paper_options(PrintOptions& options) {
 }
 
 std::vector<CommandOption> printer_options(PrintOptions& options) {
-  return {{.names = "--dpi",
-           .target = &options.style.dots_per_inch,
-           .help = "The printer's dots per inch: every edge stands on a whole dot; also the "
-                   "resolution of PNG and of the proof (default: the template's dots_per_inch, "
-                   "else 300 for those)",
-           .placeholder = "DPI",
-           .least = 50,
-           .greatest = 10'000},
-          length_option("--bar-adjust", options.style.bar_adjustment,
-                        "Added to the width of every bar and of the frame, mm; -0.1 takes away "
-                        "what the ink adds (default: 0)",
-                        -10, 10),
-          {.names = "--profile",
-           .target = &options.profile,
-           .help = "Printer's profile, from `tagsmith printer`: takes the growth of its bars away, "
-                   "and in PDF files its scale",
-           .placeholder = "FILE",
-           .kind = ValueKind::file,
-           .excludes = {"--bar-adjust"}},
-          {.names = "--proof",
-           .target = &options.proof,
-           .help = "Draw the files as pixels, read them, and write nothing unless digits, sizes "
-                   "and corners are the survey's"}};
+  return {
+      {.names = "--dpi",
+       .target = &options.style.dots_per_inch,
+       .help = "The printer's dots per inch: every edge stands on a whole dot; also the "
+               "resolution of PNG and of the proof (default: the template's dots_per_inch, "
+               "else 300 for those)",
+       .placeholder = "DPI",
+       .least = 50,
+       .greatest = 10'000},
+      length_option("--bar-adjust", options.style.bar_adjustment,
+                    "Added to the width of every bar and of the frame, mm; -0.1 takes away "
+                    "what the ink adds (default: 0)",
+                    -10, 10),
+      {.names = "--profile",
+       .target = &options.profile,
+       .help = "Printer's profile, from `tagsmith printer`: takes the growth of its bars away, "
+               "and in PDF files its scale",
+       .placeholder = "FILE",
+       .kind = ValueKind::file,
+       .excludes = {"--bar-adjust"}},
+      {.names = "--pdf-x",
+       .target = &options.press,
+       .help = "PDF files of tags as PDF/X-4 for the press and paper of this ICC profile, which "
+               "the print shop gives",
+       .placeholder = "FILE",
+       .kind = ValueKind::file},
+      {.names = "--outline-text",
+       .target = &options.style.outline_text,
+       .help = "Text in PDF files of tags as outlines in place of letters of a font"},
+      {.names = "--proof",
+       .target = &options.proof,
+       .help = "Draw the files as pixels, read them, and write nothing unless digits, sizes "
+               "and corners are the survey's"}};
 }
 
 std::vector<CommandOption> installer_options(PrintOptions& options) {

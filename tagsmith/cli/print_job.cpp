@@ -13,9 +13,11 @@
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/parallel.hpp"
+#include "tagsmith/render/logo.hpp"
 #include "tagsmith/render/page_sheet.hpp"
 #include "tagsmith/render/pdf.hpp"
 #include "tagsmith/render/png.hpp"
+#include "tagsmith/render/qr_symbol.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/render/tag_text.hpp"
 #include "tagsmith/render/text.hpp"
@@ -77,6 +79,24 @@ Result<void> check_bar_adjustment(const PrintJob& job) {
                   "frame's stroke of {}",
                   format_number(job.style.bar_adjustment * 1000),
                   format_number(std::floor(most * 1e5) / 100), kMost, job.printed.name));
+}
+
+// Loads the logo, and finds out whether each tag's QR symbol can be printed.
+Result<void> plan_plate_parts(PrintJob& job, const std::vector<const PlacedTag*>& tags) {
+  const TagDrawing drawing = draw_tag(job.printed, Digits{});
+  if (drawing.logo) {
+    const LogoStyle& style = job.printed.logo;
+    Result<LogoDrawing> logo = load_logo(style.file, style.width, style.height);
+    if (!logo) return tl::unexpected(logo.error());
+    job.logo = std::move(*logo);
+  }
+  if (!drawing.qr) return {};
+  for (const PlacedTag* tag : tags) {
+    const auto symbol =
+        qr_symbol(qr_content(*job.survey, *tag, job.style.revision), drawing.qr->box);
+    if (!symbol) return fail("tag " + tag->name + ": " + symbol.error().message);
+  }
+  return {};
 }
 
 // Chooses among one page a plate, several plates a page and several pages a plate.
@@ -153,6 +173,7 @@ bool in_one_pdf(const PrintJob& job, SheetFormat format) {
 Sheet pdf_sheet(const PrintJob& job, const Page& page) {
   const PrinterScale scale = job.printer_scale();
   Sheet sheet = sheet_of(page);
+  sheet.text_as_outlines = job.style.outline_text;
   return scale.is_true() ? sheet : scaled(std::move(sheet), 1 / scale.right, 1 / scale.down);
 }
 
@@ -167,7 +188,7 @@ Result<void> write_unit(const PrintJob& job, std::size_t unit, const StagedFiles
   const std::vector<Page> pages = pages_of(job, job.units[unit]);
   const auto bytes_of = [&](const PageInFile& place) -> Result<std::string> {
     const Page& page = pages[place.index];
-    if (place.format == SheetFormat::pdf) return render_pdf(sheets_of(job, pages));
+    if (place.format == SheetFormat::pdf) return render_pdf(sheets_of(job, pages), job.intent());
     if (place.format == SheetFormat::svg) return render_svg(sheet_of(page));
     return render_png(sheet_of(page, false), job.png_dots_per_inch(), PngColours::grey);
   };
@@ -187,7 +208,7 @@ Result<void> write_single(const PrintJob& job, const StagedFiles& files,
   for (const PrintUnit& unit : job.units) count += unit.tags.size();
   const PageNotes notes =
       notes_of_several(job, fmt::format("{} position tag{}", count, count == 1 ? "" : "s"));
-  return write_pdf(files.staged(kSinglePdf), [&](const std::function<void(const Sheet&)>& add) {
+  const SheetSource sheets = [&](const std::function<void(const Sheet&)>& add) {
     for (const PrintUnit& unit : job.units) {
       for (Page& page : pages_of(job, unit)) {
         page.notes = notes;
@@ -195,7 +216,8 @@ Result<void> write_single(const PrintJob& job, const StagedFiles& files,
       }
       done();
     }
-  });
+  };
+  return write_pdf(files.staged(kSinglePdf), sheets, job.intent());
 }
 
 }  // namespace
@@ -210,6 +232,7 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
   job.printed = survey.tag_template;
   if (auto drawn = draw_on_dots(job); !drawn) return fail(drawn.error().message);
   if (auto adjusted = check_bar_adjustment(job); !adjusted) return fail(adjusted.error().message);
+  if (auto planned = plan_plate_parts(job, tags); !planned) return fail(planned.error().message);
   if (auto planned = plan_pages(job, tags.size()); !planned) return fail(planned.error().message);
   job.units = units_of(job, tags);
   return job;
@@ -218,6 +241,11 @@ Result<PrintJob> plan_print(const Survey& survey, const std::vector<const Placed
 TagDrawing printed_drawing(const PrintJob& job, const PlacedTag& tag) {
   TagDrawing drawing =
       draw_tag(job.printed, tag.digits, tag_text(*job.survey, tag, job.style.revision));
+  if (drawing.logo) drawing.logo = in_room(job.logo, drawing.logo->room);
+  if (drawing.qr) {
+    drawing.qr =
+        qr_symbol(qr_content(*job.survey, tag, job.style.revision), drawing.qr->box).value();
+  }
   return job.dots_per_inch() > 0 ? on_whole_dots(std::move(drawing), job.dots_per_inch()) : drawing;
 }
 

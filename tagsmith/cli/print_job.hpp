@@ -14,6 +14,7 @@
 #include "tagsmith/render/drawing_title.hpp"
 #include "tagsmith/render/nested_pages.hpp"
 #include "tagsmith/render/page.hpp"
+#include "tagsmith/render/pdf_x.hpp"
 #include "tagsmith/render/print_paper.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/tiled_pages.hpp"
@@ -28,6 +29,8 @@ struct PrintStyle {
   int dots_per_inch = 0;      // edges stand on whole dots of this printer; 0 = of the template's
   double bar_adjustment = 0;  // metres added to the width of every bar; negative = less
   std::optional<PrinterProfile> printer{};  // its scale is taken out of PDF files
+  std::optional<OutputIntent> intent{};     // of PDF/X-4; none = no PDF/X
+  bool outline_text = false;                // in PDF files
   double bleed = 0.003;                     // metres
   std::optional<PrintPaper> paper{};        // none = the page is the plate with its margin
   bool tiled = false;                       // plates in pieces on several sheets of the paper
@@ -60,6 +63,7 @@ struct PrintJob {
   const Survey* survey = nullptr;
   PrintStyle style;
   TagTemplate printed;   // the survey's template as it is drawn on the printer's dots
+  LogoDrawing logo;      // at the origin; without outlines where the template has none
   std::string rounding;  // what that changed, for people; empty = nothing
   std::optional<NestPlan> nest;
   std::optional<RollUse> roll;  // of all pages on a roll
@@ -69,6 +73,7 @@ struct PrintJob {
   PrinterScale printer_scale() const {
     return style.printer ? style.printer->scale : PrinterScale{};
   }
+  const OutputIntent* intent() const { return style.intent ? &*style.intent : nullptr; }
   int dots_per_inch() const { return printed.dots_per_inch; }
   int png_dots_per_inch() const {
     return dots_per_inch() > 0 ? dots_per_inch() : kUsualDotsPerInch;

@@ -73,6 +73,21 @@ void make_white(SheetItem& item) {
   if (auto* words = std::get_if<SheetText>(&item)) words->colour = colours::kWhite;
 }
 
+SheetArea area_of(const std::vector<Rectangle>& rectangles) {
+  SheetArea area;
+  for (const Rectangle& rectangle : rectangles) area.outlines.push_back(corners_of(rectangle));
+  return area;
+}
+
+SheetArea area_of(const std::vector<std::vector<PlatePoint>>& outlines) {
+  SheetArea area;
+  for (const std::vector<PlatePoint>& outline : outlines) {
+    Points& points = area.outlines.emplace_back();
+    std::ranges::transform(outline, std::back_inserter(points), point);
+  }
+  return area;
+}
+
 // The layers of one tag. The frame is one area, for four rectangles would leave hairline seams on
 // some printers. So are the bars: renderers move the edges of a rectangle that stands alone onto
 // whole pixels.
@@ -83,15 +98,14 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   const auto layer = [&](const char* name) -> std::vector<SheetItem>& {
     return layers.emplace_back(SheetLayer{name, {}}).items;
   };
-  SheetArea bars;
-  for (const Rectangle& bar : tag.bars) bars.outlines.push_back(corners_of(bar));
-  if (!tag.bars.empty()) layer("bars") = {bars};
+  if (!tag.bars.empty()) layer("bars") = {area_of(tag.bars)};
   auto& arrows = layer("up-arrow");
   for (const UpArrow& arrow : tag.arrows) {
     Points corners;
     for (const PlatePoint& corner : outline_of(arrow)) corners.push_back(point(corner));
     arrows.push_back(SheetArea{{corners}});
   }
+  if (tag.logo && !tag.logo->outlines.empty()) layer("logo") = {area_of(tag.logo->outlines)};
   if (tag.patches) {
     layer("patches") = {SheetArea{{corners_of(tag.patches->black)}},
                         SheetLine{corners_of(tag.patches->white), line, true}};
@@ -110,6 +124,10 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   if (tag.white_on_black) {
     for (SheetLayer& each : layers) std::ranges::for_each(each.items, make_white);
     layers.insert(layers.begin(), {"ground", {SheetArea{{rounded(tag.plate, tag.corner_radius)}}}});
+  }
+  if (tag.qr && !tag.qr->modules.empty()) {
+    layers.push_back(
+        {"qr", {SheetArea{{corners_of(tag.qr->box)}, colours::kWhite}, area_of(tag.qr->modules)}});
   }
   return layers;
 }

@@ -29,8 +29,8 @@ class BandPainter {
         width_(width),
         scale_(pixels_per_metre),
         grey_(colours == PngColours::grey),
-        surface_(cairo_image_surface_create(grey_ ? CAIRO_FORMAT_A8 : CAIRO_FORMAT_RGB24, width,
-                                            std::min(kBandRows, height))),
+        surface_(
+            cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, std::min(kBandRows, height))),
         row_(static_cast<std::size_t>(width) * (grey_ ? 1 : 3)) {}
 
   bool ok() const { return cairo_surface_status(surface_.get()) == CAIRO_STATUS_SUCCESS; }
@@ -41,12 +41,12 @@ class BandPainter {
     const unsigned char* pixels = cairo_image_surface_get_data(surface_.get()) +
                                   static_cast<std::ptrdiff_t>(number % kBandRows) *
                                       cairo_image_surface_get_stride(surface_.get());
-    if (grey_) {  // coverage by ink
-      std::transform(pixels, pixels + width_, row_.begin(),
-                     [](unsigned char cover) { return static_cast<unsigned char>(255 - cover); });
+    const auto* colours = reinterpret_cast<const std::uint32_t*>(pixels);
+    if (grey_) {  // red, green and blue are the same
+      std::transform(colours, colours + width_, row_.begin(),
+                     [](std::uint32_t colour) { return static_cast<unsigned char>(colour); });
       return row_.data();
     }
-    const auto* colours = reinterpret_cast<const std::uint32_t*>(pixels);
     for (std::size_t i = 0; i < row_.size(); ++i) {
       row_[i] = static_cast<unsigned char>(colours[i / 3] >> (8 * (2 - i % 3)));
     }
@@ -56,10 +56,8 @@ class BandPainter {
  private:
   void paint(int first_row) {
     const CairoContext context(cairo_create(surface_.get()));
-    cairo_set_source_rgba(context.get(), 1, 1, 1, grey_ ? 0 : 1);
-    cairo_set_operator(context.get(), CAIRO_OPERATOR_SOURCE);
+    cairo_set_source_rgb(context.get(), 1, 1, 1);
     cairo_paint(context.get());
-    cairo_set_operator(context.get(), CAIRO_OPERATOR_OVER);
     cairo_translate(context.get(), 0, -first_row);
     draw_sheet(context.get(), sheet_, scale_);
     cairo_surface_flush(surface_.get());

@@ -9,7 +9,7 @@
 
 namespace tagsmith::detail {
 
-enum class PngColours { rgb, grey };  // grey: of 8 bits, for what is black on white
+enum class PngColours { rgb, grey };  // grey: of 8 bits, for what has no colours
 
 // The sheet at true scale on white, with its resolution (pHYs chunk) and title. Edges that stand on
 // whole dots are sharp, others grey by coverage. Memory for a band of it is taken at a time. The

@@ -23,6 +23,9 @@ constexpr std::string_view kBlanks = " \n\r\t";
 constexpr std::string_view kViewerPreferences =
     "\n   /ViewerPreferences << /PrintScaling /None /Enforce [ /PrintScaling ] "
     "/PickTrayByPDFSize true >>";
+// PDF/X-4 is a PDF of version 1.6, which has no more.
+constexpr std::string_view kViewerPreferences16 =
+    "\n   /ViewerPreferences << /PrintScaling /None >>";
 
 // A separation colour that previews as magenta (ISO 32000-2, 8.6.6.4).
 constexpr std::string_view kContourColour =
@@ -155,7 +158,8 @@ bool PrintSettingsFilter::take(std::string_view bytes) {
 
 // Why: docs/decisions/0016-printing-and-printer-dots.md.
 void PrintSettingsFilter::take_object(std::string_view object) {
-  if (position_ == 0) put("%PDF-1.7\n%\xb5\xed\xae\xfb\n");
+  if (position_ == 0)
+    put(fmt::format("%PDF-1.{}\n%\xb5\xed\xae\xfb\n", intent_ != nullptr ? 6 : 7));
   while (object.starts_with('%')) object.remove_prefix(object.find('\n') + 1);
   const std::size_t number = number_after(object);
   std::string body(object.substr(object.find('\n') + 1));
@@ -175,17 +179,35 @@ void PrintSettingsFilter::take_object(std::string_view object) {
     body = with_entry(without_group(std::move(body)), page.boxes);
     if (!settings_.empty()) settings_.pop_front();
   } else if (body.starts_with("<< /Type /Catalog")) {
-    has_catalog_ = true;
-    body = with_entry(std::move(body), kViewerPreferences);
+    catalog_number_ = number;
+    catalog_ =
+        with_entry(std::move(body), intent_ != nullptr ? kViewerPreferences16 : kViewerPreferences);
+    return;
+  } else if (body.starts_with("<< /Producer ") && intent_ != nullptr) {
+    body = with_entry(std::move(body), pdf_x_information(*intent_));
   } else if (body.starts_with("<<\n   /ExtGState ") && page.has_contour) {
     --contours_missing_;
     body = with_entry(std::move(body), kContourColour);
   }
+  put_object(number, body);
+}
+
+void PrintSettingsFilter::put_object(std::size_t number, const std::string& body) {
   offsets_.resize(std::max(offsets_.size(), number + 1), 0);
   offsets_[number] = position_;
   const std::string whole = fmt::format("{} 0 obj\n{}{}", number, body, kEndOfObject);
   id_ = sha256(id_ + whole);
   put(whole);
+}
+
+void PrintSettingsFilter::put_pdf_x() {
+  const std::size_t profile = std::max(offsets_.size(), catalog_number_ + 1);
+  put_object(profile, pdf_x_profile(*intent_));
+  const std::string metadata = pdf_x_metadata(*intent_, description_, id_.substr(0, 32));
+  put_object(profile + 1, fmt::format("<< /Type /Metadata /Subtype /XML /Length {} >>\nstream\n{}"
+                                      "\nendstream",
+                                      metadata.size(), metadata));
+  catalog_ = with_entry(std::move(catalog_), pdf_x_catalog(*intent_, profile, profile + 1));
 }
 
 void PrintSettingsFilter::put(std::string_view bytes) {
@@ -196,10 +218,12 @@ void PrintSettingsFilter::put(std::string_view bytes) {
 Result<void> PrintSettingsFilter::finish() {
   const std::size_t root = number_after(held_, "/Root ");
   const std::size_t info = number_after(held_, "/Info ");
-  if (!held_.starts_with("xref\n") || root == 0 || info == 0 || !has_catalog_ ||
+  if (!held_.starts_with("xref\n") || root == 0 || info == 0 || catalog_.empty() ||
       !settings_.empty() || !new_length_.empty() || contours_missing_ != 0) {
     return fail("PDF: this version of Cairo writes its files in another way than 1.16");
   }
+  if (intent_ != nullptr) put_pdf_x();
+  put_object(catalog_number_, catalog_);
   const std::uint64_t start = position_;
   put(fmt::format("xref\n0 {}\n0000000000 65535 f \n", offsets_.size()));
   for (const std::uint64_t offset : std::span(offsets_).subspan(1)) {

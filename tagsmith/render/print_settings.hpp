@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/render/pdf_x.hpp"
 
 namespace tagsmith::detail {
 
@@ -29,13 +30,19 @@ struct PdfPageSettings {
 // - the pages' settings; cut contours are strokes in the spot colour CutContour, which cutting
 //   plotters look for,
 // - no transparency groups, which mix colours as RGB, and an ID that follows from the content, so
-//   that equal input gives equal bytes.
+//   that equal input gives equal bytes,
+// - with an output intent what makes it PDF/X-4.
 class PrintSettingsFilter {
  public:
   // Takes the next bytes of the file; false when they cannot be written.
   using Sink = std::function<bool(std::string_view)>;
 
-  explicit PrintSettingsFilter(Sink sink) : sink_(std::move(sink)) {}
+  // Null: no PDF/X. The intent must outlive the filter.
+  explicit PrintSettingsFilter(Sink sink, const OutputIntent* intent = nullptr)
+      : sink_(std::move(sink)), intent_(intent) {}
+
+  // What the metadata of PDF/X says, before the end.
+  void describe(PdfDescription description) { description_ = std::move(description); }
 
   // The settings of the next page; said before Cairo shows it.
   void add_page(const PdfPageSettings& page);
@@ -49,9 +56,13 @@ class PrintSettingsFilter {
 
  private:
   void take_object(std::string_view object);
+  void put_object(std::size_t number, const std::string& body);
+  void put_pdf_x();
   void put(std::string_view bytes);
 
   Sink sink_;
+  const OutputIntent* intent_;
+  PdfDescription description_;
   bool written_ = true;
   std::string held_;          // not yet a whole object
   std::size_t searched_ = 0;  // so much of it holds no end of an object
@@ -61,7 +72,8 @@ class PrintSettingsFilter {
   std::string new_length_;                // of the stream before the object that holds its length
   std::deque<PdfPageSettings> settings_;  // of the pages that Cairo has not yet written
   std::size_t contours_missing_ = 0;
-  bool has_catalog_ = false;
+  std::size_t catalog_number_ = 0;
+  std::string catalog_;  // it is written last
 };
 
 // The content of a page (ISO 32000-2, 7.8.2) with `0 0 0 rg` as `0 g`, `1 1 1 RG` as `1 G` and so

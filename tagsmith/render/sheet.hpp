@@ -59,6 +59,7 @@ struct Sheet {
   std::string keywords{};
   std::optional<Eigen::AlignedBox2d> trim{};   // what is cut out, where that is one piece
   std::optional<Eigen::AlignedBox2d> bleed{};  // to where its surface is printed
+  bool text_as_outlines = false;               // PDF has areas in place of letters of a font
 };
 
 }  // namespace tagsmith::detail

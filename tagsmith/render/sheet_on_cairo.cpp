@@ -53,7 +53,8 @@ bool alike(const LineStyle& a, const LineStyle& b) {
 // Draws items on a context whose user space is the sheet's frame.
 class Painter {
  public:
-  explicit Painter(cairo_t* context) : context_(context) {}
+  Painter(cairo_t* context, bool text_as_outlines)
+      : context_(context), text_as_outlines_(text_as_outlines) {}
 
   // Lines of one style that follow each other are one stroke.
   void operator()(const SheetLine& line) {
@@ -86,7 +87,7 @@ class Painter {
   void operator()(const SheetText& text) {
     stroke();
     set_colour(text.colour);
-    show_text(context_, text);
+    show_text(context_, text, text_as_outlines_);
   }
 
   void operator()(const SheetPicture& picture) {
@@ -127,6 +128,7 @@ class Painter {
   }
 
   cairo_t* context_;
+  bool text_as_outlines_;
   LineStyle style_{};  // of the lines that are traced and not yet drawn
 };
 
@@ -140,7 +142,7 @@ void draw_sheet(cairo_t* context, const Sheet& sheet, double units_per_metre) {
   cairo_scale(context, units_per_metre, units_per_metre);
   cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
   cairo_set_fill_rule(context, CAIRO_FILL_RULE_EVEN_ODD);
-  Painter painter(context);
+  Painter painter(context, sheet.text_as_outlines);
   for (const SheetLayer& layer : sheet.layers) {
     cairo_save(context);
     if (layer.window) {

@@ -2,14 +2,32 @@
 #include "tagsmith/render/tag_text.hpp"
 
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
+
+#include "tagsmith/tag/label_fields.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
+using FieldValue = std::function<std::string(std::string_view)>;
+
 std::string with_revision(const std::string& name, const std::string& revision) {
   return revision.empty() ? name : name + " revision " + revision;
+}
+
+FieldValue field_values(const Survey& survey, const PlacedTag& tag, const std::string& revision) {
+  return [&survey, &tag, revision](std::string_view field) -> std::string {
+    const LabelStyle& label = survey.tag_template.label;
+    if (field == "name") return tag.name;
+    if (field == "side") return tag.side == Side::left ? label.left : label.right;
+    if (field == "digits") return to_string(tag.digits);
+    if (field == "chainage") return to_millimetre(tag.chainage);
+    if (field == "survey") return survey.name;
+    if (field == "revision") return revision;
+    return to_millimetre(tag.p_in_grid[field == "x" ? 0 : field == "y" ? 1 : 2]);
+  };
 }
 
 }  // namespace
@@ -30,12 +48,23 @@ std::string grouped_digits(const PositionCode& code, const Digits& digits) {
 }
 
 TagText tag_text(const Survey& survey, const PlacedTag& tag, const std::string& revision) {
-  const Eigen::Vector3d& p = tag.p_in_grid;
-  return {{tag.name + " " + to_string(tag.side) + "  \u00b7  " +
-               grouped_digits(survey.code, tag.digits),
-           "chainage " + to_millimetre(tag.chainage) + " m  \u00b7  x " + to_millimetre(p.x()) +
-               "  y " + to_millimetre(p.y()) + "  z " + to_millimetre(p.z()) + " m",
-           with_revision(survey.name, revision)}};
+  std::vector<std::string> lines = survey.tag_template.label.lines;
+  if (lines.empty()) {
+    lines = {"{name} {side}  \u00b7  {digits}",
+             "chainage {chainage} m  \u00b7  x {x}  y {y}  z {z} m",
+             revision.empty() ? "{survey}" : "{survey} revision {revision}"};
+  }
+  const FieldValue value_of = field_values(survey, tag, revision);
+  for (std::string& line : lines) {
+    line = filled_in(line, [&](std::string_view field) {
+      return field == "digits" ? grouped_digits(survey.code, tag.digits) : value_of(field);
+    });
+  }
+  return {lines};
+}
+
+std::string qr_content(const Survey& survey, const PlacedTag& tag, const std::string& revision) {
+  return filled_in(survey.tag_template.qr.content, field_values(survey, tag, revision));
 }
 
 PageNotes page_notes(const Survey& survey, const PlacedTag& tag, const std::string& revision) {

@@ -16,9 +16,13 @@ std::string to_millimetre(double metres);
 // The digits in groups: one an axis, then the check digit: "0190 0000 040 4".
 std::string grouped_digits(const PositionCode& code, const Digits& digits);
 
-// The label on the plate: name, side and digits; chainage and grid coordinates of P in metres;
-// survey and its revision (survey/revision.hpp), which is left out when empty.
+// The label on the plate: the template's lines, in which digits stand in groups; or name, side and
+// digits; chainage and grid coordinates of P in metres; survey and its revision
+// (survey/revision.hpp), which is left out when empty.
 TagText tag_text(const Survey& survey, const PlacedTag& tag, const std::string& revision = {});
+
+// What the template's QR symbol says of this tag.
+std::string qr_content(const Survey& survey, const PlacedTag& tag, const std::string& revision);
 
 // The notes in the page's margin: the survey, the tag, what the plate is made of.
 PageNotes page_notes(const Survey& survey, const PlacedTag& tag, const std::string& revision = {});

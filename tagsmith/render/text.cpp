@@ -200,7 +200,7 @@ std::vector<std::string> lines_of(const std::string& text, double width, double 
   return lines;
 }
 
-void show_text(cairo_t* context, const SheetText& text) {
+void show_text(cairo_t* context, const SheetText& text, bool as_outlines) {
   const SetText& set = set_text(text);
   if (set.layout == nullptr) return;
   cairo_save(context);
@@ -208,7 +208,13 @@ void show_text(cairo_t* context, const SheetText& text) {
   cairo_rotate(context, -text.angle);
   cairo_scale(context, set.scale, set.scale);
   cairo_move_to(context, start_of(text, set), 0);
-  pango_cairo_show_layout_line(context, only_line(set));
+  if (as_outlines) {
+    pango_cairo_layout_line_path(context, only_line(set));
+    cairo_set_fill_rule(context, CAIRO_FILL_RULE_WINDING);
+    cairo_fill(context);
+  } else {
+    pango_cairo_show_layout_line(context, only_line(set));
+  }
   cairo_restore(context);
 }
 

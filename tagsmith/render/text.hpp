@@ -26,7 +26,7 @@ std::vector<std::string> lines_of(const std::string& text, double width, double 
 // machine there is no text.
 
 // Shows the text as glyphs; the context's user space is the sheet's frame.
-void show_text(cairo_t* context, const SheetText& text);
+void show_text(cairo_t* context, const SheetText& text, bool as_outlines = false);
 
 // The glyphs' outlines as path data of SVG, millimetres from the text's place along its baseline.
 std::string text_path(const SheetText& text);

@@ -84,6 +84,20 @@ void add_template(Content& content, const TagTemplate& tag) {
   content.length(tag.cut.contour ? tag.cut.corner_radius : -1.0);
   content.text(tag.material);
   if (tag.white_on_black) content.text("white on black");
+  const LabelStyle usual;
+  if (!tag.label.lines.empty() || tag.label.left != usual.left || tag.label.right != usual.right) {
+    content.text("label " + tag.label.left + " " + tag.label.right);
+  }
+  for (const std::string& line : tag.label.lines) content.text(line);
+  if (!tag.logo.file.empty()) {
+    content.text("logo " + tag.logo.file.filename().string());
+    content.length(tag.logo.width);
+    content.length(tag.logo.height);
+  }
+  if (tag.qr.size > 0) {
+    content.text("QR " + tag.qr.content);
+    content.length(tag.qr.size);
+  }
 }
 
 void add_code(Content& content, const PositionCode& code) {

@@ -175,10 +175,20 @@ constexpr std::array kRules{
     Rule{"no-label-room", "no room for a label",
          "People find a plate by its label. Outside the feature frame there is no strip "
          "high enough for letters of a millimetre."},
+    Rule{"no-logo", "a logo's file that is not there",
+         "logo.file is the name of an SVG file; it is relative to the template's folder."},
     Rule{"no-points", "a point list without points", "The file has no lines but the first."},
+    Rule{
+        "no-room-for-logo", "no room for the logo",
+        "It stands below the feature frame, left of QR symbol and patches. A smaller size_mm, or a "
+        "frame that is moved up by feature_frame.offset."},
     Rule{"no-room-for-patches", "no room for the reference patches",
          "They stand below the feature frame. Smaller patches, a smaller frame or a "
          "higher plate."},
+    Rule{"no-room-for-qr", "no room for the QR symbol",
+         "It stands below the feature frame, left of the patches. A smaller size_mm, or a frame "
+         "that "
+         "is moved up by feature_frame.offset."},
     Rule{"no-template", "a template that is not found",
          "A template is named by its name, and then lies beside the survey or among the "
          "tool's own, or by a path that ends in .yaml."},
@@ -261,6 +271,10 @@ constexpr std::array kRules{
          "The finding lists the known ones; --ignore leaves points out."},
     Rule{"unknown-column", "a column that nobody reads",
          "A misspelt column would be ignored silently otherwise."},
+    Rule{"unknown-field", "a field of a label or a QR symbol that is none",
+         "Words in braces stand for what each tag has: {name}, {side}, {digits}, {chainage}, {x}, "
+         "{y}, "
+         "{z}, {survey} and {revision}."},
     Rule{"unknown-format", "a calibration file of no known format",
          "OpenCV's YAML and XML, ROS camera_info and kalibr's camchain are read."},
     Rule{"unknown-key", "a key that nobody reads",

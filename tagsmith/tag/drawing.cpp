@@ -89,12 +89,6 @@ double length_of(const std::string& text) {
 // A few printer's dots, so that no smear enters the clearance.
 constexpr double kSmear = 0.0003;
 
-LabelStrip strip_below(const TagDrawing& drawing, const TagTemplate& tag) {
-  Rectangle box = strip_below_frame(tag);
-  if (drawing.patches) box.width = drawing.patches->white.x - tag.patch_size / 2 - box.x;
-  return {box};
-}
-
 LabelStrip strip_left(const TagDrawing& drawing, double gap) {
   const Rectangle& frame = drawing.frame_outer;
   const double left = drawing.plate.x + kEdgeClearance;
@@ -143,10 +137,11 @@ LabelRows best_arrangement(const TagText& text, const LabelStrip& strip, double 
 }
 
 // Below the frame, or beside it where that is the only readable place.
-LabelRows place_label(const TagDrawing& drawing, const TagTemplate& tag, const TagText& text) {
+LabelRows place_label(const TagDrawing& drawing, const TagTemplate& tag, const TagText& text,
+                      const Rectangle& strip) {
   const double wanted = tag.label.text_height;
   const double gap = label_clearance(tag) + kSmear;
-  LabelRows below = best_arrangement(text, strip_below(drawing, tag), wanted);
+  LabelRows below = best_arrangement(text, {strip}, wanted);
   if (below.least_height >= std::min(wanted, kReadableHeight)) return below;
   LabelRows beside = best_arrangement(text, strip_left(drawing, gap), wanted);
   return beside.least_height > below.least_height ? beside : below;
@@ -162,14 +157,31 @@ TextItem label_row(const LabelRows& label, std::size_t index) {
   return item;
 }
 
-std::optional<ReferencePatches> patches_of(const TagTemplate& tag) {
+// A box at the right end of the strip, half way up; the strip loses it and a gap beside it.
+std::optional<Rectangle> take_right_end(Rectangle& strip, double width, double height, double gap) {
   constexpr double kRounding = 1e-9;
-  const Rectangle strip = strip_below_frame(tag);
+  if (width <= 0 || height > strip.height + kRounding || 2 * width > strip.width) {
+    return std::nullopt;
+  }
+  const double left = strip.x + strip.width - width;
+  strip.width -= width + gap;
+  return Rectangle{left, strip.y + (strip.height - height) / 2, width, height};
+}
+
+// What stands in the strip below the frame beside the label, which gets what is left of it.
+Rectangle fill_strip(TagDrawing& drawing, const TagTemplate& tag) {
+  Rectangle strip = strip_below_frame(tag);
   const double size = tag.patch_size;
-  if (size <= 0 || size > strip.height + kRounding || 4 * size > strip.width) return std::nullopt;
-  const double right = strip.x + strip.width;
-  const double top = strip.y + (strip.height - size) / 2;
-  return ReferencePatches{{right - 2 * size, top, size, size}, {right - size, top, size, size}};
+  if (const auto box = take_right_end(strip, 2 * size, size, size / 2)) {
+    drawing.patches = {{box->x, box->y, size, size}, {box->x + size, box->y, size, size}};
+  }
+  if (const auto box = take_right_end(strip, tag.qr.size, tag.qr.size, kEdgeClearance)) {
+    drawing.qr = QrDrawing{*box};
+  }
+  if (const auto box = take_right_end(strip, tag.logo.width, tag.logo.height, kEdgeClearance)) {
+    drawing.logo = LogoDrawing{*box};
+  }
+  return strip;
 }
 
 std::vector<HoleOutline> holes_of(const TagTemplate& tag, const Rectangle& plate) {
@@ -183,9 +195,10 @@ std::vector<HoleOutline> holes_of(const TagTemplate& tag, const Rectangle& plate
 }
 
 // The lines of the label, an up arrow at their start.
-void add_label(TagDrawing& drawing, const TagTemplate& tag, const TagText& text) {
+void add_label(TagDrawing& drawing, const TagTemplate& tag, const TagText& text,
+               const Rectangle& strip) {
   if (!tag.label.shown) return;
-  const LabelRows label = place_label(drawing, tag, text);
+  const LabelRows label = place_label(drawing, tag, text, strip);
   if (label.height < kLeastLabelHeight) return;
   drawing.arrows.push_back({label.arrow()});
   for (std::size_t i = 0; i < label.rows.size(); ++i) {
@@ -243,6 +256,16 @@ TagDrawing moved(TagDrawing drawing, double right, double down, double scale) {
     move(drawing.patches->white);
     move(drawing.patches->black);
   }
+  if (drawing.qr) {
+    move(drawing.qr->box);
+    for (Rectangle& module : drawing.qr->modules) move(module);
+  }
+  if (drawing.logo) {
+    move(drawing.logo->room);
+    for (std::vector<PlatePoint>& outline : drawing.logo->outlines) {
+      for (PlatePoint& p : outline) p = {scale * p.x + right, scale * p.y + down};
+    }
+  }
   drawing.corner_radius *= scale;
   drawing.module *= scale;
   return drawing;
@@ -255,12 +278,12 @@ TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText&
   drawing.frame_inner = inner_frame(tag);
   drawing.bars = bars_of(tag, digits);
   drawing.module = module_width(tag);
-  drawing.patches = patches_of(tag);
+  const Rectangle strip = fill_strip(drawing, tag);
   drawing.holes = holes_of(tag, drawing.plate);
   drawing.corner_radius = tag.cut.corner_radius;
   drawing.white_on_black = tag.white_on_black;
   drawing.cut_contour = tag.cut.contour;
-  add_label(drawing, tag, text);
+  add_label(drawing, tag, text, strip);
   return drawing;
 }
 

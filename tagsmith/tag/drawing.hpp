@@ -64,6 +64,19 @@ struct ReferencePatches {
   Rectangle black;
 };
 
+// A QR symbol on white ground of its own, on plates that are white on black too.
+struct QrDrawing {
+  Rectangle box;                     // white: the symbol with its quiet zone
+  std::vector<Rectangle> modules{};  // black; who prints fills them in (render/qr_symbol.hpp)
+};
+
+// Room for a logo, and the area inside an odd number of outlines; black. Who prints fills them in
+// (render/logo.hpp).
+struct LogoDrawing {
+  Rectangle room;
+  std::vector<std::vector<PlatePoint>> outlines{};
+};
+
 // What is called black here is white on a plate that is white on black, and the other way round.
 struct TagDrawing {
   Rectangle plate;              // white
@@ -74,6 +87,8 @@ struct TagDrawing {
   std::vector<UpArrow> arrows;  // black
   double module = 0;            // module width
   std::optional<ReferencePatches> patches{};
+  std::optional<QrDrawing> qr{};
+  std::optional<LogoDrawing> logo{};
   std::vector<HoleOutline> holes{};
   double corner_radius = 0;  // of the plate
   bool white_on_black = false;
@@ -95,14 +110,15 @@ double label_clearance(const TagTemplate& tag);
 // White that ink keeps from the plate's edge, metres: a cut is never exact.
 inline constexpr double kEdgeClearance = 0.003;
 
-// The strip below the feature frame that label and reference patches share; its height is negative
-// where there is none.
+// The strip below the feature frame that label, logo, QR symbol and reference patches share; its
+// height is negative where there is none.
 Rectangle strip_below_frame(const TagTemplate& tag);
 
 // The label stands below the feature frame, label_clearance from it and 3 mm clear of the plate's
 // edge; where that strip is too thin to be read, left of the frame, reading upwards; where neither
 // has room for kLeastLabelHeight, it is left out. Reference patches stand at the right end of the
-// strip below the frame and are left out where it is too thin for them.
+// strip below the frame, left of them the QR symbol and then the logo; each is left out where it is
+// higher than the strip or takes more than half of what is left of it.
 TagDrawing draw_tag(const TagTemplate& tag, const Digits& digits, const TagText& text = {});
 
 // Capital letters smaller than this cannot be read on a wall at arm's length.

@@ -13,7 +13,23 @@ namespace tagsmith::detail {
 // What is printed for people between the feature frame and the plate's edge.
 struct LabelStyle {
   bool shown = true;
-  double text_height = 0.008;  // of a capital letter, metres
+  double text_height = 0.008;        // of a capital letter, metres
+  std::vector<std::string> lines{};  // with fields (label_fields.hpp); empty = the usual lines
+  std::string left = "left";         // words for the side of the drive
+  std::string right = "right";
+};
+
+// A picture below the feature frame, printed in the colour of the frame.
+struct LogoStyle {
+  std::filesystem::path file{};  // SVG; empty = none
+  double width = 0;              // of the room that it is fitted into, metres
+  double height = 0;
+};
+
+// A QR symbol below the feature frame.
+struct QrStyle {
+  double size = 0;                   // of its side with the quiet zone, metres; 0 = none
+  std::string content = "{digits}";  // with fields (label_fields.hpp)
 };
 
 // A hole for a screw or an anchor; its centre from the plate's centre, to the right and up.
@@ -46,6 +62,8 @@ struct TagTemplate {
   double patch_size = 0;  // side of the white and of the black reference patch; 0 = none
   std::vector<DrillHole> holes{};
   CutStyle cut{};
+  LogoStyle logo{};
+  QrStyle qr{};
   bool white_on_black = false;   // frame, bars and label are white, the plate is black
   std::string material{};        // what the plate is made of, for who makes it
   std::filesystem::path file{};  // it was read from; empty = from none

@@ -52,7 +52,7 @@ TEST_CASE("Ctrl-C ends every long command at once and leaves nothing half") {
             out,
         "simulate " + corridor + rig + " --run '" + run.string() + "'" + out,
         "localize " + corridor + rig + " --run '" + run.string() + "'" + out,
-        "verify " + corridor + photos(photo, 500), "read" + photos(photo, 500)}) {
+        "verify " + corridor + photos(photo, 4000), "read" + photos(photo, 4000)}) {
     CAPTURE(command.substr(0, 60));
     const auto start = std::chrono::steady_clock::now();
     const ProgramOutput output = run_shell(

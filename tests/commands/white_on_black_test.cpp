@@ -88,6 +88,9 @@ TEST_CASE("plates white on black are located as exactly as others") {
     if (fix.contains("id")) CHECK(fix.at("error_plane").get<double>() < 0.002);
   }
   CHECK(run_tagsmith("verify " + white.survey + " " + white.photos + "/*.png").exit_code == 0);
+  CHECK(run_tagsmith("print " + white.survey + " --proof --format pdf,svg,png --tags 000L -o " +
+                     (white.folder.path() / "print").string())
+            .exit_code == 0);
 
   // Read by the wrong survey, they are told for what they are; without one, only when asked.
   const std::string photo = white.photos + "/1_left.png";

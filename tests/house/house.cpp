@@ -32,11 +32,14 @@ struct ThirdParty {
   bool sources_only;         // not in headers: the library stays behind the module's interface
 };
 
-constexpr std::array<ThirdParty, 20> kThirdParty{{
+constexpr std::array<ThirdParty, 23> kThirdParty{{
     {"OpenSSL", "openssl/evp\\.h", "tagsmith/base", true},
     {"yaml-cpp", "yaml-cpp/.*", "tagsmith/survey", true},
     {"pugixml", "pugixml\\.hpp", "tagsmith/survey", true},
     {"Cairo, Pango", "(cairo|pango).*", "tagsmith/render", true},
+    {"librsvg", "librsvg/rsvg\\.h", "tagsmith/render", true},
+    {"libqrencode", "qrencode\\.h", "tagsmith/render", true},
+    {"Little CMS", "lcms2\\.h", "tagsmith/render", true},
     {"zlib", "zlib\\.h", "tagsmith/render|decoder/image", true},
     {"libpng", "png\\.h", "tagsmith/render", true},
     {"libjpeg", "jpeglib\\.h", "decoder/image", true},
@@ -62,7 +65,7 @@ constexpr std::array<ThirdParty, 20> kThirdParty{{
 // Folders that run programs or touch files below the C++ library may use the system's headers.
 constexpr std::string_view kSystemHeaders = "(sys/)?[a-z0-9_]+\\.h";
 constexpr std::string_view kSystemFolders =
-    "tagsmith/(base|survey|cli)|decoder/(image|verify|cli)|main.cpp";
+    "tagsmith/(base|survey|render|cli)|decoder/(image|verify|cli)|main.cpp";
 
 // The headers that are installed: others include them without this project's tree.
 constexpr std::string_view kPublicHeaders = "decoder/api/include/";

@@ -174,6 +174,9 @@ TEST_CASE("wrong use says what is wrong and writes nothing") {
       {survey + to_folder + "--format gif", "--format"},
       {survey + to_folder + "--format svg --single", "--single"},
       {survey + to_folder + "--jobs -1", "--jobs"},
+      {survey + to_folder + "--format svg --outline-text", "--outline-text is for PDF files"},
+      {survey + to_folder + "--pdf-x none.icc", "none.icc"},
+      {survey + to_folder + "--pdf-x surveys/corridor/survey.yaml", "is no ICC profile"},
       {"missing.yaml" + to_folder, "missing.yaml: no such file"},
       {survey + " -o /proc/none", "/proc/none"},
       {survey + " -o '" + (temporary.path() / "file").string() + "'",
@@ -189,6 +192,27 @@ TEST_CASE("wrong use says what is wrong and writes nothing") {
     CHECK(output.err.find(example.message) != std::string::npos);
     CHECK_FALSE(fs::exists(folder));
   }
+}
+
+TEST_CASE("a logo that is no picture, and a QR symbol of too much text, print nothing") {
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "out";
+  const fs::path survey = temporary.path() / "survey.yaml";
+  REQUIRE(write_file(survey, *read_file(kCorridor)));
+  REQUIRE(write_file(temporary.path() / "logo.svg", "no picture"));
+  const auto refused = [&](const std::string& line) {
+    REQUIRE(write_file(temporary.path() / "tag-400x300.yaml",
+                       *read_file("templates/tag-400x300.yaml") + line));
+    const ProgramOutput output = print(survey.string(), folder);
+    CHECK(output.exit_code == 2);
+    CHECK_FALSE(fs::exists(folder));
+    return output.err;
+  };
+  CHECK(refused("logo: { file: logo.svg, size_mm: [40, 20] }\n").find("logo.svg: is no SVG file") !=
+        std::string::npos);
+  const std::string error =
+      refused("qr: { size_mm: 12, content: \"https://mine.example/{survey}/{name}/{digits}\" }\n");
+  CHECK(error.find("tag 000L: the QR symbol") != std::string::npos);
 }
 
 TEST_CASE("a machine without fonts is told so") {

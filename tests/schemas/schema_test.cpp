@@ -64,7 +64,10 @@ const Json& good_template() {
     "tag": "trial", "plate": [0.4, 0.3],
     "feature_frame": { "inner": [0.343, 0.168], "stroke": 0.012, "offset": [0.001, 0.02] },
     "symbol": { "quiet_zone": 9.5, "margin": 9.5, "dots_per_inch": 300 },
-    "label": { "shown": true, "text_height_mm": 8.5 },
+    "label": { "shown": true, "text_height_mm": 8.5, "lines": [ "{name}" ], "left": "links",
+      "right": "rechts" },
+    "logo": { "file": "/usr/share/icons/none.svg", "size_mm": [20.5, 5.5] },
+    "qr": { "size_mm": 9.5, "content": "{digits}" },
     "patches": { "size_mm": 10.5 }, "material": "aluminium",
     "holes": { "diameter_mm": 5.5, "at": [ [0.185, 0.135], [-0.185, 0.135] ] },
     "cut": { "contour": true, "corner_radius_mm": 4.5 } })");
@@ -105,7 +108,8 @@ const Json& good_rig() {
 bool is_structural(const Diagnostic& finding) {
   static const std::set<std::string> meaning{
       "bad-station",         "corner-radius",  "hole-misplaced",    "no-dots",
-      "no-room-for-patches", "faces-rock",     "bad-digit-counts",  "calibration-file",
+      "no-room-for-patches", "no-room-for-qr", "no-room-for-logo",  "no-logo",
+      "unknown-field",       "faces-rock",     "bad-digit-counts",  "calibration-file",
       "coarse-code",         "code-collision", "code-range",        "duplicate-tag",
       "frame-outside-plate", "no-bars",        "no-template",       "off-wall",
       "outside-tunnel",      "overlap",        "side-mismatch",     "theta",
