@@ -263,12 +263,45 @@ Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p
 }
 
 // First with the scale of the guess, then with that of what was found.
-Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
-  Parameters p = first_guess(samples, side);
-  p[kLogBlur] = std::log(start_blur);
+Solution solve_from(const SideSamples& samples, const SideLine& side, Parameters p) {
   constrain(p, side.stroke);
   p = minimise(samples, side, p, noise_scale(samples, p, side), 4).parameters;
   return minimise(samples, side, p, noise_scale(samples, p, side), 15);
+}
+
+double cost_of(const Solution& solution) { return solution.normal.cost / solution.normal.weight; }
+
+// The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
+// is among them.
+std::optional<double> place_by_share(const SideSamples& samples, const SideLine& side) {
+  if (side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
+  std::vector<float> values;
+  float from = 0, to = 0;
+  for (const EdgeSample& sample : samples.samples) {
+    values.push_back(sample.value);
+    from = std::min(from, sample.across);
+    to = std::max(to, sample.across);
+  }
+  const float white = quantile(values, 0.9), black = quantile(values, 0.1);
+  float bright = 0, all = 0;
+  for (const EdgeSample& sample : samples.samples) {
+    if (sample.value > (white + black) / 2) bright += sample.weight;
+    all += sample.weight;
+  }
+  return static_cast<double>(from + (to - from) * bright / all);
+}
+
+// A sharp edge far from where it was sought looks like dirt on the white or the black there, and
+// the robust fit stays where it began: then the edge is sought from where the light says it is.
+Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
+  Parameters start = first_guess(samples, side);
+  start[kLogBlur] = std::log(start_blur);
+  const Solution first = solve_from(samples, side, start);
+  const std::optional<double> place = place_by_share(samples, side);
+  if (!place || std::abs(*place - first.parameters[kPlace]) < kEdgeFit.fine) return first;
+  start[kPlace] = *place;
+  const Solution second = solve_from(samples, side, start);
+  return cost_of(second) < cost_of(first) ? second : first;
 }
 
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
@@ -369,8 +402,7 @@ bool stays_near(const Solution& solution, const SideLine& side) {
 SideFit fit_again(const SideSamples& samples, const SideLine& side, double start_blur,
                   const Solution& first) {
   const Solution second = solve_side(samples, side, start_blur);
-  const bool better =
-      second.normal.cost / second.normal.weight < first.normal.cost / first.normal.weight;
+  const bool better = cost_of(second) < cost_of(first);
   const Solution& chosen = better && stays_near(second, side) ? second : first;
   return describe(chosen, side);
 }

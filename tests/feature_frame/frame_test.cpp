@@ -137,6 +137,32 @@ TEST_CASE("refined corners are exact to a fiftieth of a pixel whatever their fra
   }
 }
 
+TEST_CASE("sharp sides are found to a pixel from several pixels away") {
+  // Black and white of a scan along the pixels: the frame's inside has its corners between pixels.
+  GrayImage image{1200, 800, {}};
+  const Quad corners{PixelPoint{199.5, 199.5}, {999.5, 199.5}, {999.5, 599.5}, {199.5, 599.5}};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const auto within = [&](int grow) {
+        return x >= 200 - grow && x < 1000 + grow && y >= 200 - grow && y < 600 + grow;
+      };
+      image.samples.push_back(within(30) && !within(0) ? 0 : 255);
+    }
+  }
+  const FrameShape shape{800, 400, 30};
+  for (const double off : {-5.0, -2.0, 2.0, 5.0}) {
+    CAPTURE(off);
+    Quad settled = corners;
+    settled[2].y += off;
+    settled[3].y += off;
+    const auto frame = refine_frame(image.view(), settled, {}, shape);
+    REQUIRE(frame.has_value());
+    for (std::size_t i = 0; i < 4; ++i) {
+      CHECK(distance(frame->corners[i], corners[i]) < 1);
+    }
+  }
+}
+
 TEST_CASE("no frame, no corners") {
   GrayImage flat{kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 128)};
   const Quad rough{PixelPoint{50, 40}, PixelPoint{150, 40}, PixelPoint{150, 90},
