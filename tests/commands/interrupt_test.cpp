@@ -52,7 +52,7 @@ TEST_CASE("Ctrl-C ends every long command at once and leaves nothing half") {
             out,
         "simulate " + corridor + rig + " --run '" + run.string() + "'" + out,
         "localize " + corridor + rig + " --run '" + run.string() + "'" + out,
-        "verify " + corridor + photos(photo, 4000), "read" + photos(photo, 4000)}) {
+        "verify " + corridor + photos(photo, 2500), "read" + photos(photo, 2500)}) {
     CAPTURE(command.substr(0, 60));
     const auto start = std::chrono::steady_clock::now();
     const ProgramOutput output = run_shell(
