@@ -210,7 +210,9 @@ Result<Drafted> make_draft(const NewOptions& options) {
   const auto tag = named_template(draft.template_name, options.name);
   if (!tag) return tl::unexpected(tag.error());
   draft.tag = *tag;
-  Result<TunnelFit> fit = fit_tunnel(list->points, draft.grid, *tag, fit_options(options));
+  TunnelFitOptions fitted = fit_options(options);
+  if (list->alignment) fitted.alignment = line_in_world(*list->alignment, draft.grid);
+  Result<TunnelFit> fit = fit_tunnel(list->points, draft.grid, *tag, fitted);
   if (!fit) return fail(options.points + ": " + fit.error().message);
   draft.fit = std::move(*fit);
   draft.points = std::move(list->points);
@@ -318,7 +320,7 @@ void print_table(const SurveyDraft& draft) {
   to_stdout("rms {:.1f} mm across, {:.1f} mm up\n", draft.fit.rms_across * 1000,
             draft.fit.rms_up * 1000);
   if (const auto off = alignment_off(draft)) {
-    to_stdout("the lines and arcs are at most {:.1f} mm off the file's alignment\n", *off * 1000);
+    to_stdout("the center line is at most {:.1f} mm off the file's alignment\n", *off * 1000);
   }
 }
 

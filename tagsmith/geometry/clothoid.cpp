@@ -25,4 +25,30 @@ std::vector<CenterlineElement> arcs_of_clothoid(double length, double from, doub
   return arcs;
 }
 
+std::optional<Clothoid> clothoid_of(std::span<const CenterlineElement> arcs) {
+  constexpr double kSame = 1e-6;  // metres
+  if (arcs.empty() || arcs.front().clothoid == 0 || arcs.size() % 2 != 0) return std::nullopt;
+  Clothoid clothoid;
+  for (const CenterlineElement& arc : arcs) {
+    if (std::abs(arc.length - arcs.front().length) > kSame) return std::nullopt;
+    clothoid.length += arc.length;
+  }
+  const double by_pair = 1.5 * (arcs[1].curvature - arcs[0].curvature);  // from 1/6 to 5/6 of it
+  const double change = by_pair * static_cast<double>(arcs.size()) / 2;
+  const auto without_rounding = [&](double curvature) {
+    return std::abs(curvature) < 1e-9 * std::abs(change) ? 0 : curvature;
+  };
+  clothoid.from = without_rounding(arcs[0].curvature - by_pair / 6);
+  clothoid.to = without_rounding(clothoid.from + change);
+  return clothoid;
+}
+
+std::span<const CenterlineElement> leading_part(std::span<const CenterlineElement> elements) {
+  const auto of_other = std::ranges::find_if(elements, [&](const CenterlineElement& element) {
+    return element.clothoid != elements.front().clothoid;
+  });
+  const auto arcs = elements.first(static_cast<std::size_t>(of_other - elements.begin()));
+  return clothoid_of(arcs) ? arcs : elements.first(std::min<std::size_t>(1, elements.size()));
+}
+
 }  // namespace tagsmith::detail

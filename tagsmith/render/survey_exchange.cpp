@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/clothoid.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -20,24 +22,49 @@ std::string plane_text(const Vector3d& p) {
   return format_number(p.y()) + " " + format_number(p.x());
 }
 
-std::string element_xml(const Survey& survey, double start, const CenterlineElement& element) {
+// Radii of LandXML; a straight end has none.
+std::string radius_text(double curvature) {
+  return curvature == 0 ? "INF" : format_number(1 / std::abs(curvature));
+}
+
+// One element, or the arcs of a clothoid.
+std::string element_xml(const Survey& survey, double start,
+                        std::span<const CenterlineElement> part) {
   const Centerline& line = survey.tunnel.centerline;
-  const auto in_grid = [&](const Vector3d& p) { return grid_from_world(survey.grid, p); };
+  const auto text_of = [&](const Vector3d& p) {
+    return plane_text(grid_from_world(survey.grid, p));
+  };
+  const auto rotation = [&](double curvature) {
+    return (curvature > 0) != survey.grid.x_axis_left ? "cw" : "ccw";
+  };
+  double whole = 0;
+  for (const CenterlineElement& element : part) whole += element.length;
   const CenterlinePoint first = line.at(start);
-  const std::string from = plane_text(in_grid(first.position));
-  const std::string to = plane_text(in_grid(line.at(start + element.length).position));
-  const std::string length = format_number(element.length);
-  if (element.curvature == 0) {
+  const CenterlinePoint last = line.at(start + whole);
+  const std::string from = text_of(first.position), to = text_of(last.position);
+  const std::string length = format_number(whole);
+  const double curvature = part.front().curvature;
+  if (const auto clothoid = clothoid_of(part)) {
+    // Where the directions at both ends meet.
+    const Vector3d way = last.position - first.position;
+    const double along =
+        way.dot(right_of(last.heading)) / direction_of(first.heading).dot(right_of(last.heading));
+    return fmt::format(
+        "        <Spiral length=\"{}\" radiusEnd=\"{}\" radiusStart=\"{}\" rot=\"{}\" "
+        "spiType=\"clothoid\"><Start>{}</Start><PI>{}</PI><End>{}</End></Spiral>\n",
+        length, radius_text(clothoid->to), radius_text(clothoid->from),
+        rotation(clothoid->from + clothoid->to), from,
+        text_of(first.position + along * direction_of(first.heading)), to);
+  }
+  if (curvature == 0) {
     return fmt::format("        <Line length=\"{}\"><Start>{}</Start><End>{}</End></Line>\n",
                        length, from, to);
   }
-  const Vector3d centre = first.position + right_of(first.heading) / element.curvature;
-  const bool clockwise = (element.curvature > 0) != survey.grid.x_axis_left;
   return fmt::format(
       "        <Curve rot=\"{}\" crvType=\"arc\" radius=\"{}\" length=\"{}\"><Start>{}</Start>"
       "<Center>{}</Center><End>{}</End></Curve>\n",
-      clockwise ? "cw" : "ccw", format_number(1 / std::abs(element.curvature)), length, from,
-      plane_text(in_grid(centre)), to);
+      rotation(curvature), radius_text(curvature), length, from,
+      text_of(first.position + right_of(first.heading) / curvature), to);
 }
 
 std::string alignment_xml(const Survey& survey) {
@@ -53,10 +80,13 @@ std::string alignment_xml(const Survey& survey) {
     profile += fmt::format("          <PVI>{} {}</PVI>\n", format_number(chainage),
                            format_number(line.at(chainage).position.z()));
   };
-  for (const CenterlineElement& element : line.elements()) {
-    text += element_xml(survey, start, element);
+  std::span<const CenterlineElement> rest = line.elements();
+  while (!rest.empty()) {
+    const std::span<const CenterlineElement> part = leading_part(rest);
+    text += element_xml(survey, start, part);
     add_height(start);
-    start += element.length;
+    for (const CenterlineElement& element : part) start += element.length;
+    rest = rest.subspan(part.size());
   }
   add_height(start);
   return text + fmt::format(

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/clothoid.hpp"
 #include "tagsmith/render/survey_views.hpp"
 #include "tagsmith/render/tag_text.hpp"
 #include "tagsmith/survey/assumptions.hpp"
@@ -31,20 +33,20 @@ std::string element_text(const CenterlineElement& element) {
 }
 
 // A clothoid is one, whatever arcs it is made of.
-std::vector<std::string> element_texts(const std::vector<CenterlineElement>& elements) {
+std::vector<std::string> element_texts(std::span<const CenterlineElement> elements) {
   std::vector<std::string> texts;
-  for (std::size_t i = 0; i < elements.size();) {
-    const CenterlineElement& first = elements[i];
-    if (first.clothoid == 0) {
-      texts.push_back(element_text(first));
-      ++i;
+  while (!elements.empty()) {
+    const std::span<const CenterlineElement> part = leading_part(elements);
+    elements = elements.subspan(part.size());
+    if (part.front().clothoid == 0) {
+      texts.push_back(element_text(part.front()));
       continue;
     }
     double length = 0;
     double turned = 0;
-    for (; i < elements.size() && elements[i].clothoid == first.clothoid; ++i) {
-      length += elements[i].length;
-      turned += elements[i].length * elements[i].curvature;
+    for (const CenterlineElement& arc : part) {
+      length += arc.length;
+      turned += arc.length * arc.curvature;
     }
     texts.push_back(fmt::format("clothoid, {} m, {}\u00b0 to the {}", metres(length),
                                 format_number(degrees(std::abs(turned)), 3),

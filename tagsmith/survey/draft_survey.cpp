@@ -15,6 +15,7 @@
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
+#include "tagsmith/geometry/clothoid.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
@@ -40,14 +41,43 @@ std::string joined(const Values& values) {
   return "[" + text + "]";
 }
 
+std::string grade_key(const CenterlineElement& element) {
+  return element.grade == 0 ? "" : ", grade: " + format_number(100 * element.grade, 8);
+}
+
 std::string element_text(const CenterlineElement& element) {
-  const std::string grade =
-      element.grade == 0 ? "" : ", grade: " + format_number(100 * element.grade, 8);
+  const std::string grade = grade_key(element);
   if (element.curvature == 0) return "{ line: " + format_number(element.length) + grade + " }";
   const double angle = element.length * std::abs(element.curvature);
   return "{ arc: " + format_number(1 / std::abs(element.curvature)) +
          ", turn: " + (element.curvature > 0 ? "right" : "left") +
          ", angle: " + format_number(degrees(angle), 8) + grade + " }";
+}
+
+// Nothing for what no key of a survey says: other elements, and clothoids that bend to both sides.
+std::optional<std::string> clothoid_text(std::span<const CenterlineElement> arcs) {
+  const std::optional<Clothoid> clothoid = clothoid_of(arcs);
+  if (!clothoid || clothoid->from * clothoid->to < 0) return std::nullopt;
+  const auto& [length, from, to] = *clothoid;
+  std::string text =
+      "{ clothoid: " + format_number(length) + ", turn: " + (from + to > 0 ? "right" : "left");
+  if (from != 0) text += ", from_radius: " + format_number(1 / std::abs(from));
+  if (to != 0) text += ", to_radius: " + format_number(1 / std::abs(to));
+  return text + grade_key(arcs.front()) + " }";
+}
+
+std::vector<std::string> element_texts(std::span<const CenterlineElement> elements) {
+  std::vector<std::string> texts;
+  while (!elements.empty()) {
+    const std::span<const CenterlineElement> part = leading_part(elements);
+    if (const auto clothoid = clothoid_text(part)) {
+      texts.push_back(*clothoid);
+    } else {
+      std::ranges::transform(part, std::back_inserter(texts), element_text);
+    }
+    elements = elements.subspan(part.size());
+  }
+  return texts;
 }
 
 std::string stations_text(const ChainageProfile& profile) {
@@ -90,8 +120,8 @@ std::string tunnel_text(const SurveyDraft& draft) {
       "    elements:\n",
       room_text(draft.fit.tunnel), list_of(grid_from_world(draft.grid, start.position)),
       format_number(degrees(grid_heading_from_world(draft.grid, start.heading)), 8));
-  for (const CenterlineElement& element : line.elements()) {
-    text += "      - " + element_text(element) + "\n";
+  for (const std::string& element : element_texts(line.elements())) {
+    text += "      - " + element + "\n";
   }
   return text;
 }

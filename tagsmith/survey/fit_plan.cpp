@@ -379,15 +379,19 @@ PlanModel straightened(PlanModel model, const std::vector<PlanPoint>& points, do
   return model;
 }
 
-PlanFit finished(const PlanModel& model, const std::vector<PlanPoint>& points) {
+PlanFit seen_along(Centerline line, double width, const std::vector<PlanPoint>& points) {
   PlanFit fit;
-  fit.line = line_of(model);
-  fit.width = model.width();
+  fit.line = std::move(line);
+  fit.width = width;
   for (const PlanPoint& point : points) {
     fit.residuals.push_back(residual_of(fit.line, fit.width, point));
     fit.chainages.push_back(fit.line.locate(point.p).chainage);
   }
   return fit;
+}
+
+PlanFit finished(const PlanModel& model, const std::vector<PlanPoint>& points) {
+  return seen_along(line_of(model), model.width(), points);
 }
 
 std::ptrdiff_t misfits(const PlanFit& fit, double tolerance) {
@@ -414,6 +418,15 @@ std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tol
     if (!best || off < misfits(*best, tolerance)) best = std::move(fit);
   }
   return best;
+}
+
+PlanFit plan_along(const Centerline& line, const std::vector<PlanPoint>& points) {
+  std::vector<double> widths;
+  for (const PlanPoint& point : points) {
+    if (point.side == 0 || point.offset) continue;
+    widths.push_back(2 * point.side * touching_address(line, point).offset);
+  }
+  return seen_along(line, widths.empty() ? 0 : median(std::move(widths)), points);
 }
 
 }  // namespace tagsmith::detail

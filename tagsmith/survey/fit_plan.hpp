@@ -36,4 +36,7 @@ struct PlanFit {
 std::optional<PlanFit> fit_plan(const std::vector<PlanPoint>& points, double tolerance,
                                 int most_elements);
 
+// The width at which walls stand beside the line, and how far the points are off them.
+PlanFit plan_along(const Centerline& line, const std::vector<PlanPoint>& points);
+
 }  // namespace tagsmith::detail

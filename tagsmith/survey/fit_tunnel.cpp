@@ -74,14 +74,27 @@ struct Floor {
   VectorXd ups;      // how far each point lies above
 };
 
-// Length of each element before the chainage; the first and the last go on beyond their ends.
-VectorXd lengths_before(const std::vector<CenterlineElement>& elements, double chainage) {
-  VectorXd lengths(static_cast<Eigen::Index>(elements.size()));
+// Of each element: which grade it has. The arcs of a clothoid share one.
+std::vector<Eigen::Index> grades_of(const std::vector<CenterlineElement>& elements) {
+  std::vector<Eigen::Index> grades;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const bool shared =
+        i > 0 && elements[i].clothoid != 0 && elements[i].clothoid == elements[i - 1].clothoid;
+    grades.push_back(i == 0 ? 0 : grades.back() + (shared ? 0 : 1));
+  }
+  return grades;
+}
+
+// Length of what has each grade before the chainage; the first and the last element go on beyond
+// their ends.
+VectorXd lengths_before(const std::vector<CenterlineElement>& elements,
+                        const std::vector<Eigen::Index>& grades, double chainage) {
+  VectorXd lengths = VectorXd::Zero(grades.back() + 1);
   double start = 0;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const double within = (i == 0 ? chainage : std::max(chainage, start)) - start;
     const bool is_last = i + 1 == elements.size();
-    lengths[static_cast<Eigen::Index>(i)] = is_last ? within : std::min(within, elements[i].length);
+    lengths[grades[i]] += is_last ? within : std::min(within, elements[i].length);
     start += elements[i].length;
   }
   return lengths;
@@ -90,7 +103,8 @@ VectorXd lengths_before(const std::vector<CenterlineElement>& elements, double c
 Floor fit_floor(const std::vector<CenterlineElement>& elements,
                 const std::vector<HeightStation>& points) {
   const auto rows = static_cast<Eigen::Index>(points.size());
-  const auto grades = static_cast<Eigen::Index>(elements.size());
+  const std::vector<Eigen::Index> grade_of = grades_of(elements);
+  const Eigen::Index grades = grade_of.back() + 1;
   constexpr double kSmooth = 1e-6;  // elements without floor points go on as their neighbours do
   constexpr double kLevel = 1e-6;
   MatrixXd a = MatrixXd::Zero(rows + grades, 1 + grades);
@@ -98,7 +112,7 @@ Floor fit_floor(const std::vector<CenterlineElement>& elements,
   for (Eigen::Index i = 0; i < rows; ++i) {
     const HeightStation& point = points[static_cast<std::size_t>(i)];
     a(i, 0) = 1;
-    a.row(i).tail(grades) = lengths_before(elements, point.chainage).transpose();
+    a.row(i).tail(grades) = lengths_before(elements, grade_of, point.chainage).transpose();
     b[i] = point.height;
   }
   for (Eigen::Index i = 0; i < grades; ++i) {
@@ -107,15 +121,16 @@ Floor fit_floor(const std::vector<CenterlineElement>& elements,
   }
   const VectorXd solution = least_squares(a, b);
   Floor floor{elements, solution[0], (b - a * solution).head(rows)};
-  for (Eigen::Index i = 0; i < grades; ++i) {
-    const double grade = solution[1 + i];
-    floor.elements[static_cast<std::size_t>(i)].grade = std::abs(grade) > kLevel ? grade : 0;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const double grade = solution[1 + grade_of[i]];
+    floor.elements[i].grade = std::abs(grade) > kLevel ? grade : 0;
   }
   return floor;
 }
 
 // The elements with the one at the chainage cut in two; nothing where it would be cut at its end,
-// or where a part would have fewer than three floor points: one wrong height is no hump.
+// where a part would have fewer than three floor points (one wrong height is no hump), or in a
+// clothoid.
 std::optional<std::vector<CenterlineElement>> cut_at(std::vector<CenterlineElement> elements,
                                                      double chainage,
                                                      const std::vector<HeightStation>& floor) {
@@ -130,6 +145,7 @@ std::optional<std::vector<CenterlineElement>> cut_at(std::vector<CenterlineEleme
     const double before = chainage - start;
     const double after = element->length - before;
     if (before > 0.01 && after > 0.01) {
+      if (element->clothoid != 0) return std::nullopt;
       if (points_within(start, chainage) < 3 || points_within(chainage, chainage + after) < 3) {
         return std::nullopt;
       }
@@ -282,7 +298,7 @@ std::string advice_on(const std::vector<PlanPoint>& fitted, const PlanFit& fit, 
 }
 
 Error misfit_error(const std::vector<SurveyedPoint>& points, const std::vector<PlanPoint>& fitted,
-                   const PlanFit& fit, double tolerance) {
+                   const PlanFit& fit, double tolerance, bool along_alignment) {
   constexpr std::size_t kMostNamed = 10;
   std::vector<std::size_t> off;
   for (std::size_t i = 0; i < fitted.size(); ++i) {
@@ -290,9 +306,12 @@ Error misfit_error(const std::vector<SurveyedPoint>& points, const std::vector<P
   }
   std::ranges::sort(off, std::greater{}, [&](std::size_t i) { return std::abs(fit.residuals[i]); });
   std::string text = fmt::format(
-      "{} of {} points are more than {:.3f} m off the best fit of at most {} lines and arcs, "
-      "a tunnel {:.3f} m wide:",
-      off.size(), fitted.size(), tolerance, kMostFittedElements, fit.width);
+      "{} of {} points are more than {:.3f} m off {}, a tunnel {:.3f} m wide:", off.size(),
+      fitted.size(), tolerance,
+      along_alignment
+          ? "the walls beside the file's alignment"
+          : fmt::format("the best fit of at most {} lines and arcs", kMostFittedElements),
+      fit.width);
   for (std::size_t i = 0; i < std::min(kMostNamed, off.size()); ++i) {
     text += fmt::format("\n  {}: {:+.3f} m", point_text(points[fitted[off[i]].index]),
                         fit.residuals[off[i]]);
@@ -347,6 +366,11 @@ Result<void> check_has_walls(const std::vector<SurveyedPoint>& points) {
               " wall (TL, TR, WL, WR or names of tags): the width cannot be known");
 }
 
+Centerline moved_by(const Centerline& line, const Eigen::Vector2d& shift) {
+  const CenterlinePoint start = line.at(0);
+  return {start.position + Vector3d(shift.x(), shift.y(), 0), start.heading, line.elements()};
+}
+
 // A plan through the points that say where across the tunnel they lie.
 struct WallPlan {
   std::vector<PlanPoint> points;
@@ -355,13 +379,17 @@ struct WallPlan {
 };
 
 Result<WallPlan> fit_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
-                           const TagTemplate& tag, double tolerance, bool measured_walls) {
+                           const TagTemplate& tag, const TunnelFitOptions& options,
+                           bool measured_walls) {
+  const double tolerance = options.tolerance;
   WallPlan plan{plan_points(points, grid, tag, measured_walls), {}, measured_walls};
   if (plan.points.empty()) return fail("no points of walls, center line or tags");
   // National coordinates are long; near zero nothing of them is lost.
   const Eigen::Vector2d shift = plan.points.front().p;
   for (PlanPoint& point : plan.points) point.p -= shift;
-  std::optional<PlanFit> fit = fit_plan(plan.points, tolerance, kMostFittedElements);
+  std::optional<PlanFit> fit = options.alignment
+                                   ? plan_along(moved_by(*options.alignment, -shift), plan.points)
+                                   : fit_plan(plan.points, tolerance, kMostFittedElements);
   if (!fit) {
     return fail("too few points: expected two along the center line (CL), or two on either wall");
   }
@@ -369,19 +397,17 @@ Result<WallPlan> fit_walls(const std::vector<SurveyedPoint>& points, const Grid&
   if (auto sides = check_sides(plan.points, plan.fit); !sides) return fail(sides.error().message);
   const bool fits =
       std::ranges::all_of(plan.fit.residuals, [&](double r) { return std::abs(r) <= tolerance; });
-  if (!fits) return tl::unexpected(misfit_error(points, plan.points, plan.fit, tolerance));
-  const CenterlinePoint start = plan.fit.line.at(0);
-  plan.fit.line = Centerline(start.position + Vector3d(shift.x(), shift.y(), 0), start.heading,
-                             plan.fit.line.elements());
+  if (!fits)
+    return tl::unexpected(
+        misfit_error(points, plan.points, plan.fit, tolerance, options.alignment.has_value()));
+  plan.fit.line = moved_by(plan.fit.line, shift);
   return plan;
 }
 
 // Walls that are measured at offsets of their own are taken so where no even width fits.
 Result<WallPlan> plan_of_walls(const std::vector<SurveyedPoint>& points, const Grid& grid,
                                const TagTemplate& tag, const TunnelFitOptions& options) {
-  const auto fit = [&](bool measured) {
-    return fit_walls(points, grid, tag, options.tolerance, measured);
-  };
+  const auto fit = [&](bool measured) { return fit_walls(points, grid, tag, options, measured); };
   // Without points of its own the center line runs between the walls.
   const bool has_line = std::ranges::any_of(points, [](const SurveyedPoint& point) {
     return point.kind == PointKind::centerline || point.offset;
@@ -419,6 +445,20 @@ Centerline with_ends(const WallPlan& plan, const std::vector<SurveyedPoint>& poi
   if (!straight) from = std::max(from, 0.0);
   const CenterlinePoint start = line.at(from);
   return {start.position, start.heading, elements_between(line.elements(), from, most + margin)};
+}
+
+// An alignment whole, and a margin more only where points lie beyond a straight end.
+Centerline prolonged(const WallPlan& plan, double margin) {
+  constexpr double kBeyond = 0.01;
+  const Centerline& line = plan.fit.line;
+  const auto [least, most] = std::ranges::minmax(plan.fit.chainages);
+  const std::vector<CenterlineElement>& elements = line.elements();
+  const bool before = least < -kBeyond && elements.front().curvature == 0;
+  const bool behind = most > line.length() + kBeyond && elements.back().curvature == 0;
+  const double from = before ? least - margin : 0;
+  const CenterlinePoint start = line.at(from);
+  return {start.position, start.heading,
+          elements_between(elements, from, behind ? most + margin : line.length())};
 }
 
 // ---- Walls and roof through their points.
@@ -568,7 +608,8 @@ Result<TunnelFit> fit_tunnel(const std::vector<SurveyedPoint>& points, const Gri
   if (auto walls = check_has_walls(points); !walls) return tl::unexpected(walls.error());
   const Result<WallPlan> plan = plan_of_walls(points, grid, tag, options);
   if (!plan) return tl::unexpected(plan.error());
-  const Centerline level = with_ends(*plan, points, tag.plate_length);
+  const Centerline level = options.alignment ? prolonged(*plan, tag.plate_length)
+                                             : with_ends(*plan, points, tag.plate_length);
 
   std::vector<double> chainages;
   chainages.reserve(points.size());

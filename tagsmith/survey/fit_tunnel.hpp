@@ -25,6 +25,9 @@ struct TunnelFitOptions {
   // says, and nothing tells a wrong point of a wall from a bulge; without either it runs midway
   // between walls that keep to the tolerance.
   bool measured_walls = false;
+  // The center line as designed, level, in the world: taken as it is, and only prolonged where
+  // points lie beyond its ends.
+  std::optional<Centerline> alignment;
 };
 
 // How a point lies to the fitted tunnel, metres.

@@ -11,6 +11,7 @@
 #include "tagsmith/survey/length_units.hpp"
 #include "tagsmith/survey/point_formats.hpp"
 #include "tagsmith/survey/survey.hpp"
+#include "tagsmith/survey/tunnel_limits.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -170,15 +171,40 @@ double height_at(const std::vector<Vector2d>& profile, double chainage) {
   return before.y() + (chainage - before.x()) / (next->x() - before.x()) * (next->y() - before.y());
 }
 
+// The piece cut where the profile has a corner, so that each element has one grade.
+void add_elements(const Piece& piece, double chainage, const std::vector<Vector2d>& profile,
+                  DesignedLine& line) {
+  constexpr double kLeast = 0.01;  // of the file's unit
+  std::vector<double> cuts{0};
+  for (const Vector2d& corner : profile) {
+    const double at = corner.x() - chainage;
+    if (at > cuts.back() + kLeast && at < piece.length - kLeast) cuts.push_back(at);
+  }
+  cuts.push_back(piece.length);
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+    line.elements.push_back({cuts[i + 1] - cuts[i], piece.curvature + cuts[i] * piece.change,
+                             piece.curvature + cuts[i + 1] * piece.change});
+  }
+}
+
+// Whether the elements, put to each other without bends, pass through the piece's end.
+bool joins(const DesignedLine& line, const Piece& last, double gap) {
+  const Centerline chain = line_in_world(line, {});
+  return (chain.at(chain.length()).position.head<2>() - last.end).norm() <= gap;
+}
+
 void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter& lines,
                       RawPoints& result, FindingLog& log) {
-  constexpr double kStep = 0.5;     // metres
-  constexpr double kGap = 0.02;     // that elements may leave between them
-  constexpr double kLongest = 2e4;  // metres of alignment: bounds the points
+  constexpr double kStep = 0.5;      // metres
+  constexpr double kGap = 0.02;      // that elements may leave between them
+  constexpr double kJoined = 0.005;  // that the whole may be off a piece's end
+  constexpr double kLongest = 2e4;   // metres of alignment: bounds the points
   const std::string name = alignment.attribute("name").value();
   const std::vector<Vector2d> profile = profile_of(alignment);
   double chainage = parse_number(alignment.attribute("staStart").value()).value_or(0);
   double sampled = 0;
+  bool is_joined = true;
+  DesignedLine whole;
   for (const pugi::xml_node& node : alignment.child("CoordGeom").children()) {
     if (node.type() != pugi::node_element) continue;
     const int line = lines.line_of(node);
@@ -193,6 +219,10 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
           "export the alignment again, or leave it out: --ignore " + name.substr(0, 60));
       return;
     }
+    if (whole.elements.empty()) whole = {piece->start, piece->heading, {}};
+    add_elements(*piece, chainage, profile, whole);
+    is_joined = is_joined && whole.elements.size() <= kMostElements &&
+                joins(whole, *piece, kJoined * metre);
     const int count = std::max(1, static_cast<int>(std::ceil(piece->length / (kStep * metre))));
     for (int i = 0; i <= count; ++i) {
       const double s = piece->length * i / count;
@@ -202,6 +232,7 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
     }
     chainage += piece->length;
   }
+  if (is_joined && !whole.elements.empty()) result.alignment = std::move(whole);
 }
 
 void read_alignments(const pugi::xml_node& root, const std::vector<std::string>& ignore,

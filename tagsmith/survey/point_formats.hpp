@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/designed_line.hpp"
 #include "tagsmith/survey/finding_log.hpp"
 
 namespace tagsmith::detail {
@@ -37,6 +38,8 @@ struct RawPoint {
 
 struct RawPoints {
   std::vector<RawPoint> points;
+  // Of the alignment, where its elements join without gaps and bends; in the file's unit.
+  std::optional<DesignedLine> alignment;
   std::optional<double> metres_per_unit;  // where the file says it
   bool in_some_feet = false;              // the file says feet, but not which
   bool unit_is_advice = false;            // --units may contradict it: DXF headers are often wrong

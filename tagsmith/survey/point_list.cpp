@@ -399,6 +399,7 @@ void read_other(PointFormat format, std::string_view text, const PointListOption
   const double unit = unit_of(raw, options.metres_per_unit, log);
   list.unit_is_known = options.metres_per_unit || (raw.metres_per_unit && !raw.unit_is_advice);
   list.epsg = raw.epsg;
+  if (raw.alignment) list.alignment = scaled(std::move(*raw.alignment), unit);
   const bool has_line = std::ranges::any_of(raw.points, &RawPoint::of_alignment);
   for (RawPoint& point : raw.points) {
     if (is_ignored(point, options.ignore)) continue;

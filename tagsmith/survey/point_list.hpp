@@ -11,6 +11,7 @@
 
 #include "tagsmith/base/diagnostic.hpp"
 #include "tagsmith/base/result.hpp"
+#include "tagsmith/survey/designed_line.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/survey.hpp"
 
@@ -62,9 +63,10 @@ struct ListedSurvey {
 
 struct PointList {
   std::vector<SurveyedPoint> points;
-  std::optional<ListedSurvey> survey;  // of an own list
-  bool unit_is_known = false;          // said by the file or the user, not taken for metres
-  int epsg = 0;                        // where the file names its grid
+  std::optional<ListedSurvey> survey;       // of an own list
+  bool unit_is_known = false;               // said by the file or the user, not taken for metres
+  int epsg = 0;                             // where the file names its grid
+  std::optional<DesignedLine> alignment{};  // the center line, where the file has it whole; metres
 };
 
 // The columns of an own list.

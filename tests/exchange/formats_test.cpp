@@ -235,7 +235,7 @@ TEST_CASE("a list of export that a spreadsheet wrote with semicolons and commas 
   CHECK(draft(folder.path(), text, "--order own --units ft").exit_code == 2);
 }
 
-TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation is told") {
+TEST_CASE("an alignment of lines, clothoids and arcs becomes the center line as it is") {
   // 20 m straight, a clothoid of 20 m to a radius of 40 m to the right, 30 m of arc.
   constexpr double kRadius = 40;
   constexpr double kSpiral = 20;
@@ -245,7 +245,7 @@ TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation
   std::vector<Eigen::Vector3d> line;  // x, y, heading every centimetre
   std::vector<double> chainages;
   for (int i = 0; i <= 7000; ++i) {
-    const double s = 0.01 * i;
+    const double s = 0.01 * i + 0.005;  // the middle of the step
     line.emplace_back(p.x(), p.y(), heading);
     curvature = s < 20 ? 0 : s < 40 ? (s - 20) / kSpiral / kRadius : 1 / kRadius;
     const double middle = heading + 0.005 * curvature;
@@ -289,15 +289,36 @@ TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   const auto last = made.out.rfind('\n', made.out.size() - 2);
   const auto summary = nlohmann::json::parse(made.out.substr(last + 1))["summary"];
-  CHECK(summary["alignment_off"].get<double>() > 0.001);
-  CHECK(summary["alignment_off"].get<double>() < 0.03);
-  CHECK(summary["width"].get<double>() == Approx(4).epsilon(0.003));
+  CHECK(summary["alignment_off"].get<double>() < 1e-4);
+  CHECK(summary["width"].get<double>() == Approx(4).epsilon(2e-5));
+  CHECK(summary["length"].get<double>() == Approx(70).epsilon(1e-6));
+  const std::string text = *read_file(folder.path() / "out" / "survey.yaml");
+  CHECK_MESSAGE(
+      text.find("{ clothoid: 20, turn: right, to_radius: 40, grade: ") != std::string::npos, text);
   const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
   for (std::size_t i = 0; i < line.size(); i += 500) {
     const auto address = survey.tunnel.centerline.locate(line[i].head<2>());
-    CHECK(std::abs(address.offset) < 0.03);
+    CHECK(std::abs(address.offset) < 1e-4);
+    CHECK(address.chainage == Approx(0.01 * static_cast<double>(i)).epsilon(1e-5));
     CHECK(survey.tunnel.centerline.at(address.chainage).position.z() ==
-          Approx(10 + 0.02 * 0.01 * static_cast<double>(i)).epsilon(0.001));
+          Approx(10 + 0.02 * 0.01 * static_cast<double>(i)).epsilon(1e-5));
+  }
+
+  // What is exported is read as the same line: the clothoid is one spiral.
+  const fs::path exported = folder.path() / "again.xml";
+  REQUIRE(run_tagsmith("export '" + (folder.path() / "out" / "survey.yaml").string() + "' -o '" +
+                       exported.string() + "' --format landxml")
+              .exit_code == 0);
+  const std::string spirals = *read_file(exported);
+  CHECK(spirals.find("<Spiral length=\"20\"") != std::string::npos);
+  CHECK(spirals.find("radiusEnd=\"40\" radiusStart=\"INF\" rot=\"cw\"") != std::string::npos);
+  fs::remove_all(folder.path() / "out");
+  const ProgramOutput again = draft(folder.path(), spirals, "--tunnel-height 3 --mount-height 1.2");
+  REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+  const Centerline same =
+      load_survey(folder.path() / "out" / "survey.yaml").value().tunnel.centerline;
+  for (double s = 0; s <= 70; s += 3.5) {
+    CHECK((same.at(s).position - survey.tunnel.centerline.at(s).position).norm() < 1e-4);
   }
 
   // The alignment alone: its walls are said to be so far apart.
@@ -305,9 +326,9 @@ TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation
   const ProgramOutput alone = draft(folder.path(), landxml(xml, metre), arguments + " --width 4");
   REQUIRE_MESSAGE(alone.exit_code == 0, alone.err);
   const Survey designed = load_survey(folder.path() / "out" / "survey.yaml").value();
-  CHECK(designed.tunnel.right.at(30) - designed.tunnel.left.at(30) == Approx(4).epsilon(0.003));
+  CHECK(designed.tunnel.right.at(30) - designed.tunnel.left.at(30) == Approx(4).epsilon(1e-4));
   for (std::size_t i = 0; i < line.size(); i += 500) {
-    CHECK(std::abs(designed.tunnel.centerline.locate(line[i].head<2>()).offset) < 0.03);
+    CHECK(std::abs(designed.tunnel.centerline.locate(line[i].head<2>()).offset) < 1e-4);
   }
   fs::remove_all(folder.path() / "out");
   const ProgramOutput both =
@@ -333,6 +354,57 @@ TEST_CASE("an alignment with clothoids becomes lines and arcs, and the deviation
         std::string::npos);
   CHECK_FALSE(fs::exists(folder.path() / "out"));
   CHECK(draft(folder.path(), landxml(two, metre), arguments + " --ignore old").exit_code == 0);
+}
+
+TEST_CASE("an alignment of many elements keeps each, in feet and in grids with x to the left") {
+  std::vector<CenterlineElement> elements;
+  for (int i = 0; i < 15; ++i) elements.push_back({12, i % 2 == 0 ? 0 : i % 4 == 1 ? 0.02 : -0.03});
+  const Centerline truth({300, 700, 0}, 0.4, elements);
+  const auto ne = [](const Eigen::Vector2d& p) {
+    return fmt::format("{:.7f} {:.7f}", p.y() / kFoot, p.x() / kFoot);
+  };
+  std::string geometry;
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const CenterlinePoint from = truth.at(12.0 * static_cast<double>(i));
+    const Eigen::Vector2d start = from.position.head<2>();
+    const Eigen::Vector2d end = truth.at(12.0 * static_cast<double>(i + 1)).position.head<2>();
+    const double curvature = elements[i].curvature;
+    if (curvature == 0) {
+      geometry += "<Line><Start>" + ne(start) + "</Start><End>" + ne(end) + "</End></Line>\n";
+      continue;
+    }
+    const Eigen::Vector2d centre = start + right_of(from.heading).head<2>() / curvature;
+    geometry += fmt::format(
+        "<Curve rot=\"{}\"><Start>{}</Start><Center>{}</Center><End>{}</End>"
+        "</Curve>\n",
+        curvature > 0 ? "cw" : "ccw", ne(start), ne(centre), ne(end));
+  }
+  const auto pvi = [](double chainage, double height) {
+    return fmt::format("<PVI>{:.7f} {:.7f}</PVI>", chainage / kFoot, height / kFoot);
+  };
+  const std::string xml = "<Alignments><Alignment name=\"axis\"><CoordGeom>\n" + geometry +
+                          "</CoordGeom><Profile><ProfAlign>" + pvi(0, 5) + pvi(100, 6) +
+                          pvi(180, 5.2) + "</ProfAlign></Profile></Alignment></Alignments>\n";
+  const std::string feet = "<Imperial linearUnit=\"foot\"/>";
+  for (const bool x_left : {false, true}) {
+    CAPTURE(x_left);
+    const TemporaryFolder folder;
+    const ProgramOutput made =
+        draft(folder.path(), landxml(xml, feet),
+              "--width 3 --height 1.2 --spacing 2 --tunnel-height 3 --x-axis " +
+                  std::string(x_left ? "left" : "right"));
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    const Survey survey = load_survey(folder.path() / "out" / "survey.yaml").value();
+    const Centerline& line = survey.tunnel.centerline;
+    CHECK(line.elements().size() == 16);  // one is cut where the grade changes
+    CHECK(line.length() == Approx(180).epsilon(1e-7));
+    for (double s = 0; s <= 180; s += 7.5) {
+      Eigen::Vector3d expected = truth.at(s).position;
+      if (x_left) expected.x() *= -1;
+      expected.z() = s < 100 ? 5 + 0.01 * s : 6 - 0.01 * (s - 100);
+      CHECK((line.at(s).position - expected).norm() < 1e-4);
+    }
+  }
 }
 
 TEST_CASE("broken files and doubtful units are refused with their line and a remedy") {

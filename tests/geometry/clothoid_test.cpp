@@ -52,4 +52,25 @@ TEST_CASE("the arcs of a clothoid follow it within a twentieth of a millimetre")
   }
 }
 
+TEST_CASE("a clothoid is known again by all of its arcs, and by no fewer") {
+  std::vector<CenterlineElement> line{{5, 0}};
+  const std::vector<CenterlineElement> arcs = arcs_of_clothoid(30, 0, -1.0 / 50, 7);
+  REQUIRE(arcs.size() > 4);
+  line.insert(line.end(), arcs.begin(), arcs.end());
+  line.push_back({9, -1.0 / 50});
+  std::span<const CenterlineElement> rest = line;
+  CHECK(leading_part(rest).size() == 1);
+  CHECK_FALSE(clothoid_of(leading_part(rest)));
+  rest = rest.subspan(1);
+  const std::optional<Clothoid> found = clothoid_of(leading_part(rest));
+  REQUIRE(found);
+  CHECK(leading_part(rest).size() == arcs.size());
+  CHECK(found->length == doctest::Approx(30).epsilon(1e-12));
+  CHECK(found->from == 0);
+  CHECK(found->to == doctest::Approx(-1.0 / 50).epsilon(1e-12));
+  CHECK(leading_part(rest.subspan(1)).size() == 1);
+  CHECK(leading_part(rest.subspan(arcs.size())).size() == 1);
+  CHECK(clothoid_of({}) == std::nullopt);
+}
+
 }  // namespace tagsmith::detail
