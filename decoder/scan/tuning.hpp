@@ -44,7 +44,7 @@ struct SymbolFitTuning {
 inline constexpr SymbolFitTuning kSymbolFit;
 
 // What may be there besides a code, against it: as the hostile frames of docs/accuracy.md hold it
-// ("Reliability"; `./dev bench mass`). A tunnel holds less.
+// ("Reliability"; `./dev campaign frames`). A tunnel holds less.
 // Why: docs/decisions/0003-confidence-and-its-border.md.
 struct OddsTuning {
   double wrong_check = 0.02;         // a symbol whose check digit fails

@@ -21,6 +21,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/drawn_chain.hpp"
 #include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 
@@ -38,23 +39,6 @@ struct Outcome {
 };
 
 bool white_on_black = false;
-
-// The chain of that name with other strengths, as other cameras have them.
-CameraChain drawn_chain(const std::string& name, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> any(0, 1);
-  CameraChain chain;
-  if (name != "none") chain = camera_chain(name);
-  const auto vary = [&](double& value, double by) { value *= 1 + by * (2 * any(random) - 1); };
-  vary(chain.defocus_px, 0.5);
-  vary(chain.exposure, 0.2);
-  vary(chain.noise_sigma, 0.3);
-  vary(chain.contrast, 0.5);
-  vary(chain.denoise_levels, 0.3);
-  vary(chain.sharpening, 0.3);
-  vary(chain.sharpening_px, 0.4);
-  chain.jpeg_quality = std::min(100, chain.jpeg_quality + static_cast<int>(9 * any(random)) - 4);
-  return chain;
-}
 
 Camera camera_for(double module_px) {
   Camera camera;
@@ -94,7 +78,7 @@ Result<Outcome> run_one(const std::string& name, double module_px, std::uint64_t
   const Digits code = bench::random_code(random);
   const Camera camera = camera_for(module_px);
   const ScenePlate plate = place(camera, code, module_px, random);
-  const CameraChain chain = drawn_chain(name, random);
+  const CameraChain chain = bench::drawn_chain(name, random);
   ViewOptions view;
   view.sensor.blur_sigma_px = 0.4 + 0.2 * any(random);
   view.sensor.exposure = 0.85;

@@ -1,28 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is read of tags that the picture's border cuts, by the share of the bars in sight.
-// Usage: bench_half [-v] [FOLDER...] | bench_half hostile [N] [FIRST] | bench_half drive [N] [SEED]
+// Usage: bench_half [-v] [FOLDER...] | bench_half drive [N] [SEED]
 //
 // With folders of photos that have a truth.json: the tags that the border cuts as they are, and
 // each whole one with the photo cropped across its bars at a drawn place. The book holds the
-// folder's codes. `hostile`: frames with anything inside (mass_picture.hpp), cropped likewise, read
-// with a book of 400 codes; a third of them are strangers whose digits in sight differ from a code
-// of the book in one digit. `drive`: pictures simulated on the center lines of the shipped surveys,
-// their plates and cameras taken for exact; what of the line has a position with and without parts
-// of tags, and how true the positions' covariances are.
+// folder's codes. `drive`: pictures simulated on the center lines of the shipped surveys, their
+// plates and cameras taken for exact; what of the line has a position with and without parts of
+// tags, and how true the positions' covariances are.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
-#include <optional>
 #include <random>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -36,8 +30,8 @@
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/symbology/upca.hpp"
+#include "tests/bench/crop.hpp"
 #include "tests/bench/fix_trial.hpp"
-#include "tests/bench/mass_picture.hpp"
 #include "tests/support/draws.hpp"
 
 using namespace tagsmith::detail;
@@ -47,8 +41,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kLeastModule = 1.4;  // pixels, of tags that count
-
 struct Row {
   int tags = 0, whole = 0, identified = 0, candidates = 0, wrong = 0;
   std::vector<double> errors;       // of coordinates of corners, pixels
@@ -57,50 +49,6 @@ struct Row {
 
 // By tenths of the bars' length in sight.
 using Table = std::array<Row, 11>;
-
-// The share of the bars' length of which all but the ends' height is in a picture.
-double share_in_sight(const FrameCorners& corners, int width, int height) {
-  constexpr int kPlaces = 400;
-  constexpr double kQuiet = 9.0 / 113;
-  const Homography map = homography_to(corners);
-  int seen = 0;
-  for (int i = 0; i < kPlaces; ++i) {
-    const double u = kQuiet + (1 - 2 * kQuiet) * (i + 0.5) / kPlaces;
-    seen += std::ranges::all_of(std::array{0.2, 0.5, 0.8}, [&](double v) {
-      const PixelPoint at = map(u, v);
-      return at.x >= 0 && at.y >= 0 && at.x <= width - 1 && at.y <= height - 1;
-    });
-  }
-  return static_cast<double>(seen) / kPlaces;
-}
-
-// Columns of a picture.
-struct Crop {
-  int first = 0;
-  int width = 0;
-};
-
-// Cut across the bars of a tag at a drawn place, from its left or its right.
-Crop random_crop(const FrameCorners& corners, int width, std::mt19937_64& random) {
-  const double u = std::uniform_real_distribution(0.25, 0.95)(random);
-  const bool keeps_left = random() % 2 == 0;
-  const Homography map = homography_to(corners);
-  const double middle = map(u, 0.5).x;
-  const bool is_before = (corners[0].x < corners[1].x) == keeps_left;
-  const int cut = std::clamp(static_cast<int>(middle), 1, width - 2);
-  return is_before ? Crop{0, cut} : Crop{cut, width - cut};
-}
-
-GrayView cropped(GrayView image, const Crop& crop) {
-  image.data += crop.first;
-  image.width = crop.width;
-  return image;
-}
-
-FrameCorners moved(FrameCorners corners, double by) {
-  for (PixelPoint& corner : corners) corner.x += by;
-  return corners;
-}
 
 FrameCorners corners_of(const json& plate) {
   FrameCorners corners{};
@@ -217,139 +165,32 @@ bool read_folder(const fs::path& folder, bool verbose) {
     options.camera = camera_of(item, view, 0);
     const ReadResult result = read_tags(view, options);
     for (const auto& plate : item.at("plates")) {
-      if (plate.at("kind") != "upca" || plate.at("px_per_module").get<double>() < kLeastModule)
+      if (plate.at("kind") != "upca" ||
+          plate.at("px_per_module").get<double>() < bench::kLeastCroppedModule)
         continue;
       const Digits code = parse_digits(plate.at("code").get<std::string>()).value();
       const FrameCorners corners = corners_of(plate);
-      const double share = share_in_sight(corners, view.width, view.height);
+      const double share = bench::share_in_sight(corners, view.width, view.height);
       if (!plate.at("frame_in_image").get<bool>()) {
         if (share > 0.1) count_plate(result, code, corners, share, file, verbose, as_they_are);
         continue;
       }
-      const Crop crop = random_crop(corners, view.width, random);
-      const GrayView part = cropped(view, crop);
+      const bench::Crop crop = bench::random_crop(corners, view.width, random);
+      const GrayView part = bench::cropped(view, crop);
       options.camera = camera_of(item, part, crop.first);
-      const FrameCorners there = moved(corners, -crop.first);
+      const FrameCorners there = bench::moved(corners, -crop.first);
       const ReadResult of_part = read_tags(part, options);
-      count_plate(of_part, code, there, share_in_sight(there, part.width, part.height),
+      count_plate(of_part, code, there, bench::share_in_sight(there, part.width, part.height),
                   file + fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
                   verbose, cut);
     }
   }
-  fmt::print("\n{}: cut by the border, {} px a module and more\n\n", folder.string(), kLeastModule);
+  fmt::print("\n{}: cut by the border, {} px a module and more\n\n", folder.string(),
+             bench::kLeastCroppedModule);
   print(as_they_are);
   fmt::print("\n{}: cropped\n\n", folder.string());
   print(cut);
   return true;
-}
-
-// --- hostile frames ---
-
-// What came of a frame.
-struct Hostile {
-  bool is_tag = false;  // one of the book, with so much in sight that it counts
-  bool identified = false;
-  bool listed = false;    // among several candidates
-  bool is_alike = false;  // a stranger whose digits in sight are those of a code of the book
-  std::string wrong{};
-};
-
-std::vector<Digits> random_book(std::mt19937_64& random) {
-  constexpr std::size_t kSize = 400;
-  std::vector<Digits> book;
-  while (book.size() < kSize) book.push_back(mass::random_code(random));
-  return book;
-}
-
-bool shows_the_same(const PartReading& part, const Digits& code) {
-  const Digits& read = part.candidates.front().digits;
-  for (std::size_t i = 0; i < kDigitCount; ++i) {
-    if (part.in_sight[i] && read[i] != code[i]) return false;
-  }
-  return true;
-}
-
-// Whether a symbol's digits in sight can be those of its code. Where one character is no digit, or
-// guards are cut off, that may be out of sight; an EAN-13 has digits like those of a UPC-A, too.
-bool has_digits(mass::Kind kind) {
-  using enum mass::Kind;
-  return mass::may_be_read(kind) || kind == wrong_check || kind == foreign || kind == cut ||
-         kind == ean13;
-}
-
-// A third of the codes are in the book, a third strangers of which a code of the book differs in
-// one digit, a third strangers whose first or last digits a code of the book has.
-Hostile run_hostile(std::uint64_t number) {
-  constexpr double kCounts = 0.4;
-  const mass::Picture picture = mass::draw(number);
-  std::mt19937_64 random(number ^ 0x517cc1b727220a95ULL);
-  ReadOptions options;
-  options.code_book = random_book(random);
-  const GrayView view = picture.image.view();
-  const Crop crop = random_crop(picture.corners, view.width, random);
-  const GrayView part_of = cropped(view, crop);
-  const FrameCorners corners = moved(picture.corners, -crop.first);
-  const double share = share_in_sight(corners, part_of.width, part_of.height);
-  Digits& entry = options.code_book.front();
-  entry = picture.code;
-  const auto way = random() % 3;
-  const bool keeps_left = corners[0].x >= 0 && corners[0].x < part_of.width;
-  if (way == 1) {
-    const std::size_t digit = (keeps_left ? 0 : 8) + random() % 4;
-    entry[digit] = static_cast<std::uint8_t>((entry[digit] + 1 + random() % 9) % 10);
-  } else if (way == 2) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      std::uint8_t& digit = entry[(keeps_left ? 8 : 0) + i];
-      digit = static_cast<std::uint8_t>((digit + 1 + random() % 9) % 10);
-    }
-  }
-  Hostile hostile;
-  const bool is_whole_kind = picture.kind == mass::Kind::tag && !picture.odd_margins;
-  hostile.is_tag =
-      way == 0 && is_whole_kind && share >= kCounts && picture.module_px >= kLeastModule;
-  const ReadResult result = read_tags(part_of, options);
-  for (const PartReading& part : result.parts) {
-    const bool single = part.candidates.size() == 1;
-    const bool is_right = has_digits(picture.kind) && shows_the_same(part, picture.code);
-    hostile.identified = is_right && way == 0 && single;
-    hostile.listed = is_right && way == 0 && !single;
-    hostile.is_alike = is_right && way != 0;
-    if (is_right) continue;
-    hostile.wrong = fmt::format(
-        "{} {} share {:.2f} code {} read {} ({} candidates), doubt {:.2g}, "
-        "{:.2f} px a module, blur {:.2f}",
-        number, mass::name_of(picture.kind), share, to_string(picture.code), digits_in_sight(part),
-        part.candidates.size(), 1 - part.confidence, picture.module_px, picture.blur_px);
-  }
-  return hostile;
-}
-
-void read_hostile(std::uint64_t count, std::uint64_t first) {
-  std::atomic<std::uint64_t> next = first;
-  std::mutex guard;
-  long tags = 0, identified = 0, listed = 0, alike = 0, wrong = 0;
-  const auto work = [&] {
-    for (std::uint64_t i = next++; i < first + count; i = next++) {
-      const Hostile hostile = run_hostile(i);
-      const std::scoped_lock lock(guard);
-      tags += hostile.is_tag ? 1 : 0;
-      identified += hostile.identified ? 1 : 0;
-      listed += hostile.listed ? 1 : 0;
-      alike += hostile.is_alike ? 1 : 0;
-      if (hostile.wrong.empty()) continue;
-      ++wrong;
-      fmt::print("WRONG {}\n", hostile.wrong);
-    }
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) {
-    threads.emplace_back(work);
-  }
-  threads.clear();
-  fmt::print(
-      "{} frames: {} parts identified, {} among several candidates, {} strangers that show "
-      "a code's digits, {} wrong; {} tags of the book with 40 % in sight at {} px a module\n",
-      count, identified, listed, alike, wrong, tags, kLeastModule);
 }
 
 // --- simulated drives ---
@@ -459,11 +300,6 @@ int read_drives(int count, std::uint64_t seed) {
 int main(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
   const bool verbose = std::erase(arguments, "-v") > 0;
-  if (!arguments.empty() && arguments[0] == "hostile") {
-    read_hostile(arguments.size() > 1 ? std::stoull(arguments[1]) : 10'000,
-                 arguments.size() > 2 ? std::stoull(arguments[2]) : 0);
-    return 0;
-  }
   if (!arguments.empty() && arguments[0] == "drive") {
     return read_drives(arguments.size() > 1 ? std::stoi(arguments[1]) : 200,
                        arguments.size() > 2 ? std::stoull(arguments[2]) : 1);

@@ -11,6 +11,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/simulate/develop.hpp"
+#include "decoder/simulate/light.hpp"
 #include "tagsmith/base/normal.hpp"
 
 namespace tagsmith::detail::mass {
@@ -206,23 +208,18 @@ class Rays {
   float sharp_;               // one over the point spread's standard deviation, 1 / pixels
 };
 
-// `blur_px`: standard deviation of the point spread.
-GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& sensor, double blur_px,
-                 Random& random) {
+// Shares of full exposure. `blur_px`: standard deviation of the point spread.
+LightImage gather_light(const Scene& scene, const Placing& placing, const Sensor& sensor,
+                        double blur_px) {
   constexpr int kAsSharp = 8;  // pixels of a row for which the point spread is computed once
   const Rays rays(placing, std::sqrt(blur_px * blur_px + 1.0 / 12));
-  const ToneCurve& tone = ToneCurve::srgb();
-  Noise noise(random);
   const int steps = std::max(1, static_cast<int>(std::ceil(length(sensor.motion) / 1.2)));
   const auto motion_x = static_cast<float>(sensor.motion.x) / static_cast<float>(steps);
   const auto motion_y = static_cast<float>(sensor.motion.y) / static_cast<float>(steps);
   const auto exposure = static_cast<float>(sensor.exposure / steps);
-  const auto sigma = static_cast<float>(sensor.noise);
   Light light(scene);
-  GrayImage image{placing.width, placing.height, {}};
-  image.samples.resize(static_cast<std::size_t>(image.width) *
-                       static_cast<std::size_t>(image.height));
-  std::uint8_t* sample = image.samples.data();
+  LightImage image(placing.width, placing.height);
+  float* share = image.samples.data();
   for (int row = 0; row < image.height; ++row) {
     const auto y = static_cast<float>(row);
     Sight sight;
@@ -235,11 +232,27 @@ GrayImage expose(const Scene& scene, const Placing& placing, const Sensor& senso
         static_cast<PlatePlace&>(sight) = rays.through(x + t * motion_x, y + t * motion_y);
         sum += light.along(sight);
       }
-      const float share = exposure * sum;
-      const float value =
-          (sensor.linear ? 255 * share : tone.point_of(share).sample) + sigma * noise.next();
-      *sample++ = static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F);
+      *share++ = exposure * sum;
     }
+  }
+  return image;
+}
+
+GrayImage sensed(const LightImage& light, const Sensor& sensor, Random& random) {
+  if (sensor.chain) {
+    SensorModel model;
+    model.noise_sigma = sensor.noise;
+    return develop(light, through_chain(model, *sensor.chain), random());
+  }
+  const ToneCurve& tone = ToneCurve::srgb();
+  Noise noise(random);
+  const auto sigma = static_cast<float>(sensor.noise);
+  GrayImage image{light.width, light.height, {}};
+  image.samples.reserve(light.samples.size());
+  for (const float share : light.samples) {
+    const float value =
+        (sensor.linear ? 255 * share : tone.point_of(share).sample) + sigma * noise.next();
+    image.samples.push_back(static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F));
   }
   return image;
 }
@@ -300,7 +313,13 @@ void take(Picture& picture, const Scene& scene, const Placing& placing, const Se
   picture.noise = sensor.noise;
   picture.corners = placing.corners;
   picture.odd_margins = scene.odd_margins;
-  picture.image = expose(scene, placing, sensor, picture.blur_px, random);
+  if (sensor.chain) picture.blur_px = std::hypot(picture.blur_px, sensor.chain->defocus_px);
+  picture.image = sensed(gather_light(scene, placing, sensor, picture.blur_px), sensor, random);
+  if (sensor.chain) {
+    picture.jpeg = true;
+    compress(picture.image, sensor.chain->jpeg_quality);
+    return;
+  }
   picture.jpeg = chance(random, compression.share);
   if (picture.jpeg) {
     compress(picture.image, integer(random, compression.least_quality, kMostQuality));

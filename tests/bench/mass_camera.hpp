@@ -2,9 +2,12 @@
 // The camera of mass_picture.hpp: where it sees the plate, and what its sensor makes of a scene.
 #pragma once
 
+#include <optional>
+
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/image/pixel.hpp"
+#include "decoder/simulate/camera_chain.hpp"
 #include "tests/bench/lots.hpp"
 #include "tests/bench/mass_scene.hpp"
 
@@ -26,6 +29,8 @@ struct Sensor {
   bool linear = false;  // or with the sRGB tone curve
   double noise = 0;     // grey levels
   PixelPoint motion;    // pixels while exposed
+  // What a phone makes of the light; the tone is then its own, and every picture is compressed.
+  std::optional<CameraChain> chain{};
 };
 
 // A share of the pictures is saved as JPEG and loaded.
