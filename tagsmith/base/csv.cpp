@@ -27,7 +27,7 @@ std::string unmarked(std::string_view field) {
 }  // namespace
 
 std::string csv_field(const std::string& text) {
-  const std::string shown = (is_formula(without_apostrophes(text)) ? "'" : "") + text;
+  std::string shown = (is_formula(without_apostrophes(text)) ? "'" : "") + text;
   if (shown.find_first_of(",\"\t\r\n") == std::string::npos) return shown;
   std::string quoted = "\"";
   for (const char character : shown) {

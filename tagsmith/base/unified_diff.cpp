@@ -55,6 +55,8 @@ class ShortestEdit {
     return static_cast<int>(lines.size());
   }
 
+  static std::size_t index(int at) { return static_cast<std::size_t>(at); }
+
   // Whether the next change on diagonal k is a line of the new text.
   template <class At>
   static bool is_added(int changes, int k, const At& at) {
@@ -62,13 +64,13 @@ class ShortestEdit {
   }
 
   bool advance(int changes, int k) {
-    const auto at = [&](int d) { return furthest_[static_cast<std::size_t>(middle_ + d)]; };
+    const auto at = [&](int d) { return furthest_[index(middle_ + d)]; };
     int x = is_added(changes, k, at) ? at(k + 1) : at(k - 1) + 1;
     while (x < size(old_) && x - k < size(new_) &&
            old_[static_cast<std::size_t>(x)] == new_[static_cast<std::size_t>(x - k)]) {
       ++x;
     }
-    furthest_[static_cast<std::size_t>(middle_ + k)] = x;
+    furthest_[index(middle_ + k)] = x;
     return x >= size(old_) && x - k >= size(new_);
   }
 
@@ -83,7 +85,7 @@ class ShortestEdit {
     };
     for (; changes > 0; --changes) {
       const auto& before = steps_[static_cast<std::size_t>(changes)];
-      const auto at = [&](int d) { return before[static_cast<std::size_t>(d + changes + 1)]; };
+      const auto at = [&](int d) { return before[index(d + changes + 1)]; };
       const int k = x - y;
       const bool added = is_added(changes, k, at);
       keep_to(added ? at(k + 1) : at(k - 1) + 1);

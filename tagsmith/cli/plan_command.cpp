@@ -92,7 +92,7 @@ std::string as_json(const PlannedDrive& drive, const Subject& subject) {
 
 std::string as_text(const PlannedDrive& drive, const Subject& subject,
                     const PlanCommandOptions& options) {
-  const std::string report = plan_report(drive);
+  std::string report = plan_report(drive);
   if (!subject.better) return report;
   return optimisation_report(subject.better->optimisation, options.optimisation) +
          "\nThe chosen layout, planned again from its files, meets the requirement:\n" + report;

@@ -179,6 +179,7 @@ Sheet pdf_sheet(const PrintJob& job, const Page& page) {
 
 std::vector<Sheet> sheets_of(const PrintJob& job, const std::vector<Page>& pages) {
   std::vector<Sheet> sheets;
+  sheets.reserve(pages.size());
   for (const Page& page : pages) sheets.push_back(pdf_sheet(job, page));
   return sheets;
 }

@@ -147,7 +147,7 @@ Result<void> publish_with_zip(const PrintJob& job, const PrintRecord& record, St
 Result<void> write_all(const PrintJob& job, StagedFiles& files, PrintRecord& record) {
   {
     ProgressBar bar("printed", job.units.size());
-    const auto written = write_print(job, files, [&] { bar.advance([] {}); });
+    auto written = write_print(job, files, [&] { bar.advance([] {}); });
     if (!written) return written;
   }
   if (auto written = write_setting_out(job, record, files); !written) return written;
