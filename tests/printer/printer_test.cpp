@@ -114,7 +114,7 @@ TEST_CASE("a printer is measured from a scan; what its profile says is gone from
   REQUIRE_MESSAGE(output.exit_code == 0, output.err);
   const json found = json::parse(output.out);
   const double growth = printer.growth_dots * mm_per_dot();  // 0.127 mm
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     const double scale = axis == 0 ? printer.scale_right : printer.scale_down;
     CHECK(found["scale"][axis].get<double>() == doctest::Approx(scale).epsilon(3e-4));
     CHECK(std::abs(found["bar_growth_mm"][axis].get<double>() - growth) < 0.010);
