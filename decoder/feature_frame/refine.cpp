@@ -17,6 +17,7 @@
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/base/quantile.hpp"
+#include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -238,28 +239,14 @@ struct Solution {
   double scale = 1;  // of the weights
 };
 
-// Levenberg-Marquardt with the weights' scale held; at most `max_steps` steps.
+// With the weights' scale held; at most `most_steps` steps.
 Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p, double scale,
-                  int max_steps) {
-  double damping = 1e-3;
-  NormalEquations normal = accumulate(p, samples, side, scale);
-  for (int step = 0; step < max_steps && damping < 1e3; ++step) {
-    Eigen::Matrix<double, kParameters, kParameters> matrix = normal.matrix;
-    matrix.diagonal() *= 1 + damping;
-    Parameters next = p + matrix.ldlt().solve(normal.right);
-    constrain(next, side.stroke);
-    const NormalEquations tried = accumulate(next, samples, side, scale);
-    if (!(tried.cost < normal.cost)) {
-      damping *= 10;
-      continue;
-    }
-    const bool settled = normal.cost - tried.cost < kEdgeFit.settled * tried.cost;
-    p = next;
-    normal = tried;
-    damping = std::max(1e-6, damping * 0.2);
-    if (settled) break;
-  }
-  return {p, normal, scale};
+                  int most_steps) {
+  const NormalEquations found = minimise_damped(
+      p, {most_steps, kEdgeFit.settled},
+      [&](const Parameters& at) { return accumulate(at, samples, side, scale); },
+      [&](Parameters& at) { constrain(at, side.stroke); });
+  return {p, found, scale};
 }
 
 // First with the scale of the guess, then with that of what was found.

@@ -18,6 +18,7 @@
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/normal.hpp"
+#include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -172,8 +173,7 @@ Eigen::VectorXd predicted(const SideProfile& side, const Common& common, const O
 }
 
 // Of one side: residuals by their root weights, and their derivatives by common and own parameters.
-void add_side(const Problem& problem, const Parameters& p, std::size_t i, bool derive,
-              Equations& equations) {
+void add_side(const Problem& problem, const Parameters& p, std::size_t i, Equations& equations) {
   constexpr double kDelta = 0.01;
   const SideProfile& side = problem.sides[i];
   const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
@@ -192,7 +192,6 @@ void add_side(const Problem& problem, const Parameters& p, std::size_t i, bool d
     residual[k] = root[k] * off;
     equations.cost += problem.scale * problem.scale / variance * std::log1p(ratio2);
   }
-  if (!derive) return;
   Eigen::MatrixXd terms(levels.size(), kCommon + kOfSide);
   for (int j = 0; j < kCommon + kOfSide; ++j) {
     Common c = common;
@@ -210,9 +209,9 @@ void add_side(const Problem& problem, const Parameters& p, std::size_t i, bool d
   equations.right.segment<kOfSide>(at) += right.tail<kOfSide>();
 }
 
-Equations equations_at(const Problem& problem, const Parameters& p, bool derive) {
+Equations equations_at(const Problem& problem, const Parameters& p) {
   Equations equations;
-  for (std::size_t i = 0; i < 4; ++i) add_side(problem, p, i, derive, equations);
+  for (std::size_t i = 0; i < 4; ++i) add_side(problem, p, i, equations);
   for (int j = 0; j < kParameters; ++j) {
     const double weight = 1 / (problem.prior_sigma[j] * problem.prior_sigma[j]);
     const double off = problem.nominal[j] - p[j];
@@ -234,27 +233,11 @@ struct Solution {
   double cost = 0;
 };
 
-// Levenberg-Marquardt.
 Solution minimise(const Problem& problem, Parameters p) {
-  double damping = 1e-2;
-  Equations now = equations_at(problem, p, true);
-  for (int step = 0; step < kSharpening.most_steps && damping < 1e4; ++step) {
-    ParameterMatrix matrix = now.matrix;
-    matrix.diagonal() *= 1 + damping;
-    Parameters next = p + matrix.ldlt().solve(now.right);
-    constrain(next);
-    const double cost = equations_at(problem, next, false).cost;
-    if (!(cost < now.cost)) {
-      damping *= 10;
-      continue;
-    }
-    const bool settled = now.cost - cost < kSharpening.settled * cost;
-    p = next;
-    damping = std::max(1e-6, damping * 0.2);
-    if (settled) return {p, cost};
-    now = equations_at(problem, p, true);
-  }
-  return {p, now.cost};
+  const Equations found = minimise_damped(
+      p, {kSharpening.most_steps, kSharpening.settled, 1e-2},
+      [&](const Parameters& at) { return equations_at(problem, at); }, constrain);
+  return {p, found.cost};
 }
 
 double sample_count(const Problem& problem) {
@@ -265,7 +248,7 @@ double sample_count(const Problem& problem) {
 
 // Whether the plain fit leaves what a little sharpening would explain.
 bool may_be_sharpened(const Problem& problem) {
-  const Equations plain = equations_at(problem, problem.nominal, true);
+  const Equations plain = equations_at(problem, problem.nominal);
   const auto solver = plain.matrix.ldlt();
   const Parameters step = solver.solve(plain.right);
   const double variance = solver.solve(Parameters::Unit(kAmount))[kAmount];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tagsmith/symbology/upca.hpp"
+
 namespace tagsmith::detail {
 
 // What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
@@ -15,6 +17,13 @@ struct ImagingModel {
   double black = 1;    // darkness of the bars
   double shading = 0;  // change of both levels from the middle to the right end
   double pixel = 0;    // width that a place averages over, modules in the symbol's middle
+
+  // Where a module of the symbol is seen, growth aside.
+  double place_of(double module) const {
+    const double from_middle = module - kModuleCount / 2.0;
+    const double t = 2 * from_middle / kModuleCount;
+    return module + shift + stretch * from_middle + bend * t * t;
+  }
 };
 
 }  // namespace tagsmith::detail

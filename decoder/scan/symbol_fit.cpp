@@ -10,7 +10,7 @@
 
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/tuning.hpp"
-#include "tagsmith/base/wide.hpp"
+#include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -43,12 +43,6 @@ struct WeighedPlace {
 
 float root_weight(const ScanBin& bin) { return 1 / std::sqrt(static_cast<float>(bin.variance)); }
 
-std::vector<float> root_weights(const ScanProfile& profile) {
-  std::vector<float> weights(profile.size());
-  for (std::size_t i = 0; i < profile.size(); ++i) weights[i] = root_weight(profile[i]);
-  return weights;
-}
-
 // How the darkness at a place changes with the parameters, in standard deviations.
 Row weighed(const BarShare& bars, float from_middle, float weight, float contrast) {
   const float scale = contrast * weight;
@@ -57,87 +51,55 @@ Row weighed(const BarShare& bars, float from_middle, float weight, float contras
               weight * bars.share, weight * from_middle}};
 }
 
-// Standard deviations of a profile's darkness from what an image has there, squared and summed up.
-TAGSMITH_WIDE float cost_of(const ImagingModel& image, const ScanPlaces& places,
-                            const std::vector<float>& darkness, const std::vector<float>& weights,
-                            std::vector<float>& shares) {
-  const auto white = static_cast<float>(image.white);
-  const auto contrast = static_cast<float>(image.black - image.white);
-  const auto shading = static_cast<float>(image.shading);
-  const std::size_t size = places.size();
-  const float *dark = darkness.data(), *weight = weights.data(), *t = places.from_middle.data();
-  float* residuals = shares.data();
-  for (std::size_t i = 0; i < size; ++i) {
-    const float expected = white + contrast * residuals[i] + shading * t[i];
-    residuals[i] = weight[i] * (dark[i] - expected);
-  }
-  float cost = 0;
-  for (std::size_t i = 0; i < size; ++i) cost += residuals[i] * residuals[i];
-  return cost;
-}
-
 // A quadratic function about some parameters.
 struct NormalEquations {
   ParameterMatrix matrix = ParameterMatrix::Zero();
   Parameters right = Parameters::Zero();
+  double of_profile = 0;  // squares of the profile's residuals
+  double cost = 0;        // these and what the priors add
 };
-
-void add_priors(ParameterMatrix& matrix) {
-  for (int i = 0; i < kParameters; ++i) {
-    const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
-    matrix(i, i) += 1 / (sigma * sigma);
-  }
-}
 
 NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
   Eigen::Matrix<float, kParameters, kParameters> squares;
   Row right = Row::Zero();
+  float cost = 0;
   squares.setZero();
   for (const WeighedPlace& place : places) {
     squares.noalias() += place.by_parameter * place.by_parameter.transpose();
     right += place.residual * place.by_parameter;
+    cost += place.residual * place.residual;
   }
-  NormalEquations normal{squares.cast<double>(), right.cast<double>()};
-  add_priors(normal.matrix);
-  return normal;
+  return {squares.cast<double>(), right.cast<double>(), static_cast<double>(cost),
+          static_cast<double>(cost)};
+}
+
+// Holds the parameters near nominal; `off`: how far they are from there.
+void add_priors(const Parameters& off, NormalEquations& normal) {
+  for (int i = 0; i < kParameters; ++i) {
+    const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
+    const double weight = 1 / (sigma * sigma);
+    normal.matrix(i, i) += weight;
+    normal.right[i] -= weight * off[i];
+    normal.cost += weight * off[i] * off[i];
+  }
 }
 
 // A profile to be explained by given digits.
 class FitProblem {
  public:
-  FitProblem(const ScanProfile& profile, const Digits& digits, const ImagingModel& nominal)
+  FitProblem(const ScanProfile& profile, const Digits& digits, double pixel)
       : places_(profile),
         digits_(digits),
-        nominal_(pack(nominal)),
-        pixel_(nominal.pixel),
-        weights_(root_weights(profile)),
+        pixel_(pixel),
+        weights_(profile.size()),
         darkness_(profile.size()) {
     for (std::size_t i = 0; i < profile.size(); ++i) {
+      weights_[i] = root_weight(profile[i]);
       darkness_[i] = static_cast<float>(profile[i].darkness);
     }
   }
 
-  struct Cost {
-    double profile = 0;
-    double prior = 0;
-    double all() const { return profile + prior; }
-  };
-
-  Cost cost_at(const Parameters& p) const {
-    const ImagingModel image = unpack(p, pixel_);
-    std::vector<float> shares = SymbolEdges(image, digits_).shares_at(places_);
-    return {static_cast<double>(cost_of(image, places_, darkness_, weights_, shares)),
-            prior_cost(p)};
-  }
-
-  // The same from the places, which take half as long again to work out.
-  Cost cost_at(const Parameters& p, const std::vector<WeighedPlace>& places) const {
-    float cost = 0;
-    for (const WeighedPlace& place : places) cost += place.residual * place.residual;
-    return {static_cast<double>(cost), prior_cost(p)};
-  }
-
-  std::vector<WeighedPlace> places_at(const Parameters& p) const {
+  NormalEquations equations_at(const Parameters& p) const {
     const ImagingModel image = unpack(p, pixel_);
     const std::vector<BarShare> bars = SymbolEdges(image, digits_).with_derivatives_at(places_);
     const auto white = static_cast<float>(image.white);
@@ -150,32 +112,12 @@ class FitProblem {
       all[i] = {weighed(bars[i], t, weights_[i], contrast),
                 weights_[i] * (darkness_[i] - expected)};
     }
-    return all;
-  }
-
-  NormalEquations equations_at(const Parameters& p, const std::vector<WeighedPlace>& places) const {
-    NormalEquations normal = normal_equations(places);
-    for (int i = 0; i < kParameters; ++i) {
-      const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
-      normal.right[i] += (nominal_[i] - p[i]) / (sigma * sigma);
-    }
-    return normal;
+    return normal_equations(all);
   }
 
  private:
-  double prior_cost(const Parameters& p) const {
-    double cost = 0;
-    for (int i = 0; i < kParameters; ++i) {
-      const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
-      const double off = nominal_[i] - p[i];
-      cost += off * off / (sigma * sigma);
-    }
-    return cost;
-  }
-
   ScanPlaces places_;
   Digits digits_;
-  Parameters nominal_;
   double pixel_;
   std::vector<float> weights_;
   std::vector<float> darkness_;
@@ -200,39 +142,40 @@ double total_variation(const ScanProfile& profile) {
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start) {
   ImagingModel nominal_image;
   nominal_image.blur = start.blur;
-  nominal_image.pixel = start.pixel;
-  const FitProblem problem(profile, digits, nominal_image);
+  const Parameters nominal = pack(nominal_image);
+  const FitProblem problem(profile, digits, start.pixel);
   Parameters p = pack(start);
-  std::vector<WeighedPlace> places = problem.places_at(p);
-  FitProblem::Cost cost = problem.cost_at(p, places);
-  NormalEquations normal = problem.equations_at(p, places);
-  double damping = 1e-4;
-  bool is_promising = true;  // after a step that was not taken, the next may not be either
-  for (int step = 0; step < kSymbolFit.most_steps; ++step) {
-    ParameterMatrix matrix = normal.matrix;
-    matrix.diagonal() *= 1 + damping;
-    Parameters next = p + matrix.ldlt().solve(normal.right);
-    next[kLogBlur] = std::clamp(next[kLogBlur], std::log(0.05), std::log(4.0));
-    if (is_promising) places = problem.places_at(next);
-    const FitProblem::Cost tried =
-        is_promising ? problem.cost_at(next, places) : problem.cost_at(next);
-    if (!(tried.all() < cost.all())) {
-      is_promising = false;
-      damping *= 30;
-      if (damping > 1e2) break;
-      continue;
-    }
-    const double gain = cost.all() - tried.all();
-    p = next;
-    cost = tried;
-    damping = std::max(1e-6, damping * 0.1);
-    if (gain < kSymbolFit.settled * tried.all()) break;
-    if (!is_promising) places = problem.places_at(p);
-    normal = problem.equations_at(p, places);
-    is_promising = true;
-  }
-  return {unpack(p, start.pixel), cost.profile,
-          1 - cost.profile / std::max(total_variation(profile), 1e-12), 1};
+  const NormalEquations found = minimise_damped(
+      p, {kSymbolFit.most_steps, kSymbolFit.settled},
+      [&](const Parameters& at) {
+        NormalEquations normal = problem.equations_at(at);
+        add_priors(at - nominal, normal);
+        return normal;
+      },
+      [](Parameters& at) {
+        at[kLogBlur] = std::clamp(at[kLogBlur], std::log(0.05), std::log(4.0));
+      });
+  return {unpack(p, start.pixel), found.of_profile,
+          1 - found.of_profile / std::max(total_variation(profile), 1e-12), 1};
+}
+
+SeenModule seen_module(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
+                       double module, double bend_sigma) {
+  const Parameters fitted = pack(fit_symbol(profile, digits, start).image);
+  NormalEquations normal = FitProblem(profile, digits, start.pixel).equations_at(fitted);
+  const double weight = 1 / (bend_sigma * bend_sigma);
+  normal.matrix(kBend, kBend) += weight;
+  normal.right[kBend] -= weight * fitted[kBend];
+  const auto solver = normal.matrix.ldlt();
+  const Parameters p = fitted + solver.solve(normal.right);
+  const double from_middle = module - kModuleCount / 2.0;
+  Parameters by = Parameters::Zero();
+  by[kShift] = 1;
+  by[kStretch] = from_middle;
+  by[kBend] = std::pow(2 * from_middle / kModuleCount, 2);
+  const double freedom = std::max<double>(1, static_cast<double>(profile.size()) - kParameters);
+  const double noise = normal.of_profile / freedom;
+  return {unpack(p, start.pixel).place_of(module), noise * by.dot(solver.solve(by))};
 }
 
 std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,
@@ -249,7 +192,9 @@ NuisanceCovariance nuisance_covariance(const ScanProfile& profile, const Imaging
     places[i] = {weighed(bars[i], at.from_middle[i], root_weight(profile[i]), contrast), 0};
   }
   // With matrix = L L^T, the parameters' covariance is L^-T L^-1.
-  const Eigen::LLT<ParameterMatrix> root(normal_equations(places).matrix);
+  NormalEquations normal = normal_equations(places);
+  add_priors(Parameters::Zero(), normal);
+  const Eigen::LLT<ParameterMatrix> root(normal.matrix);
   const ParameterMatrix inverse = root.matrixL().solve(ParameterMatrix::Identity());
   NuisanceCovariance slack(places.size());
   for (std::size_t i = 0; i < slack.size(); ++i) {

@@ -25,6 +25,15 @@ struct SymbolFit {
 // held near nominal by weak priors, so that no profile can bend the symbol into another one.
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start);
 
+// Where a profile's bars, which show these digits, have a module, and how surely: places and levels
+// are free, and the bend is held to 0 by its standard deviation. `start` as for fit_symbol.
+struct SeenModule {
+  double at = 0;  // in modules of the profile
+  double variance = 0;
+};
+SeenModule seen_module(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
+                       double module, double bend_sigma);
+
 // What is left open of the picture of a symbol after a fit: at each place of the profile, the
 // change of the darkness by one standard deviation of eight independent combinations of the
 // parameters, as the profile and the priors leave them.

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Least squares of what is not linear in its parameters.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace tagsmith::detail {
+
+// When to stop.
+struct DampedSteps {
+  int most = 15;          // steps, those that were not taken included
+  double settled = 1e-4;  // of the cost: a step that gains less is the last
+  double damping = 1e-3;  // of the first step
+};
+
+// Levenberg-Marquardt: steps from `p` on towards the least cost, each damped by a share of the
+// normal matrix' diagonal that grows while steps gain nothing. `equations_at(p)` gives a struct
+// with the normal equations there: `matrix`, `right` (half the cost falls by its product with a
+// small step) and `cost`. `constrain(p)` puts parameters back to where the model means something.
+// Moves `p` and returns the equations where it comes to rest.
+template <class Parameters, class EquationsAt, class Constrain>
+auto minimise_damped(Parameters& p, const DampedSteps& steps, const EquationsAt& equations_at,
+                     const Constrain& constrain) {
+  constexpr double kMostDamping = 1e4;
+  double damping = steps.damping;
+  auto now = equations_at(p);
+  for (int step = 0; step < steps.most && damping < kMostDamping; ++step) {
+    auto matrix = now.matrix;
+    matrix.diagonal() *= 1 + damping;
+    Parameters next = p + matrix.ldlt().solve(now.right);
+    constrain(next);
+    auto tried = equations_at(std::as_const(next));
+    if (!(tried.cost < now.cost)) {
+      damping *= 10;
+      continue;
+    }
+    const bool settled = now.cost - tried.cost < steps.settled * tried.cost;
+    p = next;
+    now = std::move(tried);
+    damping = std::max(1e-6, damping * 0.2);
+    if (settled) break;
+  }
+  return now;
+}
+
+}  // namespace tagsmith::detail
