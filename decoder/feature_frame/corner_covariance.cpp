@@ -56,15 +56,4 @@ CornerCovariance corner_covariance(const RefinedFrame& frame) {
   return by_places * of_places * by_places.transpose();
 }
 
-CornerCovariance turned(const CornerCovariance& covariance, std::size_t first) {
-  CornerCovariance result;
-  for (std::size_t row = 0; row < 8; ++row) {
-    for (std::size_t column = 0; column < 8; ++column) {
-      result(index(row), index(column)) =
-          covariance(index(row + 2 * first), index(column + 2 * first));
-    }
-  }
-  return result;
-}
-
 }  // namespace tagsmith::detail

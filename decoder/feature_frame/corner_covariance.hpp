@@ -2,8 +2,6 @@
 // How well a refined frame's corners are known.
 #pragma once
 
-#include <cstddef>
-
 #include <Eigen/Core>
 
 namespace tagsmith::detail {
@@ -16,8 +14,5 @@ using CornerCovariance = Eigen::Matrix<double, 8, 8>;
 // Each corner is where two fitted sides meet, so neighbouring corners share a side's errors.
 // Positive definite: what no fit shows of the lens, the print and the tone curve is added.
 CornerCovariance corner_covariance(const RefinedFrame& frame);
-
-// The covariance of the corners taken in cyclic order from corner `first` on.
-CornerCovariance turned(const CornerCovariance& covariance, std::size_t first);
 
 }  // namespace tagsmith::detail

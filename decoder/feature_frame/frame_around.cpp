@@ -199,12 +199,7 @@ SideLine side_line(const BarRegion& block, PixelPoint axis, PixelPoint outward, 
   const auto point = [&](double at) {
     return block.centre + at * axis + (line.out + line.slope * at) * outward;
   };
-  SideLine side;
-  side.begin = point(begin);
-  side.end = point(end);
-  side.along = 1 / distance(side.begin, side.end) * (side.end - side.begin);
-  side.outward = {side.along.y, -side.along.x};
-  return side;
+  return line_through(point(begin), point(end));
 }
 
 // How much the bars show inside the frame and not in its white margin above and below them, grey

@@ -556,6 +556,16 @@ FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled,
 
 }  // namespace
 
+RefinedFrame turned_to(RefinedFrame frame, std::size_t first) {
+  const auto turn = [&](auto& four) {
+    std::ranges::rotate(four, four.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  turn(frame.corners);
+  turn(frame.sides);
+  turn(frame.shown);
+  return frame;
+}
+
 FrameResult<RefinedFrame> refine_frame(const GrayView& image, const Quad& settled,
                                        const LensGuess& lens, const FrameShape& shape,
                                        bool was_sharpened) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include <Eigen/Core>
 
@@ -35,6 +36,9 @@ struct RefinedFrame {
   LensDistortion lens;         // through which it was fitted
   bool was_sharpened = false;  // its picture, before that was undone
 };
+
+// The same frame with its corners and sides taken in cyclic order from corner `first` on.
+RefinedFrame turned_to(RefinedFrame frame, std::size_t first);
 
 // Fits each side of a settled inner edge with a blurred step from white inside to the black stroke
 // and, where the stroke is thin, back to white, in light. Fails when one does not converge near

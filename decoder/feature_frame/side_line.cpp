@@ -26,13 +26,17 @@ double likely_depth(double proportion, const FrameShape& shape) {
 }  // namespace
 
 // Corners are clockwise in the image, so the outside is to the left of the direction of travel.
+SideLine line_through(PixelPoint begin, PixelPoint end, SideLine line) {
+  line.begin = begin;
+  line.end = end;
+  line.along = 1.0 / std::max(distance(begin, end), 1e-9) * (end - begin);
+  line.outward = {line.along.y, -line.along.x};
+  return line;
+}
+
 SideLine side_of(const Quad& quad, std::size_t i, const FrameShape& shape) {
-  SideLine side;
-  side.begin = quad[i];
-  side.end = quad[(i + 1) % 4];
+  SideLine side = line_through(quad[i], quad[(i + 1) % 4]);
   const double side_length = std::max(distance(side.begin, side.end), 1e-9);
-  side.along = 1.0 / side_length * (side.end - side.begin);
-  side.outward = {side.along.y, -side.along.x};
   const PixelPoint middle = 0.5 * (side.begin + side.end);
   const PixelPoint opposite = 0.5 * (quad[(i + 2) % 4] + quad[(i + 3) % 4]);
   const double depth = std::max(std::abs(dot(middle - opposite, side.outward)), 1e-9);
@@ -83,12 +87,8 @@ PixelPoint tangent(const SideLine& side, double s) {
 }  // namespace
 
 SideLine moved(const SideLine& side, double begin_shift, double end_shift) {
-  SideLine line = side;
-  line.begin = side.begin + begin_shift * side.outward;
-  line.end = side.end + end_shift * side.outward;
-  line.along = 1.0 / distance(line.begin, line.end) * (line.end - line.begin);
-  line.outward = {line.along.y, -line.along.x};
-  return line;
+  return line_through(side.begin + begin_shift * side.outward, side.end + end_shift * side.outward,
+                      side);
 }
 
 std::optional<Quad> corners_of(const std::array<SideLine, 4>& sides) {

@@ -47,6 +47,9 @@ struct SideLine {
 // far to look and how thick the stroke is likely to be go by the frame's shape.
 SideLine side_of(const Quad& quad, std::size_t i, const FrameShape& shape = {});
 
+// The side through two points; in all else as another one.
+SideLine line_through(PixelPoint begin, PixelPoint end, SideLine other = {});
+
 // The taper of a side's stroke when the quadrilateral is a rectangle seen in perspective.
 double taper_of(const Quad& quad, const SideLine& side, std::size_t i);
 

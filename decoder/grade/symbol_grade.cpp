@@ -153,7 +153,7 @@ SymbolGrade combine(const std::vector<ScanGrade>& scans, bool absolute) {
 Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
                                  const SymbolLayout& layout,
                                  const std::optional<ReflectanceReferences>& references) {
-  const double modules_long = kModuleCount + 2 * layout.quiet_zone_modules;
+  const double modules_long = layout.modules();
   const Homography image_from_frame = homography_to(corners);
   const double module_px = distance(image_from_frame(0.5 - 0.5 / modules_long, 0.5),
                                     image_from_frame(0.5 + 0.5 / modules_long, 0.5));
@@ -171,7 +171,7 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
   const double modules_high = modules_long * frame_height / frame_length;
   const std::vector<PixelPoint> aperture = aperture_of(module_px);
   const double middle = (layout.bars_top + layout.bars_bottom) / 2;
-  const double half = kScannedHeight * (layout.bars_bottom - layout.bars_top) / 2;
+  const double half = kScannedHeight * layout.bar_height() / 2;
   std::vector<ScanGrade> scans;
   for (int i = 0; i < kScans; ++i) {
     const double v = middle + half * ((2 * i + 1.0) / kScans - 1);

@@ -101,9 +101,7 @@ bool is_readable(const Camera& camera, const Pose& camera_from_plate, const TagT
   // The plate's z axis points into the wall: its printed side is seen from where z is negative.
   if (inverse(camera_from_plate).translation.z() >= 0) return false;
   const SymbolLayout layout = layout_of(tag);
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  const double module = tag.frame_inner_length / modules;
-  const double left = (layout.quiet_zone_modules - kBeside * kModuleCount) * module;
+  const double left = layout.width_share(-kBeside * kModuleCount) * tag.frame_inner_length;
   const double right = tag.frame_inner_length - left;
   const double top = layout.bars_top * tag.frame_inner_height;
   const double bottom = layout.bars_bottom * tag.frame_inner_height;

@@ -10,7 +10,6 @@
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -222,8 +221,7 @@ double tolerance_of(double height) { return kBarEnds.tolerance_px / height + kBa
 }  // namespace
 
 BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens) {
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  const double first = layout.quiet_zone_modules / modules;
+  const double first = layout.width_share(0);
   return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom, lens};
 }
 

@@ -27,17 +27,6 @@ int border_at(const GrayView& image, PixelPoint corner) {
   return -1;
 }
 
-// The direction through a pixel.
-Vector3d ray(const Camera& camera, PixelPoint pixel) {
-  return {(pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy, 1};
-}
-
-std::optional<PixelPoint> seen(const Camera& camera, const Vector3d& point) {
-  if (!(point.z() > 0)) return std::nullopt;
-  return PixelPoint{camera.cx + camera.fx * point.x() / point.z(),
-                    camera.cy + camera.fy * point.y() / point.z()};
-}
-
 }  // namespace
 
 std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad) {
@@ -53,13 +42,18 @@ std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad) {
 
 std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
                                        const Camera& camera) {
-  const Vector3d p = ray(camera, cut[0]), q = ray(camera, cut[3]);
-  const Vector3d upper = p.cross(ray(camera, cut[1])), lower = q.cross(ray(camera, cut[2]));
+  std::array<Vector3d, 4> rays;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto ray = ray_through(camera, {cut[i].x, cut[i].y});
+    if (!ray) return std::nullopt;
+    rays[i] = *ray;
+  }
+  const Vector3d &p = rays[0], &q = rays[3];
+  const Vector3d upper = p.cross(rays[1]), lower = q.cross(rays[2]);
   // Both long sides run where their planes through the camera's centre meet, and the short one at
   // right angles to that.
   Vector3d along = upper.cross(lower).normalized();
-  const Vector3d forward = ray(camera, cut[1]) - p;
-  if ((along - along.z() * p).dot(forward) < 0) along = -along;
+  if ((along - along.z() * p).dot(rays[1] - p) < 0) along = -along;
   const Vector3d down = p.cross(q).cross(along).normalized();
   // depth_q * q - depth_p * p = height * down
   Eigen::Matrix<double, 3, 2> sides;
@@ -68,10 +62,10 @@ std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
       (sides.transpose() * sides).inverse() * sides.transpose() * (shape.height * down);
   if (depths[0] < 0 && depths[1] < 0) depths = -depths;
   if (!(depths.minCoeff() > 0)) return std::nullopt;
-  const auto f = seen(camera, depths[0] * p + shape.length * along);
-  const auto r = seen(camera, depths[1] * q + shape.length * along);
+  const auto f = project(camera, depths[0] * p + shape.length * along);
+  const auto r = project(camera, depths[1] * q + shape.length * along);
   if (!f || !r) return std::nullopt;
-  const Quad whole{cut[0], *f, *r, cut[3]};
+  const Quad whole{cut[0], {f->x(), f->y()}, {r->x(), r->y()}, cut[3]};
   return is_convex(whole) ? std::optional(whole) : std::nullopt;
 }
 

@@ -23,7 +23,7 @@ using Source = TagHypothesis::Source;
 double module_across(const Quad& frame) {
   const double one = (distance(frame[0], frame[1]) + distance(frame[2], frame[3])) / 2;
   const double other = (distance(frame[1], frame[2]) + distance(frame[3], frame[0])) / 2;
-  return std::max(one, other) / (kModuleCount + 2 * SymbolLayout{}.quiet_zone_modules);
+  return std::max(one, other) / SymbolLayout{}.modules();
 }
 
 // Where the bars are in a frame of which a side may be something else's edge.
@@ -32,7 +32,7 @@ BarRegion bars_inside(const GrayView& image, const Quad& quad) {
   const Homography map =
       homography_to({quad[first], quad[first + 1], quad[(first + 2) % 4], quad[(first + 3) % 4]});
   const SymbolLayout layout;
-  const double margin = layout.quiet_zone_modules / (kModuleCount + 2 * layout.quiet_zone_modules);
+  const double margin = layout.width_share(0);
   const PixelPoint left = map(margin, 0.5), right = map(1 - margin, 0.5);
   BarRegion region;
   region.centre = 0.5 * (left + right);
@@ -474,14 +474,10 @@ bool Detector::is_worth_care(double module_px) const {
 }
 
 FrameCorners Detector::expected_corners(const SymbolHypothesis& symbol) const {
-  const RefinedFrame& completed = symbol.frame;
-  const FrameCorners expected = corners_by_bars(symbol);
-  if (completed.shown[1] && completed.shown[3]) return expected;
-  const double stroke_px = (completed.sides[0].stroke_px + completed.sides[2].stroke_px) / 2;
-  RefinedFrame aligned = completed;
-  aligned.corners = aligned_to_bars(image_, expected, stroke_px, symbol.layout, completed.lens);
-  std::ranges::rotate(aligned.sides,
-                      aligned.sides.begin() + static_cast<std::ptrdiff_t>(symbol.first_corner));
+  RefinedFrame aligned = symbol.frame;
+  aligned.corners = corners_by_bars(symbol);
+  if (aligned.shown[1] && aligned.shown[3]) return aligned.corners;
+  aligned.corners = aligned_to_bars(image_, aligned, symbol.layout);
   const auto again = better_hypothesis(image_, aligned, options_);
   return again ? corners_by_bars(*again) : aligned.corners;
 }

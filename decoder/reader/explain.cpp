@@ -65,17 +65,15 @@ void add_symbol(const SymbolHypothesis& symbol, ExplainedSymbol& explained) {
   explained.profile =
       symbol.decoding.upside_down ? turned(symbol.profile.bins) : symbol.profile.bins;
   const SymbolLayout& layout = symbol.layout;
-  const FrameHomography image_from_frame(turned_to(symbol.frame, symbol.first_corner).corners,
-                                         symbol.frame.lens);
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  const auto u_of = [&](double module) { return (layout.quiet_zone_modules + module) / modules; };
+  const FrameHomography image_from_frame(symbol.frame.corners, symbol.frame.lens);
   for (const double v : {layout.bars_top, 0.5, layout.bars_bottom}) {
-    explained.lines.push_back(
-        {image_from_frame(u_of(0), v), image_from_frame(u_of(kModuleCount), v)});
+    explained.lines.push_back({image_from_frame(layout.width_share(0), v),
+                               image_from_frame(layout.width_share(kModuleCount), v)});
   }
   for (int i = 0; i < kDigitCount; ++i) {
     const double middle = first_module_of_digit(i) + kModulesPerDigit / 2.0;
-    explained.digit_places[static_cast<std::size_t>(i)] = image_from_frame(u_of(middle), 0.5);
+    explained.digit_places[static_cast<std::size_t>(i)] =
+        image_from_frame(layout.width_share(middle), 0.5);
   }
 }
 

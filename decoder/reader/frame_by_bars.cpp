@@ -33,13 +33,6 @@ struct FramedBars {
   FrameShape shape;
 };
 
-SideLine line_through(PixelPoint begin, PixelPoint end) {
-  SideLine line;
-  line.begin = begin;
-  line.end = end;
-  return moved(line, 0, 0);
-}
-
 // Where a module's line crosses a line parallel to `across`, `down` pixels along the bars from the
 // centre.
 PixelPoint crossing(const LocatedBars& bars, const BarRegion& block, double module, double down) {
@@ -81,7 +74,7 @@ void add_sides_by_ends(const BarField& field, const BarEnds& upper, const BarEnd
   const FrameHomography image_from_bars({at(field.first, upper), at(field.last, upper),
                                          at(field.last, lower), at(field.first, lower)},
                                         field.lens);
-  const double height = layout.bars_bottom - layout.bars_top;
+  const double height = layout.bar_height();
   const double above = -layout.bars_top / height, below = (1 - layout.bars_top) / height;
   framed.sides[0] = line_through(image_from_bars(0, above), image_from_bars(1, above));
   framed.sides[2] = line_through(image_from_bars(1, below), image_from_bars(0, below));

@@ -8,7 +8,6 @@
 #include <functional>
 #include <utility>
 
-#include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
@@ -17,9 +16,38 @@
 namespace tagsmith::detail {
 namespace {
 
-// What speaks against believing the symbol by itself, or nothing.
-std::optional<Objection> objection(const SymbolHypothesis& symbol, const ReadOptions& options) {
-  const Decoding& decoding = symbol.decoding;
+// Whether a symbol shows too little for its covered digits to be more than guesses.
+bool too_little_shown(const SymbolProfile& profile) {
+  constexpr double kSaysNothing = 1;  // variance
+  const auto hidden = std::ranges::count_if(
+      profile.bins, [](const ScanBin& bin) { return bin.variance > kSaysNothing; });
+  return static_cast<double>(hidden) >
+         kJudge.most_hidden * static_cast<double>(profile.bins.size());
+}
+
+// What is told of a symbol that is believed.
+Reading reading_from(SymbolHypothesis symbol, ReadingMethod method) {
+  Reading reading;
+  reading.digits = symbol.decoding.digits;
+  reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
+  reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
+  reading.corners = corners_of(symbol);
+  RefinedFrame frame = symbol.frame;
+  const double growth = growth_of(symbol).doubt_px / 2;
+  for (FrameSide& side : frame.sides) {
+    side.covariance += Eigen::Matrix2d::Constant(growth * growth / kCorner.alike);
+  }
+  reading.corner_covariance = corner_covariance(frame);
+  reading.module_px = symbol.profile.module_px;
+  reading.confidence = symbol.decoding.confidence;
+  reading.method = method;
+  reading.symbol = std::move(symbol);
+  return reading;
+}
+
+}  // namespace
+
+std::optional<Objection> objection_to(const Decoding& decoding, const ReadOptions& options) {
   const SymbolFit& fit = decoding.fit;
   const bool with_book = !options.code_book.empty();
   const double sure = options.min_confidence.value_or(with_book ? kSureWithBook : kSureInFrame);
@@ -43,61 +71,25 @@ std::optional<Objection> objection(const SymbolHypothesis& symbol, const ReadOpt
   return std::nullopt;
 }
 
-// Whether the upper or the lower half of the bars' height shows another symbol clearly: something
-// lies on part of the height, and what shows beside it may be no digit. Symbols that are beyond
-// doubt by their whole height are not asked.
-// Why: docs/decisions/0004-occlusion.md.
-bool halves_contradict(const GrayView& image, const SymbolHypothesis& symbol) {
-  const Decoding& decoding = symbol.decoding;
+bool halves_contradict(const RobustProfile& rows, const Decoding& decoding) {
   if (1 - decoding.confidence < kJudge.beyond_doubt) return false;
-  const std::size_t first = (symbol.first_corner + (decoding.upside_down ? 2 : 0)) % 4;
-  const RobustProfile profile(image, symbol.frame, first, symbol.layout);
   const auto contradicts = [&](const HeightShare& half) {
-    return log_odds_of_another(profile.of_agreeing_rows(half).bins, decoding) > kJudge.clearly;
+    return log_odds_of_another(rows.of_agreeing_rows(half).bins, decoding) > kJudge.clearly;
   };
   return contradicts({0, 0.5}) || contradicts({0.5, 1});
 }
 
-// Whether a symbol shows too little for its covered digits to be more than guesses.
-bool too_little_shown(const SymbolProfile& profile) {
-  constexpr double kSaysNothing = 1;  // variance
-  const auto hidden = std::ranges::count_if(
-      profile.bins, [](const ScanBin& bin) { return bin.variance > kSaysNothing; });
-  return static_cast<double>(hidden) >
-         kJudge.most_hidden * static_cast<double>(profile.bins.size());
-}
-
-// What is told of a symbol that is believed.
-Reading reading_from(SymbolHypothesis symbol, ReadingMethod method) {
-  Reading reading;
-  reading.digits = symbol.decoding.digits;
-  reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
-  reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
-  reading.corners = corners_of(symbol);
-  RefinedFrame frame = symbol.frame;
-  const double growth = growth_of(symbol).doubt_px / 2;
-  for (FrameSide& side : frame.sides) {
-    side.covariance += Eigen::Matrix2d::Constant(growth * growth / kCorner.alike);
-  }
-  reading.corner_covariance = turned(corner_covariance(frame), symbol.first_corner);
-  reading.module_px = symbol.profile.module_px;
-  reading.confidence = symbol.decoding.confidence;
-  reading.method = method;
-  reading.symbol = std::move(symbol);
-  return reading;
-}
-
-}  // namespace
-
 std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolHypothesis& symbol,
                                             const ReadOptions& options) {
-  if (const auto by_itself = objection(symbol, options)) return by_itself;
-  const auto [corners, sides] = turned_to(symbol.frame, symbol.first_corner);
-  const double stroke = stroke_share(corners, (sides[0].stroke_px + sides[2].stroke_px) / 2);
-  const auto strips =
-      strips_along_bars(image, FrameHomography(corners, symbol.frame.lens), symbol.layout, stroke);
-  if (strips.empty() && !halves_contradict(image, symbol)) return std::nullopt;
-  return Objection{RejectionReason::covered};
+  const Decoding& decoding = symbol.decoding;
+  if (const auto by_itself = objection_to(decoding, options)) return by_itself;
+  const Objection covered{RejectionReason::covered};
+  if (!strips_along_bars(image, symbol.frame, symbol.layout).empty()) {
+    return covered;
+  }
+  const RobustProfile rows(image, turned_to(symbol.frame, decoding.upside_down ? 2 : 0),
+                           symbol.layout);
+  return halves_contradict(rows, decoding) ? std::optional(covered) : std::nullopt;
 }
 
 std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
@@ -111,7 +103,8 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto careful = look.by_all_rows(options, added);
     if (!careful || careful->decoding.fit.explained < kJudge.worth_light) return std::nullopt;
-    if (!objection(*careful, options) && !too_little_shown(careful->profile)) return careful;
+    if (!objection_to(careful->decoding, options) && !too_little_shown(careful->profile))
+      return careful;
   }
   return std::nullopt;
 }
@@ -127,7 +120,7 @@ std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const Re
   alone.check = options.check;
   alone.layouts = options.layouts;
   auto symbol = quick_hypothesis(image, frame, alone);
-  if (!symbol || objection(*symbol, alone)) return std::nullopt;
+  if (!symbol || objection_to(symbol->decoding, alone)) return std::nullopt;
   const auto& book = options.code_book;
   const bool is_known = std::ranges::find(book, symbol->decoding.digits) != book.end();
   return is_known ? std::nullopt : std::move(symbol);
@@ -144,7 +137,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   if (verdict.kind != EndsVerdict::hidden) return reading_from(symbol, method);
   std::array<bool, 4> shown{};
   for (std::size_t i = 0; i < 4; ++i) {
-    shown[i] = frame.shown[(symbol.first_corner + i) % 4] && i != verdict.side;
+    shown[i] = frame.shown[i] && i != verdict.side;
   }
   const auto completed = refine_shown_sides(image, verdict.corners, shown, verdict.sigma_px,
                                             frame.lens, symbol.layout.frame);

@@ -21,6 +21,15 @@ struct Objection {
   double limit = 0;
 };
 
+// What speaks against believing a symbol by what was decoded alone; nothing: that is in order.
+std::optional<Objection> objection_to(const Decoding& decoding, const ReadOptions& options);
+
+// Whether the upper or the lower half of the bars' height shows another symbol clearly: something
+// lies on part of the height, and what shows beside it may be no digit. Symbols that are beyond
+// doubt by their whole height are not asked. `rows` run as they were decoded.
+// Why: docs/decisions/0004-occlusion.md.
+bool halves_contradict(const RobustProfile& rows, const Decoding& decoding);
+
 // What speaks against believing a symbol that was read without regard to covers; nothing: it is
 // believed.
 std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolHypothesis& symbol,

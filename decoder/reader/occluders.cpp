@@ -171,10 +171,9 @@ constexpr int kPlacesPerModule = 2;
 // Places along the symbol, in the unit square, every half module and a little beyond the bars.
 std::vector<double> places_along(const SymbolLayout& layout) {
   constexpr int kBeyond = 2;  // modules to either side of the bars
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
   std::vector<double> places;
   for (int k = -kBeyond * kPlacesPerModule; k < (kModuleCount + kBeyond) * kPlacesPerModule; ++k) {
-    places.push_back((layout.quiet_zone_modules + (k + 0.5) / kPlacesPerModule) / modules);
+    places.push_back(layout.width_share((k + 0.5) / kPlacesPerModule));
   }
   return places;
 }
@@ -319,7 +318,7 @@ std::vector<Occluder> strips_between(const GrayView& image, const FrameHomograph
   if (rows.spread > 0) {
     for (Row* row : {&above, &below}) add_neighbours(*row, image, image_from_frame, rows.spread);
   }
-  const double bars_share = (layout.bars_bottom - layout.bars_top) / (rows.v_below - rows.v_above);
+  const double bars_share = layout.bar_height() / (rows.v_below - rows.v_above);
   std::vector<Occluder> strips;
   const auto add = [&](const Crossing& begin, const Crossing& end) {
     if (!lies_along_bars(begin, end, bars_share)) return;
@@ -343,16 +342,20 @@ std::vector<Occluder> strips_between(const GrayView& image, const FrameHomograph
   return strips;
 }
 
-}  // namespace
-
-double stroke_share(const Quad& corners, double stroke_px) {
+// The stroke's thickness as a share of the inner height, of what feature frames have.
+double stroke_share(const RefinedFrame& frame) {
+  const Quad& corners = frame.corners;
   const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  const double stroke_px = (frame.sides[0].stroke_px + frame.sides[2].stroke_px) / 2;
   return std::clamp(stroke_px / height, 0.02, 0.2);
 }
 
-std::vector<Occluder> strips_along_bars(const GrayView& image,
-                                        const FrameHomography& image_from_frame,
-                                        const SymbolLayout& layout, double stroke) {
+}  // namespace
+
+std::vector<Occluder> strips_along_bars(const GrayView& image, const RefinedFrame& frame,
+                                        const SymbolLayout& layout) {
+  const FrameHomography image_from_frame(frame.corners, frame.lens);
+  const double stroke = stroke_share(frame);
   const std::vector<double> places = places_along(layout);
   const std::vector<double> bars = levels_at(image, image_from_frame, places, 0.5);
   const double contrast = quantile_of(bars, 0.9) - quantile_of(bars, 0.1);
@@ -366,10 +369,11 @@ std::vector<Occluder> strips_along_bars(const GrayView& image,
   return strips;
 }
 
-std::vector<Occluder> find_occluders(const GrayView& image, const FrameHomography& image_from_frame,
-                                     const SymbolLayout& layout, double stroke) {
-  const double module = 1 / (kModuleCount + 2 * layout.quiet_zone_modules);
-  const double quiet = layout.quiet_zone_modules * module;
+std::vector<Occluder> find_occluders(const GrayView& image, const RefinedFrame& frame,
+                                     const SymbolLayout& layout) {
+  const FrameHomography image_from_frame(frame.corners, frame.lens);
+  const double stroke = stroke_share(frame);
+  const double quiet = layout.width_share(0);
   const double margin = std::min(layout.bars_top, 1 - layout.bars_bottom);
   const double stroke_u = stroke * quiet / margin;  // as thick on all sides
   Loop white = loop_at(image, image_from_frame, quiet / 2, margin / 2, quiet / 12, margin / 12);
@@ -378,7 +382,7 @@ std::vector<Occluder> find_occluders(const GrayView& image, const FrameHomograph
   expect(white, 0.7);
   expect(black, 0.3);
   const double contrast = quantile_of(white.expected, 0.5) - quantile_of(black.expected, 0.5);
-  std::vector<Occluder> strips = strips_along_bars(image, image_from_frame, layout, stroke);
+  std::vector<Occluder> strips = strips_along_bars(image, frame, layout);
   if (!(contrast > 0)) return strips;
   add_strips(image, image_from_frame, white, contrast, strips);
   add_strips(image, image_from_frame, black, contrast, strips);

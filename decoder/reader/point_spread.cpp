@@ -8,7 +8,6 @@
 
 #include "decoder/image/pixel.hpp"
 #include "decoder/reader/tuning.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -60,11 +59,8 @@ class Interpolation {
 void set_spreads(const FrameHomography& image_from_frame, const SymbolLayout& layout,
                  ScanProfile& profile) {
   if (profile.empty()) return;
-  const double quiet = layout.quiet_zone_modules;
   const double middle = width_across(image_from_frame, 0.5);
-  const auto u_of = [&](const ScanBin& bin) {
-    return (bin.at + quiet) / (kModuleCount + 2 * quiet);
-  };
+  const auto u_of = [&](const ScanBin& bin) { return layout.width_share(bin.at); };
   const Interpolation spread(u_of(profile.front()), u_of(profile.back()), [&](double u) {
     return middle / std::max(width_across(image_from_frame, u), 1e-12);
   });

@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/refine.hpp"
-#include "decoder/feature_frame/tuning.hpp"
+#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/cut_frame.hpp"
+#include "decoder/reader/judge.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -39,20 +39,11 @@ struct Part {
   PartDecoding decoding{};
 };
 
-double modules_inside(const SymbolLayout& layout) {
-  return kModuleCount + 2 * layout.quiet_zone_modules;
-}
-
 // The picture's camera, as far as it is known: elsewise one with a usual lens.
 Camera camera_for(const GrayView& image, const ReadOptions& options) {
   if (options.camera) return *options.camera;
-  Camera camera;
-  camera.width = image.width;
-  camera.height = image.height;
-  camera.cx = (image.width - 1) / 2.0;
-  camera.cy = (image.height - 1) / 2.0;
-  camera.fx = camera.fy = kPart.usual_focal * std::max(image.width, image.height);
-  return camera;
+  const double focal_length = kPart.usual_focal * std::max(image.width, image.height);
+  return camera_from_sensor(image.width, image.height, focal_length, image.width, image.height);
 }
 
 // The profile when the symbol is so many times as long as the frame says that was cut out of the
@@ -74,55 +65,17 @@ std::optional<PartDecoding> decode(const ScanProfile& profile, double blur,
   return decode_part(profile, start, {options.check, options.code_book});
 }
 
-// Where a module of the symbol is seen, modules of the frame, and how surely.
-struct SeenModule {
-  double at = 0;
-  double variance = 0;
-};
-
-// By the bars of a profile that runs from the frame's side 3 on, which show these digits: places
-// and levels as the bars have them, but hardly bent, because the frame's sides tell how it is
-// foreshortened.
-SeenModule seen_module(const ScanProfile& from_side, const Decoding& decoding, double module) {
-  using Vector8 = Eigen::Matrix<double, 8, 1>;
-  const ScanProfile profile = decoding.upside_down ? turned(from_side) : from_side;
-  const ImagingModel image = fit_symbol(profile, decoding.digits, decoding.fit.image).image;
-  const std::vector<BarShare> bars = bar_shares(profile, image, decoding.digits);
-  Eigen::Matrix<double, 8, 8> normal = Eigen::Matrix<double, 8, 8>::Zero();
-  Vector8 right = Vector8::Zero();
-  const double contrast = image.black - image.white;
-  double cost = 0;
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    const BarShare& bar = bars[i];
-    const double t = 2 * profile[i].at / kModuleCount - 1;
-    const auto share = static_cast<double>(bar.share);
-    const double residual =
-        profile[i].darkness - (image.white + contrast * share + image.shading * t);
-    Vector8 row;
-    row << contrast * static_cast<double>(bar.by_log_blur),
-        contrast * static_cast<double>(bar.by_shift),
-        contrast * static_cast<double>(bar.by_stretch), contrast * static_cast<double>(bar.by_bend),
-        contrast * static_cast<double>(bar.by_growth), 1 - share, share, t;
-    normal += row * row.transpose() / profile[i].variance;
-    right += row * residual / profile[i].variance;
-    cost += residual * residual / profile[i].variance;
-  }
-  normal.diagonal().array() += 1e-6;
-  const double bend_weight = 1 / (kPart.bend_sigma * kPart.bend_sigma);
-  normal(3, 3) += bend_weight;
-  right[3] -= bend_weight * image.bend;
-  const Eigen::LDLT<Eigen::Matrix<double, 8, 8>> solver(normal);
-  const Vector8 step = solver.solve(right);
-  const double from_middle = module - kModuleCount / 2.0;
-  const double t = 2 * from_middle / kModuleCount;
-  Vector8 by = Vector8::Zero();
-  by[1] = 1;
-  by[2] = from_middle;
-  by[3] = t * t;
-  const double noise = cost / std::max<double>(1, static_cast<double>(profile.size()) - 8);
-  const double at = module + image.shift + step[1] + (image.stretch + step[2]) * from_middle +
-                    (image.bend + step[3]) * t * t;
-  return {decoding.upside_down ? kModuleCount - at : at, noise * by.dot(solver.solve(by))};
+// Where the far side of the frame is seen by the bars of a profile that runs from its side 3 on,
+// hardly bent, because the frame's sides tell how it is foreshortened.
+SeenModule seen_far_side(const ScanProfile& from_side, const Decoding& decoding,
+                         const SymbolLayout& layout) {
+  const double quiet = layout.quiet_zone_modules;
+  const auto seen_in = [&](const ScanProfile& profile, double sought) {
+    return seen_module(profile, decoding.digits, decoding.fit.image, sought, kPart.bend_sigma);
+  };
+  if (!decoding.upside_down) return seen_in(from_side, kModuleCount + quiet);
+  const SeenModule seen = seen_in(turned(from_side), -quiet);
+  return {kModuleCount - seen.at, seen.variance};
 }
 
 // The frame's far side as the bars of the upper and the lower half of their height have it.
@@ -132,26 +85,19 @@ struct FarSide {
   double at_upper = 0, at_lower = 0;  // heights of these, shares of the frame's
 };
 
-PixelPoint place_of(const FrameHomography& map, const SymbolLayout& layout, double module,
-                    double v) {
-  return map((module + layout.quiet_zone_modules) / modules_inside(layout), v);
-}
-
 FarSide far_side_of(const Part& part) {
   const FrameHomography map(part.frame.corners, {});
   const SymbolLayout& layout = part.layout;
   const Decoding& decoding = part.decoding.decoding;
-  const double far = kModuleCount + layout.quiet_zone_modules;
-  const double sought = decoding.upside_down ? -layout.quiet_zone_modules : far;
-  const double bars = layout.bars_bottom - layout.bars_top;
+  const double bars = layout.bar_height();
   const double edge = (0.5 + kProfile.safe_ends) / 2;  // where a half's middle is, of the bars
   FarSide side;
   side.at_upper = layout.bars_top + edge * bars;
   side.at_lower = layout.bars_bottom - edge * bars;
   const auto place = [&](HeightShare half, double v) {
-    const SeenModule seen = seen_module(part.rows.of_agreeing_rows(half).bins, decoding, sought);
-    const PixelPoint at = place_of(map, layout, seen.at, v);
-    const double module_px = distance(at, place_of(map, layout, seen.at + 1, v));
+    const SeenModule seen = seen_far_side(part.rows.of_agreeing_rows(half).bins, decoding, layout);
+    const PixelPoint at = map(layout.width_share(seen.at), v);
+    const double module_px = distance(at, map(layout.width_share(seen.at + 1), v));
     side.sigma_px = std::max(side.sigma_px, module_px * std::sqrt(seen.variance));
     return at;
   };
@@ -160,16 +106,10 @@ FarSide far_side_of(const Part& part) {
   return side;
 }
 
-PixelPoint meeting(PixelPoint a, PixelPoint b, PixelPoint c, PixelPoint d) {
-  const PixelPoint ab = b - a, cd = d - c;
-  return a + cross(c - a, cd) / cross(ab, cd) * ab;
-}
-
 // A frame with its side 1 along a line.
-Quad with_far_side(Quad quad, const FarSide& side) {
-  quad[1] = meeting(quad[0], quad[1], side.upper, side.lower);
-  quad[2] = meeting(quad[3], quad[2], side.upper, side.lower);
-  return quad;
+Quad with_far_side(const Quad& quad, const FarSide& side) {
+  const SideLine far = line_through(side.upper, side.lower);
+  return corners_of({side_of(quad, 0), far, side_of(quad, 2), side_of(quad, 3)}).value_or(quad);
 }
 
 // What the bars say of how well side 1 is known at its begin and end, from two places on it.
@@ -187,7 +127,7 @@ std::optional<Part> read_anew(const GrayView& image, const Quad& corners,
                               const SymbolLayout& layout, const ReadOptions& options) {
   auto frame = fit_cut_frame(image, corners, layout.frame);
   if (!frame) return std::nullopt;
-  const RobustProfile rows(image, *frame, 0, layout);
+  const RobustProfile rows(image, *frame, layout);
   Part part{*std::move(frame), layout, rows, rows.of_agreeing_rows()};
   auto decoding = decode(part.profile.bins, part.profile.blur, options);
   if (!decoding) return std::nullopt;
@@ -219,7 +159,7 @@ std::vector<double> likely_lengths(const SymbolProfile& profile, const SymbolLay
 // The part at the length at which the bars are explained best.
 std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame& frame,
                                        const SymbolLayout& layout, const ReadOptions& options) {
-  const SymbolProfile profile = RobustProfile(image, frame, 0, layout).of_agreeing_rows();
+  const SymbolProfile profile = RobustProfile(image, frame, layout).of_agreeing_rows();
   const int most = options.camera ? kPart.steps : kPart.steps_unknown;
   std::optional<PartDecoding> best;
   double length = 1;
@@ -235,20 +175,18 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
   // The far side at this length, as the fit of the bars corrects it.
   const FrameHomography map(frame.corners, {});
   const double quiet = layout.quiet_zone_modules;
-  const double sought = best->decoding.upside_down ? -quiet : kModuleCount + quiet;
   const SeenModule seen =
-      seen_module(stretched(profile.bins, length, layout), best->decoding, sought);
-  const double module = (seen.at + quiet) * length - quiet;
+      seen_far_side(stretched(profile.bins, length, layout), best->decoding, layout);
+  const double far = layout.width_share((seen.at + quiet) * length - quiet);
   Quad quad = frame.corners;
-  quad[1] = place_of(map, layout, module, 0);
-  quad[2] = place_of(map, layout, module, 1);
+  quad[1] = map(far, 0);
+  quad[2] = map(far, 1);
   return read_anew(image, quad, layout, options);
 }
 
 // The share of the frame's inner width, from side 3 on, that the profile shows.
 double width_in_sight(const Part& part) {
-  return (part.profile.bins.back().at + part.layout.quiet_zone_modules) /
-         modules_inside(part.layout);
+  return part.layout.width_share(part.profile.bins.back().at);
 }
 
 // Whether the bars in sight end where the layout has them in this frame.
@@ -257,44 +195,28 @@ bool bars_end_right(const GrayView& image, const Part& part) {
   const FrameHomography map(part.frame.corners, {});
   const double end = width_in_sight(part);
   const Quad shown{map(0, 0), map(end, 0), map(end, 1), map(0, 1)};
-  const double first = layout.quiet_zone_modules / modules_inside(layout) / end;
+  const double first = layout.width_share(0) / end;
   return bars_end_near(image, {shown, first, 1, layout.bars_top, layout.bars_bottom});
 }
 
 // Whether something lies along the bars over all of their height: it may turn a digit into another.
 bool is_crossed(const GrayView& image, const Part& part) {
-  const auto& sides = part.frame.sides;
-  const double stroke =
-      stroke_share(part.frame.corners, (sides[0].stroke_px + sides[2].stroke_px) / 2);
   const double end = width_in_sight(part);
-  const auto strips =
-      strips_along_bars(image, FrameHomography(part.frame.corners, {}), part.layout, stroke);
+  const auto strips = strips_along_bars(image, part.frame, part.layout);
   return std::ranges::any_of(strips, [&](const Occluder& strip) {
     const auto [from, to] = hidden_width(strip, 0.5);
     return from < end;
   });
 }
 
-bool halves_contradict(const Part& part) {
-  const Decoding& decoding = part.decoding.decoding;
-  if (1 - decoding.confidence < kJudge.beyond_doubt) return false;
-  const auto contradicts = [&](HeightShare half) {
-    return log_odds_of_another(part.rows.of_agreeing_rows(half).bins, decoding) > kJudge.clearly;
-  };
-  return contradicts({0, 0.5}) || contradicts({0.5, 1});
-}
-
 bool is_believed(const GrayView& image, const Part& part, const ReadOptions& options) {
   const Decoding& decoding = part.decoding.decoding;
-  const SymbolFit& fit = decoding.fit;
   const auto digits = std::ranges::count(part.decoding.in_sight, true);
   const double alike = kOdds.strangers * static_cast<double>(options.code_book.size()) /
                        std::pow(10, static_cast<double>(digits));
-  return decoding.guards >= kJudge.guards && fit.explained >= kJudge.explained &&
-         decoding.worst_digit >= kJudge.digit && fit.kept >= kJudge.least_kept &&
-         std::abs(fit.image.growth) <= kJudge.most_growth && alike < kPart.most_alike &&
-         decoding.confidence >= options.min_confidence.value_or(kSureWithBook) &&
-         bars_end_right(image, part) && !is_crossed(image, part) && !halves_contradict(part);
+  return !objection_to(decoding, options) && alike < kPart.most_alike &&
+         bars_end_right(image, part) && !is_crossed(image, part) &&
+         !halves_contradict(part.rows, decoding);
 }
 
 bool in_picture(const GrayView& image, PixelPoint at) {
@@ -303,18 +225,18 @@ bool in_picture(const GrayView& image, PixelPoint at) {
 
 PartReading reading_of(const GrayView& image, Part part) {
   const Decoding& decoding = part.decoding.decoding;
-  const std::size_t first = decoding.upside_down ? 2 : 0;
   const FarSide far = far_side_of(part);
   const double growth_px = decoding.fit.image.growth * part.profile.module_px;
   RefinedFrame frame = part.frame;
   frame.corners = with_far_side(widened(frame.corners, growth_px / 2), far);
   frame.sides[1].covariance = covariance_of(far);
+  frame = turned_to(std::move(frame), decoding.upside_down ? 2 : 0);
   PartReading reading;
+  reading.corners = frame.corners;
   for (std::size_t i = 0; i < 4; ++i) {
-    reading.corners[i] = frame.corners[(first + i) % 4];
     reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
   }
-  reading.corner_covariance = turned(corner_covariance(frame), first);
+  reading.corner_covariance = corner_covariance(frame);
   reading.candidates = std::move(part.decoding.candidates);
   reading.in_sight = part.decoding.in_sight;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);

@@ -39,7 +39,7 @@ double blur_across(const std::array<FrameSide, 4>& sides, double pixel) {
   return std::sqrt(std::max(blur * blur - pixel * pixel / 12, blur * blur / 4));
 }
 
-SymbolProfile finished(ScanProfile bins, const SymbolRows& rows, const TurnedFrame& frame) {
+SymbolProfile finished(ScanProfile bins, const SymbolRows& rows, const RefinedFrame& frame) {
   set_spreads(rows.image_from_frame, rows.layout, bins);
   const double per_px = 1 / std::max(rows.module_px, 1e-3);
   const double pixel = pixel_across(rows);
@@ -60,12 +60,11 @@ void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
   }
 }
 
-// The fine rows of a symbol without what occluders hide. `stroke_px` is the frame's.
-SymbolRows rows_in_sight(const GrayView& image, const Quad& corners, const LensDistortion& lens,
-                         const SymbolLayout& layout, double stroke_px) {
-  SymbolRows rows(image, corners, lens, layout, RowHeight::fine);
-  const double stroke = stroke_share(corners, stroke_px);
-  hide_behind(find_occluders(image, rows.image_from_frame, layout, stroke), rows);
+// The fine rows of a symbol without what occluders hide.
+SymbolRows rows_in_sight(const GrayView& image, const RefinedFrame& frame,
+                         const SymbolLayout& layout) {
+  SymbolRows rows(image, frame.corners, frame.lens, layout, RowHeight::fine);
+  hide_behind(find_occluders(image, frame, layout), rows);
   return rows;
 }
 
@@ -132,26 +131,16 @@ std::optional<Lean> lean_of(const SymbolRows& rows) {
 
 }  // namespace
 
-TurnedFrame turned_to(const RefinedFrame& frame, std::size_t first_corner) {
-  TurnedFrame turned;
-  for (std::size_t i = 0; i < 4; ++i) {
-    turned.corners[i] = frame.corners[(first_corner + i) % 4];
-    turned.sides[i] = frame.sides[(first_corner + i) % 4];
-  }
-  return turned;
-}
-
 RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
-                             std::size_t first_corner, const SymbolLayout& layout)
+                             const SymbolLayout& layout)
     : image_(image),
-      frame_(turned_to(frame, first_corner)),
-      lens_(frame.lens),
-      rows_(image, frame_.corners, frame.lens, layout, RowHeight::coarse) {}
+      frame_(frame),
+      rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {}
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
   // Where the frame's blur or its corners' error may reach, the bars' ends are not used.
   const SymbolLayout& layout = rows_.layout;
-  const double bars = layout.bars_bottom - layout.bars_top;
+  const double bars = layout.bar_height();
   const double top = layout.bars_top + std::max(part.begin, kProfile.safe_ends) * bars;
   const double bottom = layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars;
   const auto& sides = frame_.sides;
@@ -162,19 +151,17 @@ SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
 }
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
-  const double stroke_px = (frame_.sides[0].stroke_px + frame_.sides[2].stroke_px) / 2;
-  SymbolRows rows = rows_in_sight(image_, frame_.corners, lens_, rows_.layout, stroke_px);
+  SymbolRows rows = rows_in_sight(image_, frame_, rows_.layout);
   // What a highlight bleaches is plain too: there its rows' own light decides.
   if (added == AddedLight::even) leave_out_plain(rows);
   return finished(profile_of(rows, settle(rows, added).agreed), rows, frame_);
 }
 
-Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
-                     const SymbolLayout& layout, const LensDistortion& lens) {
-  const double modules = kModuleCount + 2 * layout.quiet_zone_modules;
-  Quad aligned = corners;
+Quad aligned_to_bars(const GrayView& image, RefinedFrame frame, const SymbolLayout& layout) {
+  const double modules = layout.modules();
+  const Quad corners = frame.corners;
   for (int round = 0; round < kProfile.rounds; ++round) {
-    SymbolRows rows = rows_in_sight(image, aligned, lens, layout, stroke_px);
+    SymbolRows rows = rows_in_sight(image, frame, layout);
     leave_out_plain(rows);
     const auto lean = lean_of(rows);
     if (!lean) return corners;
@@ -184,11 +171,11 @@ Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_p
     const double right = lean->at_end + growth * layout.quiet_zone_modules;
     if (std::max(std::abs(left), std::abs(right)) > kProfile.most_lean) return corners;
     const FrameHomography& map = rows.image_from_frame;
-    aligned = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
-               map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
+    frame.corners = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
+                     map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
     if (std::max(std::abs(left), std::abs(right)) < kProfile.at_rest) break;
   }
-  return aligned;
+  return frame.corners;
 }
 
 }  // namespace tagsmith::detail

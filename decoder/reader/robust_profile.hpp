@@ -2,9 +2,6 @@
 // The scan profile of the symbol inside a feature frame, whatever hides parts of it.
 #pragma once
 
-#include <array>
-#include <cstddef>
-
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/common_darkness.hpp"
@@ -20,14 +17,6 @@ struct SymbolProfile {
   double pixel = 0;      // width of a pixel across the bars, modules: beside it
 };
 
-// A frame's corners and sides from the corner on that is taken for P.
-struct TurnedFrame {
-  Quad corners{};
-  std::array<FrameSide, 4> sides{};
-};
-
-TurnedFrame turned_to(const RefinedFrame& frame, std::size_t first_corner);
-
 // A part of the bars' height, from the upper end of the bars (0) to the lower one (1).
 struct HeightShare {
   double begin = 0;
@@ -37,9 +26,8 @@ struct HeightShare {
 // The symbol of a frame, cut out of the picture once, and its scan profile under two assumptions.
 class RobustProfile {
  public:
-  // `first_corner` is the frame's corner that is taken for P. The image must outlive it.
-  RobustProfile(const GrayView& image, const RefinedFrame& frame, std::size_t first_corner,
-                const SymbolLayout& layout);
+  // The frame's first corner is taken for P. The image must outlive it.
+  RobustProfile(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout);
 
   // Where the rows agree, by the white and black of the frame's sides: for each place the mean of
   // the rows that are near their median. Quick.
@@ -56,16 +44,13 @@ class RobustProfile {
 
  private:
   GrayView image_;
-  TurnedFrame frame_;
-  LensDistortion lens_;
+  RefinedFrame frame_;
   SymbolRows rows_;  // coarse ones
 };
 
-// A frame's corners (from P on) with its sides turned so that every bar stands at the same place in
-// all rows: what follows of one symbol from its upper and its lower rows, whatever lies between.
-// `stroke_px` is the thickness of the frame's stroke, `lens` what it is seen through. The corners
-// as they were where the rows do not tell.
-Quad aligned_to_bars(const GrayView& image, const Quad& corners, double stroke_px,
-                     const SymbolLayout& layout, const LensDistortion& lens = {});
+// The corners of a frame (from P on) with its sides turned so that every bar stands at the same
+// place in all rows: what follows of one symbol from its upper and its lower rows, whatever lies
+// between. The corners as they were where the rows do not tell.
+Quad aligned_to_bars(const GrayView& image, RefinedFrame frame, const SymbolLayout& layout);
 
 }  // namespace tagsmith::detail

@@ -30,8 +30,8 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
     const auto decoding = decode_profile(profile.bins, start, decode_options);
     if (!decoding) return;
     if (best && decoding->fit.explained <= best->decoding.fit.explained) return;
-    best = SymbolHypothesis{frame, (first_corner + (decoding->upside_down ? 2 : 0)) % 4, layout,
-                            std::move(profile), *decoding};
+    best = SymbolHypothesis{turned_to(frame, (first_corner + (decoding->upside_down ? 2 : 0)) % 4),
+                            layout, std::move(profile), *decoding};
   };
   for (const std::size_t first_corner : possible_first_corners(image, frame.corners)) {
     for (const SymbolLayout& layout : options.layouts) consider(first_corner, layout);
@@ -42,7 +42,7 @@ std::optional<SymbolHypothesis> best_hypothesis(const GrayView& image, const Ref
 // By how many pixels the frame's strokes are thicker than the layout says, as far as they are thin
 // enough to be fitted by both of their edges.
 std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
-  const auto [corners, sides] = turned_to(symbol.frame, symbol.first_corner);
+  const Quad& corners = symbol.frame.corners;
   const FrameHomography map(corners, symbol.frame.lens);
   const FrameShape& shape = symbol.layout.frame;
   const double down = shape.stroke / shape.height, across = shape.stroke / shape.length;
@@ -57,7 +57,7 @@ std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
     // The fit looks a little beyond the outer edge of a stroke as thick as the side's proportions
     // say.
     const bool is_seen = side.stroke < kSharpening.thin_stroke && nominal < side.stroke + 1;
-    if (is_seen) growths.push_back(sides[i].stroke_px - nominal);
+    if (is_seen) growths.push_back(symbol.frame.sides[i].stroke_px - nominal);
   }
   return growths;
 }
@@ -76,7 +76,7 @@ const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayo
     return other.first_corner == first_corner && other.profile.layout() == layout;
   });
   if (same != seen_.end()) return same->profile;
-  seen_.push_back({first_corner, RobustProfile(image_, frame_, first_corner, layout)});
+  seen_.push_back({first_corner, RobustProfile(image_, turned_to(frame_, first_corner), layout)});
   return seen_.back().profile;
 }
 
@@ -113,16 +113,11 @@ std::optional<SymbolHypothesis> better_hypothesis(const GrayView& image, const R
 
 FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
   const ImagingModel& image = symbol.decoding.fit.image;
-  const double quiet = symbol.layout.quiet_zone_modules;
-  const auto u_of = [&](double module) {
-    const double from_middle = module - kModuleCount / 2.0;
-    const double t = 2 * from_middle / kModuleCount;
-    const double seen = module + image.shift + image.stretch * from_middle + image.bend * t * t;
-    return (quiet + seen) / (kModuleCount + 2 * quiet);
-  };
-  const double left = u_of(-quiet), right = u_of(kModuleCount + quiet);
-  const FrameHomography map(turned_to(symbol.frame, symbol.first_corner).corners,
-                            symbol.frame.lens);
+  const SymbolLayout& layout = symbol.layout;
+  const double quiet = layout.quiet_zone_modules;
+  const double left = layout.width_share(image.place_of(-quiet));
+  const double right = layout.width_share(image.place_of(kModuleCount + quiet));
+  const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
@@ -143,16 +138,14 @@ BlackGrowth growth_of(const SymbolHypothesis& symbol) {
 
 FrameCorners corners_of(const SymbolHypothesis& symbol) {
   const RefinedFrame& frame = symbol.frame;
-  const Quad quad = widened(frame.corners, growth_of(symbol).px / 2);
-  FrameCorners corners{};
-  for (std::size_t i = 0; i < 4; ++i) corners[i] = quad[(symbol.first_corner + i) % 4];
+  FrameCorners corners = widened(frame.corners, growth_of(symbol).px / 2);
   // The bars say better where a hidden side is than what said it before.
   const FrameCorners by_bars = corners_by_bars(symbol);
-  if (!frame.shown[(symbol.first_corner + 1) % 4]) {
+  if (!frame.shown[1]) {
     corners[1] = by_bars[1];
     corners[2] = by_bars[2];
   }
-  if (!frame.shown[(symbol.first_corner + 3) % 4]) {
+  if (!frame.shown[3]) {
     corners[3] = by_bars[3];
     corners[0] = by_bars[0];
   }

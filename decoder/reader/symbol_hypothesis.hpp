@@ -19,8 +19,7 @@ namespace tagsmith::detail {
 
 // The symbol that explains best what stands in a frame; whether it is believed is another matter.
 struct SymbolHypothesis {
-  RefinedFrame frame;
-  std::size_t first_corner = 0;  // the frame's corner that is P
+  RefinedFrame frame;  // from P on
   SymbolLayout layout;
   SymbolProfile profile;  // along the symbol, from its end on where decoding.upside_down says so
   Decoding decoding;
@@ -41,7 +40,7 @@ class SymbolLook {
 
  private:
   struct Seen {
-    std::size_t first_corner;
+    std::size_t first_corner;  // taken for P
     RobustProfile profile;
   };
 

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "decoder/feature_frame/frame_shape.hpp"
+#include "tagsmith/symbology/upca.hpp"
 #include "tagsmith/tag/template.hpp"
 
 namespace tagsmith::detail {
@@ -15,6 +16,12 @@ struct SymbolLayout {
   double bars_top = 0.163;        // ends of the bars as shares of the frame's inner height
   double bars_bottom = 0.837;
   FrameShape frame;  // around it
+
+  // Modules from side to side of the frame's inner edge.
+  double modules() const { return kModuleCount + 2 * quiet_zone_modules; }
+  // A module, counted from the first bar, as a share of the frame's inner length.
+  double width_share(double module) const { return (module + quiet_zone_modules) / modules(); }
+  double bar_height() const { return bars_bottom - bars_top; }  // of the frame's inner height
 
   bool operator==(const SymbolLayout&) const = default;
 };

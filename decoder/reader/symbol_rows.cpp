@@ -15,10 +15,6 @@
 namespace tagsmith::detail {
 namespace {
 
-double modules_inside(const SymbolLayout& layout) {
-  return kModuleCount + 2 * layout.quiet_zone_modules;
-}
-
 // Which pixels count: every one of a small frame, fewer along the bars of a large one, where more
 // would add little.
 struct PixelSteps {
@@ -72,7 +68,7 @@ struct CellPlaces {
       : rows_per_height(
             static_cast<float>(static_cast<double>(rows.rows) / (rows.bottom - rows.top))),
         top_row(static_cast<float>(rows.top) * rows_per_height),
-        bins_per_width(static_cast<float>(modules_inside(rows.layout) * rows.bins_per_module)),
+        bins_per_width(static_cast<float>(rows.layout.modules() * rows.bins_per_module)),
         first_bin(static_cast<float>((rows.layout.quiet_zone_modules - rows.modules_before) *
                                      rows.bins_per_module)) {
     const Homography inverted = inverse(rows.image_from_frame.flat());
@@ -139,12 +135,11 @@ float middle_of(const SymbolRows& rows, std::size_t bin) {
 SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensDistortion& lens,
                        const SymbolLayout& of, RowHeight row_height)
     : layout(of), image_from_frame(corners, lens) {
-  const double half = 0.5 / modules_inside(layout);
+  const double half = 0.5 / layout.modules();
   module_px = distance(image_from_frame(0.5 - half, 0.5), image_from_frame(0.5 + half, 0.5));
   height_px = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
   // Often only the bars' ends show what an occluder hides.
-  const double bars = layout.bars_bottom - layout.bars_top;
-  const double clear = std::min(kProfile.ends * bars, kProfile.ends_px / height_px);
+  const double clear = std::min(kProfile.ends * layout.bar_height(), kProfile.ends_px / height_px);
   top = layout.bars_top + clear;
   bottom = layout.bars_bottom - clear;
   rows = row_count(height_px * (bottom - top), row_height);
@@ -167,7 +162,7 @@ double SymbolRows::height_of(std::size_t row) const {
 }
 
 double SymbolRows::width_share_of(double place) const {
-  return (module_of(place) + layout.quiet_zone_modules) / modules_inside(layout);
+  return layout.width_share(module_of(place));
 }
 
 namespace {

@@ -82,7 +82,7 @@ StageTimes stages_of(const GrayView& image, const std::vector<Reading>& tags, in
   times.profile = time_of(runs, [&] {
     profiles.clear();
     for (const RefinedFrame& frame : frames) {
-      profiles.push_back(RobustProfile(image, frame, 0, SymbolLayout{}).of_agreeing_rows());
+      profiles.push_back(RobustProfile(image, frame, SymbolLayout{}).of_agreeing_rows());
     }
   });
   times.decode = time_of(runs, [&] {

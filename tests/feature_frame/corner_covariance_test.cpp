@@ -103,22 +103,23 @@ TEST_CASE("corners whose sides were fitted without an error are not exact") {
   CHECK(doubtful(1, 1) == doctest::Approx(skew(1, 1)));
 }
 
-TEST_CASE("a covariance that is turned begins with another corner") {
+TEST_CASE("a frame that is turned begins with another corner, and so does its covariance") {
   RefinedFrame frame = skew_frame();
   for (std::size_t i = 0; i < 4; ++i) {
     frame.sides[i].covariance = Eigen::Matrix2d::Identity() * 0.01 * static_cast<double>(i + 1);
   }
   const CornerCovariance covariance = corner_covariance(frame);
-  CHECK(turned(covariance, 0) == covariance);
+  CHECK(corner_covariance(turned_to(frame, 0)) == covariance);
   for (std::size_t first = 1; first < 4; ++first) {
     CAPTURE(first);
-    RefinedFrame begun_there = frame;
-    for (std::size_t i = 0; i < 4; ++i) {
-      begun_there.corners[i] = frame.corners[(i + first) % 4];
-      begun_there.sides[i] = frame.sides[(i + first) % 4];
+    const CornerCovariance turned = corner_covariance(turned_to(frame, first));
+    CHECK((covariance - turned).norm() > 1e-3);
+    for (Eigen::Index row = 0; row < 8; ++row) {
+      for (Eigen::Index column = 0; column < 8; ++column) {
+        const auto shift = static_cast<Eigen::Index>(2 * first);
+        CHECK(turned(row, column) ==
+              doctest::Approx(covariance((row + shift) % 8, (column + shift) % 8)));
+      }
     }
-    const CornerCovariance expected = corner_covariance(begun_there);
-    CHECK((turned(covariance, first) - expected).norm() < 1e-12);
-    CHECK((covariance - expected).norm() > 1e-3);
   }
 }

@@ -185,9 +185,10 @@ TEST_CASE("the rows of the bars tell how a frame's sides lean") {
   // The right side leans by four pixels, the left one by one the other way.
   const Quad leaning{corners[0] - 0.5 * along, corners[1] + 2.0 * along, corners[2] - 2.0 * along,
                      corners[3] + 0.5 * along};
-  const double stroke_px = 12.0;
-  const Quad aligned =
-      aligned_to_bars(picture.view.image.view(), leaning, stroke_px, SymbolLayout{});
+  RefinedFrame frame;
+  frame.corners = leaning;
+  for (FrameSide& side : frame.sides) side.stroke_px = 12;
+  const Quad aligned = aligned_to_bars(picture.view.image.view(), frame, SymbolLayout{});
   for (std::size_t i = 0; i < 4; ++i) {
     CAPTURE(i);
     CHECK(distance(aligned[i], corners[i]) < 0.15);

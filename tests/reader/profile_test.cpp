@@ -99,7 +99,7 @@ TEST_CASE("what is plain where other rows show bars is left out, and nothing els
 TEST_CASE("rows that agree give the modules") {
   const DrawnSymbol symbol(kDigits, 3);
   const SymbolProfile profile =
-      RobustProfile(symbol.image.view(), symbol.frame(), 0, SymbolLayout{}).of_agreeing_rows();
+      RobustProfile(symbol.image.view(), symbol.frame(), SymbolLayout{}).of_agreeing_rows();
   CHECK(profile.module_px == doctest::Approx(3));
   CHECK(profile.blur == doctest::Approx(0.1).epsilon(0.2));  // of 0.3 pixels, and the bins'
   CHECK(farthest_off(profile.bins, 95) < 1e-3);
@@ -113,7 +113,7 @@ TEST_CASE("an occluder over some rows is left out there without making the other
   const int bottom = top + static_cast<int>(0.25 * 0.674 * symbol.height());
   symbol.fill(4 * 40, top, 4 * 60, bottom, DrawnSymbol::kBlack);
   const SymbolProfile profile =
-      RobustProfile(symbol.image.view(), symbol.frame(), 0, SymbolLayout{}).of_agreeing_rows();
+      RobustProfile(symbol.image.view(), symbol.frame(), SymbolLayout{}).of_agreeing_rows();
   CHECK(farthest_off(profile.bins) < 0.05);
   for (const ScanBin& bin : profile.bins) {
     CAPTURE(bin.at);
@@ -133,7 +133,7 @@ TEST_CASE("a speck that is too small for an occluder makes its place doubtful") 
   const int bottom = top + static_cast<int>(0.3 * 0.674 * symbol.height());
   symbol.fill(4 * (9 + space), top, 4 * (10 + space), bottom, DrawnSymbol::kBlack);
   const SymbolProfile profile =
-      RobustProfile(symbol.image.view(), symbol.frame(), 0, SymbolLayout{}).of_agreeing_rows();
+      RobustProfile(symbol.image.view(), symbol.frame(), SymbolLayout{}).of_agreeing_rows();
   CHECK(farthest_off(profile.bins) < 0.05);
   for (const ScanBin& bin : profile.bins) {
     CAPTURE(bin.at);
@@ -145,7 +145,7 @@ TEST_CASE("a speck that is too small for an occluder makes its place doubtful") 
 TEST_CASE("half of the height can be asked alone") {
   DrawnSymbol symbol(kDigits, 4);
   symbol.fill(0, 0, symbol.width(), symbol.height() / 2, DrawnSymbol::kWhite);
-  const RobustProfile profile(symbol.image.view(), symbol.frame(), 0, SymbolLayout{});
+  const RobustProfile profile(symbol.image.view(), symbol.frame(), SymbolLayout{});
   CHECK(farthest_off(profile.of_agreeing_rows({0.5, 1}).bins) < 0.01);
   CHECK(farthest_off(profile.of_agreeing_rows({0, 0.5}).bins) > 0.9);
 }
@@ -155,7 +155,7 @@ TEST_CASE("a fifth of the height in sight is enough for all rows together") {
   const double bars = 0.674 * symbol.height();
   const int top = static_cast<int>(0.163 * symbol.height() + 0.2 * bars);
   symbol.fill(10, top, symbol.width() - 10, symbol.height() - 10, 130);
-  const RobustProfile profile(symbol.image.view(), symbol.frame(), 0, SymbolLayout{});
+  const RobustProfile profile(symbol.image.view(), symbol.frame(), SymbolLayout{});
   CHECK(farthest_off(profile.of_all_rows(AddedLight::even).bins) < 0.1);
   CHECK(farthest_off(profile.of_agreeing_rows().bins, 0) > 0.3);
 }
