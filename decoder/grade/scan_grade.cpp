@@ -252,6 +252,10 @@ ScanGrade grade_scan(std::span<const double> reflectance, const GradeOptions& op
     const double after = static_cast<double>(reflectance.size()) - 1 - edges.back();
     p.quiet_zone = std::min(edges.front(), after) / module + options.quiet_beyond;
   }
+  if (options.is_negative) {
+    p.least_reflectance = 1 - greatest;
+    p.greatest_reflectance = 1 - least;
+  }
   set_grades(options, scan);
   return scan;
 }

@@ -25,7 +25,8 @@ inline constexpr std::size_t kGradeParameters = 8;
 
 std::string to_string(GradeParameter parameter);
 
-// Reflectances are shares of perfect white, widths are modules.
+// Reflectances are shares of perfect white, of the plate itself in a negative too; widths are
+// modules.
 struct ScanParameters {
   std::optional<Digits> digits;  // by the reference decode: distances between like edges
   double greatest_reflectance = 0;
@@ -51,6 +52,9 @@ struct GradeOptions {
   bool absolute = false;
   // Modules of quiet zone beyond either end of the profile.
   double quiet_beyond = 0;
+  // Whether the profile is that of a negative: the symbol is light on dark. Contrasts and widths
+  // are the same; which reflectance is the least is not.
+  bool is_negative = false;
 };
 
 struct ScanGrade {

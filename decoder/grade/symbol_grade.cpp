@@ -178,7 +178,8 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
     std::vector<double> light =
         scan_at(image, image_from_frame, aperture, modules_long, modules_high, v);
     if (references) to_reflectance(light, *references);
-    scans.push_back(grade_scan(light, GradeOptions{references.has_value(), kAperture}));
+    scans.push_back(
+        grade_scan(light, GradeOptions{references.has_value(), kAperture, image.is_negative}));
   }
   return combine(scans, references.has_value());
 }

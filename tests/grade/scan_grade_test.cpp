@@ -58,6 +58,21 @@ TEST_CASE("symbol contrast is graded with references only") {
   CHECK(relative.grade == 4);
 }
 
+TEST_CASE("white bars on black need not be bright, only twice as bright as the plate") {
+  const auto graded = [](double white, double black) {
+    std::vector<double> negative = profile_of(edges_of(kDigits));
+    for (double& reflectance : negative) reflectance = 1 - (reflectance > 0.5 ? black : white);
+    return grade_scan(negative, {.is_negative = true});
+  };
+  const ScanGrade dim = graded(0.3, 0.1);
+  CHECK(dim.parameters.least_reflectance == Approx(0.1));
+  CHECK(dim.parameters.greatest_reflectance == Approx(0.3));
+  CHECK(dim.grade == 4);
+  const ScanGrade grey = graded(0.9, 0.5);
+  CHECK(grey.grade == 0);
+  CHECK(grey.worst == GradeParameter::minimum_reflectance);
+}
+
 TEST_CASE("a pale narrow bar lowers modulation as much as it is pale") {
   std::vector<double> profile = profile_of(edges_of(kDigits));
   paint(profile, 0, 1, 0.46);  // the first guard bar
