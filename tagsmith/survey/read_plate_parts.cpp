@@ -72,8 +72,9 @@ void read_logo(const MapReader& logo, const fs::path& template_folder, TagTempla
   tag.logo = {template_folder / *name, kMillimetre * (*sides)[0], kMillimetre * (*sides)[1]};
   std::error_code ignored;
   if (fs::is_regular_file(tag.logo.file, ignored)) return;
-  logo.log().error(file->place, "no-logo", "there is no file " + tag.logo.file.string(),
-                   "an SVG file; its name is relative to the template's folder");
+  // Only print needs it.
+  logo.log().warning(file->place, "no-logo", "there is no file " + tag.logo.file.string(),
+                     "an SVG file; its name is relative to the template's folder");
 }
 
 void read_qr(const MapReader& qr, TagTemplate& tag) {

@@ -106,15 +106,37 @@ const Json& good_rig() {
 
 // Rules that look at more than the structure.
 bool is_structural(const Diagnostic& finding) {
-  static const std::set<std::string> meaning{
-      "bad-station",         "corner-radius",  "hole-misplaced",    "no-dots",
-      "no-room-for-patches", "no-room-for-qr", "no-room-for-logo",  "no-logo",
-      "unknown-field",       "faces-rock",     "bad-digit-counts",  "calibration-file",
-      "coarse-code",         "code-collision", "code-range",        "duplicate-tag",
-      "frame-outside-plate", "no-bars",        "no-template",       "off-wall",
-      "outside-tunnel",      "overlap",        "side-mismatch",     "theta",
-      "tight-arc",           "too-many-tags",  "wrong-check-digit", "wrong-side",
-      "board-scale",         "off-millimetre", "outside-sheet",     "tags-overlap"};
+  static const std::set<std::string> meaning{"bad-station",
+                                             "corner-radius",
+                                             "hole-misplaced",
+                                             "no-dots",
+                                             "no-room-for-patches",
+                                             "no-room-for-qr",
+                                             "no-room-for-logo",
+                                             "unknown-field",
+                                             "faces-rock",
+                                             "bad-digit-counts",
+                                             "calibration-file",
+                                             "coarse-code",
+                                             "code-collision",
+                                             "code-range",
+                                             "duplicate-tag",
+                                             "frame-outside-plate",
+                                             "no-bars",
+                                             "no-template",
+                                             "off-wall",
+                                             "outside-tunnel",
+                                             "overlap",
+                                             "side-mismatch",
+                                             "theta",
+                                             "tight-arc",
+                                             "too-many-tags",
+                                             "wrong-check-digit",
+                                             "wrong-side",
+                                             "board-scale",
+                                             "off-millimetre",
+                                             "outside-sheet",
+                                             "tags-overlap"};
   return finding.severity == Severity::error && !meaning.contains(finding.code);
 }
 

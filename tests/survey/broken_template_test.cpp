@@ -50,8 +50,6 @@ const Breakage kErrors[] = {
      "missing-key", 1},
     {"a QR symbol of an unknown field", "tag: trial",
      "qr: { size_mm: 30, content: \"{digit}\" }\ntag: trial", "unknown-field", 1},
-    {"a logo that is not there", "tag: trial",
-     "logo: { file: none.svg, size_mm: [40, 20] }\ntag: trial", "no-logo", 1},
     {"a logo of no size", "tag: trial", "logo: { file: none.svg }\ntag: trial", "missing-key", 1},
     {"a field without an end", "text_height_mm: 8", "lines: [\"{name\"]", "unknown-field", 5},
     {"no lines", "text_height_mm: 8", "lines: []", "out-of-range", 5},
@@ -80,6 +78,13 @@ TEST_CASE("every way to break a template is reported by its rule and line") {
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
   }
+}
+
+TEST_CASE("a logo that is not there is a warning: whoever reads photos needs none") {
+  const TemplateReading reading =
+      read_text_as_template("logo: { file: none.svg, size_mm: [40, 20] }\n" + right_template());
+  CHECK(reading.tag.has_value());
+  CHECK(count_findings(reading.diagnostics, "no-logo", 1) == 1);
 }
 
 TEST_CASE("holes, patches, cut and material are read; dots shrink the module to whole ones") {
