@@ -32,8 +32,7 @@ void SightingPick::count(std::span<const SightedTag> sighted) {
 // Why: docs/decisions/0018-verification-lines.md.
 void SightingPick::choose() {
   std::ranges::sort(seen_);
-  const auto [first_repeat, end] = std::ranges::unique(seen_);
-  seen_.erase(first_repeat, end);
+  seen_.erase(std::unique(seen_.begin(), seen_.end()), seen_.end());
   struct Group {
     std::size_t begin = 0;
     std::size_t size = 0;

@@ -125,8 +125,7 @@ ChainageProfile sum(const ChainageProfile& a, const ChainageProfile& b) {
     }
   }
   std::ranges::sort(chainages);
-  const auto rest = std::ranges::unique(chainages);
-  chainages.erase(rest.begin(), rest.end());
+  chainages.erase(std::unique(chainages.begin(), chainages.end()), chainages.end());
   Stations stations;
   for (const double chainage : chainages) {
     const double before = a.before(chainage) + b.before(chainage);
