@@ -171,6 +171,31 @@ TEST_CASE("two tags that contradict each other make no position, three outvote o
   CHECK(fix.dropped[0].name == wrong);
 }
 
+TEST_CASE("of tags of two surveys the more place the vehicle, and as many make no position") {
+  const Site site = site_named("corridor");
+  std::vector<Survey> surveys{site.survey, site.survey};
+  surveys[0].name = "old";
+  surveys[1].name = "new";
+  const VehiclePose truth = pose_at(site, 1.0, 0.0);
+  Observation seen = observation_at(site, truth);
+  REQUIRE(seen.tags.size() >= 2);
+  seen.tags.resize(2);
+  SeenTag again = seen.tags[1];
+  again.survey = 1;
+  seen.tags.push_back(again);
+  const Fix by_more = localize_jointly(seen, surveys, site.rig);
+  CHECK(error_of(by_more, site, truth) < 1e-3);
+  CHECK(by_more.survey == "old");
+  CHECK(by_more.notes ==
+        std::vector<std::string>{"tags of survey new not used: " + again.tag.name});
+  again = seen.tags[0];
+  again.survey = 1;
+  seen.tags.push_back(again);
+  const Fix by_as_many = localize_jointly(seen, surveys, site.rig);
+  CHECK_FALSE(by_as_many.position_in_grid.has_value());
+  CHECK(by_as_many.reason == "as many tags of survey old as of survey new were seen");
+}
+
 TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed, two are") {
   Site site = site_named("corridor");
   VehiclePose truth = pose_at(site, 1.0, 0.0);
