@@ -10,6 +10,8 @@
 
 #include <libheif/heif.h>
 
+#include "tagsmith/base/late_library.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -41,36 +43,31 @@ struct Libheif {
   decltype(&::heif_image_get_plane_readonly) plane = nullptr;
 };
 
-template <class Function>
-bool find(void* library, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
-  return function != nullptr;
-}
-
 Result<Libheif> load_libheif() {
   void* library = dlopen("libheif.so.1", RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr) return fail(std::string("libheif is missing: ") + dlerror());
   Libheif heif;
   const bool whole =
-      find(library, "heif_context_alloc", heif.context_alloc) &&
-      find(library, "heif_context_free", heif.context_free) &&
-      find(library, "heif_context_set_max_decoding_threads", heif.set_max_threads) &&
-      find(library, "heif_context_read_from_memory_without_copy", heif.read) &&
-      find(library, "heif_context_get_primary_image_handle", heif.primary_image) &&
-      find(library, "heif_image_handle_release", heif.handle_release) &&
-      find(library, "heif_image_handle_get_width", heif.handle_width) &&
-      find(library, "heif_image_handle_get_height", heif.handle_height) &&
-      find(library, "heif_image_handle_get_list_of_metadata_block_IDs", heif.metadata_ids) &&
-      find(library, "heif_image_handle_get_metadata_size", heif.metadata_size) &&
-      find(library, "heif_image_handle_get_metadata", heif.metadata) &&
-      find(library, "heif_decoding_options_alloc", heif.options_alloc) &&
-      find(library, "heif_decoding_options_free", heif.options_free) &&
-      find(library, "heif_decode_image", heif.decode) &&
-      find(library, "heif_image_release", heif.image_release) &&
-      find(library, "heif_image_get_width", heif.width) &&
-      find(library, "heif_image_get_height", heif.height) &&
-      find(library, "heif_image_get_bits_per_pixel_range", heif.bits) &&
-      find(library, "heif_image_get_plane_readonly", heif.plane);
+      find_function(library, "heif_context_alloc", heif.context_alloc) &&
+      find_function(library, "heif_context_free", heif.context_free) &&
+      find_function(library, "heif_context_set_max_decoding_threads", heif.set_max_threads) &&
+      find_function(library, "heif_context_read_from_memory_without_copy", heif.read) &&
+      find_function(library, "heif_context_get_primary_image_handle", heif.primary_image) &&
+      find_function(library, "heif_image_handle_release", heif.handle_release) &&
+      find_function(library, "heif_image_handle_get_width", heif.handle_width) &&
+      find_function(library, "heif_image_handle_get_height", heif.handle_height) &&
+      find_function(library, "heif_image_handle_get_list_of_metadata_block_IDs",
+                    heif.metadata_ids) &&
+      find_function(library, "heif_image_handle_get_metadata_size", heif.metadata_size) &&
+      find_function(library, "heif_image_handle_get_metadata", heif.metadata) &&
+      find_function(library, "heif_decoding_options_alloc", heif.options_alloc) &&
+      find_function(library, "heif_decoding_options_free", heif.options_free) &&
+      find_function(library, "heif_decode_image", heif.decode) &&
+      find_function(library, "heif_image_release", heif.image_release) &&
+      find_function(library, "heif_image_get_width", heif.width) &&
+      find_function(library, "heif_image_get_height", heif.height) &&
+      find_function(library, "heif_image_get_bits_per_pixel_range", heif.bits) &&
+      find_function(library, "heif_image_get_plane_readonly", heif.plane);
   if (!whole) return fail("libheif is older than version 1.13");
   return heif;
 }

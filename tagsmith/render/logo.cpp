@@ -14,6 +14,7 @@
 #include <librsvg/rsvg.h>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/base/late_library.hpp"
 #include "tagsmith/render/sheet_on_cairo.hpp"
 
 namespace tagsmith::detail {
@@ -31,21 +32,16 @@ struct Librsvg {
   decltype(&::g_object_unref) close = nullptr;
 };
 
-template <class Function>
-bool find(void* library, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(dlsym(library, name));
-  return function != nullptr;
-}
-
 Result<Librsvg> load_librsvg() {
   void* library = dlopen("librsvg-2.so.2", RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr)
     return fail("a logo needs librsvg (package librsvg2-2), which is missing");
   Librsvg rsvg;
-  const bool whole = find(library, "rsvg_handle_new_from_data", rsvg.open) &&
-                     find(library, "rsvg_handle_get_intrinsic_dimensions", rsvg.dimensions) &&
-                     find(library, "rsvg_handle_render_document", rsvg.render) &&
-                     find(library, "g_object_unref", rsvg.close);
+  const bool whole =
+      find_function(library, "rsvg_handle_new_from_data", rsvg.open) &&
+      find_function(library, "rsvg_handle_get_intrinsic_dimensions", rsvg.dimensions) &&
+      find_function(library, "rsvg_handle_render_document", rsvg.render) &&
+      find_function(library, "g_object_unref", rsvg.close);
   if (!whole) return fail("a logo needs librsvg 2.46 or newer");
   return rsvg;
 }
