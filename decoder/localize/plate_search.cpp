@@ -45,6 +45,7 @@ class Search {
     exchange_mixed();
     while (take_out_gross()) drop_stations();
     take_out_worst();
+    take_back_stations();
     return std::move(found_);
   }
 
@@ -361,6 +362,36 @@ class Search {
         found_.freed[choice->plate] = PlateFreedom::any;
       } else {
         return;
+      }
+    }
+  }
+
+  // --- stations that were left out for nothing ---
+
+  // The explanation with the station as a whole in place of what is used of it.
+  std::optional<PlateExplanation> with_station(std::size_t left_out) const {
+    PlateExplanation with = found_;
+    Station station = std::move(with.left_out[left_out]);
+    with.left_out.erase(with.left_out.begin() + static_cast<std::ptrdiff_t>(left_out));
+    std::vector<Station>& stations = with.problem.stations;
+    std::erase_if(stations, [&](const Station& part) { return part.name == station.name; });
+    stations.push_back(std::move(station));
+    with.adjustment = adjust_plates(with.problem, with.freed);
+    const bool fits = with.adjustment &&
+                      !fits_badly(stations.back(), with.adjustment->station_chi_square.back()) &&
+                      !most_in_doubt(*with.adjustment);
+    return fits ? std::optional(std::move(with)) : std::nullopt;
+  }
+
+  // A station may have been left out before the plate was that it contradicts.
+  void take_back_stations() {
+    if (!found_.adjustment) return;
+    for (std::size_t i = 0; i < found_.left_out.size();) {
+      if (auto with = with_station(i)) {
+        found_ = std::move(*with);
+        i = 0;
+      } else {
+        ++i;
       }
     }
   }

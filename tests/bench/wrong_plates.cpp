@@ -307,6 +307,8 @@ struct Tally {
   int doubted = 0;
   int missed = 0;
   int misstated = 0;  // named, and what is said of them is not so
+  int decidable = 0;  // wrong tags of which the pictures tell: some row shows two right tags too
+  int decided = 0;    // of these: named
   int innocent = 0;   // other tags, checked
   int accused = 0;    // of these
   int innocent_doubted = 0;
@@ -354,8 +356,26 @@ bool is_so(const World& world, std::size_t tag, const HungTag& said) {
   return false;
 }
 
+// Tags that some row shows together with two others of which nothing is wrong: these agree on where
+// the cameras were, so it is told which of three does not fit.
+std::set<std::string> decidable_tags(const World& world, const std::vector<SightedTag>& sighted) {
+  std::map<std::string, std::set<std::string>> rows;
+  for (const SightedTag& tag : sighted) rows[tag.station].insert(tag.tag);
+  std::set<std::string> decidable;
+  for (const auto& [row, tags] : rows) {
+    const auto is_right = [&](const std::string& name) {
+      const auto index = find_tag(world.survey, name) - world.survey.tags.data();
+      return !world.wrong.contains(static_cast<std::size_t>(index));
+    };
+    if (std::ranges::count_if(tags, is_right) >= 2) decidable.insert(tags.begin(), tags.end());
+  }
+  return decidable;
+}
+
 // What is wrong of it goes to standard error, with the world.
-void count(const World& world, const HungTags& found, const std::string& what, Tally& tally) {
+void count(const World& world, const std::vector<SightedTag>& sighted, const HungTags& found,
+           const std::string& what, Tally& tally) {
+  const std::set<std::string> decidable = decidable_tags(world, sighted);
   ++tally.worlds;
   bool told = found.nothing_fits || !found.unplaced.empty() || !found.mixed.empty();
   std::set<std::string> in_unplaced;
@@ -390,6 +410,8 @@ void count(const World& world, const HungTags& found, const std::string& what, T
       tally.named += off ? 1 : 0;
       tally.doubted += doubted ? 1 : 0;
       tally.missed += off || doubted ? 0 : 1;
+      tally.decidable += decidable.contains(tag.tag) ? 1 : 0;
+      tally.decided += off && decidable.contains(tag.tag) ? 1 : 0;
       if (off && !is_so(world, index, tag)) {
         ++tally.misstated;
         fmt::print(stderr, "{}: misstated: {}\n", what, tag.message);
@@ -427,14 +449,17 @@ void measure(const Kind& kind, int worlds, std::uint64_t seed) {
         photograph(world, row, camera, random, sighted);
       }
     }
-    count(world, check_hung_tags(world.survey, world.rig, sighted),
+    count(world, sighted, check_hung_tags(world.survey, world.rig, sighted),
           fmt::format("{}, world {}", kind.name, number), tally);
   }
-  fmt::print("| {} | {} | {} | {} | {} of {} | {} | {} | {} | {} of {} | {} | {:.1f} | {:.2f} |\n",
-             kind.name, tally.worlds, tally.silent, tally.nothing_fits, tally.named, tally.wrong,
-             tally.doubted, tally.missed, tally.misstated, tally.accused, tally.innocent,
-             tally.innocent_doubted, tally.sigmas.empty() ? 0 : quantile(tally.sigmas, 0.5),
-             tally.squares / std::max<double>(1, static_cast<double>(tally.sigmas.size())));
+  fmt::print(
+      "| {} | {} | {} | {} | {} of {} | {} of {} | {} | {} | {} | {} of {} | {} | {:.1f} | {:.2f} "
+      "|\n",
+      kind.name, tally.worlds, tally.silent, tally.nothing_fits, tally.named, tally.wrong,
+      tally.decided, tally.decidable, tally.doubted, tally.missed, tally.misstated, tally.accused,
+      tally.innocent, tally.innocent_doubted,
+      tally.sigmas.empty() ? 0 : quantile(tally.sigmas, 0.5),
+      tally.squares / std::max<double>(1, static_cast<double>(tally.sigmas.size())));
   std::fflush(stdout);
 }
 
@@ -444,9 +469,10 @@ int main(int argc, char** argv) {
   const int worlds = argc > 1 ? std::atoi(argv[1]) : 100;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   fmt::print(
-      "| what is wrong | worlds | nothing said | nothing fits | wrong tags named | doubtful | "
-      "missed | named, misstated | innocent tags accused | doubtful | offset's sigma, mm | NEES |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| what is wrong | worlds | nothing said | nothing fits | wrong tags named | of those "
+      "shown with two right ones | doubtful | missed | named, misstated | innocent tags accused | "
+      "doubtful | offset's sigma, mm | NEES |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   const std::string only = argc > 3 ? argv[3] : "";  // of the kinds whose names have this
   for (const Kind& kind :
        {Kind{"nothing", nothing_wrong}, Kind{"one plate moved, 3 to 50 cm", move},
