@@ -171,6 +171,20 @@ TEST_CASE("two tags that contradict each other make no position, three outvote o
   CHECK(fix.dropped[0].name == wrong);
 }
 
+TEST_CASE("a range outside its sensor's limits is no measurement, and is named") {
+  const Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 1.0, 0.0);
+  Observation seen = observation_at(site, truth);
+  const RigRange& range = site.rig.ranges.at(0);
+  seen.ranges[range.name] = range.max + 0.5;  // as a sensor says that has no echo
+  const Fix fix = localize_jointly(seen, {site.survey}, site.rig);
+  CHECK(error_of(fix, site, truth) < 1e-3);
+  CHECK(fix.ranges.empty());
+  REQUIRE(fix.dropped.size() == 1);
+  CHECK(fix.dropped[0].name == range.name);
+  CHECK(fix.dropped[0].reason.find(", expected ") != std::string::npos);
+}
+
 TEST_CASE("of tags of two surveys the more place the vehicle, and as many make no position") {
   const Site site = site_named("corridor");
   std::vector<Survey> surveys{site.survey, site.survey};
