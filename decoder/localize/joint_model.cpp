@@ -392,9 +392,4 @@ VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit) {
   return budget;
 }
 
-VehicleCovariance total(const VehicleBudget& budget) {
-  return budget.pixels + budget.edges + budget.survey + budget.coding + budget.ranges +
-         budget.calibration + budget.vehicle;
-}
-
 }  // namespace tagsmith::detail

@@ -122,9 +122,6 @@ struct VehicleBudget {
   VehicleCovariance vehicle = VehicleCovariance::Zero();
 };
 
-// The covariance itself: the sum of the parts.
-VehicleCovariance total(const VehicleBudget& budget);
-
 // Through the gain of the fit's rows, each group of measurements with its own covariance.
 VehicleBudget budget_of(const JointProblem& problem, const JointFit& fit);
 
