@@ -368,17 +368,18 @@ class Search {
 
   // --- stations that were left out for nothing ---
 
-  // The explanation with the station as a whole in place of what is used of it.
-  std::optional<PlateExplanation> with_station(std::size_t left_out) const {
+  // The explanation with this station in place of what is used of it; its parts may have been left
+  // out, too.
+  std::optional<PlateExplanation> with_station(const Station& station) const {
     PlateExplanation with = found_;
-    Station station = std::move(with.left_out[left_out]);
-    with.left_out.erase(with.left_out.begin() + static_cast<std::ptrdiff_t>(left_out));
+    const auto is_part = [&](const Station& part) { return part.name == station.name; };
+    std::erase_if(with.left_out, is_part);
     std::vector<Station>& stations = with.problem.stations;
-    std::erase_if(stations, [&](const Station& part) { return part.name == station.name; });
-    stations.push_back(std::move(station));
+    std::erase_if(stations, is_part);
+    stations.push_back(station);
     with.adjustment = adjust_plates(with.problem, with.freed);
     const bool fits = with.adjustment &&
-                      !fits_badly(stations.back(), with.adjustment->station_chi_square.back()) &&
+                      !fits_badly(station, with.adjustment->station_chi_square.back()) &&
                       !most_in_doubt(*with.adjustment);
     return fits ? std::optional(std::move(with)) : std::nullopt;
   }
@@ -386,13 +387,13 @@ class Search {
   // A station may have been left out before the plate was that it contradicts.
   void take_back_stations() {
     if (!found_.adjustment) return;
-    for (std::size_t i = 0; i < found_.left_out.size();) {
-      if (auto with = with_station(i)) {
-        found_ = std::move(*with);
-        i = 0;
-      } else {
-        ++i;
-      }
+    std::map<std::string, Station> whole;
+    for (const Station& station : found_.left_out) {
+      Station& longest = whole.try_emplace(station.name, station).first->second;
+      if (station.sightings.size() > longest.sightings.size()) longest = station;
+    }
+    for (const auto& [name, station] : whole) {
+      if (auto with = with_station(station)) found_ = std::move(*with);
     }
   }
 

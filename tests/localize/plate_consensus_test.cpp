@@ -139,6 +139,30 @@ TEST_CASE("a displaced plate is found, and by how much to its standard deviation
   }
 }
 
+TEST_CASE("no row is left out for what one plate explains, however far it is moved") {
+  for (const double by : {0.1, 0.13, 0.16, 0.19, 0.22, 0.25, 0.3}) {
+    for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(0, 0.6, 0.8), Vector3d(0.6, 0, -0.8)}) {
+      CAPTURE(by);
+      CAPTURE(way.transpose());
+      Site site;
+      site.move("002R", by * way);
+      std::mt19937_64 random(5);
+      AdjustmentProblem problem = problem_of(site);
+      problem.stations = {seen_from(site, -0.4, {"000L", "000R", "001L", "001R", "002R"}, random),
+                          seen_from(site, 0.3, {"001L", "001R", "002L", "002R"}, random),
+                          seen_from(site, 0.7, {"001R", "002R"}, random),
+                          seen_from(site, 1.1, {"002L", "002R", "003L", "003R"}, random)};
+      const Consensus consensus = find_consensus(problem);
+      CHECK(consensus.left_out.empty());
+      for (std::size_t i = 0; i < 8; ++i) {
+        CAPTURE(site.survey.tags[i].name);
+        const bool moved = site.survey.tags[i].name == "002R";
+        CHECK(consensus.plates[i].verdict == (moved ? HangVerdict::off : HangVerdict::fits));
+      }
+    }
+  }
+}
+
 TEST_CASE("of two plates seen together nothing tells which is off, of three the others do") {
   std::mt19937_64 random(3);
   Site site;
