@@ -283,11 +283,11 @@ std::optional<double> place_by_share(const SideSamples& samples, const SideLine&
 Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
   Parameters start = first_guess(samples, side);
   start[kLogBlur] = std::log(start_blur);
-  const Solution first = solve_from(samples, side, start);
+  Solution first = solve_from(samples, side, start);
   const std::optional<double> place = place_by_share(samples, side);
   if (!place || std::abs(*place - first.parameters[kPlace]) < kEdgeFit.fine) return first;
   start[kPlace] = *place;
-  const Solution second = solve_from(samples, side, start);
+  Solution second = solve_from(samples, side, start);
   return cost_of(second) < cost_of(first) ? second : first;
 }
 
@@ -558,7 +558,7 @@ FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled,
 
 RefinedFrame turned_to(RefinedFrame frame, std::size_t first) {
   const auto turn = [&](auto& four) {
-    std::ranges::rotate(four, four.begin() + static_cast<std::ptrdiff_t>(first));
+    std::rotate(four.begin(), four.begin() + static_cast<std::ptrdiff_t>(first), four.end());
   };
   turn(frame.corners);
   turn(frame.sides);

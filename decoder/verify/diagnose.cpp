@@ -104,11 +104,11 @@ FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, Fram
   const bool crossed =
       bars_cross_length(image, corners)
           .value_or(shortening(tag, along, across) >= shortening(tag, across, along));
-  if (!crossed) std::ranges::rotate(corners, corners.begin() + 1);
+  if (!crossed) std::rotate(corners.begin(), corners.begin() + 1, corners.end());
   const Upright upright{orientation, image.width, image.height};
   const PixelPoint upper = upright.turn(0.5 * (corners[0] + corners[1]));
   const PixelPoint lower = upright.turn(0.5 * (corners[2] + corners[3]));
-  if (lower.y < upper.y) std::ranges::rotate(corners, corners.begin() + 2);
+  if (lower.y < upper.y) std::rotate(corners.begin(), corners.begin() + 2, corners.end());
   return corners;
 }
 
@@ -257,10 +257,11 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   std::vector<double> contrasts;
   for (int cell = 0; cell < kColumns * kRows; ++cell) {
     std::vector<int> samples;
+    const int row = cell / kColumns;
     for (int i = 0; i < kAlong * kAcross; ++i) {
+      const int line = i / kAlong;
       const double right = (cell % kColumns + (i % kAlong + 0.5) / kAlong) / kColumns;
-      const double down =
-          (cell / kColumns + (static_cast<double>(i / kAlong) + 0.5) / kAcross) / kRows;
+      const double down = (row + (line + 0.5) / kAcross) / kRows;
       const auto level = sample_nearest(
           image, image_from_frame(left + right * (1 - 2 * left), top + down * (1 - 2 * top)));
       if (!level) return std::nullopt;
@@ -283,7 +284,8 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
     if (contrasts[static_cast<std::size_t>(cell)] >= kFaint * usual) continue;
     ++hidden;
     right += (cell % kColumns + 0.5) / kColumns;
-    down += (static_cast<double>(cell / kColumns) + 0.5) / kRows;
+    const int row = cell / kColumns;
+    down += (row + 0.5) / kRows;
   }
   const double share = hidden / (kColumns * kRows);
   if (share <= kMostHidden) return std::nullopt;

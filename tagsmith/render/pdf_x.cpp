@@ -71,7 +71,7 @@ std::string in_language(const char* name, const std::string& text) {
 
 Result<OutputIntent> load_output_intent(const std::filesystem::path& file) {
   constexpr std::size_t kMostBytes = 10'000'000;
-  Result<std::string> bytes = read_file(file);
+  const Result<std::string> bytes = read_file(file);
   if (!bytes) return tl::unexpected(bytes.error());
   if (bytes->size() > kMostBytes) {
     return fail(file.string() + ": has more than 10 MB, expected an ICC profile");
@@ -88,7 +88,7 @@ Result<OutputIntent> load_output_intent(const std::filesystem::path& file) {
                 ": is no profile of a press with black ink, or with cyan, magenta, yellow and "
                 "black; ask the print shop for the profile of its press and paper");
   }
-  return OutputIntent{std::move(*bytes), description_of(profile.get()), has_process, date_now()};
+  return OutputIntent{*bytes, description_of(profile.get()), has_process, date_now()};
 }
 
 std::string pdf_x_metadata(const OutputIntent& intent, const PdfDescription& description,

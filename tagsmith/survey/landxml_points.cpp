@@ -59,7 +59,7 @@ std::optional<Vector2d> place_of(const pugi::xml_node& node) {
 std::string description_of(const pugi::xml_node& point) {
   for (const pugi::xml_node& node : {point, point.parent()}) {
     for (const char* key : {"code", "desc", "name"}) {
-      const std::string text = node.attribute(key).value();
+      std::string text = node.attribute(key).value();
       if (node == point && key == std::string("name")) continue;
       if (!text.empty()) return text;
     }

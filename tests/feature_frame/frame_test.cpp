@@ -79,7 +79,7 @@ TEST_CASE("a quad holds what is between its sides, and is the same quad in any t
   CHECK_FALSE(contains(quad, {30, 10}));
   for (std::size_t turn = 0; turn < 4; ++turn) {
     Quad turned = quad;
-    std::ranges::rotate(turned, turned.begin() + static_cast<std::ptrdiff_t>(turn));
+    std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(turn), turned.end());
     turned[0].x += 0.5;
     CHECK(nearly_equal(quad, turned, 0.6));
     CHECK_FALSE(nearly_equal(quad, turned, 0.4));

@@ -94,7 +94,8 @@ TEST_CASE("corners run clockwise from P, whichever way the tag is turned or its 
     tag.view.turn += quarter * std::numbers::pi / 2;
     Looked looked(tag);
     Outline outline = looked.outline();
-    std::ranges::rotate(outline.quad, outline.quad.begin() + (quarter * 3 + 1) % 4);
+    std::rotate(outline.quad.begin(), outline.quad.begin() + (quarter * 3 + 1) % 4,
+                outline.quad.end());
     looked.detector.consider(outline);
     const std::vector<Reading> tags = looked.detector.tags();
     REQUIRE(tags.size() == 1);

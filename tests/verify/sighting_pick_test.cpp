@@ -43,7 +43,7 @@ TEST_CASE("of many stations those are kept that tie tags together, whatever thei
   all.push_back(sighting("three", "a"));
   all.push_back(sighting("three", "b"));
   all.push_back(sighting("link", "c"));
-  std::ranges::rotate(all, all.begin() + 50);
+  std::rotate(all.begin(), all.begin() + 50, all.end());
   all.push_back(sighting("three", "c"));
   all.push_back(sighting("link", "d"));
 
