@@ -86,9 +86,12 @@ double seconds_of(const std::string& arguments) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// In the foreground `timeout` signals the program alone and waits until it has ended; else SIGKILL
+// would end `timeout` first, and a program that is still ending would hold its lock.
 ProgramOutput run_until(double seconds, const std::string& signal, const std::string& arguments) {
-  return run_shell("timeout --preserve-status -s " + signal + " " + std::to_string(seconds) +
-                   " \"$TAGSMITH_PROGRAM\" " + arguments + " > /dev/null 2> /dev/null");
+  return run_shell("timeout --foreground --preserve-status -s " + signal + " " +
+                   std::to_string(seconds) + " \"$TAGSMITH_PROGRAM\" " + arguments +
+                   " > /dev/null 2> /dev/null");
 }
 
 std::vector<LongCommand> long_commands(const fs::path& lines) {
@@ -144,8 +147,8 @@ TEST_CASE("verify that is killed goes on where it was, and its lines become thos
   Moments random(8);
   for (int i = 0; i < moments(); ++i) {
     const double moment = 0.01 + random.below(seconds);
-    run_shell("timeout -s KILL " + std::to_string(moment) + " " + verify + " " + kSite +
-              "photos > '" + lines + "' 2> /dev/null");
+    run_shell("timeout --foreground -s KILL " + std::to_string(moment) + " " + verify + " " +
+              kSite + "photos > '" + lines + "' 2> /dev/null");
     run_shell(verify + " --resume '" + lines + "' " + kSite + "photos > '" + lines +
               ".rest' 2> /dev/null");
     const auto summary = [&](const std::string& files) {

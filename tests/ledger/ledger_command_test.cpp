@@ -89,7 +89,8 @@ TEST_CASE("verify that is killed at any moment and repeated gives the ledger of 
   REQUIRE(run_tagsmith(verify("alone.db")).exit_code == 0);
   for (const char* seconds : {"0.03", "0.06", "0.1", "0.15"}) {
     const std::string name = std::string(seconds) + ".db";
-    run_shell("timeout -s KILL " + std::string(seconds) + " \"$TAGSMITH_PROGRAM\" " + verify(name));
+    run_shell("timeout --foreground -s KILL " + std::string(seconds) + " \"$TAGSMITH_PROGRAM\" " +
+              verify(name));
     CHECK(run_tagsmith(verify(name)).exit_code == 0);
     CHECK((rows_of(folder.path() / name) == rows_of(folder.path() / "alone.db")));
   }
