@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -38,17 +39,13 @@ std::vector<std::string> element_texts(std::span<const CenterlineElement> elemen
   while (!elements.empty()) {
     const std::span<const CenterlineElement> part = leading_part(elements);
     elements = elements.subspan(part.size());
-    if (part.front().clothoid == 0) {
+    const std::optional<Clothoid> clothoid = clothoid_of(part);
+    if (!clothoid) {
       texts.push_back(element_text(part.front()));
       continue;
     }
-    double length = 0;
-    double turned = 0;
-    for (const CenterlineElement& arc : part) {
-      length += arc.length;
-      turned += arc.length * arc.curvature;
-    }
-    texts.push_back(fmt::format("clothoid, {} m, {}\u00b0 to the {}", metres(length),
+    const double turned = clothoid->length * (clothoid->from + clothoid->to) / 2;
+    texts.push_back(fmt::format("clothoid, {} m, {}\u00b0 to the {}", metres(clothoid->length),
                                 format_number(degrees(std::abs(turned)), 3),
                                 turned > 0 ? "right" : "left"));
   }

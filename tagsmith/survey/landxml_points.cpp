@@ -187,10 +187,19 @@ void add_elements(const Piece& piece, double chainage, const std::vector<Vector2
   }
 }
 
-// Whether the elements, put to each other without bends, pass through the piece's end.
-bool joins(const DesignedLine& line, const Piece& last, double gap) {
+// Where a piece ends.
+struct PieceEnd {
+  double along = 0;  // from the alignment's start
+  Vector2d at{0, 0};
+};
+
+// Whether the elements, put to each other without bends, pass through the pieces' ends.
+bool joins(const DesignedLine& line, const std::vector<PieceEnd>& ends, double gap) {
+  if (line.elements.empty() || line.elements.size() > kMostElements) return false;
   const Centerline chain = line_in_world(line, {});
-  return (chain.at(chain.length()).position.head<2>() - last.end).norm() <= gap;
+  return std::ranges::all_of(ends, [&](const PieceEnd& end) {
+    return (chain.at(end.along).position.head<2>() - end.at).norm() <= gap;
+  });
 }
 
 void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter& lines,
@@ -203,8 +212,8 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
   const std::vector<Vector2d> profile = profile_of(alignment);
   double chainage = parse_number(alignment.attribute("staStart").value()).value_or(0);
   double sampled = 0;
-  bool is_joined = true;
   DesignedLine whole;
+  std::vector<PieceEnd> ends;
   for (const pugi::xml_node& node : alignment.child("CoordGeom").children()) {
     if (node.type() != pugi::node_element) continue;
     const int line = lines.line_of(node);
@@ -221,8 +230,7 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
     }
     if (whole.elements.empty()) whole = {piece->start, piece->heading, {}};
     add_elements(*piece, chainage, profile, whole);
-    is_joined = is_joined && whole.elements.size() <= kMostElements &&
-                joins(whole, *piece, kJoined * metre);
+    ends.push_back({sampled, piece->end});
     const int count = std::max(1, static_cast<int>(std::ceil(piece->length / (kStep * metre))));
     for (int i = 0; i <= count; ++i) {
       const double s = piece->length * i / count;
@@ -232,7 +240,7 @@ void sample_alignment(const pugi::xml_node& alignment, double metre, LineCounter
     }
     chainage += piece->length;
   }
-  if (is_joined && !whole.elements.empty()) result.alignment = std::move(whole);
+  if (joins(whole, ends, kJoined * metre)) result.alignment = std::move(whole);
 }
 
 void read_alignments(const pugi::xml_node& root, const std::vector<std::string>& ignore,

@@ -187,8 +187,7 @@ constexpr std::array kRules{
          "higher plate."},
     Rule{"no-room-for-qr", "no room for the QR symbol",
          "It stands below the feature frame, left of the patches. A smaller size_mm, or a frame "
-         "that "
-         "is moved up by feature_frame.offset."},
+         "that is moved up by feature_frame.offset."},
     Rule{"no-template", "a template that is not found",
          "A template is named by its name, and then lies beside the survey or among the "
          "tool's own, or by a path that ends in .yaml."},
@@ -273,8 +272,7 @@ constexpr std::array kRules{
          "A misspelt column would be ignored silently otherwise."},
     Rule{"unknown-field", "a field of a label or a QR symbol that is none",
          "Words in braces stand for what each tag has: {name}, {side}, {digits}, {chainage}, {x}, "
-         "{y}, "
-         "{z}, {survey} and {revision}."},
+         "{y}, {z}, {survey} and {revision}."},
     Rule{"unknown-format", "a calibration file of no known format",
          "OpenCV's YAML and XML, ROS camera_info and kalibr's camchain are read."},
     Rule{"unknown-key", "a key that nobody reads",
