@@ -46,6 +46,8 @@ std::string_view trim(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 std::vector<std::string> split(std::string_view text, char separator) {
   std::vector<std::string> fields;
   while (true) {
@@ -72,6 +74,8 @@ std::string format_number(double value, int decimals) {
   }
   return text == "-0" ? "0" : text;
 }
+
+std::string mm_text(double metres, int decimals) { return format_number(metres * 1000, decimals); }
 
 std::optional<std::string> nearest_word(std::string_view word,
                                         std::span<const std::string> candidates) {

@@ -13,6 +13,8 @@ namespace tagsmith::detail {
 // The text without spaces, tabs and line ends at both ends.
 std::string_view trim(std::string_view text);
 
+bool is_digit(char c);
+
 // The fields between the separators; an empty text has one empty field.
 std::vector<std::string> split(std::string_view text, char separator);
 
@@ -25,6 +27,9 @@ std::optional<int> parse_integer(std::string_view text);
 
 // `value` in fixed notation with at most `decimals` digits, trailing zeros dropped: 1.5, 0.04, 3.
 std::string format_number(double value, int decimals = 6);
+
+// A length in millimetres: 343, 0.264.
+std::string mm_text(double metres, int decimals = 3);
 
 // The candidate nearest to `word` by edit distance, when it is near enough to be a slip of the
 // pen (a third of the word's length, at least 1).

@@ -9,14 +9,12 @@
 #include <utility>
 
 #include "tagsmith/render/text.hpp"
+#include "tagsmith/tag/template.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
-
-// Cairo's PDF leaves out dashes and gaps that are short in metres, so lines are drawn in these.
-constexpr double kMillimetre = 0.001;
 
 CairoSurface pixels_of(const SheetPicture& picture) {
   CairoSurface pixels(
@@ -67,6 +65,7 @@ class Painter {
   void stroke() {
     if (!cairo_has_current_point(context_)) return;
     set_colour(style_.colour);
+    // Cairo's PDF leaves out dashes and gaps that are short in metres.
     std::vector<double> dashes_mm = style_.dashes;
     for (double& dash : dashes_mm) dash /= kMillimetre;
     cairo_save(context_);

@@ -19,7 +19,6 @@ namespace {
 
 constexpr const char* kAxisNames[] = {"x", "y", "z"};
 constexpr double kTouching = 1e-3;  // metres that plates may share with each other or the rock
-constexpr double kOffWall = 0.1;    // metres; walls are rough, surveys are not
 
 struct Extent {
   double low = std::numeric_limits<double>::infinity();
@@ -35,8 +34,6 @@ Extent extent_of(const std::vector<SourcedTag>& tags, int axis) {
   return extent;
 }
 
-std::string metres(double value) { return format_number(value, 3) + " m"; }
-
 // How the code could say the positions of all tags on this axis.
 std::string range_remedy(const PositionCode& code, const std::vector<SourcedTag>& tags, int axis) {
   const Extent extent = extent_of(tags, axis);
@@ -46,14 +43,15 @@ std::string range_remedy(const PositionCode& code, const std::vector<SourcedTag>
     return "an origin of " + format_number(std::floor(extent.low)) + " for " + name +
            " (code.origin) brings all tags into range";
   }
-  return "the tags span " + metres(extent.high - extent.low) + " along " + name +
+  return "the tags span " + length_text(extent.high - extent.low) + " along " + name +
          ": more digits for " + name + " (code.digits) or a coarser code.resolution";
 }
 
 std::string range_message(const PositionCode& code, const PlacedTag& tag, int axis) {
   const auto [low, high] = coded_range(code, axis);
-  return "tag " + tag.name + ": " + kAxisNames[axis] + " of P is " + metres(tag.p_in_grid[axis]) +
-         ", the code says " + format_number(low) + " to " + format_number(high) + " m";
+  return "tag " + tag.name + ": " + kAxisNames[axis] + " of P is " +
+         length_text(tag.p_in_grid[axis]) + ", the code says " + format_number(low) + " to " +
+         format_number(high) + " m";
 }
 
 int faulty_axis(const PositionCode& code, const PlacedTag& tag) {
@@ -160,20 +158,22 @@ std::vector<WallFault> room_faults(const Survey& survey, const PlacedTag& tag,
   const std::string plate = "the plate of tag " + tag.name;
   const double length = survey.tunnel.centerline.length();
   if (extent.middle < -kTouching) {
-    faults.push_back({"before", plate + " has its middle at chainage " + metres(extent.middle) +
+    faults.push_back({"before", plate + " has its middle at chainage " +
+                                    length_text(extent.middle) +
                                     ", before the tunnel's start at 0 m"});
   }
   if (extent.middle > length + kTouching) {
-    faults.push_back({"beyond", plate + " has its middle at chainage " + metres(extent.middle) +
-                                    ", beyond the tunnel's end at " + metres(length)});
+    faults.push_back({"beyond", plate + " has its middle at chainage " +
+                                    length_text(extent.middle) + ", beyond the tunnel's end at " +
+                                    length_text(length)});
   }
   if (extent.bottom < extent.floor - kTouching) {
-    faults.push_back({"floor", plate + " reaches down to z = " + metres(extent.bottom) +
-                                   ", the floor is at " + metres(extent.floor)});
+    faults.push_back({"floor", plate + " reaches down to z = " + length_text(extent.bottom) +
+                                   ", the floor is at " + length_text(extent.floor)});
   }
   if (extent.top > extent.roof + kTouching) {
-    faults.push_back({"roof", plate + " reaches up to z = " + metres(extent.top) +
-                                  ", the roof is at " + metres(extent.roof)});
+    faults.push_back({"roof", plate + " reaches up to z = " + length_text(extent.top) +
+                                  ", the roof is at " + length_text(extent.roof)});
   }
   return faults;
 }
@@ -190,20 +190,20 @@ void check_on_wall(const Survey& survey, const SourcedTag& entry, const Centerli
   const double across = tag.side == Side::left ? middle.offset : -middle.offset;
   if (across >= 0) {
     log.error(entry.place, "wrong-side",
-              subject + metres(across) + " beyond the center line on the other side, " +
+              subject + length_text(across) + " beyond the center line on the other side, " +
                   "expected on the " + to_string(tag.side) + " wall of the drive",
               "check side, the order of x and y, and grid.x_axis");
   } else if (into_rock > kOffWall) {
     log.error(entry.place, "off-wall",
-              subject + metres(into_rock) + " behind the " + to_string(tag.side) +
-                  " wall, expected at most " + metres(kOffWall),
+              subject + length_text(into_rock) + " behind the " + to_string(tag.side) +
+                  " wall, expected at most " + length_text(kOffWall),
               kRemedy);
   } else if (std::abs(behind) > kOffWall &&
              !is_turned_from_wall(tunnel, survey.tag_template, tag)) {
     log.warning(entry.place, "off-wall",
-                subject + metres(std::abs(behind)) + (behind < 0 ? " in front of" : " behind") +
-                    " the plane of the " + to_string(tag.side) + " plates, expected at most " +
-                    metres(kOffWall),
+                subject + length_text(std::abs(behind)) +
+                    (behind < 0 ? " in front of" : " behind") + " the plane of the " +
+                    to_string(tag.side) + " plates, expected at most " + length_text(kOffWall),
                 kRemedy);
   }
 }
@@ -221,8 +221,9 @@ void check_faces_room(const Survey& survey, const SourcedTag& entry, FindingLog&
     const double behind = behind_wall(survey.tunnel, side, address) - survey.tunnel.stand_off;
     if (behind <= 0) continue;
     log.warning(entry.place, "faces-rock",
-                "tag " + entry.tag.name + " looks at the " + to_string(side) + " wall: " +
-                    metres(kAhead) + " in front of the plate is " + metres(behind) + " in the rock",
+                "tag " + entry.tag.name + " looks at the " + to_string(side) +
+                    " wall: " + length_text(kAhead) + " in front of the plate is " +
+                    length_text(behind) + " in the rock",
                 "facing is the direction that the plate's face looks to, from +y towards +x of the "
                 "grid; away from its wall when left out");
   }
@@ -243,7 +244,7 @@ std::string step_behind(const Tunnel& tunnel, const PlacedTag& tag, const PlateE
   const double step = wall.steps(extent.start, extent.end);
   if (step <= kStep) return {};
   return "the plate of tag " + tag.name + ", chainage " + format_number(extent.start, 3) + " to " +
-         metres(extent.end) + ", hangs over a step of " + metres(step) + " of the " +
+         length_text(extent.end) + ", hangs over a step of " + length_text(step) + " of the " +
          to_string(tag.side) + " wall";
 }
 
@@ -294,6 +295,8 @@ void check_overlaps(std::vector<WallPlate> plates, SeriesFindings& series, Findi
 }
 
 }  // namespace
+
+std::string length_text(double metres) { return format_number(metres, 3) + " m"; }
 
 void check_code_range(const Survey& survey, const std::vector<SourcedTag>& tags, Place code_place,
                       FindingLog& log) {
@@ -347,9 +350,9 @@ void check_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Plac
   constexpr double kRounding = 1e-6;
   if (greatest > std::max(kBearable, 2 * survey.sigma) + kRounding) {
     log.warning(code_place, "coarse-code",
-                "the code rounds positions by up to " + metres(greatest) + " (tag " +
+                "the code rounds positions by up to " + length_text(greatest) + " (tag " +
                     worst->tag.name + "), more than " +
-                    metres(std::max(kBearable, 2 * survey.sigma)),
+                    length_text(std::max(kBearable, 2 * survey.sigma)),
                 "whoever reads the tags without this survey gets the rounded position; a finer "
                 "code.resolution rounds less");
   }

@@ -3,6 +3,7 @@
 // tagsmith/survey.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "tagsmith/survey/finding_log.hpp"
@@ -17,6 +18,12 @@ struct SourcedTag {
   bool printed_digits = false;  // `digits` was given, not derived from the position
   bool coded = false;           // false: the code cannot say its position, `digits` are void
 };
+
+// How far off its wall a plate may be, metres; walls are rough, surveys are not.
+inline constexpr double kOffWall = 0.1;
+
+// A length as findings say it, to the millimetre: 1.25 m.
+std::string length_text(double metres);
 
 // Positions that the code cannot say; a finding an axis for the regular tags together, one for each
 // surveyed tag. The survey's own `tags` are not looked at.

@@ -21,8 +21,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr int kPayloadDigits = kDigitCount - 1;
-
 Side side_of(const SurveyedPoint& point) {
   return point.kind == PointKind::left_tag ? Side::left : Side::right;
 }
@@ -466,7 +464,8 @@ Result<PositionCode> code_for(const std::vector<Eigen::Vector3d>& positions, Che
       const auto index = static_cast<std::size_t>(axis);
       counts[index] = digits_for(high[axis] - origin[axis], resolution);
     }
-    const int spare = kPayloadDigits - std::accumulate(counts.begin(), counts.end(), 0);
+    const int spare =
+        static_cast<int>(kPayloadDigits) - std::accumulate(counts.begin(), counts.end(), 0);
     if (spare < 0) continue;
     for (int i = 0; i < spare; ++i) ++counts[static_cast<std::size_t>(i % 2)];
     code.digit_counts = counts;

@@ -43,7 +43,7 @@ std::vector<std::string> replaced_keys() {
 }
 
 // What rounds to zero is written without its sign.
-std::string rounded(double value, int decimals) {
+std::string decimal_text(double value, int decimals) {
   const double half = 0.5 * std::pow(10.0, -decimals);
   return fmt::format("{:.{}f}", std::abs(value) < half ? 0.0 : value, decimals);
 }
@@ -131,14 +131,14 @@ Result<std::string> rig_with_mounting(std::string_view rig_text, const std::stri
   const Eigen::Vector3d& at = mounting.position;
   constexpr double kRounding = 5e-5;  // metres
   if (at.cwiseAbs().maxCoeff() >= kRounding) {
-    edits.push_back(
-        {path, "position",
-         fmt::format("[{}, {}, {}]", rounded(at.x(), 4), rounded(at.y(), 4), rounded(at.z(), 4)),
-         ""});
+    edits.push_back({path, "position",
+                     fmt::format("[{}, {}, {}]", decimal_text(at.x(), 4), decimal_text(at.y(), 4),
+                                 decimal_text(at.z(), 4)),
+                     ""});
   }
-  edits.push_back({path, "roll", rounded(degrees(mounting.angles.roll), 3), ""});
-  edits.push_back({path, "pitch", rounded(degrees(mounting.angles.pitch), 3), ""});
-  edits.push_back({path, "yaw", rounded(degrees(mounting.angles.yaw), 3), ""});
+  edits.push_back({path, "roll", decimal_text(degrees(mounting.angles.roll), 3), ""});
+  edits.push_back({path, "pitch", decimal_text(degrees(mounting.angles.pitch), 3), ""});
+  edits.push_back({path, "yaw", decimal_text(degrees(mounting.angles.yaw), 3), ""});
   const Result<std::string> with_angles = edit_yaml(*without, edits);
   if (!with_angles) return with_angles;
   std::vector<SigmaPart> sigmas;

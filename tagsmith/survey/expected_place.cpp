@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kOnWall = 0.1;          // metres that a plate may be off its wall's plane
 constexpr double kLeastScatter = 0.05;   // metres
-constexpr double kLeastTolerance = 0.1;  // metres
-constexpr double kScatterTolerance = 8;  // times the median deviation of a wall's tags
 constexpr std::size_t kNeighbours = 3;   // on either side
 constexpr std::size_t kLeastOnWall = 5;  // tags that make a wall's habits
 

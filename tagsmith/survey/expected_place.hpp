@@ -12,6 +12,10 @@
 
 namespace tagsmith::detail {
 
+// How far off tags may be from where others say: a length, and times the others' median deviation.
+inline constexpr double kLeastTolerance = 0.1;  // metres
+inline constexpr double kScatterTolerance = 8;
+
 // Address of a plate in the tunnel: of its frame's middle along and across, of P in height. Metres.
 struct PlateAddress {
   double chainage = 0;

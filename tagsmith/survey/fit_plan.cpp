@@ -71,8 +71,8 @@ std::vector<PlanPoint> points_of_side(const std::vector<PlanPoint>& points, int 
 
 // Between each left point and the nearest right one: in the middle, or as their offsets divide the
 // way where these are known.
-std::vector<Vector2d> between(const std::vector<PlanPoint>& left,
-                              const std::vector<PlanPoint>& right) {
+std::vector<Vector2d> line_between(const std::vector<PlanPoint>& left,
+                                   const std::vector<PlanPoint>& right) {
   std::vector<Vector2d> result;
   for (const PlanPoint& a : left) {
     const PlanPoint& b = *std::ranges::min_element(
@@ -114,7 +114,7 @@ std::vector<Vector2d> make_guide(const std::vector<PlanPoint>& points) {
     const std::vector<PlanPoint> left = points_of_side(points, -1);
     const std::vector<PlanPoint> right = points_of_side(points, 1);
     if (left.size() < 2 || right.size() < 2) return {};
-    guide = between(left, right);
+    guide = line_between(left, right);
   }
   constexpr double kLeastStep = 0.05;
   guide = without_jumps(thinned(guide, kMostGuidePoints), kLeastStep);

@@ -21,8 +21,6 @@
 namespace tagsmith::detail {
 namespace {
 
-std::string metres(double value) { return format_number(value, 3) + " m"; }
-
 // ---- the whole grid ----
 
 // The survey as it were if its grid's x axis pointed to the other side.
@@ -72,18 +70,17 @@ bool lint_place(const Survey& survey, const SourcedTag& entry, const ExpectedPla
   if (!fits_along(address, expected)) {
     log_odd(survey, entry, expected, "spacing-outlier",
             fmt::format("the plate's middle is at chainage {}, by {} expected at {}",
-                        metres(address.chainage), source, metres(expected.chainage)),
+                        length_text(address.chainage), source, length_text(expected.chainage)),
             "check p, and the number in the tag's name", log);
     return false;
   }
   if (!fits_in_height(address, expected)) {
     log_odd(survey, entry, expected, "height-outlier",
-            fmt::format("P is {} above the floor, by {} expected at {}", metres(address.height),
-                        source, metres(expected.height)),
+            fmt::format("P is {} above the floor, by {} expected at {}",
+                        length_text(address.height), source, length_text(expected.height)),
             "check z of p, the grade of the center line, and that p is the corner P", log);
     return false;
   }
-  constexpr double kOffWall = 0.1;  // metres, as check_walls
   if (std::abs(address.behind_wall) > kOffWall) {
     if (const auto slip = likely_slip(survey, entry.tag, expected)) {
       log.warning(entry.place, "likely-slip", "tag " + entry.tag.name + " is off its wall", *slip);
@@ -116,8 +113,6 @@ struct Pair {
 
 void lint_pairs(const Survey& survey, const std::vector<Pair>& pairs, FindingLog& log) {
   constexpr std::size_t kLeastPairs = 5;
-  constexpr double kLeastTolerance = 0.1;  // metres
-  constexpr double kScatterTolerance = 8;
   const bool designed = survey.series && survey.series->pairs > 0;
   if (!designed && pairs.size() < kLeastPairs) return;
   std::vector<double> shifts;
@@ -135,7 +130,7 @@ void lint_pairs(const Survey& survey, const std::vector<Pair>& pairs, FindingLog
     log.warning(
         pair.right->place, "pair-shift",
         fmt::format("tag {} stands {} further along the drive than {}, expected {}", tag.name,
-                    metres(pair.shift), tag_name(tag.pair, Side::left), metres(expected)),
+                    length_text(pair.shift), tag_name(tag.pair, Side::left), length_text(expected)),
         "plates of a pair face each other, or stand apart as tags.theta says; check both");
   }
 }
@@ -247,12 +242,12 @@ void lint_codes(const Survey& survey, const std::vector<SourcedTag>& tags, Place
     constexpr std::array kNames{"x", "y", "z"};
     const auto [low, high] = coded_range(survey.code, axis);
     if (!(highest[axis] > lowest[axis]) || highest[axis] < high - kNearEnd * (high - low)) continue;
-    log.warning(
-        code_place, "code-range-end",
-        fmt::format("{} of the tags reaches {}, the code ends at {}",
-                    kNames[static_cast<std::size_t>(axis)], metres(highest[axis]), metres(high)),
-        "the next section will not fit: more digits for this axis (code.digits), or "
-        "another code.origin for the next section");
+    log.warning(code_place, "code-range-end",
+                fmt::format("{} of the tags reaches {}, the code ends at {}",
+                            kNames[static_cast<std::size_t>(axis)], length_text(highest[axis]),
+                            length_text(high)),
+                "the next section will not fit: more digits for this axis (code.digits), or "
+                "another code.origin for the next section");
   }
 }
 

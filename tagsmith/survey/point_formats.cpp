@@ -16,8 +16,6 @@
 namespace tagsmith::detail {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 // ---- GSI.
 
 struct GsiWord {

@@ -16,7 +16,6 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kMillimetre = 1e-3;
 constexpr double kLongestSide = 9.999;  // metres: four digits of millimetres
 constexpr int kMostTagsASide = 600;     // modules of 0.264 mm make 550 rows of 9.999 m
 

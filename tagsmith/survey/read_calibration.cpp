@@ -353,8 +353,8 @@ std::optional<Camera> read_kalibr_camera(const YamlNode& node, const Calibration
   return camera;
 }
 
-std::optional<Camera> read_tree(const YamlNode& root, const CalibrationRequest& request,
-                                FindingLog& log) {
+std::optional<Camera> read_calibration_tree(const YamlNode& root, const CalibrationRequest& request,
+                                            FindingLog& log) {
   if (root.kind != YamlNode::Kind::map) {
     log.error(root.place, "unknown-format", "no map of keys, expected " + std::string(kFormats));
     return std::nullopt;
@@ -389,7 +389,7 @@ Result<CalibrationReading> read_calibration(const CalibrationRequest& request) {
       is_xml ? parse_xml(*text, log)
              : parse_yaml(plain_yaml(std::move(*text)), log, "tag:yaml.org,2002:opencv-matrix");
   CalibrationReading reading;
-  if (root) reading.camera = read_tree(*root, request, log);
+  if (root) reading.camera = read_calibration_tree(*root, request, log);
   if (log.has_errors()) reading.camera.reset();
   reading.diagnostics = log.sorted();
   return reading;

@@ -13,8 +13,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kPayloadDigits = kDigitCount - 1;
-
 // Eleven digits (the check digit is added) or twelve (it must be right, where its scheme is known).
 std::optional<Digits> read_digits(const YamlNode* node, const std::string& name,
                                   const std::optional<CheckDigit>& check, FindingLog& log) {

@@ -17,8 +17,6 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-
 double read_millimetres(const MapReader& map, std::string_view key, double fallback) {
   return kMillimetre * map.number_or(key, fallback / kMillimetre, above_zero(1000, "mm"));
 }
@@ -173,12 +171,12 @@ void check_strip(const TagTemplate& tag, const TagDrawing& drawing, const MapRea
   const auto check = [&](const char* key, const char* rule, const char* what, bool stands,
                          double width, double height) {
     if (!file.has(key) || stands) return;
-    const auto mm = [](double metres) { return format_number(metres * 1e3, 1); };
     file.log().error(
         file.find(key)->place, rule,
         fmt::format("{} of {} x {} mm: the strip below the feature frame is {} mm high, and each "
                     "part beside the label may take half of its free length",
-                    what, mm(width), mm(height), mm(std::max(strip.height, 0.0))),
+                    what, mm_text(width, 1), mm_text(height, 1),
+                    mm_text(std::max(strip.height, 0.0), 1)),
         fmt::format("a smaller {}, or feature_frame.offset that moves the frame up", key));
   };
   check("patches", "no-room-for-patches", "the reference patches", drawing.patches.has_value(),

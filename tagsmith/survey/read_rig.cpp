@@ -230,7 +230,7 @@ void read_vehicle(const MapReader& map, Rig& rig) {
   if (map.has("envelope")) rig.envelope = read_envelope(map.find("envelope"), map.log());
 }
 
-Rig read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
+Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
   const MapReader file(&root, "", {"rig", "cameras", "ranges", "vehicle"}, log);
   Rig rig;
   rig.file = path;
@@ -265,7 +265,7 @@ RigReading read_rig_text(const fs::path& path, std::string_view text) {
   RigReading reading;
   const std::optional<YamlNode> root = parse_yaml(text, log);
   if (root && !is_other_kind(*root, "rig", log)) {
-    reading.rig = read_tree(*root, path, log);
+    reading.rig = read_rig_tree(*root, path, log);
   }
   if (log.has_errors()) reading.rig.reset();
   reading.diagnostics = without_allowed(log.sorted(), text, path.string());

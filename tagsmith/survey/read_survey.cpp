@@ -27,8 +27,6 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kPayloadDigits = kDigitCount - 1;
-
 std::optional<TagTemplate> read_named_template(const MapReader& tags,
                                                const fs::path& survey_folder) {
   FindingLog& log = tags.log();
@@ -255,7 +253,8 @@ void check_pair_angle(const Survey& survey, Place place, FindingLog& log) {
   }
 }
 
-std::optional<Survey> read_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
+std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& path,
+                                       FindingLog& log) {
   const MapReader file(&root, "", {"survey", "grid", "tunnel", "tags", "code", "placed"}, log);
   Survey survey;
   survey.file = path;
@@ -317,7 +316,7 @@ SurveyReading read_survey_text(const fs::path& path, std::string_view text) {
   SurveyReading reading;
   const std::optional<YamlNode> root = parse_yaml(text, log);
   if (root && !is_other_kind(*root, "survey", log)) {
-    reading.survey = read_tree(*root, path, log);
+    reading.survey = read_survey_tree(*root, path, log);
   }
   if (log.has_errors()) reading.survey.reset();
   reading.diagnostics = without_allowed(log.sorted(), text, path.string());

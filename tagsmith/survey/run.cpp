@@ -14,6 +14,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/finding_log.hpp"
+#include "tagsmith/survey/tunnel_limits.hpp"
 
 namespace tagsmith::detail {
 namespace fs = std::filesystem;
@@ -136,8 +137,6 @@ class Row {
   int line_;
   FindingLog& log_;
 };
-
-constexpr double kFarthest = 1e8;  // metres, as in survey files
 
 CameraMeasurement read_camera(const Row& row, const std::string& name, const fs::path& folder) {
   CameraMeasurement measured;

@@ -13,7 +13,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr int kDeepest = 32;
+constexpr int kDeepestElement = 32;
 
 // Lines and columns of byte offsets.
 class Places {
@@ -81,8 +81,8 @@ YamlNode value_of(const pugi::xml_node& element, const Places& places, int depth
   const Place place = place_of(element, places);
   YamlNode node;
   node.place = place;
-  if (depth > kDeepest) {
-    log.error(place, "too-deep", "nested more than " + std::to_string(kDeepest) + " deep",
+  if (depth > kDeepestElement) {
+    log.error(place, "too-deep", "nested more than " + std::to_string(kDeepestElement) + " deep",
               "expected a calibration that OpenCV wrote");
     node.kind = YamlNode::Kind::broken;
     return node;

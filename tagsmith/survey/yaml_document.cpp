@@ -17,7 +17,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kDeepest = 32;
+constexpr std::size_t kDeepestNode = 32;
 constexpr std::size_t kMostNodes = 4'000'000;
 
 // yaml-cpp reads an outermost [...] or {...} to its end before it says anything of it, at some 100
@@ -32,7 +32,7 @@ Place place_of(const YAML::Mark& mark) { return {mark.line + 1, mark.column + 1}
 
 void log_too_deep(Place place, FindingLog& log) {
   log.error(place, "too-deep",
-            "nested more than " + std::to_string(kDeepest) + " deep, expected at most 5");
+            "nested more than " + std::to_string(kDeepestNode) + " deep, expected at most 5");
 }
 
 class TreeBuilder final : public YAML::EventHandler {
@@ -114,7 +114,7 @@ class TreeBuilder final : public YAML::EventHandler {
 
   void open(const YAML::Mark& mark, const std::string& tag, YamlNode::Kind kind,
             YAML::EmitterStyle::value style) {
-    if (open_.size() >= kDeepest) {
+    if (open_.size() >= kDeepestNode) {
       log_too_deep(place_of(mark), log_);
       throw Abandoned();
     }
@@ -202,7 +202,7 @@ bool check_flow(std::string_view text, FindingLog& log) {
     } else if (c == ']' || c == '}') {
       if (depth > 0) --depth;
     }
-    if (depth > kDeepest) {
+    if (depth > kDeepestNode) {
       log_too_deep({line, 0}, log);
       return false;
     }

@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::size_t kLongestText = 200;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 std::string lower(std::string_view text) {
   std::string result(text);
   std::ranges::transform(result, result.begin(),

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -12,6 +13,7 @@
 namespace tagsmith::detail {
 
 inline constexpr int kDigitCount = 12;
+inline constexpr std::size_t kPayloadDigits = kDigitCount - 1;  // all but the check digit
 
 // Twelve values 0-9, the check digit last.
 using Digits = std::array<std::uint8_t, kDigitCount>;

@@ -12,10 +12,9 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-constexpr double kRounding = 1e-6;         // millimetres
-constexpr double kGreatestPlace = 9.999;   // metres: four digits of millimetres
-constexpr double kLeastModule = 0.000264;  // metres
+constexpr double kMillimetreRounding = 1e-6;  // millimetres
+constexpr double kGreatestPlace = 9.999;      // metres: four digits of millimetres
+constexpr double kLeastModule = 0.000264;     // metres
 
 // In modules, as the shipped templates have them.
 constexpr double kInnerLength = kModuleCount + 2 * kQuietZoneModules;
@@ -27,11 +26,11 @@ constexpr double kStroke = 4;
 constexpr double kLeastGap = 1.5;
 
 int whole_up(double metres) {
-  return static_cast<int>(std::ceil(metres / kMillimetre - kRounding));
+  return static_cast<int>(std::ceil(metres / kMillimetre - kMillimetreRounding));
 }
 
 int whole_down(double metres) {
-  return static_cast<int>(std::floor(metres / kMillimetre + kRounding));
+  return static_cast<int>(std::floor(metres / kMillimetre + kMillimetreRounding));
 }
 
 TagTemplate tag_of_module(double module, int dots_per_inch) {

@@ -6,8 +6,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-
 // Of bars, metres: from what office printers can hold to three times a usual module's share.
 constexpr std::array kWidths{0.00025, 0.00035, 0.0005, 0.0007, 0.001, 0.0014, 0.002, 0.003};
 

@@ -10,6 +10,8 @@
 
 namespace tagsmith::detail {
 
+inline constexpr double kMillimetre = 1e-3;
+
 // What is printed for people between the feature frame and the plate's edge.
 struct LabelStyle {
   bool shown = true;
