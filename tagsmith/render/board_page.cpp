@@ -15,13 +15,10 @@ constexpr double kLeftInk = 0.0125;  // the vertical scale bar's text ends there
 constexpr double kTopInk = 0.0135;   // the second note
 constexpr double kLowerInk = 0.013;  // the horizontal scale bar's text
 constexpr double kBlank = 0.005;     // printers leave it so
-constexpr double kScaleBarInset = 0.008;
 
 constexpr double kMarkArm = 0.0025;
 constexpr double kMarkRoom = 0.018;  // of cross and letter, from the sheet's edge
 constexpr double kLeastNoteHeight = 0.0018;
-
-std::string mm(double metres, int decimals = 3) { return format_number(metres * 1e3, decimals); }
 
 // A cross and its letter, towards the middle of the sheet.
 void add_mark(Page& page, const PlatePoint& at, const std::string& letter) {
@@ -46,23 +43,23 @@ void add_marks(Page& page) {
 std::string print_note(const Board& board, const BoardNotes& notes) {
   return board.name + "  \u00b7  serial " + std::to_string(board.serial) + "  \u00b7  " +
          notes.program + "  \u00b7  print at 100 %, not \"fit to page\": both bars are " +
-         mm(kScaleBarLength) + " mm";
+         mm_text(kScaleBarLength) + " mm";
 }
 
 std::string measure_note(const Board& board, const BoardNotes& notes) {
   const auto [right, down] = drawn_distances(board.width, board.height);
   const std::string glue =
       notes.to_glue ? "glue on a flat plate (glass, aluminium composite), " : "keep flat, ";
-  return glue + "check with a straight edge  \u00b7  A\u2013B " + mm(right) + ", A\u2013C " +
-         mm(down) + " mm: measure, write into " + notes.board_file;
+  return glue + "check with a straight edge  \u00b7  A\u2013B " + mm_text(right) + ", A\u2013C " +
+         mm_text(down) + " mm: measure, write into " + notes.board_file;
 }
 
 std::string sheet_note(const Board& board, const BoardNotes& notes) {
-  return notes.sheet + " " + mm(board.width) + " \u00d7 " + mm(board.height) + " mm";
+  return notes.sheet + " " + mm_text(board.width) + " \u00d7 " + mm_text(board.height) + " mm";
 }
 
 std::string module_note(const Board& board) {
-  return "module " + mm(module_width(board.tag), 4) + " mm, " +
+  return "module " + mm_text(module_width(board.tag), 4) + " mm, " +
          std::to_string(board.tag.dots_per_inch) + " dpi";
 }
 

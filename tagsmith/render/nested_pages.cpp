@@ -55,7 +55,7 @@ PageTag placed_tag(const NamedDrawing& tag, const PlatePlace& place, const NestP
   return placed;
 }
 
-std::string mm(double metres) { return format_number(std::ceil(metres * 1000 - 1e-6)); }
+std::string whole_mm(double metres) { return format_number(std::ceil(metres * 1000 - 1e-6)); }
 
 }  // namespace
 
@@ -88,7 +88,7 @@ std::string papers_for(const Rectangle& plate, double bleed) {
   const PlateSize room = room_of(plate, bleed);
   const double across =
       std::min(room.width, room.height) + PaperBorder::kLeft + PaperBorder::kRight;
-  return text + (text.empty() ? "" : " or ") + "a roll of " + mm(across) + " mm";
+  return text + (text.empty() ? "" : " or ") + "a roll of " + whole_mm(across) + " mm";
 }
 
 Page lay_out_nested(std::span<const NamedDrawing> tags, const PageNotes& notes,

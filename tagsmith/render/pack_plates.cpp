@@ -12,7 +12,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr double kRounding = 1e-9;
+constexpr double kPackRounding = 1e-9;
 
 // The lower edge of what is already packed: level from each place to the next one's.
 struct Step {
@@ -31,12 +31,12 @@ class Skyline {
     std::optional<Step> best;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       const double right = steps_[i].x + size.width;
-      if (right > width_ + kRounding) break;
+      if (right > width_ + kPackRounding) break;
       double y = 0;
-      for (std::size_t j = i; j < steps_.size() && steps_[j].x < right - kRounding; ++j) {
+      for (std::size_t j = i; j < steps_.size() && steps_[j].x < right - kPackRounding; ++j) {
         y = std::max(y, steps_[j].y);
       }
-      if (!best || y < best->y - kRounding) best = Step{steps_[i].x, y};
+      if (!best || y < best->y - kPackRounding) best = Step{steps_[i].x, y};
     }
     return best;
   }
@@ -46,13 +46,13 @@ class Skyline {
     double level = 0;  // of the skyline right of the room
     std::vector<Step> steps;
     for (const Step& step : steps_) {
-      if (step.x < right + kRounding) level = step.y;
-      if (step.x < place.x - kRounding) steps.push_back(step);
+      if (step.x < right + kPackRounding) level = step.y;
+      if (step.x < place.x - kPackRounding) steps.push_back(step);
     }
     steps.push_back({place.x, place.y + size.height});
-    if (right < width_ - kRounding) steps.push_back({right, level});
+    if (right < width_ - kPackRounding) steps.push_back({right, level});
     std::ranges::copy_if(steps_, std::back_inserter(steps),
-                         [&](const Step& step) { return step.x > right + kRounding; });
+                         [&](const Step& step) { return step.x > right + kPackRounding; });
     steps_ = std::move(steps);
   }
 
@@ -89,7 +89,7 @@ std::optional<PlatePlace> place_in(const Skyline& skyline, const PlateSize& size
   if (!as_it_is && !on_side) as_it_is = skyline.find(size);
   if (!as_it_is && !on_side) return std::nullopt;
   const bool turn =
-      !as_it_is || (on_side && on_side->y + size.width < as_it_is->y + size.height - kRounding);
+      !as_it_is || (on_side && on_side->y + size.width < as_it_is->y + size.height - kPackRounding);
   const Step& at = turn ? *on_side : *as_it_is;
   return PlatePlace{at.x, at.y, turn};
 }
@@ -105,7 +105,7 @@ PlatePacking pack(std::span<const PlateSize> plates, const std::vector<std::size
     const Stand stand = i < way.change ? way.first : way.others;
     const auto place = place_in(skyline, plates[plate], stand, strip.may_turn);
     const PlateSize size = place && place->turned ? turned(plates[plate]) : plates[plate];
-    if (!place || place->y + size.height > strip.length + kRounding) {
+    if (!place || place->y + size.height > strip.length + kPackRounding) {
       packing.places.resize(way.largest_first ? 0 : i);
       return packing;
     }
@@ -137,7 +137,7 @@ std::vector<Way> ways_to_pack(std::size_t plates, bool may_turn, bool mixed) {
 
 bool better(const PlatePacking& a, const PlatePacking& b) {
   if (a.places.size() != b.places.size()) return a.places.size() > b.places.size();
-  if (std::abs(a.length - b.length) > kRounding) return a.length < b.length;
+  if (std::abs(a.length - b.length) > kPackRounding) return a.length < b.length;
   return std::ranges::count(a.places, true, &PlatePlace::turned) <
          std::ranges::count(b.places, true, &PlatePlace::turned);
 }

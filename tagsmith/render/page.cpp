@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kLeastCropGap = 0.003;  // between the plate's corner and its crop marks
 constexpr double kCropLength = 0.008;
-constexpr double kScaleBarInset = 0.008;  // from the page's edge: printers leave about 5 mm blank
 constexpr double kTickLength = 0.004;
 constexpr double kNoteStep = 1.8 * kNoteHeight;
 
@@ -106,11 +105,10 @@ void add_note(Page& page, const std::string& text, double baseline, double max_w
 }
 
 std::string what_to_measure(const TagDrawing& tag) {
-  const auto mm = [](double length) { return format_number(length * 1000, 3); };
-  return "feature frame inside " + mm(tag.frame_inner.width) + " \u00d7 " +
-         mm(tag.frame_inner.height) + " mm  \u00b7  plate " + mm(tag.plate.width) + " \u00d7 " +
-         mm(tag.plate.height) + " mm  \u00b7  print at 100 %, then measure both " +
-         scale_bar_text() + " bars";
+  return "feature frame inside " + mm_text(tag.frame_inner.width) + " \u00d7 " +
+         mm_text(tag.frame_inner.height) + " mm  \u00b7  plate " + mm_text(tag.plate.width) +
+         " \u00d7 " + mm_text(tag.plate.height) +
+         " mm  \u00b7  print at 100 %, then measure both " + scale_bar_text() + " bars";
 }
 
 void add_crop_marks(Page& page, const Rectangle& plate, double gap, double length) {

@@ -65,6 +65,9 @@ double least_margin(double bleed);
 // Nominal length of the scale bars, metres.
 inline constexpr double kScaleBarLength = 0.1;
 
+// Of scale bars from the page's edge, metres: printers leave about 5 mm blank.
+inline constexpr double kScaleBarInset = 0.008;
+
 // Height of a capital letter in notes, metres.
 inline constexpr double kNoteHeight = 0.0025;
 

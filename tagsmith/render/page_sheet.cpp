@@ -22,7 +22,7 @@ Eigen::AlignedBox2d box_of(const Rectangle& r) {
   return {Vector2d(r.x, r.y), Vector2d(r.x + r.width, r.y + r.height)};
 }
 
-Points corners_of(const Rectangle& r) {
+Points rectangle_outline(const Rectangle& r) {
   const double right = r.x + r.width;
   const double bottom = r.y + r.height;
   return {{r.x, r.y}, {right, r.y}, {right, bottom}, {r.x, bottom}};
@@ -40,7 +40,7 @@ void add_quarter(Points& points, const Vector2d& centre, double radius, double a
 
 // The rectangle with round corners; of no size, a circle.
 Points rounded(const Rectangle& r, double radius) {
-  if (radius <= 0) return corners_of(r);
+  if (radius <= 0) return rectangle_outline(r);
   const double right = r.x + r.width - radius;
   const double bottom = r.y + r.height - radius;
   Points points;
@@ -75,7 +75,8 @@ void make_white(SheetItem& item) {
 
 SheetArea area_of(const std::vector<Rectangle>& rectangles) {
   SheetArea area;
-  for (const Rectangle& rectangle : rectangles) area.outlines.push_back(corners_of(rectangle));
+  for (const Rectangle& rectangle : rectangles)
+    area.outlines.push_back(rectangle_outline(rectangle));
   return area;
 }
 
@@ -94,7 +95,8 @@ SheetArea area_of(const std::vector<std::vector<PlatePoint>>& outlines) {
 std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool with_contour) {
   const LineStyle line{.width = line_width};
   std::vector<SheetLayer> layers{
-      {"feature-frame", {SheetArea{{corners_of(tag.frame_outer), corners_of(tag.frame_inner)}}}}};
+      {"feature-frame",
+       {SheetArea{{rectangle_outline(tag.frame_outer), rectangle_outline(tag.frame_inner)}}}}};
   const auto layer = [&](const char* name) -> std::vector<SheetItem>& {
     return layers.emplace_back(SheetLayer{name, {}}).items;
   };
@@ -107,8 +109,8 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   }
   if (tag.logo && !tag.logo->outlines.empty()) layer("logo") = {area_of(tag.logo->outlines)};
   if (tag.patches) {
-    layer("patches") = {SheetArea{{corners_of(tag.patches->black)}},
-                        SheetLine{corners_of(tag.patches->white), line, true}};
+    layer("patches") = {SheetArea{{rectangle_outline(tag.patches->black)}},
+                        SheetLine{rectangle_outline(tag.patches->white), line, true}};
   }
   auto& holes = layer("drill-holes");
   for (const HoleOutline& hole : tag.holes) {
@@ -127,7 +129,8 @@ std::vector<SheetLayer> layers_of(const TagDrawing& tag, double line_width, bool
   }
   if (tag.qr && !tag.qr->modules.empty()) {
     layers.push_back(
-        {"qr", {SheetArea{{corners_of(tag.qr->box)}, colours::kWhite}, area_of(tag.qr->modules)}});
+        {"qr",
+         {SheetArea{{rectangle_outline(tag.qr->box)}, colours::kWhite}, area_of(tag.qr->modules)}});
   }
   return layers;
 }

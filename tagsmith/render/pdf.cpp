@@ -18,7 +18,7 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr double kPointsPerMetre = 72 / 0.0254;
-constexpr double kMostPoints = 14400;
+constexpr double kLongestSidePoints = 14400;
 
 cairo_status_t take(void* filter, const unsigned char* data, unsigned int length) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), length);
@@ -70,7 +70,8 @@ Result<void> draw_pdf(const SheetSource& sheets, const OutputIntent* intent,
       filter.describe({sheet.title, sheet.subject, sheet.keywords});
     }
     has_page = true;
-    if (std::max(sheet.width, sheet.height) * kPointsPerMetre > kMostPoints && problem.empty()) {
+    if (std::max(sheet.width, sheet.height) * kPointsPerMetre > kLongestSidePoints &&
+        problem.empty()) {
       problem = fmt::format("PDF: the page of {} is {:.2f} x {:.2f} m, expected at most 5.08 m",
                             sheet.title, sheet.width, sheet.height);
     }

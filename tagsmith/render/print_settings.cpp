@@ -78,7 +78,7 @@ std::size_t end_of_text(std::string_view content, std::size_t at) {
   return content.size();
 }
 
-std::string deflated(std::string_view bytes) {
+std::string zlib_stream_of(std::string_view bytes) {
   uLongf size = compressBound(bytes.size());
   std::string result(size, '\0');
   compress2(reinterpret_cast<Bytef*>(result.data()), &size,
@@ -104,9 +104,9 @@ std::optional<std::string> inflated(std::string_view bytes) {
 }  // namespace
 
 std::string with_print_colours(std::string_view content, bool has_contour) {
-  using Words = std::array<std::string_view, 4>;
+  using LastWords = std::array<std::string_view, 4>;
   std::string result;
-  Words last;              // words, the newest at the end
+  LastWords last;          // words, the newest at the end
   std::size_t copied = 0;  // so much of the content is in the result
   for (std::size_t at = 0; at < content.size();) {
     if (content[at] == '(') {
@@ -120,11 +120,11 @@ std::string with_print_colours(std::string_view content, bool has_contour) {
     if (word.empty()) continue;
     last = {last[1], last[2], last[3], word};
     std::string_view instead;
-    if (last == Words{"0", "0", "0", "rg"}) instead = "0 g";
-    if (last == Words{"0", "0", "0", "RG"}) instead = "0 G";
-    if (last == Words{"1", "1", "1", "rg"}) instead = "1 g";
-    if (last == Words{"1", "1", "1", "RG"}) instead = "1 G";
-    if (has_contour && last == Words{"1", "0", "1", "RG"}) instead = "/CutContour CS 1 SCN";
+    if (last == LastWords{"0", "0", "0", "rg"}) instead = "0 g";
+    if (last == LastWords{"0", "0", "0", "RG"}) instead = "0 G";
+    if (last == LastWords{"1", "1", "1", "rg"}) instead = "1 g";
+    if (last == LastWords{"1", "1", "1", "RG"}) instead = "1 G";
+    if (has_contour && last == LastWords{"1", "0", "1", "RG"}) instead = "/CutContour CS 1 SCN";
     if (instead.empty()) continue;
     const auto first = static_cast<std::size_t>(last[0].data() - content.data());
     result.append(content, copied, first - copied).append(instead);
@@ -171,7 +171,7 @@ void PrintSettingsFilter::take_object(std::string_view object) {
     const std::size_t data = stream + kStream.size();
     const std::size_t size = body.size() - data - kEndOfStream.size();
     if (const auto content = inflated(std::string_view(body).substr(data, size))) {
-      const std::string compressed = deflated(with_print_colours(*content, page.has_contour));
+      const std::string compressed = zlib_stream_of(with_print_colours(*content, page.has_contour));
       new_length_ = fmt::format("   {}", compressed.size());
       body.replace(data, size, compressed);
     }

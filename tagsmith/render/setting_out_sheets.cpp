@@ -22,25 +22,25 @@ constexpr double kRight = 0.200;
 constexpr double kHeadTop = 0.044;
 constexpr double kRowHeight = 0.0065;
 constexpr double kBelowRows = 0.017;
-constexpr double kTextHeight = 0.0022;  // of a capital letter
-constexpr double kPadding = 0.0012;
+constexpr double kCellTextHeight = 0.0022;  // of a capital letter
+constexpr double kCellPadding = 0.0012;
 
-struct Column {
+struct SheetColumn {
   const char* head;
   double width;
 };
 
-constexpr std::array<Column, 11> kColumns{{{"tag", 0.015},
-                                           {"side", 0.011},
-                                           {"chainage (m)", 0.021},
-                                           {"offset (m)", 0.017},
-                                           {"height (m)", 0.017},
-                                           {"x (m)", 0.019},
-                                           {"y (m)", 0.019},
-                                           {"z (m)", 0.017},
-                                           {"tol. (mm)", 0.014},
-                                           {"digits", 0.0265},
-                                           {"hung", 0.0085}}};
+constexpr std::array<SheetColumn, 11> kSheetColumns{{{"tag", 0.015},
+                                                     {"side", 0.011},
+                                                     {"chainage (m)", 0.021},
+                                                     {"offset (m)", 0.017},
+                                                     {"height (m)", 0.017},
+                                                     {"x (m)", 0.019},
+                                                     {"y (m)", 0.019},
+                                                     {"z (m)", 0.017},
+                                                     {"tol. (mm)", 0.014},
+                                                     {"digits", 0.0265},
+                                                     {"hung", 0.0085}}};
 
 // A text for each column, or a single one across them all.
 using TableRow = std::vector<std::string>;
@@ -76,8 +76,9 @@ class TablePage {
     const auto upright = [&](double x) { line({x, top}, {x, top + kRowHeight}, kExtraNarrow); };
     double x = kLeft;
     for (std::size_t i = 0; i < texts.size(); ++i) {
-      const double width = texts.size() == 1 ? kRight - kLeft : kColumns[i].width;
-      text(x + kPadding, top + kRowHeight - 0.002, texts[i], kTextHeight, width - 2 * kPadding);
+      const double width = texts.size() == 1 ? kRight - kLeft : kSheetColumns[i].width;
+      text(x + kCellPadding, top + kRowHeight - 0.002, texts[i], kCellTextHeight,
+           width - 2 * kCellPadding);
       upright(x);
       x += width;
     }
@@ -133,20 +134,20 @@ void add_heading(TablePage& page, const Survey& survey, const std::string& revis
             fmt::format("{}plate {}  \u00b7  page {} of {}",
                         revision.empty() ? "" : "revision " + revision + "  \u00b7  ",
                         survey.tag_template.name, number, count),
-            kTextHeight, width);
+            kCellTextHeight, width);
   page.text(kLeft, 0.032,
             "Every place is that of corner P: the upper left inner corner of the black frame, seen "
             "facing the plate.",
-            kTextHeight, width);
+            kCellTextHeight, width);
   page.text(kLeft, 0.037,
             "offset: from the center line, negative = left of the drive; height: above the floor; "
             "tol.: P may hang so far from its place.",
-            kTextHeight, width);
+            kCellTextHeight, width);
 }
 
 void add_head(TablePage& page) {
   TableRow heads;
-  for (const Column& column : kColumns) heads.emplace_back(column.head);
+  for (const SheetColumn& column : kSheetColumns) heads.emplace_back(column.head);
   page.line({kLeft, kHeadTop}, {kRight, kHeadTop}, kWide);
   page.row(kHeadTop, heads);
   page.line({kLeft, kHeadTop + kRowHeight}, {kRight, kHeadTop + kRowHeight}, kWide);

@@ -108,12 +108,16 @@ using Picture = PictureAt<SketchPoint>;
 enum class TextAlign { left, centre, right };
 enum class TextLevel { baseline, middle, top };
 
+// Of a capital letter, and from line to line, metres on paper (ISO 3098: 1.8, 2.5, 3.5 mm).
+inline constexpr double kWordsHeight = 0.0018;
+inline constexpr double kWordsLine = 2 * kWordsHeight;
+
 // A line of text.
 struct Words {
   std::string text;
   SketchPoint at{Eigen::Vector2d::Zero()};
-  double height = 0.0018;  // of a capital letter, metres on paper (ISO 3098: 1.8, 2.5, 3.5 mm)
-  double angle = 0;        // of the baseline, radians from x towards y
+  double height = kWordsHeight;  // of a capital letter, metres on paper
+  double angle = 0;              // of the baseline, radians from x towards y
   TextAlign align = TextAlign::left;
   TextLevel level = TextLevel::baseline;
   Colour colour{};

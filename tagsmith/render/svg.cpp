@@ -17,7 +17,7 @@ namespace {
 using Points = std::vector<Eigen::Vector2d>;
 
 // Ten nanometres are finer than any plotter, and keep files small.
-std::string mm(double metres) { return format_number(metres * 1000, 5); }
+std::string mm(double metres) { return mm_text(metres, 5); }
 
 std::string colour(std::string_view attribute, const Colour& colour) {
   constexpr std::string_view kHex = "0123456789abcdef";

@@ -163,25 +163,25 @@ Sketch text_block(const std::vector<std::string>& lines) {
   return sketch;
 }
 
-struct Column {
+struct ViewColumn {
   const char* title;
   double right_end;  // metres on paper from the table's left edge; text ends there
 };
 
-constexpr std::array<Column, 8> kColumns{{{"tag", 0.011},
-                                          {"digits", 0.039},
-                                          {"x", 0.057},
-                                          {"y", 0.075},
-                                          {"z", 0.089},
-                                          {"chainage", 0.104},
-                                          {"height", 0.115},
-                                          {"", 0.118}}};
+constexpr std::array<ViewColumn, 8> kViewColumns{{{"tag", 0.011},
+                                                  {"digits", 0.039},
+                                                  {"x", 0.057},
+                                                  {"y", 0.075},
+                                                  {"z", 0.089},
+                                                  {"chainage", 0.104},
+                                                  {"height", 0.115},
+                                                  {"", 0.118}}};
 
 void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double down,
              const Colour& colour) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     layer.add(Words{.text = cells[i],
-                    .at = {{0, 0}, {kColumns[i].right_end, -down}},
+                    .at = {{0, 0}, {kViewColumns[i].right_end, -down}},
                     .height = 0.0016,
                     .align = TextAlign::right,
                     .colour = colour});
@@ -227,7 +227,7 @@ std::vector<DrawingView> tag_tables(const Survey& survey, Paper paper) {
     view.scale = 1;
     SketchLayer& layer = view.sketch.layer("table");
     std::array<std::string, 8> titles;
-    std::ranges::transform(kColumns, titles.begin(), &Column::title);
+    std::ranges::transform(kViewColumns, titles.begin(), &ViewColumn::title);
     add_row(layer, titles, 0, colours::kGrey);
     for (std::size_t row = i; row < end; ++row) {
       add_row(layer, cells_of(survey, survey.tags[row]), kRow * static_cast<double>(row - i + 1),

@@ -186,7 +186,6 @@ Page lay_out_tile(const std::string& name, const TagDrawing& tag, const PageNote
 }
 
 std::vector<std::string> instructions(const TagDrawing& tag, const TilePlan& plan) {
-  const auto mm = [](double length) { return format_number(length * 1000, 1); };
   const double diagonal = std::hypot(tag.frame_inner.width, tag.frame_inner.height);
   return {
       "1. Print all " + std::to_string(plan.tiles()) +
@@ -197,9 +196,9 @@ std::vector<std::string> instructions(const TagDrawing& tag, const TilePlan& pla
       "crosses on each other. Glue.",
       "4. Lay each row on the one above it in the same way. Glue.",
       "5. Glue the whole on a flat, rigid, matt board. Cut the plate out along its edge line.",
-      "6. Measure with a tape: feature frame inside " + mm(tag.frame_inner.width) + " \u00d7 " +
-          mm(tag.frame_inner.height) + " mm, both diagonals inside " + mm(diagonal) +
-          " mm. More than 1 mm off: print again."};
+      "6. Measure with a tape: feature frame inside " + mm_text(tag.frame_inner.width, 1) +
+          " \u00d7 " + mm_text(tag.frame_inner.height, 1) + " mm, both diagonals inside " +
+          mm_text(diagonal, 1) + " mm. More than 1 mm off: print again."};
 }
 
 void add_instructions(Page& page, const std::vector<std::string>& lines, double baseline) {

@@ -18,9 +18,9 @@ using Eigen::Vector2d;
 constexpr double kBlockWidth = 0.180;  // ISO 7200
 constexpr double kBlockHeight = 0.020;
 constexpr double kTitleWidth = 0.074;
-constexpr double kPadding = 0.002;
+constexpr double kBlockPadding = 0.002;
 constexpr double kValueHeight = 0.0020;
-constexpr double kNameHeight = 0.0014;
+constexpr double kFieldNameHeight = 0.0014;
 
 std::vector<Vector2d> corners(const AlignedBox2d& box) {
   return {box.min(), {box.max().x(), box.min().y()}, box.max(), {box.min().x(), box.max().y()}};
@@ -56,10 +56,11 @@ void add_fields(SheetLayer& layer, const std::vector<TitleField>& fields, const 
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const Vector2d corner = box.min() + Vector2d(static_cast<double>(i % columns) * cell.x(),
                                                  static_cast<double>(i / columns) * cell.y());
-    const double width = cell.x() - kPadding;
-    add_text(layer, fields[i].name, corner + Vector2d(kPadding / 2, 0.0028), kNameHeight, width,
-             colours::kGrey);
-    add_text(layer, fields[i].value, corner + Vector2d(kPadding / 2, 0.0075), kValueHeight, width);
+    const double width = cell.x() - kBlockPadding;
+    add_text(layer, fields[i].name, corner + Vector2d(kBlockPadding / 2, 0.0028), kFieldNameHeight,
+             width, colours::kGrey);
+    add_text(layer, fields[i].value, corner + Vector2d(kBlockPadding / 2, 0.0075), kValueHeight,
+             width);
   }
 }
 
@@ -131,12 +132,12 @@ void add_title_block(Sheet& sheet, const TitleBlock& block, const SheetNumber& n
   layer.items.push_back(SheetLine{corners(frame.border), {.width = 0.0007}, true});
   layer.items.push_back(SheetLine{corners(frame.block), {.width = kWide}, true});
   const Vector2d corner = frame.block.min();
-  add_text(layer, block.title, corner + Vector2d(kPadding, 0.0075), 0.0035,
-           kTitleWidth - 2 * kPadding);
-  add_text(layer, block.subject, corner + Vector2d(kPadding, 0.0135), 0.0022,
-           kTitleWidth - 2 * kPadding);
-  add_text(layer, "tagsmith", corner + Vector2d(kPadding, 0.0180), kNameHeight,
-           kTitleWidth - 2 * kPadding, colours::kGrey);
+  add_text(layer, block.title, corner + Vector2d(kBlockPadding, 0.0075), 0.0035,
+           kTitleWidth - 2 * kBlockPadding);
+  add_text(layer, block.subject, corner + Vector2d(kBlockPadding, 0.0135), 0.0022,
+           kTitleWidth - 2 * kBlockPadding);
+  add_text(layer, "tagsmith", corner + Vector2d(kBlockPadding, 0.0180), kFieldNameHeight,
+           kTitleWidth - 2 * kBlockPadding, colours::kGrey);
   add_fields(layer, all_fields(block, number, scale_denominator),
              {Vector2d(corner + Vector2d(kTitleWidth, 0)), frame.block.max()});
   if (scale_denominator) {

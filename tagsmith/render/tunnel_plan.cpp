@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 
 // On paper, metres.
-constexpr double kNameHeight = 0.0018;
+constexpr double kTagNameHeight = 0.0018;
 constexpr double kLeastDrive = 0.0060;  // between the walls
 constexpr double kPlateThickness = 0.0007;
 constexpr double kNameClear = 0.0022;       // between wall and name
@@ -187,7 +187,7 @@ Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag
   Words words;
   words.text = tag.name;
   words.at = {middle, outward * kNameClear};
-  words.height = kNameHeight;
+  words.height = kTagNameHeight;
   words.angle = upside_down ? angle + std::numbers::pi : angle;
   words.align = upside_down ? TextAlign::right : TextAlign::left;
   words.level = TextLevel::middle;

@@ -43,7 +43,7 @@ class Bytes {
 };
 
 // Without zlib's own head and sum (RFC 1951).
-std::optional<std::string> deflated(const std::string& bytes) {
+std::optional<std::string> raw_deflated(const std::string& bytes) {
   z_stream stream{};
   if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL,
                    Z_DEFAULT_STRATEGY) != Z_OK) {
@@ -94,7 +94,7 @@ Result<void> write_zip(const std::filesystem::path& path, std::span<const ZipEnt
   for (const ZipEntry& entry : entries) {
     const Result<std::string> bytes = read_file(entry.file, kMostBytes);
     if (!bytes) return fail(bytes.error().message);
-    const std::optional<std::string> packed = deflated(*bytes);
+    const std::optional<std::string> packed = raw_deflated(*bytes);
     if (!packed) return fail(path.string() + ": " + entry.name + " cannot be compressed");
     const std::string described = description(entry.name, *bytes, packed->size());
     directory += Bytes()
