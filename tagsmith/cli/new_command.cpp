@@ -35,6 +35,8 @@ namespace tagsmith::detail {
 namespace fs = std::filesystem;
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct NewOptions {
   std::string name;
   std::string points;
@@ -249,8 +251,7 @@ std::string file_name(const Drafted& drafted, std::size_t part) {
   return drafted.parts.size() == 1 ? "survey.yaml" : "survey-" + std::to_string(part + 1) + ".yaml";
 }
 
-nlohmann::ordered_json part_json(const NewOptions& options, const Drafted& drafted,
-                                 std::size_t index) {
+Json part_json(const NewOptions& options, const Drafted& drafted, std::size_t index) {
   const DraftPart& part = drafted.parts[index];
   return {{"file", (fs::path(options.name) / file_name(drafted, index)).string()},
           {"survey", part.draft.name},
@@ -261,7 +262,6 @@ nlohmann::ordered_json part_json(const NewOptions& options, const Drafted& draft
 }
 
 void print_json(const NewOptions& options, const Drafted& drafted) {
-  using Json = nlohmann::ordered_json;
   const SurveyDraft& draft = drafted.whole;
   const auto length = [](const std::optional<double>& value) {
     return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);

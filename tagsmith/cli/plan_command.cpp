@@ -161,21 +161,21 @@ Result<bool> plan(const PlanCommandOptions& options) {
   return summary.gaps.empty();
 }
 
-constexpr double kFarthest = 1e6;  // metres before or behind the center line's start
+constexpr double kFarthestChainage = 1e6;  // metres before or behind the center line's start
 
 std::vector<CommandOption> drive_options(PlanOptions& options) {
   return {{.names = "--from",
            .target = &options.from,
            .help = "Chainage of the plan's start, m (default: 0)",
            .placeholder = "M",
-           .least = -kFarthest,
-           .greatest = kFarthest},
+           .least = -kFarthestChainage,
+           .greatest = kFarthestChainage},
           {.names = "--to",
            .target = &options.to,
            .help = "Chainage of its end, m (default: the center line's end)",
            .placeholder = "M",
-           .least = -kFarthest,
-           .greatest = kFarthest},
+           .least = -kFarthestChainage,
+           .greatest = kFarthestChainage},
           {.names = "--step",
            .target = &options.step,
            .help = "Step of the chainage, m (default: 0.05)",

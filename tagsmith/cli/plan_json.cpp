@@ -103,7 +103,7 @@ Json tags(const PlannedDrive& drive) {
   return list;
 }
 
-Json profile(const DrivePlan& plan) {
+Json profile_json(const DrivePlan& plan) {
   const auto list = [&](const std::function<Json(const PlanColumn&)>& value) {
     Json values = Json::array();
     for (const PlanColumn& column : plan.columns) values.push_back(value(column));
@@ -159,7 +159,7 @@ std::string plan_json(const PlannedDrive& drive) {
       {"all", plan.speed > 0 ? number(summary.travel_all / plan.speed) : Json(nullptr)},
       {"p99", plan.speed > 0 ? number(summary.travel_most / plan.speed) : Json(nullptr)}};
   json["tags"] = tags(drive);
-  json["profile"] = profile(plan);
+  json["profile"] = profile_json(plan);
   return json_text(json);
 }
 

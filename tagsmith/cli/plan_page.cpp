@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostPoints = 1500;  // of the profile and of the map's lines
+constexpr std::size_t kMostDrawnPoints = 1500;  // of the profile and of the map's lines
 
 constexpr const char* kStyle = R"css(
 .key { color: var(--grey); font-size: .9rem; }
@@ -207,8 +207,8 @@ Json colours() {
 }
 
 // Of several columns drawn as one point, the worst.
-Json profile(const DrivePlan& plan) {
-  const std::size_t stride = std::max<std::size_t>(1, plan.columns.size() / kMostPoints);
+Json chart_json(const DrivePlan& plan) {
+  const std::size_t stride = std::max<std::size_t>(1, plan.columns.size() / kMostDrawnPoints);
   Json json;
   for (const char* name : {"chainage", "nominal", "worst", "paper", "tags", "service"}) {
     json[name] = Json::array();
@@ -284,7 +284,7 @@ Json page_data(const PlannedDrive& drive) {
                             {"y", place[1]},
                             {"read", drive.plan.tags[i].is_read}});
   }
-  data["profile"] = profile(drive.plan);
+  data["profile"] = chart_json(drive.plan);
   return data;
 }
 
@@ -308,7 +308,7 @@ void add_cells(const TagView& view, std::string& row) {
                      view.chainage, view.distance, view.module_px, degrees(view.incidence));
 }
 
-std::string tag_table(const PlannedDrive& drive) {
+std::string tag_table_html(const PlannedDrive& drive) {
   std::string table =
       "<table><tr><th></th><th colspan=\"4\">first read</th><th colspan=\"4\">last read</th></tr>\n"
       "<tr><th>tag</th><th>at</th><th>distance</th><th>px/module</th><th>angle</th><th>at</th>"
@@ -381,7 +381,7 @@ std::string plan_page(const PlannedDrive& drive) {
       share_row("read without survey", drive.summary.read_plain) +
       share_row("read with the survey", drive.summary.read) + "</table>\n";
   page += "<h2>Tags as they are read from the center line</h2>\n<div class=\"scroll\">" +
-          tag_table(drive) + "</div>\n";
+          tag_table_html(drive) + "</div>\n";
   page += "<script type=\"application/json\" id=\"data\">" + embedded(data) +
           "</script>\n<script>" + kScript + "</script>\n</body>\n</html>\n";
   return page;

@@ -134,7 +134,7 @@ std::string view_text(const TagView& view) {
                      view.module_px, degrees(view.incidence));
 }
 
-std::string tag_table(const PlannedDrive& drive) {
+std::string tag_table_text(const PlannedDrive& drive) {
   constexpr std::size_t kMostRows = 40;
   const std::vector<TagUse>& uses = drive.plan.tags;
   if (uses.size() > kMostRows) {
@@ -222,7 +222,7 @@ std::string plan_report(const PlannedDrive& drive) {
   for (const PlanAnswer& answer : plan_answers(drive)) {
     text += fmt::format("{:<20}{}\n", answer.question, answer.answer);
   }
-  return text + "\n" + tag_table(drive);
+  return text + "\n" + tag_table_text(drive);
 }
 
 }  // namespace tagsmith::detail

@@ -37,12 +37,10 @@ Result<void> check_file_names(const std::vector<const PlacedTag*>& tags) {
   return {};
 }
 
-std::string mm(double metres) { return format_number(metres * 1000, 1); }
-
 Error paper_too_small(const TagTemplate& tag, const Rectangle& plate, const PrintStyle& style) {
   std::string text =
       fmt::format("--paper {} cannot carry a plate of {} x {} mm ({}) in one piece; ",
-                  style.paper->name, mm(plate.width), mm(plate.height), tag.name);
+                  style.paper->name, mm_text(plate.width, 1), mm_text(plate.height, 1), tag.name);
   text += papers_for(plate, style.bleed) + " can";
   const Result<TilePlan> tiles = plan_tiles(plate, *style.paper, style.overlap, 0);
   if (tiles) text += fmt::format(", or --tile: {} sheets a plate", tiles->tiles());

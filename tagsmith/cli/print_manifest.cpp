@@ -18,11 +18,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Micrometres are finer than anything surveyed or printed; more digits would be rounding noise.
-double micrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
+double to_micrometre(double metres) { return std::round(metres * 1e6) / 1e6; }
 double mm(double metres) { return std::round(metres * 1e9) / 1e6; }
 
-Json point_json(const Eigen::Vector3d& point) {
-  return {micrometre(point.x()), micrometre(point.y()), micrometre(point.z())};
+Json rounded_point(const Eigen::Vector3d& point) {
+  return {to_micrometre(point.x()), to_micrometre(point.y()), to_micrometre(point.z())};
 }
 
 Json tag_json(const PrintedTag& printed, const std::string& folder) {
@@ -32,10 +32,10 @@ Json tag_json(const PrintedTag& printed, const std::string& folder) {
   return {{"tag", tag.name},
           {"side", to_string(tag.side)},
           {"digits", to_string(tag.digits)},
-          {"position", point_json(tag.p_in_grid)},
-          {"coded_position", point_json(tag.coded_in_grid)},
-          {"rounding", point_json(tag.coded_in_grid - tag.p_in_grid)},
-          {"chainage", micrometre(tag.chainage)},
+          {"position", rounded_point(tag.p_in_grid)},
+          {"coded_position", rounded_point(tag.coded_in_grid)},
+          {"rounding", rounded_point(tag.coded_in_grid - tag.p_in_grid)},
+          {"chainage", to_micrometre(tag.chainage)},
           {"files", files}};
 }
 
@@ -79,10 +79,8 @@ Json roll_json(const RollUse& roll) {
 // Micrometres on a metre: finer than paper keeps.
 Json printer_json(const PrinterProfile& printer) {
   return {{"profile", printer.name},
-          {"scale", {micrometre(printer.scale.right), micrometre(printer.scale.down)}}};
+          {"scale", {to_micrometre(printer.scale.right), to_micrometre(printer.scale.down)}}};
 }
-
-std::string mm_text(double metres) { return format_number(metres * 1000, 6); }
 
 }  // namespace
 
@@ -117,7 +115,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
       {"plate_mm", {mm(tag.plate_length), mm(tag.plate_height)}},
       {"feature_frame_inner_mm", {mm(tag.frame_inner_length), mm(tag.frame_inner_height)}},
       {"module_mm", mm(module_width(tag))},
-      {"quiet_zone_modules", micrometre(tag.quiet_zone_modules)},
+      {"quiet_zone_modules", to_micrometre(tag.quiet_zone_modules)},
       {"dots_per_inch", job.dots_per_inch()},
       {"png_dots_per_inch", job.png_dots_per_inch()},
       {"tiled", job.style.tiled},
@@ -156,7 +154,7 @@ std::string print_manifest_csv(const PrintJob& job, const PrintRecord& record) {
     for (const double length :
          {page.width, page.height, tag.plate_length, tag.plate_height, tag.frame_inner_length,
           tag.frame_inner_height, module_width(tag)}) {
-      fields.push_back(mm_text(length));
+      fields.push_back(mm_text(length, 6));
     }
     fields.push_back(job.style.revision);
     csv += csv_row(fields);

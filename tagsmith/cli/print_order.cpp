@@ -19,8 +19,6 @@ constexpr const char* kOrderPdf = "order.pdf";
 
 std::string cut_file_of(const PrintUnit& unit) { return unit.name + "-cut.dxf"; }
 
-std::string mm(double metres) { return format_number(metres * 1000, 3); }
-
 struct OrderLine {
   std::string name;
   std::string value;
@@ -29,7 +27,7 @@ struct OrderLine {
 std::string holes_text(const TagTemplate& tag) {
   if (tag.holes.empty()) return "none";
   std::set<std::string> diameters;
-  for (const DrillHole& hole : tag.holes) diameters.insert(mm(hole.diameter));
+  for (const DrillHole& hole : tag.holes) diameters.insert(mm_text(hole.diameter));
   std::string text = fmt::format("{} a plate, diameter", tag.holes.size());
   for (const std::string& diameter : diameters) text += " " + diameter;
   return text + " mm";
@@ -63,17 +61,18 @@ std::vector<OrderLine> order_lines(const PrintJob& job, const PrintRecord& recor
       {"Survey",
        job.survey->name + (job.style.revision.empty() ? "" : ", revision " + job.style.revision)},
       {"Plates", fmt::format("{}, each different", record.tags.size())},
-      {"Plate",
-       fmt::format("{}: {} x {} mm", tag.name, mm(tag.plate_length), mm(tag.plate_height))},
+      {"Plate", fmt::format("{}: {} x {} mm", tag.name, mm_text(tag.plate_length),
+                            mm_text(tag.plate_height))},
       {"Material", tag.material.empty() ? "to be agreed: matt, flat, rigid" : tag.material},
       {"Corners",
-       tag.cut.corner_radius > 0 ? "radius " + mm(tag.cut.corner_radius) + " mm" : "square"},
+       tag.cut.corner_radius > 0 ? "radius " + mm_text(tag.cut.corner_radius) + " mm" : "square"},
       {"Holes", holes_text(tag)},
-      {"Feature frame inside", fmt::format("{} x {} mm: measure it on the first print",
-                                           mm(tag.frame_inner_length), mm(tag.frame_inner_height))},
+      {"Feature frame inside",
+       fmt::format("{} x {} mm: measure it on the first print", mm_text(tag.frame_inner_length),
+                   mm_text(tag.frame_inner_height))},
       {"Paper", paper_text(job)},
-      {"Pages", fmt::format("{} of {} x {} mm, bleed {} mm", page_count(job), mm(page.width),
-                            mm(page.height), mm(job.style.bleed))},
+      {"Pages", fmt::format("{} of {} x {} mm, bleed {} mm", page_count(job), mm_text(page.width),
+                            mm_text(page.height), mm_text(job.style.bleed))},
       {"Print", "at 100 %, no fitting to the page, black ink alone"},
       {"Contours", contours_text(job)}};
   if (job.style.printer)
