@@ -30,16 +30,16 @@ std::optional<Matrix3d> inverse_in_closed_form(const Matrix3d& matrix) {
 }
 
 constexpr Eigen::Index kVehicleCount = vehicle_parameter::kCount;
-constexpr Eigen::Index kCalibrationCount = 9;
+constexpr Eigen::Index kCalibrationParameters = 9;
 constexpr Eigen::Index kPlateRows = 8;
-constexpr Eigen::Index kPlateCount = 7;  // its place, its attitude, where its edges are seen
+constexpr Eigen::Index kPlateParameters = 7;  // its place, its attitude, where its edges are seen
 
 // Derivatives of a plate's corners in one image, those by what is uncertain in units of its
 // standard deviations.
 struct CornerRows {
   Eigen::Matrix<double, kPlateRows, kVehicleCount> by_vehicle;
-  Eigen::Matrix<double, kPlateRows, kPlateCount> by_plate;
-  Eigen::Matrix<double, kPlateRows, kCalibrationCount> by_calibration;
+  Eigen::Matrix<double, kPlateRows, kPlateParameters> by_plate;
+  Eigen::Matrix<double, kPlateRows, kCalibrationParameters> by_calibration;
 };
 
 // Rows of corners that cannot be seen are zero.
@@ -86,7 +86,7 @@ void add_tag(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
   const auto count = std::ranges::count(sights, tag, &PlateSight::tag);
   const Eigen::Index size = kPlateRows * static_cast<Eigen::Index>(count);
   Eigen::MatrixXd by_all = Eigen::MatrixXd::Zero(size, information.cols());
-  Eigen::MatrixXd by_plate(size, kPlateCount);
+  Eigen::MatrixXd by_plate(size, kPlateParameters);
   Eigen::VectorXd variance(size);
   Eigen::Index row = 0;
   for (const PlateSight& sight : sights) {
@@ -94,8 +94,8 @@ void add_tag(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
     const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
     const double sigma = expected_corner_sigma(rig, sight, options);
     by_all.block<kPlateRows, kVehicleCount>(row, 0) = rows.by_vehicle;
-    by_all.block<kPlateRows, kCalibrationCount>(
-        row, kVehicleCount + kCalibrationCount * static_cast<Eigen::Index>(sight.camera)) =
+    by_all.block<kPlateRows, kCalibrationParameters>(
+        row, kVehicleCount + kCalibrationParameters * static_cast<Eigen::Index>(sight.camera)) =
         rows.by_calibration;
     by_plate.middleRows<kPlateRows>(row) = rows.by_plate;
     variance.segment<kPlateRows>(row).setConstant(sigma * sigma);
@@ -120,12 +120,12 @@ bool sees_a_tag_twice(std::span<const PlateSight> sights) {
 VehicleCovariance sum_of_cameras(const Survey& survey, const Rig& rig, const VehicleFrame& vehicle,
                                  std::span<const PlateSight> sights,
                                  const AccuracyOptions& options) {
-  constexpr Eigen::Index kCount = kVehicleCount + kCalibrationCount;
+  constexpr Eigen::Index kCount = kVehicleCount + kCalibrationParameters;
   VehicleCovariance sum = VehicleCovariance::Zero();
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     Eigen::Matrix<double, kCount, kCount> information =
         Eigen::Matrix<double, kCount, kCount>::Zero();
-    information.diagonal().tail<kCalibrationCount>().setOnes();
+    information.diagonal().tail<kCalibrationParameters>().setOnes();
     for (const PlateSight& sight : sights) {
       if (sight.camera != camera) continue;
       const CornerRows rows = corner_rows(survey, rig, vehicle, sight);
@@ -138,12 +138,12 @@ VehicleCovariance sum_of_cameras(const Survey& survey, const Rig& rig, const Veh
       covariance.llt().matrixL().solveInPlace(by_all);
       information += by_all.transpose().lazyProduct(by_all);  // small: no kernels of large ones
     }
-    const Eigen::Matrix<double, kVehicleCount, kCalibrationCount> shared =
-        information.topRightCorner<kVehicleCount, kCalibrationCount>();
-    sum +=
-        information.topLeftCorner<kVehicleCount, kVehicleCount>() -
-        shared * information.bottomRightCorner<kCalibrationCount, kCalibrationCount>().llt().solve(
-                     shared.transpose());
+    const Eigen::Matrix<double, kVehicleCount, kCalibrationParameters> shared =
+        information.topRightCorner<kVehicleCount, kCalibrationParameters>();
+    sum += information.topLeftCorner<kVehicleCount, kVehicleCount>() -
+           shared * information.bottomRightCorner<kCalibrationParameters, kCalibrationParameters>()
+                        .llt()
+                        .solve(shared.transpose());
   }
   return sum;
 }
@@ -164,7 +164,8 @@ VehicleCovariance sights_information(const Survey& survey, const Rig& rig,
                                      std::span<const PlateSight> sights,
                                      const AccuracyOptions& options) {
   if (!sees_a_tag_twice(sights)) return sum_of_cameras(survey, rig, vehicle, sights, options);
-  const Eigen::Index calibrated = kCalibrationCount * static_cast<Eigen::Index>(rig.cameras.size());
+  const Eigen::Index calibrated =
+      kCalibrationParameters * static_cast<Eigen::Index>(rig.cameras.size());
   Eigen::MatrixXd information =
       Eigen::MatrixXd::Zero(kVehicleCount + calibrated, kVehicleCount + calibrated);
   information.diagonal().tail(calibrated).setOnes();

@@ -28,7 +28,7 @@ double share_of_columns(const DrivePlan& plan, const std::function<bool(const Pl
          static_cast<double>(plan.columns.size());
 }
 
-double quantile(const std::vector<double>& sorted, double share) {
+double quantile_of_sorted(const std::vector<double>& sorted, double share) {
   const double last = static_cast<double>(sorted.size() - 1);
   return sorted[static_cast<std::size_t>(std::lround(share * last))];
 }
@@ -41,7 +41,8 @@ std::optional<SigmaRange> range_of(const DrivePlan& plan,
   }
   if (values.empty()) return std::nullopt;
   std::ranges::sort(values);
-  return SigmaRange{quantile(values, 0.5), quantile(values, 0.95), values.back()};
+  return SigmaRange{quantile_of_sorted(values, 0.5), quantile_of_sorted(values, 0.95),
+                    values.back()};
 }
 
 // Runs of columns that are so.
@@ -138,7 +139,7 @@ void find_first_readings(const DrivePlan& plan, PlanSummary& summary) {
   if (distances.empty()) return;
   std::ranges::sort(distances);
   summary.first_reading =
-      ReadingDistances{distances.front(), quantile(distances, 0.5), distances.back()};
+      ReadingDistances{distances.front(), quantile_of_sorted(distances, 0.5), distances.back()};
 }
 
 std::optional<PaperSummary> summarize_paper(const DrivePlan& plan) {
@@ -152,7 +153,7 @@ std::optional<PaperSummary> summarize_paper(const DrivePlan& plan) {
   if (magnifications.empty()) return std::nullopt;
   std::ranges::sort(magnifications);
   const auto count = static_cast<double>(magnifications.size());
-  paper.magnification = quantile(magnifications, 0.5);
+  paper.magnification = quantile_of_sorted(magnifications, 0.5);
   paper.no_solution_share /= count;
   paper.share = count / static_cast<double>(plan.columns.size());
   paper.plane = range_of(plan, [](const auto& column) { return column.paper.sigma.plane; });
