@@ -18,11 +18,12 @@ namespace {
 using detail::check_number;
 using detail::throw_invalid;
 
-constexpr double kFarthest = 1e8;  // metres, of grid coordinates
-constexpr double kLongest = 1e6;   // metres, of a piece of the center line
+constexpr double kFarthestPoint = 1e8;  // metres, of grid coordinates
+constexpr double kLongestPart = 1e6;    // metres, of a piece of the center line
 
 void check_point(const std::string& name, const Vector3& point) {
-  for (const double coordinate : point) check_number(name, coordinate, -kFarthest, kFarthest);
+  for (const double coordinate : point)
+    check_number(name, coordinate, -kFarthestPoint, kFarthestPoint);
 }
 
 detail::PositionCode code_from(const PositionCode& code) {
@@ -45,7 +46,7 @@ detail::Tunnel tunnel_from(const SurveyDescription& description, const detail::G
   if (description.centerline.empty()) throw_invalid("the center line is empty");
   std::vector<detail::CenterlineElement> elements;
   for (const CenterlinePart& part : description.centerline) {
-    check_number("the length of a part of the center line", part.length, 1e-6, kLongest);
+    check_number("the length of a part of the center line", part.length, 1e-6, kLongestPart);
     check_number("the curvature of a part of the center line", part.curvature, -1000, 1000);
     check_number("the grade of a part of the center line", part.grade, -10, 10);
     elements.push_back({part.length, part.curvature, part.grade});

@@ -15,13 +15,12 @@
 #include "decoder/image/heif.hpp"
 #include "decoder/image/image_header.hpp"
 #include "decoder/image/jpeg.hpp"
+#include "decoder/image/load.hpp"
 #include "decoder/image/png_chunks.hpp"
 #include "decoder/image/upright.hpp"
 
 namespace tagsmith::detail {
 namespace {
-
-constexpr double kMaxPixels = 200e6;
 
 cv::Mat turned(const Upright& upright, const cv::Mat& stored) {
   cv::Mat shown = stored;
@@ -167,11 +166,11 @@ cv::Mat decode_colour(const Codecs& by, const std::string& bytes) {
     return cv::Mat(image.height, image.width, CV_8UC3, image.samples.data()).clone();
   };
   if (is_heif(bytes)) {
-    Result<ColourImage> image = decode_heif_colour(bytes, kMaxPixels);
+    Result<ColourImage> image = decode_heif_colour(bytes, kMaxImagePixels);
     return image ? copy_of(*image) : cv::Mat();
   }
   if (bytes.starts_with("\xFF\xD8\xFF")) {
-    Result<std::optional<ColourImage>> jpeg = decode_jpeg_colour(bytes, kMaxPixels);
+    Result<std::optional<ColourImage>> jpeg = decode_jpeg_colour(bytes, kMaxImagePixels);
     if (!jpeg) return {};
     if (*jpeg) return copy_of(**jpeg);
   }
@@ -188,7 +187,8 @@ Result<AnnotatedPicture> annotate_picture(const std::string& name, const std::st
                                           const std::vector<PictureMark>& marks,
                                           const std::vector<std::string>& caption) {
   const std::optional<ImageHeader> header = read_image_header(bytes);
-  const bool fits = header && static_cast<double>(header->width) * header->height <= kMaxPixels;
+  const bool fits =
+      header && static_cast<double>(header->width) * header->height <= kMaxImagePixels;
   if (!fits && !is_heif(bytes)) {
     return fail(name + ": is no picture that can be marked");
   }

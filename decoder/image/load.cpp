@@ -24,7 +24,6 @@ namespace tagsmith::detail {
 namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = 512U << 20U;
-constexpr double kMaxPixels = 200e6;
 
 cv::Mat to_gray_8bit(cv::Mat image) {
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
@@ -50,10 +49,10 @@ Result<void> check_header(const std::string& bytes) {
         "is no image this program can read, expected JPEG, HEIC, PNG, WebP, TIFF, PNM or BMP");
   }
   const double pixels = static_cast<double>(header->width) * header->height;
-  if (pixels > kMaxPixels) {
+  if (pixels > kMaxImagePixels) {
     return fail("says it has " + std::to_string(header->width) + " x " +
                 std::to_string(header->height) + " pixels, expected at most " +
-                format_number(kMaxPixels / 1e6) + " million");
+                format_number(kMaxImagePixels / 1e6) + " million");
   }
   if (!header->complete) return fail("is cut short: its end is missing");
   return {};
@@ -84,7 +83,7 @@ Result<GrayImage> decode_by_opencv(const std::string& bytes) {
 Result<DecodedImage> decode(const std::string& bytes) {
   if (bytes.starts_with("\xFF\xD8\xFF")) {
     try {
-      Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes, kMaxPixels);
+      Result<std::optional<DecodedImage>> jpeg = decode_jpeg(bytes, kMaxImagePixels);
       if (!jpeg) {
         return fail("cannot be decoded, it is damaged or cut short: " + jpeg.error().message);
       }
@@ -109,7 +108,7 @@ Result<DecodedImage> decode(const std::string& bytes) {
 
 Result<DecodedImage> decode_still(const std::string& name, const std::string& bytes) {
   try {
-    Result<GrayImage> image = decode_heif(bytes, kMaxPixels);
+    Result<GrayImage> image = decode_heif(bytes, kMaxImagePixels);
     if (image) return DecodedImage{std::move(*image), ""};
     return fail(name + ": cannot be decoded: " + image.error().message);
   } catch (const std::bad_alloc&) {

@@ -11,6 +11,8 @@
 
 namespace tagsmith::detail {
 
+inline constexpr double kMaxImagePixels = 200e6;
+
 // The pixels as stored: EXIF orientation is ignored, because calibration and corners refer to the
 // sensor. Colour becomes luma; deeper samples are scaled to 8 bits. Fails on files that are no
 // image or no regular file, are truncated, or have more than 200 million pixels.

@@ -62,7 +62,7 @@ Fix track(Localizer& localizer, double time, const Images& images,
   return localizer.track(seen.measurement);
 }
 
-void bind_parts(py::module_& module) {
+void bind_fix_parts(py::module_& module) {
   py::class_<Attitude>(module, "Attitude", "How the vehicle stands, radians.")
       .def_readonly("heading", &Attitude::heading)
       .def_readonly("pitch", &Attitude::pitch)
@@ -115,7 +115,7 @@ void bind_fix(py::module_& module) {
 }  // namespace
 
 void bind_localize(py::module_& module) {
-  bind_parts(module);
+  bind_fix_parts(module);
   bind_fix(module);
   py::class_<Localizer>(module, "Localizer",
                         "Locates measurements of a rig among the tags of one or more surveys.\n\n"

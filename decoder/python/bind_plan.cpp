@@ -10,7 +10,7 @@ namespace py = pybind11;
 namespace tagsmith::python {
 namespace {
 
-void bind_parts(py::module_& module) {
+void bind_plan_parts(py::module_& module) {
   py::class_<WallShares>(module, "WallShares", "Shares of all poses, 0 to 1.")
       .def_readonly("both", &WallShares::both)
       .def_readonly("one", &WallShares::one)
@@ -52,7 +52,7 @@ PlanSummary plan_drive(const Survey& survey, const Rig& rig, std::optional<doubl
 }  // namespace
 
 void bind_plan(py::module_& module) {
-  bind_parts(module);
+  bind_plan_parts(module);
   py::class_<PlanSummary>(module, "PlanSummary", "What a drive will read, and how well.")
       .def_readonly("read", &PlanSummary::read)
       .def_readonly("read_plain", &PlanSummary::read_plain)
