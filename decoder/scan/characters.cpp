@@ -54,6 +54,12 @@ Alphabet alphabet_of(bool right_half) {
 
 }  // namespace
 
+Characters characters_of(const Digits& digits) {
+  Characters characters{};
+  std::ranges::copy(digits, characters.begin());
+  return characters;
+}
+
 const std::array<std::uint8_t, kModulesPerDigit>& modules_of_character(bool right_half,
                                                                        std::size_t c) {
   return kModulesOfCharacters[right_half ? 1 : 0][c];

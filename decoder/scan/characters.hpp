@@ -17,7 +17,10 @@ namespace tagsmith::detail {
 // makes of a digit by moving one edge by a module.
 inline constexpr std::size_t kCharacterCount = 20;
 
-using Characters = std::array<std::uint8_t, kDigitCount>;
+inline constexpr std::size_t kCharacterPlaces = kDigitCount;
+using Characters = std::array<std::uint8_t, kCharacterPlaces>;
+
+Characters characters_of(const Digits& digits);
 
 // Seven modules of a character; in the left half it starts with a space, in the right with a bar.
 const std::array<std::uint8_t, kModulesPerDigit>& modules_of_character(bool right_half,

@@ -15,9 +15,9 @@ constexpr std::size_t kModules = DigitModules::kModules;
 constexpr std::size_t kDigits = 10;
 
 // Several digits side by side.
-constexpr std::size_t kLanes = 4;
-static_assert(kDigitCount % kLanes == 0);
-using Lanes = Eigen::Array<double, kLanes, 1>;
+constexpr std::size_t kDigitLanes = 4;
+static_assert(kDigitCount % kDigitLanes == 0);
+using Lanes = Eigen::Array<double, kDigitLanes, 1>;
 using Modules = std::array<Lanes, kModules>;
 using Block = std::array<Modules, kModules>;
 
@@ -30,7 +30,7 @@ struct SideBySide {
 SideBySide side_by_side(const std::array<DigitModules, kDigitCount>& modules,
                         const Characters& digits, std::size_t first) {
   SideBySide lanes;
-  for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t k = 0; k < kDigitLanes; ++k) {
     const std::size_t position = first + k;
     const auto lane = static_cast<Eigen::Index>(k);
     const bool right_half = position >= 6;
@@ -138,9 +138,9 @@ double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t d
 std::array<double, kDigitCount> odds_of_corrupted_digits(
     const std::array<DigitModules, kDigitCount>& modules, const Characters& digits) {
   std::array<double, kDigitCount> odds{};
-  for (std::size_t first = 0; first < kDigitCount; first += kLanes) {
+  for (std::size_t first = 0; first < kDigitCount; first += kDigitLanes) {
     const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));
-    for (std::size_t k = 0; k < kLanes; ++k)
+    for (std::size_t k = 0; k < kDigitLanes; ++k)
       odds[first + k] = odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k]);
   }
   return odds;

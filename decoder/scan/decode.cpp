@@ -34,12 +34,6 @@ Digits digits_of(const Characters& characters) {
   return digits;
 }
 
-Characters characters_of(const Digits& digits) {
-  Characters characters{};
-  std::ranges::copy(digits, characters.begin());
-  return characters;
-}
-
 std::span<const CheckDigit> schemes_of(const DecodeOptions& options) {
   static constexpr std::array<CheckDigit, 2> kBoth{CheckDigit::sum10, CheckDigit::gs1};
   if (!options.check) return kBoth;

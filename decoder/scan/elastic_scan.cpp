@@ -14,17 +14,15 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr int kPerModule = kPlacedPerModule;
-constexpr int kSegments = 15;  // start guard, 6 digits, centre guard, 6 digits, end guard
-constexpr int kMargin = kPlacedMargin;
+constexpr int kSegments = 15;         // start guard, 6 digits, centre guard, 6 digits, end guard
 constexpr int kSlack = kPlacedSlack;  // modules that a boundary may be off
 constexpr int kRatios = 9;            // local module widths: 31 to 39 samples for seven modules
 constexpr int kNominalRatio = 4;
-constexpr int kSamplesPerDigit = kModulesPerDigit * kPerModule;
-constexpr int kPlaces = 2 * kSlack * kPerModule + 1;
+constexpr int kSamplesPerDigit = kModulesPerDigit * kPlacedPerModule;
+constexpr int kPlaces = 2 * kSlack * kPlacedPerModule + 1;
 constexpr int kTemplates = 20;  // ten digits; for the left half ten more of even parity
 static_assert(kPlaces == kPlaceCount && kRatios == kWidthCount);
-constexpr float kSampleWeight = 1.0F / (kElastic.variance * kPerModule);
+constexpr float kSampleWeight = 1.0F / (kElastic.variance * kPlacedPerModule);
 
 int modules_of_segment(int segment) {
   if (segment == 0 || segment == 14) return 3;
@@ -49,7 +47,7 @@ int length_of(int segment, int ratio) {
       for (int r = 0; r < kRatios; ++r) {
         const double relative = 1 + static_cast<double>(r - kNominalRatio) / kSamplesPerDigit;
         table[static_cast<std::size_t>(modules)][static_cast<std::size_t>(r)] =
-            static_cast<int>(std::lround(modules * kPerModule * relative));
+            static_cast<int>(std::lround(modules * kPlacedPerModule * relative));
       }
     }
     return table;
@@ -197,7 +195,9 @@ class SegmentCosts {
   const PlaceRows& best() const { return best_; }
 
  private:
-  int first_sample() const { return (kMargin + nominal_begin(segment_) - kSlack) * kPerModule; }
+  int first_sample() const {
+    return (kPlacedMargin + nominal_begin(segment_) - kSlack) * kPlacedPerModule;
+  }
 
   // Squared differences of a pattern from the line at every place: squares of both, less twice
   // their product.
@@ -257,7 +257,8 @@ const WidthPenalties& penalties_backwards(int segment) {
 
 // By how many places a segment of a local width moves the next boundary in that one's own window.
 int shift_of(int segment, std::size_t ratio) {
-  return length_of(segment, static_cast<int>(ratio)) - modules_of_segment(segment) * kPerModule;
+  return length_of(segment, static_cast<int>(ratio)) -
+         modules_of_segment(segment) * kPlacedPerModule;
 }
 
 // A row moved by some places: what comes from outside costs kFarCost.
@@ -332,10 +333,11 @@ class Chain {
   PlaceRows quiet_costs(int module) const {
     PlaceRow row;
     row.fill(kFarCost);
-    const int first = (kMargin + module - kSlack - (module == 0 ? kElastic.quiet : 0)) * kPerModule;
+    const int first =
+        (kPlacedMargin + module - kSlack - (module == 0 ? kElastic.quiet : 0)) * kPlacedPerModule;
     for (int place = 0; place < kPlaces; ++place) {
       float sum = 0;
-      for (int i = first + place; i < first + place + kElastic.quiet * kPerModule; ++i) {
+      for (int i = first + place; i < first + place + kElastic.quiet * kPlacedPerModule; ++i) {
         const float dark = std::clamp(line_.samples()[static_cast<std::size_t>(i)], 0.0F, 1.0F);
         sum += dark * dark;
       }
@@ -427,11 +429,11 @@ class Chain {
     ElasticAlignment result;
     for (std::size_t s = 0; s < path.size(); ++s) {
       result.boundaries[s] = (nominal_begin(static_cast<int>(s)) - kSlack) +
-                             static_cast<double>(path[s][0]) / kPerModule;
+                             static_cast<double>(path[s][0]) / kPlacedPerModule;
     }
     const int last = length_of(kSegments - 1, static_cast<int>(path.back()[1]));
     result.boundaries[kSegments] =
-        result.boundaries[kSegments - 1] + static_cast<double>(last) / kPerModule;
+        result.boundaries[kSegments - 1] + static_cast<double>(last) / kPlacedPerModule;
     result.cost_per_module = cost_per_module();
     return result;
   }

@@ -5,6 +5,8 @@
 
 namespace tagsmith::detail {
 
+inline constexpr float kHalfLength = kModuleCount / 2.0F;  // of a symbol, modules
+
 // What lies between the ideal symbol and its profile. Nominally: no displacement, no growth, levels
 // 0 and 1. All but the pixels' width is fitted.
 struct ImagingModel {

@@ -11,7 +11,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kPositions = kDigitCount;
 constexpr std::array<std::size_t, 6> kGuardBars{0, 2, 46, 48, 92, 94};
 constexpr std::size_t kLanes = ModuleLight::kLanes;
 
@@ -35,7 +34,7 @@ ModuleNormalEquations::ModuleNormalEquations(const ScanProfile& profile, const M
   for (const std::size_t module : kGuardBars) {
     present[2 * module] = present[2 * module + 1] = present[2 * module + 2] = 1;
   }
-  for (std::size_t position = 0; position < kPositions; ++position) {
+  for (std::size_t position = 0; position < kCharacterPlaces; ++position) {
     present[first_feature(position) - 1] = 1;
     present[first_feature(position) + kOwnFeatures] = 1;
   }
@@ -222,8 +221,8 @@ void ModuleNormalEquations::add_far_costs(const Characters& reference,
     }
     return 2 * static_cast<double>(sum);
   };
-  for (std::size_t i = 0; i + 2 < kPositions; ++i) {
-    for (std::size_t j = i + 2; j < kPositions; ++j) {
+  for (std::size_t i = 0; i + 2 < kCharacterPlaces; ++i) {
+    for (std::size_t j = i + 2; j < kCharacterPlaces; ++j) {
       if (first_feature(j) - first_feature(i) >= band_ + kOwnFeatures) break;
       for (std::size_t c = 0; c < kCharacterCount; ++c) {
         costs.alone[i][c] += shared(i, c, j, reference[j]);
@@ -240,7 +239,7 @@ void ModuleNormalEquations::adapt_picture(const Characters& reference,
                                           CharacterCosts& costs) const {
   static_assert(std::tuple_size_v<LanePulls> == kSlack);
   LanePulls before{};
-  for (std::size_t i = 0; i < kPositions; ++i) {
+  for (std::size_t i = 0; i < kCharacterPlaces; ++i) {
     const Alphabet& here = alphabet_at(i);
     const auto add_pull = [&](Pull& pull, std::size_t c, float sign) {
       const Alphabet::Active& active = here.active[c];
@@ -266,7 +265,7 @@ void ModuleNormalEquations::adapt_picture(const Characters& reference,
 CharacterCosts ModuleNormalEquations::character_costs(const Characters* reference) const {
   CharacterCosts costs;
   costs.constant = static_cast<double>(constant_);
-  for (std::size_t position = 0; position < kPositions; ++position) {
+  for (std::size_t position = 0; position < kCharacterPlaces; ++position) {
     const CharacterLanes alone = costs_alone(position);
     for (std::size_t c = 0; c < kCharacterCount; ++c) {
       costs.alone[position][c] = static_cast<double>(alone[c]);
@@ -289,7 +288,7 @@ std::array<float, kFeatures> ModuleNormalEquations::residuals_of(
     for (std::size_t a = begin; a < on; ++a) residuals[a] -= gram_row(a)[on - a];
     for (std::size_t a = on; a < end; ++a) residuals[a] -= gram_row(on)[a - on];
   };
-  for (std::size_t position = 0; position < kPositions; ++position) {
+  for (std::size_t position = 0; position < kCharacterPlaces; ++position) {
     const Alphabet::Active& active = alphabet_at(position).active[characters[position]];
     for (std::size_t i = 0; i < active.count; ++i) {
       subtract(first_feature(position) + active.feature[i]);
@@ -316,8 +315,8 @@ std::array<float, kModuleCount> ModuleNormalEquations::misfits(const Characters&
 std::array<double, kDigitCount> ModuleNormalEquations::odds_of_corrupted_digits(
     const Characters& characters) const {
   const std::array<float, kFeatures> residuals = residuals_of(characters);
-  std::array<DigitModules, kPositions> digits{};
-  for (std::size_t position = 0; position < kPositions; ++position) {
+  std::array<DigitModules, kCharacterPlaces> digits{};
+  for (std::size_t position = 0; position < kCharacterPlaces; ++position) {
     const std::size_t base = first_feature(position);
     DigitModules& digit = digits[position];
     for (std::size_t i = 0; i < kModulesPerDigit; ++i) {

@@ -10,8 +10,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr float kHalfLength = kModuleCount / 2.0F;
-
 using Edges = std::array<float, kModuleCount + 1>;
 
 Edges displaced_edges(const ImagingModel& image) {

@@ -11,14 +11,14 @@ namespace tagsmith::detail {
 namespace {
 
 // Each of the first `count` samples becomes the greater or the less of it and the one `step` later.
-TAGSMITH_WIDE void take_greater(float* samples, std::size_t step, std::size_t count) {
+TAGSMITH_WIDE void keep_greater(float* samples, std::size_t step, std::size_t count) {
   TAGSMITH_INDEPENDENT_TURNS
   for (std::size_t i = 0; i < count; ++i) {
     samples[i] = samples[i] < samples[i + step] ? samples[i + step] : samples[i];
   }
 }
 
-TAGSMITH_WIDE void take_less(float* samples, std::size_t step, std::size_t count) {
+TAGSMITH_WIDE void keep_less(float* samples, std::size_t step, std::size_t count) {
   TAGSMITH_INDEPENDENT_TURNS
   for (std::size_t i = 0; i < count; ++i) {
     samples[i] = samples[i + step] < samples[i] ? samples[i + step] : samples[i];
@@ -86,11 +86,11 @@ TAGSMITH_WIDE void darkness_between(const float* white, const float* black, floa
 }  // namespace
 
 std::vector<float> running_maximum(const std::vector<float>& samples, std::size_t window) {
-  return running_extreme(samples, window, take_greater);
+  return running_extreme(samples, window, keep_greater);
 }
 
 std::vector<float> running_minimum(const std::vector<float>& samples, std::size_t window) {
-  return running_extreme(samples, window, take_less);
+  return running_extreme(samples, window, keep_less);
 }
 
 std::vector<float> running_mean(const std::vector<float>& samples, std::size_t window) {

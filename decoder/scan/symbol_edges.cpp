@@ -10,7 +10,6 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr float kHalfLength = kModuleCount / 2.0F;
 constexpr float kReach = 4.5F;  // blurs; beyond, the step of an edge is flat to 1e-5
 
 }  // namespace

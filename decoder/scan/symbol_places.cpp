@@ -14,9 +14,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr int kPerModule = kPlacedPerModule;
-constexpr int kMargin = kPlacedMargin;
-constexpr int kDarknessReach = 9 * kPerModule;  // samples within which wide elements are near
+constexpr int kDarknessReach = 9 * kPlacedPerModule;  // samples within which wide elements are near
 constexpr float kNoGuard = 1e9F;
 
 // The light of a line up to any place; beyond its ends its last samples continue.
@@ -41,14 +39,14 @@ class LineIntegral {
   std::vector<double> sums_;
 };
 
-// A line at kPerModule samples a module, the symbol nominally from kMargin modules on. Each sample
-// is the mean of what it covers.
+// A line at kPlacedPerModule samples a module, the symbol nominally from kPlacedMargin modules on.
+// Each sample is the mean of what it covers.
 std::vector<float> resampled(const LineIntegral& line, double begin, double module, int count) {
-  const double step = module / kPerModule;
+  const double step = module / kPlacedPerModule;
   std::vector<float> samples(static_cast<std::size_t>(count));
-  double before = line.to(begin - kMargin * kPerModule * step);
+  double before = line.to(begin - kPlacedMargin * kPlacedPerModule * step);
   for (int i = 0; i < count; ++i) {
-    const double sum = line.to(begin + (i + 1 - kMargin * kPerModule) * step);
+    const double sum = line.to(begin + (i + 1 - kPlacedMargin * kPlacedPerModule) * step);
     samples[static_cast<std::size_t>(i)] = static_cast<float>((sum - before) / step);
     before = sum;
   }
@@ -65,7 +63,7 @@ TAGSMITH_WIDE std::vector<float> module_darkness(std::vector<float> darkness) {
   }
   std::vector<float> modules(darkness.size(), 0.0F);
   float* of_modules = modules.data();
-  for (std::size_t i = 0; i + kPerModule <= darkness.size(); ++i) {
+  for (std::size_t i = 0; i + kPlacedPerModule <= darkness.size(); ++i) {
     of_modules[i] = (samples[i + 1] + samples[i + 2] + samples[i + 3]) / 3;
   }
   return modules;
@@ -100,13 +98,13 @@ TAGSMITH_WIDE void vary(const float* modules, std::size_t count, float* outer, f
   for (std::size_t i = 0; i < count; ++i) {
     float sum = 0, squares = 0;
     for (std::size_t k = 0; k < kCentre; ++k) {
-      const float module = modules[i + k * kPerModule];
+      const float module = modules[i + k * kPlacedPerModule];
       sum += module;
       squares += module * module;
     }
     const float inside = squares / kCentre - sum * sum / (kCentre * kCentre);
     centre[i] = inside > kLeast ? inside : kLeast;
-    const float last = modules[i + kCentre * kPerModule];
+    const float last = modules[i + kCentre * kPlacedPerModule];
     sum += last;
     squares += last * last;
     const float whole = squares / kOuter - sum * sum / (kOuter * kOuter);
@@ -119,7 +117,7 @@ TAGSMITH_WIDE void fit_guards(const float* modules, std::size_t count, float* st
                               float* outer_to_end) {
   for (std::size_t i = 0; i < count; ++i) {
     std::array<float, kOuter> m;
-    for (std::size_t k = 0; k < kOuter; ++k) m[k] = modules[i + k * kPerModule];
+    for (std::size_t k = 0; k < kOuter; ++k) m[k] = modules[i + k * kPlacedPerModule];
     float sum = 0;
     for (std::size_t k = 0; k < kCentre; ++k) sum += m[k];
     centre[i] =
@@ -135,8 +133,8 @@ GuardCosts guard_costs(const std::vector<float>& modules) {
   const std::size_t size = modules.size();
   GuardCosts costs{std::vector<float>(size, kNoGuard), std::vector<float>(size, kNoGuard),
                    std::vector<float>(size, kNoGuard)};
-  if (size < kOuter * kPerModule) return costs;
-  const std::size_t count = size - kOuter * kPerModule + 1;
+  if (size < kOuter * kPlacedPerModule) return costs;
+  const std::size_t count = size - kOuter * kPlacedPerModule + 1;
   vary(modules.data(), count, costs.end.data(), costs.centre.data());
   fit_guards(modules.data(), count, costs.start.data(), costs.centre.data(), costs.end.data());
   return costs;
@@ -153,31 +151,33 @@ bool has_room(const ScanLine& line, const SymbolPlace& place) {
 // Where a begin suits, for one module width; in samples of the line resampled to that width.
 std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegral& integral,
                                          double module, double worst) {
-  const auto length = static_cast<int>(static_cast<double>(line.size()) / module * kPerModule);
-  const int count = length + 2 * kMargin * kPerModule;
+  const auto length =
+      static_cast<int>(static_cast<double>(line.size()) / module * kPlacedPerModule);
+  const int count = length + 2 * kPlacedMargin * kPlacedPerModule;
   const std::vector<float> samples = resampled(integral, 0, module, count);
   const std::vector<float> modules = module_darkness(local_darkness(samples, kDarknessReach));
   const GuardCosts guards = guard_costs(modules);
   // The costs of the best places within kPlace.slack.
-  constexpr std::size_t kSlackSamples = kPlace.slack * kPerModule;
+  constexpr std::size_t kSlackSamples = kPlace.slack * kPlacedPerModule;
   const std::vector<float> centres = running_minimum(guards.centre, kSlackSamples);
   const std::vector<float> ends = running_minimum(guards.end, kSlackSamples);
   std::vector<SymbolPlace> places;
-  for (int i = 0; i < count - (kModuleCount - kPlace.slack) * kPerModule; ++i) {
+  for (int i = 0; i < count - (kModuleCount - kPlace.slack) * kPlacedPerModule; ++i) {
     const float at_start = guards.start[static_cast<std::size_t>(i)];
     if (at_start > kPlace.worst / 2) continue;
-    const int first_bar = i + 4 * kPerModule;
+    const int first_bar = i + 4 * kPlacedPerModule;
     const auto last_guard =
-        static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPerModule));
-    const float cost = at_start + centres[static_cast<std::size_t>(first_bar + 44 * kPerModule)] +
+        static_cast<std::size_t>(std::min(count - 1, first_bar + 91 * kPlacedPerModule));
+    const float cost = at_start +
+                       centres[static_cast<std::size_t>(first_bar + 44 * kPlacedPerModule)] +
                        ends[last_guard];
     if (cost > worst) continue;
-    const auto first = guards.end.begin() + (first_bar + 91 * kPerModule) - kSlackSamples;
+    const auto first = guards.end.begin() + (first_bar + 91 * kPlacedPerModule) - kSlackSamples;
     const auto at_end = std::find(first, guards.end.end(), ends[last_guard]);
-    const double begin = first_bar - kMargin * kPerModule;
+    const double begin = first_bar - kPlacedMargin * kPlacedPerModule;
     const auto bars = static_cast<double>(at_end - guards.end.begin()) - first_bar;
-    const double width = bars / 91 * module / kPerModule;
-    const SymbolPlace place{begin * module / kPerModule, width, cost};
+    const double width = bars / 91 * module / kPlacedPerModule;
+    const SymbolPlace place{begin * module / kPlacedPerModule, width, cost};
     if (has_room(line, place)) places.push_back(place);
   }
   return places;
@@ -214,7 +214,7 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
   if (line.size() < 2 || !(std::abs(place.module) > 0.1) || !has_room(line, place)) {
     return std::nullopt;
   }
-  constexpr int kSamples = (kModuleCount + 2 * kMargin) * kPerModule;
+  constexpr int kSamples = (kModuleCount + 2 * kPlacedMargin) * kPlacedPerModule;
   PlacedLine placed{{}, place.begin, place.module, 0};
   if (place.module < 0) {
     const ScanLine turned(line.rbegin(), line.rend());

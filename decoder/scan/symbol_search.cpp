@@ -11,12 +11,11 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kPositions = kDigitCount;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNegligible = 45;  // exp(-45) = 3e-20: less than any doubt that is stated
 
 // Least costs of the strings that end in each character, position by position.
-using LeastCosts = std::array<CharacterCosts::Row, kPositions>;
+using LeastCosts = std::array<CharacterCosts::Row, kCharacterPlaces>;
 
 // Of strings of the characters from kBegin up to kEnd.
 template <std::size_t kBegin, std::size_t kEnd>
@@ -24,7 +23,7 @@ inline __attribute__((always_inline)) LeastCosts least_costs_between(const Chara
   LeastCosts least;
   for (CharacterCosts::Row& row : least) row.fill(kInfinity);
   for (std::size_t c = kBegin; c < kEnd; ++c) least[0][c] = costs.constant + costs.alone[0][c];
-  for (std::size_t i = 1; i < kPositions; ++i) {
+  for (std::size_t i = 1; i < kCharacterPlaces; ++i) {
     CharacterCosts::Row row;
     row.fill(kInfinity);
     for (std::size_t a = kBegin; a < kEnd; ++a) {
@@ -59,12 +58,12 @@ LeastCosts least_costs(const CharacterCosts& costs, SymbolClass symbols) {
 // How much a digit adds to the check sum at a position, so that valid symbols sum to 0 modulo 10.
 std::size_t check_term(CheckDigit scheme, std::size_t position, std::size_t digit) {
   if (scheme == CheckDigit::gs1) return (position % 2 == 0 ? 3 : 1) * digit % 10;
-  return position + 1 == kPositions ? (10 - digit) % 10 : digit;
+  return position + 1 == kCharacterPlaces ? (10 - digit) % 10 : digit;
 }
 
 // Least costs of the strings that end in a digit with a check sum.
 using CheckedRow = std::array<std::array<double, 10>, 10>;  // [check sum][digit]
-using CheckedCosts = std::array<CheckedRow, kPositions>;
+using CheckedCosts = std::array<CheckedRow, kCharacterPlaces>;
 
 CheckedCosts least_checked_costs(const CharacterCosts& costs, CheckDigit scheme) {
   CheckedCosts least{};
@@ -74,7 +73,7 @@ CheckedCosts least_checked_costs(const CharacterCosts& costs, CheckDigit scheme)
   for (std::size_t c = 0; c < 10; ++c) {
     least[0][check_term(scheme, 0, c)][c] = costs.constant + costs.alone[0][c];
   }
-  for (std::size_t i = 1; i < kPositions; ++i) {
+  for (std::size_t i = 1; i < kCharacterPlaces; ++i) {
     for (std::size_t sum = 0; sum < 10; ++sum) {
       std::array<double, 10> row{};
       row.fill(kInfinity);
@@ -91,21 +90,15 @@ CheckedCosts least_checked_costs(const CharacterCosts& costs, CheckDigit scheme)
   return least;
 }
 
-Characters characters_of(const Digits& digits) {
-  Characters characters{};
-  std::ranges::copy(digits, characters.begin());
-  return characters;
-}
-
 }  // namespace
 
 BestSymbol best_symbol(const CharacterCosts& costs, SymbolClass symbols) {
   const LeastCosts least = least_costs(costs, symbols);
   BestSymbol best;
-  const auto end = std::ranges::min_element(least[kPositions - 1]);
+  const auto end = std::ranges::min_element(least[kCharacterPlaces - 1]);
   best.cost = *end;
-  auto c = static_cast<std::size_t>(end - least[kPositions - 1].begin());
-  for (std::size_t i = kPositions; i-- > 0;) {
+  auto c = static_cast<std::size_t>(end - least[kCharacterPlaces - 1].begin());
+  for (std::size_t i = kCharacterPlaces; i-- > 0;) {
     best.characters[i] = static_cast<std::uint8_t>(c);
     if (i == 0) break;
     std::size_t from = 0;
@@ -125,12 +118,12 @@ BestSymbol best_symbol(const CharacterCosts& costs, SymbolClass symbols) {
 BestSymbol best_code(const CharacterCosts& costs, CheckDigit scheme) {
   const CheckedCosts least = least_checked_costs(costs, scheme);
   BestSymbol best;
-  const auto& ends = least[kPositions - 1][0];
+  const auto& ends = least[kCharacterPlaces - 1][0];
   const auto end = std::ranges::min_element(ends);
   best.cost = *end;
   auto c = static_cast<std::size_t>(end - ends.begin());
   std::size_t sum = 0;
-  for (std::size_t i = kPositions; i-- > 0;) {
+  for (std::size_t i = kCharacterPlaces; i-- > 0;) {
     best.characters[i] = static_cast<std::uint8_t>(c);
     if (i == 0) break;
     sum = (sum + 10 - check_term(scheme, i, c)) % 10;
@@ -164,7 +157,7 @@ TAGSMITH_WIDE double least_other_cost(const CharacterCosts& costs, const Charact
   for (std::size_t c = 0; c < kCharacterCount; ++c) other[c] = costs.constant + costs.alone[0][c];
   double same = other[symbol[0]];
   other[symbol[0]] = kInfinity;
-  for (std::size_t i = 1; i < kPositions; ++i) {
+  for (std::size_t i = 1; i < kCharacterPlaces; ++i) {
     const CharacterCosts::Row& from_same = costs.pair[i - 1][symbol[i - 1]];
     CharacterCosts::Row row;
     for (std::size_t c = 0; c < kCharacterCount; ++c) row[c] = same + from_same[c];
@@ -192,7 +185,7 @@ double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference,
   };
   std::array<double, kCharacterCount> mass{};  // relative to the best string's that ends there
   for (std::size_t c = 0; c < kCharacterCount; ++c) mass[c] = weight(0, c);
-  for (std::size_t i = 1; i < kPositions; ++i) {
+  for (std::size_t i = 1; i < kCharacterPlaces; ++i) {
     std::array<double, kCharacterCount> next{};
     for (std::size_t c = 0; c < kCharacterCount; ++c) {
       const double offset = least[i][c] - costs.alone[i][c];
@@ -207,7 +200,7 @@ double sum_of_symbols(const CharacterCosts& costs, const BestSymbol& reference,
   }
   double total = 0;
   for (std::size_t c = 0; c < kCharacterCount; ++c) {
-    total += mass[c] * std::exp(-0.5 * (least[kPositions - 1][c] - reference.cost));
+    total += mass[c] * std::exp(-0.5 * (least[kCharacterPlaces - 1][c] - reference.cost));
   }
   return total;
 }
@@ -216,7 +209,7 @@ double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, Ch
   const CheckedCosts least = least_checked_costs(costs, scheme);
   std::array<std::array<double, 10>, 10> mass{};
   for (auto& row : mass) row.fill(1);
-  for (std::size_t i = 1; i < kPositions; ++i) {
+  for (std::size_t i = 1; i < kCharacterPlaces; ++i) {
     std::array<std::array<double, 10>, 10> next{};
     for (std::size_t sum = 0; sum < 10; ++sum) {
       for (std::size_t c = 0; c < 10; ++c) {
@@ -235,7 +228,7 @@ double sum_of_codes(const CharacterCosts& costs, const BestSymbol& reference, Ch
   }
   double total = 0;
   for (std::size_t c = 0; c < 10; ++c) {
-    total += mass[0][c] * std::exp(-0.5 * (least[kPositions - 1][0][c] - reference.cost));
+    total += mass[0][c] * std::exp(-0.5 * (least[kCharacterPlaces - 1][0][c] - reference.cost));
   }
   return total;
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Costs of characters and sums over symbols against direct computation.
+#include "decoder/scan/characters.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,12 +26,6 @@ Digits random_code(std::mt19937& random) {
   for (auto& value : digits) value = static_cast<std::uint8_t>(digit(random));
   digits.back() = check_digit(CheckDigit::gs1, std::span(digits).first<11>());
   return digits;
-}
-
-Characters characters_of(const Digits& digits) {
-  Characters characters{};
-  std::ranges::copy(digits, characters.begin());
-  return characters;
 }
 
 // What the image of these digits gives, with noise.

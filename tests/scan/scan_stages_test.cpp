@@ -45,12 +45,6 @@ ImagingModel bent_image() {
   return image;
 }
 
-Characters characters_of(const Digits& digits) {
-  Characters characters{};
-  std::ranges::copy(digits, characters.begin());
-  return characters;
-}
-
 double squares_left(const ScanProfile& profile, const Digits& digits, const ImagingModel& image) {
   double sum = 0;
   for (const ScanBin& bin : profile) {
