@@ -10,19 +10,19 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kPlaces = 80;
+constexpr std::size_t kProfilePlaces = 80;
 constexpr std::size_t kRows = 6;
 
 // Places in the quadrilateral's unit square, inside the quiet zones, that are averaged along v.
 struct Places {
-  std::array<double, kPlaces> u{};
+  std::array<double, kProfilePlaces> u{};
   std::array<double, kRows> v{};
 };
 
 constexpr Places places() {
   Places places;
-  for (std::size_t i = 0; i < kPlaces; ++i) {
-    places.u[i] = 0.12 + 0.76 * static_cast<double>(i) / (kPlaces - 1);
+  for (std::size_t i = 0; i < kProfilePlaces; ++i) {
+    places.u[i] = 0.12 + 0.76 * static_cast<double>(i) / (kProfilePlaces - 1);
   }
   for (std::size_t i = 0; i < kRows; ++i) {
     places.v[i] = 0.27 + 0.46 * static_cast<double>(i) / (kRows - 1);
@@ -36,7 +36,7 @@ double mean_step(const GrayView& image, const At& at) {
   static constexpr Places kAt = places();
   double before = 0;
   double sum = 0;
-  for (std::size_t place = 0; place < kPlaces; ++place) {
+  for (std::size_t place = 0; place < kProfilePlaces; ++place) {
     std::array<PixelPoint, kRows> pixels;
     for (std::size_t row = 0; row < kRows; ++row) pixels[row] = at(kAt.u[place], kAt.v[row]);
     double value = 0;
@@ -44,7 +44,7 @@ double mean_step(const GrayView& image, const At& at) {
     if (place > 0) sum += std::abs(value - before);
     before = value;
   }
-  return sum / (kPlaces - 1);
+  return sum / (kProfilePlaces - 1);
 }
 
 }  // namespace

@@ -34,18 +34,18 @@ Texture tile_texture(const std::uint8_t* samples, std::ptrdiff_t stride, int col
 }
 
 #if defined(__SSE2__)
-using Chars = char __attribute__((vector_size(16)));
+using CharVector = char __attribute__((vector_size(16)));
 using Words = std::uint64_t __attribute__((vector_size(16)));
 
-Chars load(const std::uint8_t* from) {
-  Chars samples;
+CharVector load(const std::uint8_t* from) {
+  CharVector samples;
   std::memcpy(&samples, from, sizeof samples);
   return samples;
 }
 
 // Sums of the absolute differences of either eight bytes, which the compiler has no portable word
 // for.
-Words differences(Chars a, Chars b) {
+Words differences(CharVector a, CharVector b) {
   return reinterpret_cast<Words>(__builtin_ia32_psadbw128(a, b));
 }
 
@@ -55,8 +55,8 @@ void two_tile_textures(const std::uint8_t* samples, std::ptrdiff_t stride, Textu
   Words right{}, down{}, falling{}, rising{};
   for (int row = 0; row < kTile; row += kRowStep) {
     const std::uint8_t* from = samples + row * stride;
-    const Chars here = load(from), here_right = load(from + 1);
-    const Chars below = load(from + stride), below_right = load(from + stride + 1);
+    const CharVector here = load(from), here_right = load(from + 1);
+    const CharVector below = load(from + stride), below_right = load(from + stride + 1);
     right += differences(here, here_right);
     down += differences(here, below);
     falling += differences(here, below_right);
@@ -78,14 +78,14 @@ constexpr std::size_t kDirections = 8;
 // Steps to the next tiles in these directions.
 constexpr int kReach = 3;
 using Steps = std::array<std::array<int, 2>, kReach>;
-constexpr std::array<Steps, kDirections> kSteps{{{{{1, 0}, {2, 0}, {3, 0}}},
-                                                 {{{1, 0}, {2, 1}, {3, 1}}},
-                                                 {{{1, 1}, {2, 2}, {3, 3}}},
-                                                 {{{0, 1}, {1, 2}, {1, 3}}},
-                                                 {{{0, 1}, {0, 2}, {0, 3}}},
-                                                 {{{0, 1}, {-1, 2}, {-1, 3}}},
-                                                 {{{-1, 1}, {-2, 2}, {-3, 3}}},
-                                                 {{{-1, 0}, {-2, 1}, {-3, 1}}}}};
+constexpr std::array<Steps, kDirections> kDirectionSteps{{{{{1, 0}, {2, 0}, {3, 0}}},
+                                                          {{{1, 0}, {2, 1}, {3, 1}}},
+                                                          {{{1, 1}, {2, 2}, {3, 3}}},
+                                                          {{{0, 1}, {1, 2}, {1, 3}}},
+                                                          {{{0, 1}, {0, 2}, {0, 3}}},
+                                                          {{{0, 1}, {-1, 2}, {-1, 3}}},
+                                                          {{{-1, 1}, {-2, 2}, {-3, 3}}},
+                                                          {{{-1, 0}, {-2, 1}, {-3, 1}}}}};
 
 // What a tile's place in the grid of directions holds: 0 = no direction, otherwise one more than
 // the octant around whose middle its gradient points.
@@ -124,8 +124,8 @@ class DirectionGrid {
       for (const Quad& quad : known) clear(quad, row);
     }
     for (std::size_t octant = 0; octant < kDirections; ++octant) {
-      for (std::size_t i = 0; i < kSteps[octant].size(); ++i) {
-        const auto [x, y] = kSteps[octant][i];
+      for (std::size_t i = 0; i < kDirectionSteps[octant].size(); ++i) {
+        const auto [x, y] = kDirectionSteps[octant][i];
         steps_[octant][i] = static_cast<std::ptrdiff_t>(y) * stride_ + x;
       }
     }
@@ -181,7 +181,8 @@ class DirectionGrid {
   int rows_;
   int stride_;
   std::vector<Direction> directions_;
-  std::array<std::array<std::ptrdiff_t, kReach>, kDirections> steps_{};  // of kSteps, in the grid
+  std::array<std::array<std::ptrdiff_t, kReach>, kDirections>
+      steps_{};  // of kDirectionSteps, in the grid
 };
 
 // to[x] |= from[x]

@@ -25,12 +25,12 @@ namespace {
 
 // Common to all sides: log blur, amount and log sigma of the mask; of each side: place, log stroke
 // and the light of the white inside, the stroke and the white outside.
-enum : int { kLogBlur, kAmount, kLogSigma };
-enum : int { kPlace, kLogStroke, kWhite, kBlack, kOutside };
+enum : int { kCommonLogBlur, kCommonAmount, kCommonLogSigma };
+enum : int { kSidePlace, kSideLogStroke, kSideWhite, kSideBlack, kSideOutside };
 constexpr int kCommon = 3, kOfSide = 5;
-constexpr int kParameters = kCommon + 4 * kOfSide;
-using Parameters = Eigen::Matrix<double, kParameters, 1>;
-using ParameterMatrix = Eigen::Matrix<double, kParameters, kParameters>;
+constexpr int kSharpenedParameters = kCommon + 4 * kOfSide;
+using SharpenedParameters = Eigen::Matrix<double, kSharpenedParameters, 1>;
+using ParameterMatrix = Eigen::Matrix<double, kSharpenedParameters, kSharpenedParameters>;
 using Common = Eigen::Matrix<double, kCommon, 1>;
 using OfSide = Eigen::Matrix<double, kOfSide, 1>;
 
@@ -40,7 +40,7 @@ class SharpenedProfile {
   SharpenedProfile(const ToneCurve& tone, const Common& common, const OfSide& side, float first,
                    float last)
       : tone_(tone) {
-    const auto sigma = static_cast<float>(std::exp(common[kLogSigma]));
+    const auto sigma = static_cast<float>(std::exp(common[kCommonLogSigma]));
     const auto reach = static_cast<std::size_t>(std::ceil(kReach * sigma / kStep));
     begin_ = first - static_cast<float>(reach + 1) * kStep;
     const auto count = static_cast<std::size_t>((last - first) / kStep) + 2 * reach + 4;
@@ -55,7 +55,7 @@ class SharpenedProfile {
         smooth[i] += weight * (plain[i - k] + plain[i + k]);
       }
     }
-    const auto amount = static_cast<float>(common[kAmount]);
+    const auto amount = static_cast<float>(common[kCommonAmount]);
     levels_.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
       levels_[i] = std::clamp(plain[i] + amount * (plain[i] - smooth[i] / sum), 0.0F, 255.0F);
@@ -75,14 +75,15 @@ class SharpenedProfile {
 
   std::vector<float> levels_of(const Common& common, const OfSide& side, std::size_t count) const {
     const NormalTable& normal = NormalTable::get();
-    const auto per_blur = static_cast<float>(std::exp(-common[kLogBlur]));
-    const auto stroke = static_cast<float>(std::exp(side[kLogStroke]));
-    const auto white = static_cast<float>(side[kWhite]), black = static_cast<float>(side[kBlack]);
-    const auto outside = static_cast<float>(side[kOutside]);
+    const auto per_blur = static_cast<float>(std::exp(-common[kCommonLogBlur]));
+    const auto stroke = static_cast<float>(std::exp(side[kSideLogStroke]));
+    const auto white = static_cast<float>(side[kSideWhite]),
+               black = static_cast<float>(side[kSideBlack]);
+    const auto outside = static_cast<float>(side[kSideOutside]);
     std::vector<float> levels(count);
     for (std::size_t i = 0; i < levels.size(); ++i) {
       const float across =
-          begin_ + static_cast<float>(i) * kStep - static_cast<float>(side[kPlace]);
+          begin_ + static_cast<float>(i) * kStep - static_cast<float>(side[kSidePlace]);
       const float inner = normal(across * per_blur).integral;
       const float outer = normal((across - stroke) * per_blur).integral;
       const float light = white + (black - white) * inner + (outside - black) * outer;
@@ -127,16 +128,17 @@ SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::si
     sample.value *=
         static_cast<float>(tone.sample_of(middle) / std::max(1.0, tone.sample_of(white)));
   }
-  profile.guess[kLogStroke] = std::log(stroke);
-  profile.guess[kWhite] = profile.guess[kOutside] = (fitted.white_begin + fitted.white_end) / 2;
-  profile.guess[kBlack] = (fitted.black_begin + fitted.black_end) / 2;
+  profile.guess[kSideLogStroke] = std::log(stroke);
+  profile.guess[kSideWhite] = profile.guess[kSideOutside] =
+      (fitted.white_begin + fitted.white_end) / 2;
+  profile.guess[kSideBlack] = (fitted.black_begin + fitted.black_end) / 2;
   return profile;
 }
 
 struct Problem {
   std::array<SideProfile, 4> sides;
-  Parameters nominal = Parameters::Zero();
-  Parameters prior_sigma = Parameters::Zero();
+  SharpenedParameters nominal = SharpenedParameters::Zero();
+  SharpenedParameters prior_sigma = SharpenedParameters::Zero();
   double scale = kSharpening.dirt;  // grey levels of the Cauchy weights
 };
 
@@ -159,7 +161,7 @@ Problem problem_of(const GrayView& image, const RefinedFrame& frame, const Frame
 
 struct Equations {
   ParameterMatrix matrix = ParameterMatrix::Zero();
-  Parameters right = Parameters::Zero();
+  SharpenedParameters right = SharpenedParameters::Zero();
   double cost = 0;
 };
 
@@ -173,7 +175,8 @@ Eigen::VectorXd predicted(const SideProfile& side, const Common& common, const O
 }
 
 // Of one side: residuals by their root weights, and their derivatives by common and own parameters.
-void add_side(const Problem& problem, const Parameters& p, std::size_t i, Equations& equations) {
+void add_side(const Problem& problem, const SharpenedParameters& p, std::size_t i,
+              Equations& equations) {
   constexpr double kDelta = 0.01;
   const SideProfile& side = problem.sides[i];
   const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
@@ -209,10 +212,10 @@ void add_side(const Problem& problem, const Parameters& p, std::size_t i, Equati
   equations.right.segment<kOfSide>(at) += right.tail<kOfSide>();
 }
 
-Equations equations_at(const Problem& problem, const Parameters& p) {
+Equations equations_at(const Problem& problem, const SharpenedParameters& p) {
   Equations equations;
   for (std::size_t i = 0; i < 4; ++i) add_side(problem, p, i, equations);
-  for (int j = 0; j < kParameters; ++j) {
+  for (int j = 0; j < kSharpenedParameters; ++j) {
     const double weight = 1 / (problem.prior_sigma[j] * problem.prior_sigma[j]);
     const double off = problem.nominal[j] - p[j];
     equations.matrix(j, j) += weight;
@@ -222,21 +225,22 @@ Equations equations_at(const Problem& problem, const Parameters& p) {
   return equations;
 }
 
-void constrain(Parameters& p) {
-  p[kLogBlur] = std::clamp(p[kLogBlur], std::log(0.25), std::log(3.0));
-  p[kAmount] = std::clamp(p[kAmount], 0.0, 4.0);
-  p[kLogSigma] = std::clamp(p[kLogSigma], std::log(0.5), std::log(4.0));
+void constrain_sharpened(SharpenedParameters& p) {
+  p[kCommonLogBlur] = std::clamp(p[kCommonLogBlur], std::log(0.25), std::log(3.0));
+  p[kCommonAmount] = std::clamp(p[kCommonAmount], 0.0, 4.0);
+  p[kCommonLogSigma] = std::clamp(p[kCommonLogSigma], std::log(0.5), std::log(4.0));
 }
 
-struct Solution {
-  Parameters parameters;
+struct SharpenedSolution {
+  SharpenedParameters parameters;
   double cost = 0;
 };
 
-Solution minimise(const Problem& problem, Parameters p) {
+SharpenedSolution minimise(const Problem& problem, SharpenedParameters p) {
   const Equations found = minimise_damped(
       p, {kSharpening.most_steps, kSharpening.settled, 1e-2},
-      [&](const Parameters& at) { return equations_at(problem, at); }, constrain);
+      [&](const SharpenedParameters& at) { return equations_at(problem, at); },
+      constrain_sharpened);
   return {p, found.cost};
 }
 
@@ -250,24 +254,24 @@ double sample_count(const Problem& problem) {
 bool may_be_sharpened(const Problem& problem) {
   const Equations plain = equations_at(problem, problem.nominal);
   const auto solver = plain.matrix.ldlt();
-  const Parameters step = solver.solve(plain.right);
-  const double variance = solver.solve(Parameters::Unit(kAmount))[kAmount];
+  const SharpenedParameters step = solver.solve(plain.right);
+  const double variance = solver.solve(SharpenedParameters::Unit(kCommonAmount))[kCommonAmount];
   const double noise = std::max(1.0, (plain.cost - plain.right.dot(step)) / sample_count(problem));
-  const double amount = step[kAmount];
+  const double amount = step[kCommonAmount];
   return amount > 0 && amount * amount > kSharpening.worth * noise * variance;
 }
 
-Solution sharpened_fit(Problem problem) {
-  Parameters start = problem.nominal;
-  start[kAmount] = 0.5;
+SharpenedSolution sharpened_fit(Problem problem) {
+  SharpenedParameters start = problem.nominal;
+  start[kCommonAmount] = 0.5;
   const double scale = std::exchange(problem.scale, kSharpening.far_off);
   start = minimise(problem, start).parameters;
   problem.scale = scale;
   return minimise(problem, start);
 }
 
-Solution plain_fit(Problem problem) {
-  problem.prior_sigma[kAmount] = 1e-4;
+SharpenedSolution plain_fit(Problem problem) {
+  problem.prior_sigma[kCommonAmount] = 1e-4;
   return minimise(problem, problem.nominal);
 }
 
@@ -277,15 +281,15 @@ std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFram
                                         const FrameShape& shape) {
   const Problem problem = problem_of(image, frame, shape);
   if (!may_be_sharpened(problem)) return std::nullopt;
-  const Solution sharp = sharpened_fit(problem);
+  const SharpenedSolution sharp = sharpened_fit(problem);
   const double noise = std::max(1.0, sharp.cost / sample_count(problem));
   if (plain_fit(problem).cost - sharp.cost < kSharpening.clear * noise) return std::nullopt;
-  const Parameters& p = sharp.parameters;
-  Sharpening sharpening{p[kAmount], std::exp(p[kLogSigma]), 0, 0};
+  const SharpenedParameters& p = sharp.parameters;
+  Sharpening sharpening{p[kCommonAmount], std::exp(p[kCommonLogSigma]), 0, 0};
   for (int i = 0; i < 4; ++i) {
     const int at = kCommon + i * kOfSide;
-    sharpening.black += ToneCurve::of(image).sample_of(p[at + kBlack]) / 4;
-    sharpening.white += ToneCurve::of(image).sample_of(p[at + kWhite]) / 4;
+    sharpening.black += ToneCurve::of(image).sample_of(p[at + kSideBlack]) / 4;
+    sharpening.white += ToneCurve::of(image).sample_of(p[at + kSideWhite]) / 4;
   }
   return sharpening;
 }

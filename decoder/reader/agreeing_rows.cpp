@@ -58,7 +58,7 @@ DarkRows dark_rows(const SymbolRows& rows, const PlateLevels& levels, double top
 }
 
 // What the rows agree on in a bin that pixels fell into.
-struct Consensus {
+struct BinConsensus {
   std::size_t bin = 0;
   double median = 0;
   double place = 0;     // mean place of its pixels, bins
@@ -75,8 +75,8 @@ double middle_of(std::vector<float>& seen) {
          static_cast<double>(seen.size());
 }
 
-std::vector<Consensus> consensus_of(const DarkRows& rows) {
-  std::vector<Consensus> all;
+std::vector<BinConsensus> consensus_of(const DarkRows& rows) {
+  std::vector<BinConsensus> all;
   all.reserve(rows.bins);
   std::vector<float> seen;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
@@ -93,8 +93,8 @@ std::vector<Consensus> consensus_of(const DarkRows& rows) {
     all.push_back({bin, middle_of(seen), static_cast<double>(place / count)});
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Consensus& before = all[i == 0 ? 0 : i - 1];
-    const Consensus& after = all[std::min(i + 1, all.size() - 1)];
+    const BinConsensus& before = all[i == 0 ? 0 : i - 1];
+    const BinConsensus& after = all[std::min(i + 1, all.size() - 1)];
     const double run = std::max(0.5, after.place - before.place);
     all[i].slope = (after.median - before.median) / run;
     all[i].steepest =
@@ -104,19 +104,19 @@ std::vector<Consensus> consensus_of(const DarkRows& rows) {
 }
 
 // How far a cell is from what the rows agree on at its pixels' mean place.
-double distance_from(const Consensus& consensus, const RowCell& cell) {
+double distance_from(const BinConsensus& consensus, const RowCell& cell) {
   const double expected =
       consensus.median + consensus.slope * (static_cast<double>(cell.place) - consensus.place);
   return std::abs(static_cast<double>(cell.light) - expected);
 }
 
 // Variance of one pixel's darkness: from the median of what cells are off.
-double pixel_variance(const DarkRows& rows, const std::vector<Consensus>& consensus) {
+double pixel_variance(const DarkRows& rows, const std::vector<BinConsensus>& consensus) {
   constexpr double kMedianChi2 = 0.455;  // of one degree of freedom
   constexpr std::size_t kEvery = 4;      // bins: some 2,000 cells tell it to 3 %
   std::vector<float> squares;
   for (std::size_t i = 0; i < consensus.size(); i += kEvery) {
-    const Consensus& at = consensus[i];
+    const BinConsensus& at = consensus[i];
     for (std::size_t row = 0; row < rows.rows; ++row) {
       const RowCell& cell = rows.at(row, at.bin);
       if (cell.count == 0) continue;
@@ -130,7 +130,7 @@ double pixel_variance(const DarkRows& rows, const std::vector<Consensus>& consen
 }
 
 // Whether a cell is as near what the rows agree on as noise and shading allow.
-bool agrees(const Consensus& with, const RowCell& cell, double variance) {
+bool agrees(const BinConsensus& with, const RowCell& cell, double variance) {
   const double beyond =
       distance_from(with, cell) - kProfile.shading - kProfile.slanted * with.steepest;
   return beyond <= 0 || beyond * beyond <= kProfile.sigmas * kProfile.sigmas * variance /
@@ -140,7 +140,7 @@ bool agrees(const Consensus& with, const RowCell& cell, double variance) {
 // Which cells to leave out, row by row.
 class CellStates {
  public:
-  CellStates(const DarkRows& rows, const std::vector<Consensus>& consensus, double variance,
+  CellStates(const DarkRows& rows, const std::vector<BinConsensus>& consensus, double variance,
              int per_module)
       : size_(consensus.size()), states_(rows.rows * size_) {
     for (std::size_t row = 0; row < rows.rows; ++row) {
@@ -169,7 +169,7 @@ class CellStates {
   // An occluder disagrees in spaces, if it is dark, and on bars, if it is light: its stretch of a
   // row is what lies between odd cells that stand close.
   void mark_covers(std::size_t row, const std::vector<std::size_t>& odd,
-                   const std::vector<Consensus>& consensus, int per_module) {
+                   const std::vector<BinConsensus>& consensus, int per_module) {
     const auto bin = [&](std::size_t k) { return consensus[odd[k]].bin; };
     for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
       if (k < odd.size() &&
@@ -213,7 +213,7 @@ struct BinSums {
   double odd_outside = 0;  // of them, outside of covered stretches
 };
 
-std::vector<BinSums> sums_of(const DarkRows& rows, const std::vector<Consensus>& consensus,
+std::vector<BinSums> sums_of(const DarkRows& rows, const std::vector<BinConsensus>& consensus,
                              const CellStates& states) {
   std::vector<BinSums> all(consensus.size());
   for (std::size_t row = 0; row < rows.rows; ++row) {
@@ -271,7 +271,7 @@ std::vector<bool> certain_covers(const std::vector<BinSums>& sums, int per_modul
   return certain;
 }
 
-ScanBin bin_of(const SymbolRows& symbol, const Consensus& at, const BinSums& sums, bool certain,
+ScanBin bin_of(const SymbolRows& symbol, const BinConsensus& at, const BinSums& sums, bool certain,
                double variance) {
   constexpr double kModelVariance = kProfile.model_error * kProfile.model_error;
   const PixelSums& used = certain ? sums.clear : sums.even;
@@ -292,7 +292,7 @@ ScanBin bin_of(const SymbolRows& symbol, const Consensus& at, const BinSums& sum
 ScanProfile profile_of_agreeing(const SymbolRows& rows, const PlateLevels& levels, double top,
                                 double bottom) {
   const DarkRows dark = dark_rows(rows, levels, top, bottom);
-  const std::vector<Consensus> consensus = consensus_of(dark);
+  const std::vector<BinConsensus> consensus = consensus_of(dark);
   const double variance = pixel_variance(dark, consensus);
   const CellStates states(dark, consensus, variance, rows.bins_per_module);
   const std::vector<BinSums> sums = sums_of(dark, consensus, states);

@@ -19,11 +19,11 @@ constexpr std::size_t kInWindow = 24;  // places: two a module
 constexpr double kHalfShown = 0.5;     // of the bars' contrast: the end of a blurred bar
 
 // Light (0-1) of one window's places along the symbol.
-using Row = std::array<float, kInWindow>;
+using WindowLight = std::array<float, kInWindow>;
 
 // The window's bars as light less its mean, and their levels.
 struct Pattern {
-  Row bars{};
+  WindowLight bars{};
   float power = 0;  // sum of squares
   float white = 0;  // mean of the brighter places, of the darker ones
   float black = 0;
@@ -48,10 +48,10 @@ class Symbol {
         field_(field),
         image_from_unit_(field.corners, field.lens) {}
 
-  Row row(std::size_t window, double v) const {
+  WindowLight row(std::size_t window, double v) const {
     const double width = (field_.last - field_.first) / kWindows;
     const double begin = field_.first + static_cast<double>(window) * width;
-    Row row{};
+    WindowLight row{};
     for (std::size_t k = 0; k < kInWindow; ++k) {
       const double u = begin + width * (static_cast<double>(k) + 0.5) / kInWindow;
       row[k] = light_at(image_from_unit_(u, v));
@@ -66,7 +66,7 @@ class Symbol {
 
   // The bars amid their height: the middle one of `rows` rows at every place.
   Pattern pattern(std::size_t window, std::size_t rows) const {
-    std::vector<Row> seen;
+    std::vector<WindowLight> seen;
     for (std::size_t i = 0; i < rows; ++i) {
       const double share = 0.15 + 0.7 * (static_cast<double>(i) + 0.5) / static_cast<double>(rows);
       seen.push_back(row(window, field_.top + share * (field_.bottom - field_.top)));
@@ -75,7 +75,7 @@ class Symbol {
     std::vector<float> values(rows);
     float mean = 0;
     for (std::size_t k = 0; k < kInWindow; ++k) {
-      std::ranges::transform(seen, values.begin(), [k](const Row& row) { return row[k]; });
+      std::ranges::transform(seen, values.begin(), [k](const WindowLight& row) { return row[k]; });
       const float middle = median_of(values);
       pattern.bars[k] = middle;
       mean += middle / kInWindow;
@@ -112,14 +112,14 @@ class Symbol {
 };
 
 // How much of the bars' contrast a row shows.
-float share_of(const Pattern& pattern, const Row& row) {
+float share_of(const Pattern& pattern, const WindowLight& row) {
   float sum = 0;
   for (std::size_t k = 0; k < kInWindow; ++k) sum += pattern.bars[k] * row[k];
   return sum / pattern.power;
 }
 
 // Light of a row between the bars' black (0) and white (1).
-float level_of(const Pattern& pattern, const Row& row) {
+float level_of(const Pattern& pattern, const WindowLight& row) {
   float mean = 0;
   for (const float value : row) mean += value / kInWindow;
   return (mean - pattern.black) / (pattern.white - pattern.black);
@@ -145,7 +145,7 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
   double white_px = 0;
   for (int k = 0; k <= steps; ++k) {
     const double v = from + k * step;
-    const Row row = symbol.row(window, v);
+    const WindowLight row = symbol.row(window, v);
     const auto share = static_cast<double>(share_of(pattern, row));
     clear = clear || share > static_cast<double>(kBarEnds.clearly);
     if (share >= kHalfShown) {

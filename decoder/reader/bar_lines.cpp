@@ -54,7 +54,7 @@ float light_at(const SampledLight& light, PixelPoint at) {
 }
 
 // Whether all pixels that light_at takes are the image's.
-bool is_inside(const SampledLight& light, PixelPoint at) {
+bool has_light_at(const SampledLight& light, PixelPoint at) {
   return at.x >= 1 && at.y >= 1 && at.x < light.width() - 2 && at.y < light.height() - 2;
 }
 
@@ -85,8 +85,8 @@ void add_light(SampledLight& light, const LineFrame& frame, double offset, ScanL
     return static_cast<int>(std::clamp(y, 0.0, light.height() - 1.0));
   };
   light.make_rows(row_at(top) - 1, row_at(bottom) + 2);
-  while (first < end && !is_inside(light, thin.at(first))) ++first;
-  while (end > first && !is_inside(light, thin.at(end - 1))) --end;
+  while (first < end && !has_light_at(light, thin.at(first))) ++first;
+  while (end > first && !has_light_at(light, thin.at(end - 1))) --end;
   for (std::size_t i = 0; i < first; ++i) line[i] += light_at(light, thin.at(i));
   for (std::size_t i = first; i < end; ++i) line[i] += light_inside(light, thin.at(i));
   for (std::size_t i = end; i < line.size(); ++i) line[i] += light_at(light, thin.at(i));

@@ -127,7 +127,7 @@ Evidence evidence_of(const std::vector<ReadLine>& lines) {
 }
 
 // The most likely code and its probability among those that may exist.
-struct Consensus {
+struct CodeConsensus {
   Digits digits{};
   double probability = 0;
 };
@@ -189,7 +189,7 @@ double mass_of_all_codes(const Evidence& evidence) {
 
 // As for framed symbols (decoder/scan/decode.cpp, posterior): against the other codes that may
 // exist and, with a small prior, all 10^12.
-Consensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
+CodeConsensus consensus_of(const Evidence& evidence, const DecodeOptions& options) {
   constexpr double kAllSymbols = 1e12;
   double code_count = 1e11;
   ValidCodes codes;
@@ -297,7 +297,7 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
   const Evidence evidence = evidence_of(scan.lines);
-  const Consensus consensus = consensus_of(evidence, decode_options);
+  const CodeConsensus consensus = consensus_of(evidence, decode_options);
   ReadRegion region_read;
   FramelessReading& symbol = region_read.symbol;
   symbol.profile = merged_profile(realigned(scan, consensus.digits));
