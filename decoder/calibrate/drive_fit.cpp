@@ -76,12 +76,13 @@ std::vector<Matrix3d> attitudes(const Survey& survey, const Rig& rig, const Sigh
 }
 
 // Within which single tags and vehicles that are not quite level agree on an attitude.
-constexpr double kAlike = radians(15);
+constexpr double kAlikeAttitudes = radians(15);
 
 std::size_t supporters(const std::vector<std::vector<Matrix3d>>& seen, const Matrix3d& attitude) {
   return static_cast<std::size_t>(std::ranges::count_if(seen, [&](const auto& allowed) {
-    return std::ranges::any_of(
-        allowed, [&](const Matrix3d& own) { return angle_between(own, attitude) < kAlike; });
+    return std::ranges::any_of(allowed, [&](const Matrix3d& own) {
+      return angle_between(own, attitude) < kAlikeAttitudes;
+    });
   }));
 }
 

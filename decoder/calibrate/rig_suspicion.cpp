@@ -17,7 +17,7 @@ namespace tagsmith::detail {
 namespace {
 
 // The parameters that are tried, by their place among a camera's calibration parameters.
-constexpr std::array<std::size_t, 4> kTried{3, 4, 5, 6};
+constexpr std::array<std::size_t, 4> kTriedParameters{3, 4, 5, 6};
 constexpr std::size_t kFocal = 6;
 
 std::size_t count_sightings(const Drive& drive) {
@@ -86,7 +86,7 @@ std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig&
 double noise_of(const Survey& survey, const Drive& drive, const Rig& start) {
   std::vector<ParameterSigmas> sigmas = stated_sigmas(start);
   for (ParameterSigmas& camera : sigmas) {
-    for (const std::size_t i : kTried) camera[i] = i == kFocal ? kFreeFocal : kFreeAngle;
+    for (const std::size_t i : kTriedParameters) camera[i] = i == kFocal ? kFreeFocal : kFreeAngle;
   }
   const auto fit = fit_drive(survey, drive, start, sigmas);
   return fit ? usual_excess(*fit, drive) : 1;
@@ -140,7 +140,7 @@ Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::siz
   // The axis that is tried turns the camera about its own x, y or z: pitch, yaw or roll.
   constexpr std::array<RigParameter, 3> kAngle{RigParameter::pitch, RigParameter::yaw,
                                                RigParameter::roll};
-  if (changed != kAngle[parameter - kTried[0]]) return start;
+  if (changed != kAngle[parameter - kTriedParameters[0]]) return start;
   (changed == RigParameter::yaw     ? angles.yaw
    : changed == RigParameter::pitch ? angles.pitch
                                     : angles.roll) = value_of(seen, changed);
@@ -160,7 +160,7 @@ std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Dr
   std::vector<Candidate> result;
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     if (!sees_anything(drive, camera)) continue;
-    for (const std::size_t parameter : kTried) {
+    for (const std::size_t parameter : kTriedParameters) {
       std::vector<ParameterSigmas> sigmas = stated;
       sigmas[camera][parameter] = parameter == kFocal ? kFreeFocal : kFreeAngle;
       const auto with = explained(survey, drive, start_for(survey, rig, drive, camera, parameter),

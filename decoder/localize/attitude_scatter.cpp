@@ -32,13 +32,13 @@ struct TurnOfPair {
   double weight = 1;  // all pairs of a plate together count as one plate
 };
 
-struct Attitude {
+struct SeenAttitude {
   std::size_t plate = 0;
   std::vector<SinglePose> poses;
 };
 
-std::vector<Attitude> attitudes_of(const AdjustmentProblem& problem, const Station& station) {
-  std::vector<Attitude> attitudes;
+std::vector<SeenAttitude> attitudes_of(const AdjustmentProblem& problem, const Station& station) {
+  std::vector<SeenAttitude> attitudes;
   for (const Sighting& sighting : station.sightings) {
     std::vector<SinglePose> poses = single_poses(problem, sighting);
     if (!poses.empty()) attitudes.push_back({sighting.plate, std::move(poses)});
@@ -46,7 +46,7 @@ std::vector<Attitude> attitudes_of(const AdjustmentProblem& problem, const Stati
   return attitudes;
 }
 
-std::vector<TurnOfPair::Possible> turns_between(const Attitude& a, const Attitude& b) {
+std::vector<TurnOfPair::Possible> turns_between(const SeenAttitude& a, const SeenAttitude& b) {
   std::vector<TurnOfPair::Possible> possible;
   for (const SinglePose& from_a : a.poses) {
     for (const SinglePose& from_b : b.poses) {
@@ -62,18 +62,18 @@ std::vector<TurnOfPair::Possible> turns_between(const Attitude& a, const Attitud
 }
 
 std::vector<TurnOfPair> turns_of_pairs(const AdjustmentProblem& problem) {
-  std::vector<std::vector<Attitude>> stations;
+  std::vector<std::vector<SeenAttitude>> stations;
   std::map<std::size_t, int> times_seen;
   for (const Station& station : problem.stations) {
     stations.push_back(attitudes_of(problem, station));
-    for (const Attitude& attitude : stations.back()) ++times_seen[attitude.plate];
+    for (const SeenAttitude& attitude : stations.back()) ++times_seen[attitude.plate];
   }
   std::vector<TurnOfPair> pairs;
-  for (const std::vector<Attitude>& attitudes : stations) {
+  for (const std::vector<SeenAttitude>& attitudes : stations) {
     for (std::size_t i = 0; i < attitudes.size(); ++i) {
       for (std::size_t j = i + 1; j < attitudes.size(); ++j) {
-        const Attitude& a = attitudes[i];
-        const Attitude& b = attitudes[j];
+        const SeenAttitude& a = attitudes[i];
+        const SeenAttitude& b = attitudes[j];
         if (a.plate == b.plate) continue;
         // Of n plates n - 1 turns are independent; n (n - 1) / 2 pairs are told.
         const double weight = 2.0 / static_cast<double>(attitudes.size()) /

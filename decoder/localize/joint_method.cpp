@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 
 // Why: docs/decisions/0010-position-consensus-and-confirmation.md.
 // The likelihoods of two poses of the same tags must differ by this much of -2 log: odds of 20 000.
-constexpr double kClearlyBetter = 20;
+constexpr double kClearlyBetterPose = 20;
 // Standard deviations may be understated by a factor of two. What needs larger ones is a mistake,
 // whose effect is no noise: positions by `bench wrong_world` were up to nine raised standard
 // deviations off where a factor of three was allowed.
@@ -137,7 +137,7 @@ std::optional<Doubt> doubt_by_rivals(const JointProblem& problem, const PoseSear
     const Candidate& rival = search.candidates[i];
     if (plate_count(rival.fit) < plate_count(best.fit)) continue;
     if (plates_of(best.fit) == plates_of(rival.fit)) {
-      if (rival.chi_square - best.chi_square > kClearlyBetter) continue;
+      if (rival.chi_square - best.chi_square > kClearlyBetterPose) continue;
       return Doubt{
           fmt::format("ambiguous: {} seen nearly from the front or from afar allows two "
                       "positions, {} and {}",

@@ -12,7 +12,7 @@ namespace tagsmith::detail {
 namespace {
 
 // Chi-square of four degrees of freedom that one in 10,000 exceeds.
-constexpr double kGate = 23.51;
+constexpr double kAgreementGate = 23.51;
 
 // Why: docs/decisions/0012-smoothing.md.
 double shared_part(const Fix& fix) {
@@ -49,7 +49,7 @@ std::optional<MeasuredPlace> measured_by(const Fix& fix) {
   return measured;
 }
 
-MotionEstimate motion_from(const Place& place, const MotionModel& motion) {
+MotionEstimate motion_from(const VehiclePlace& place, const MotionModel& motion) {
   constexpr double kAnywhere = 100;
   MotionEstimate prior;
   prior.mean.head<4>() = place;
@@ -99,12 +99,12 @@ Fix confirmed_by_motion(Fix fix) {
 
 MotionUpdate updated(const MotionEstimate& predicted, const MeasuredPlace& measured) {
   MotionUpdate update{predicted};
-  Place missing = measured.place - predicted.mean.head<4>();
+  VehiclePlace missing = measured.place - predicted.mean.head<4>();
   missing[3] = wrapped_angle(missing[3]);
   const PlaceCovariance own = (1 - measured.shared) * measured.covariance;
   const PlaceCovariance spread = predicted.covariance.topLeftCorner<4, 4>();
   update.distance2 = squared_mahalanobis(missing, spread + measured.covariance);
-  update.agrees = update.distance2 <= kGate;
+  update.agrees = update.distance2 <= kAgreementGate;
   const PlaceCovariance innovation = spread + own;
   const Eigen::Matrix<double, 8, 4> gain =
       solve_symmetric(innovation, predicted.covariance.topRows<4>()).transpose();

@@ -28,7 +28,7 @@ struct MotionModel {
 // x, y, z, heading in the survey's grid, metres and radians, and their rates a second.
 using MotionState = Eigen::Matrix<double, 8, 1>;
 using MotionCovariance = Eigen::Matrix<double, 8, 8>;
-using Place = Eigen::Vector4d;
+using VehiclePlace = Eigen::Vector4d;
 using PlaceCovariance = Eigen::Matrix4d;
 
 // What is known of the motion at one time.
@@ -39,7 +39,7 @@ struct MotionEstimate {
 
 // What a fix says of the vehicle's place.
 struct MeasuredPlace {
-  Place place;
+  VehiclePlace place;
   PlaceCovariance covariance;
   double shared = 0;  // share of the covariance that neighbouring fixes have in common
 };
@@ -48,7 +48,7 @@ struct MeasuredPlace {
 std::optional<MeasuredPlace> measured_by(const Fix& fix);
 
 // Before the first fix: at that place, give or take a hundred metres and all headings.
-MotionEstimate motion_from(const Place& place, const MotionModel& motion);
+MotionEstimate motion_from(const VehiclePlace& place, const MotionModel& motion);
 
 // The matrix that takes a state `dt` seconds on with its rates kept.
 MotionCovariance transition_over(double dt);

@@ -31,9 +31,9 @@ bool shows(const SightedPair& pair, std::size_t plate) {
   return pair.plates[0] == plate || pair.plates[1] == plate;
 }
 
-class Search {
+class PlateSearch {
  public:
-  Search(AdjustmentProblem problem, const Given& given) : given_(given) {
+  PlateSearch(AdjustmentProblem problem, const Given& given) : given_(given) {
     found_.freed.resize(problem.plates.size(), PlateFreedom::none);
     found_.swapped_with.resize(problem.plates.size());
     found_.problem = std::move(problem);
@@ -501,7 +501,7 @@ std::vector<Station> apart(const Station& station) {
 }
 
 PlateExplanation explain(AdjustmentProblem problem, const Given& given) {
-  return Search(std::move(problem), given).run();
+  return PlateSearch(std::move(problem), given).run();
 }
 
 }  // namespace tagsmith::detail

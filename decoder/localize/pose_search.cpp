@@ -139,7 +139,7 @@ SingleFits fit_single(JointProblem& problem, std::size_t index) {
 // --- consensus ---
 
 bool agrees(const Disagreement& difference) {
-  return difference.shift_chi_square < chi_square_limit(3, kShiftGate) &&
+  return difference.shift_chi_square < chi_square_limit(3, kPoseShiftGate) &&
          difference.chi_square < chi_square_limit(difference.degrees_of_freedom, kCornersGate);
 }
 
@@ -179,7 +179,7 @@ std::optional<std::size_t> worst_plate(const JointProblem& problem, const JointF
   for (std::size_t i = 0; i < fit.rows.plates.size(); ++i) {
     const Disagreement difference = disagreement_within(problem, fit, i);
     const double excess = std::max(
-        difference.shift_chi_square / chi_square_limit(3, kShiftGate),
+        difference.shift_chi_square / chi_square_limit(3, kPoseShiftGate),
         difference.chi_square / chi_square_limit(difference.degrees_of_freedom, kCornersGate));
     if (excess <= most) continue;
     most = excess;

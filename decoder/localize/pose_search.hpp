@@ -19,7 +19,7 @@ inline constexpr double kLoneStanceGate = 4.0;
 
 // A tag or range is believed while it disagrees less than right ones do once in 10 000 (a normal
 // value exceeds 3.7) or, for all corners of a tag, whose noise has heavier tails, in a million.
-inline constexpr double kShiftGate = 3.7;
+inline constexpr double kPoseShiftGate = 3.7;
 inline constexpr double kCornersGate = 4.75;
 inline constexpr double kRangeGate = 4.0;
 

@@ -159,7 +159,8 @@ Fix without_position(Fix fix, std::string reason) {
 }
 
 // The fix with the place that the whole track gives it.
-Fix with_place(Fix fix, const Place& place, const PlaceCovariance& covariance, const Rig& rig) {
+Fix with_place(Fix fix, const VehiclePlace& place, const PlaceCovariance& covariance,
+               const Rig& rig) {
   const Attitude before = fix.attitude.value_or(Attitude{});
   PoseCovariance pose = PoseCovariance::Zero();
   pose.topLeftCorner<4, 4>() = covariance;
@@ -178,7 +179,7 @@ Fix with_place(Fix fix, const Place& place, const PlaceCovariance& covariance, c
 }
 
 // A gap's fix: a prediction, or why there is none.
-Fix predicted_fix(Fix fix, const Place& place, const PlaceCovariance& covariance, double gap,
+Fix predicted_fix(Fix fix, const VehiclePlace& place, const PlaceCovariance& covariance, double gap,
                   const Survey& survey, const Rig& rig, const MotionModel& motion) {
   const std::string own =
       fix.position_in_grid ? "its own position contradicts the motion" : fix.reason;
@@ -248,7 +249,7 @@ Fix fix_in_track(const Job& job, const Track& track, const Step& step,
   }
   const Step& nearest = step.used ? step : nearest_used(track, step.row, job.times);
   const MeasuredPlace& anchor = *job.measured[nearest.row];
-  const Place place = estimate.mean.head<4>();
+  const VehiclePlace place = estimate.mean.head<4>();
   const PlaceCovariance covariance =
       estimate.covariance.topLeftCorner<4, 4>() + anchor.shared * anchor.covariance;
   if (step.used) {

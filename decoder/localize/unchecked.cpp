@@ -30,7 +30,7 @@ constexpr double kNoticed = 3.1;  // a normal value: chi-square that right rows 
 
 // Displacements of the fit's whitened rows by one kind of mistake, a column a parameter, each
 // scaled to a gross mistake.
-struct Effect {
+struct MistakeEffect {
   Unchecked::Kind kind{};
   std::string what;
   MatrixXd rows;
@@ -92,13 +92,13 @@ class Effects {
   void add_cameras();
   void add_ranges_and_height();
 
-  const std::vector<Effect>& all() const { return effects_; }
+  const std::vector<MistakeEffect>& all() const { return effects_; }
 
  private:
   const JointProblem& problem_;
   const JointFit& fit_;
   std::vector<SeenRows> seen_;
-  std::vector<Effect> effects_;
+  std::vector<MistakeEffect> effects_;
 };
 
 using Rows = MatrixXd;
@@ -221,7 +221,7 @@ std::vector<Unchecked> unchecked_by(const JointProblem& problem, const JointFit&
   const double unnoticed =
       std::max(chi_square_limit(fit.degrees_of_freedom, kNoticed), fit.chi_square);
   std::vector<Unchecked> unchecked;
-  for (const Effect& effect : effects.all()) {
+  for (const MistakeEffect& effect : effects.all()) {
     const Reach reach = reach_of(fit, effect.rows, unnoticed);
     if (reach.sigmas < kFarOff * std::sqrt(variance_factor)) continue;
     unchecked.push_back({effect.kind, effect.what, reach.metres});
