@@ -34,8 +34,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kName = "adjust";
-constexpr const char* kNotes = R"(Example:
+constexpr const char* kAdjustNotes = R"(Example:
   tagsmith verify --json mine/survey.yaml --rig mine/rig.yaml --run run.csv > run.jsonl
   tagsmith adjust mine/survey.yaml --rig mine/rig.yaml --run run.csv run.jsonl -o as-built.yaml
 
@@ -57,8 +56,6 @@ Matrix3d in_grid(const Grid& grid, const Matrix3d& covariance) {
   }
   return axes * covariance * axes.transpose();
 }
-
-bool has_place(const AsBuiltTag& tag) { return tag.status != AsBuiltStatus::undetermined; }
 
 // To the micrometre; what rounds to zero has no sign.
 Vector3d p_in_grid(const Survey& survey, const AsBuiltTag& tag) {
@@ -93,7 +90,7 @@ std::vector<std::string> not_seen(const Survey& survey, const AsBuiltSurvey& fou
 void print_words(const Survey& survey, const AsBuiltSurvey& found) {
   to_stdout("     tag          x          y          z  sigma, mm  moved, mm  seen\n");
   for (const AsBuiltTag& tag : found.tags) {
-    if (!has_place(tag)) continue;
+    if (!tag.has_place()) continue;
     const Vector3d p = p_in_grid(survey, tag);
     const auto shown = [](double value) { return std::round(1e4 * value) / 1e4 + 0.0; };
     to_stdout("{:>8} {:10.4f} {:10.4f} {:10.4f} {:10.1f} {:10.1f} {:5}{}\n", tag.tag, shown(p.x()),
@@ -116,20 +113,18 @@ void print_words(const Survey& survey, const AsBuiltSurvey& found) {
       found.sigma_factor);
 }
 
-Json numbers(const auto& values) { return std::vector<double>(values.begin(), values.end()); }
-
 Json tag_json(const Survey& survey, const AsBuiltTag& tag) {
   Json line{{"tag", tag.tag}, {"status", to_string(tag.status)}, {"stations", tag.stations}};
   if (!tag.reason.empty()) line["reason"] = tag.reason;
-  if (!has_place(tag)) return line;
+  if (!tag.has_place()) return line;
   const PlateAttitude attitude = attitude_of(survey.grid, tag.world_from_plate);
   const Vector3d turned = tag.covariance.diagonal().tail<3>().cwiseMax(0).cwiseSqrt();
   const Matrix3d covariance = in_grid(survey.grid, tag.covariance.topLeftCorner<3, 3>());
   const Vector3d surveyed = find_tag(survey, std::string_view(tag.tag))->p_in_grid;
-  line["p"] = numbers(p_in_grid(survey, tag));
-  line["sigma"] = numbers(sigma_in_grid(survey, tag));
-  line["covariance"] = numbers(covariance.reshaped());
-  line["moved"] = numbers(Vector3d(p_in_grid(survey, tag) - surveyed));
+  line["p"] = number_list(p_in_grid(survey, tag));
+  line["sigma"] = number_list(sigma_in_grid(survey, tag));
+  line["covariance"] = number_list(covariance.reshaped());
+  line["moved"] = number_list(Vector3d(p_in_grid(survey, tag) - surveyed));
   line["facing_deg"] = std::fmod(degrees(attitude.facing.value_or(0)) + 360, 360);
   line["tilt_deg"] = degrees(attitude.tilt);
   line["roll_deg"] = degrees(attitude.roll);
@@ -240,9 +235,9 @@ Result<int> run(const AdjustOptions& options) {
   if (!input) return fail(input.error().message);
   const Result<std::vector<SightedTag>> sighted = sighted_tags(*input, options.jobs);
   if (!sighted) return fail(sighted.error().message);
-  print_assumptions(kName, assumptions({&input->survey, 1}, input->setup.rig));
+  print_assumptions(kAdjust, assumptions({&input->survey, 1}, input->setup.rig));
   if (const auto doubt = rig_doubt(input->survey, input->setup.rig, *sighted)) {
-    to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kName, *doubt);
+    to_stderr("{}: the rig is in doubt, and nothing was adjusted: {}\n", kAdjust, *doubt);
     return kExitFindings;
   }
   const Result<AsBuiltSurvey> found =
@@ -256,7 +251,7 @@ Result<int> run(const AdjustOptions& options) {
     const std::string& file = options.output.empty() ? options.diff : options.output;
     const std::string what =
         file.empty() ? "do not rely on these places" : file + " was not written";
-    to_stderr("{}: {}: {}\n", kName, what, *reason);
+    to_stderr("{}: {}: {}\n", kAdjust, what, *reason);
     return kExitFindings;
   }
   const auto written = write_survey(options, input->survey, *found);
@@ -269,7 +264,7 @@ Result<int> run(const AdjustOptions& options) {
 Command adjust_command() {
   auto options = std::make_shared<AdjustOptions>();
   Command command{
-      .name = kName,
+      .name = kAdjust,
       .summary = "Find where every tag hangs, by all photos of a drive and some control tags",
       .options = {survey_argument(&options->survey, "The survey"),
                   {.names = "FILE",
@@ -297,11 +292,11 @@ Command adjust_command() {
                    .placeholder = "YYYY-MM-DD"},
                   json_flag(options->json, "One JSON object a tag, then the summary"),
                   jobs_option(options->jobs, "Photos read at once")},
-      .notes = kNotes,
+      .notes = kAdjustNotes,
       .run =
           [options] {
             const Result<int> code = run(*options);
-            return code ? *code : report_failure(kName, code.error());
+            return code ? *code : report_failure(kAdjust, code.error());
           },
   };
   for (CommandOption& option : hanging_options(options->hanging)) {

@@ -17,8 +17,6 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-bool has_place(const AsBuiltTag& tag) { return tag.status != AsBuiltStatus::undetermined; }
-
 Colour colour_of(const AsBuiltTag& tag) {
   switch (tag.status) {
     case AsBuiltStatus::control:
@@ -35,7 +33,7 @@ Matrix2d plane_covariance(const AsBuiltTag& tag) { return tag.covariance.topLeft
 double magnification(const Survey& survey, const AsBuiltSurvey& found) {
   std::vector<double> sizes;
   for (const AsBuiltTag& tag : found.tags) {
-    if (!has_place(tag)) continue;
+    if (!tag.has_place()) continue;
     const double ellipse = kEllipse95 * std::sqrt(std::max(0.0, plane_covariance(tag).trace()));
     sizes.push_back(std::max(tag.shift.head<2>().norm(), ellipse));
   }
@@ -58,7 +56,7 @@ void add_tag(Sketch& sketch, const PlanStrip& strip, const PlacedTag& surveyed,
              const AsBuiltTag& tag, double factor) {
   const Vector2d from = surveyed.world_from_plate.translation.head<2>();
   const Vector2d at = strip.view_from_world * from;
-  if (!has_place(tag)) {
+  if (!tag.has_place()) {
     sketch.layer("undetermined").add(Dot{at, 0.002, colours::kRed});
     sketch.layer("undetermined").add(Dot{at, 0.0014, colours::kWhite});
     return;

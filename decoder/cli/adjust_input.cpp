@@ -28,8 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kName = "adjust";
-
 bool holds_lines(const std::string& file) {
   const std::string extension = fs::path(file).extension().string();
   return extension == ".jsonl" || extension == ".json" || extension == ".ndjson";
@@ -172,11 +170,11 @@ Result<std::vector<SightedTag>> sighted_tags(const AdjustInput& input, int jobs)
   if (!taken) return fail(taken.error().message);
   if (told.others > 0) {
     to_stderr("{}: {} photos were verified against another state of the survey and left out\n",
-              kName, told.others);
+              kAdjust, told.others);
   }
   constexpr std::size_t kMostNotes = 20;
   for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) {
-    to_stderr("{}: {}\n", kName, notes[i]);
+    to_stderr("{}: {}\n", kAdjust, notes[i]);
   }
   return all;
 }

@@ -13,6 +13,8 @@
 
 namespace tagsmith::detail {
 
+inline constexpr const char* kAdjust = "adjust";
+
 struct AdjustOptions {
   std::string survey;
   std::vector<std::string> files;

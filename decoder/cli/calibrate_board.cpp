@@ -38,13 +38,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Options = BoardCalibrationOptions;
-
-std::string camera_name(const Options& options) {
+std::string camera_name(const BoardCalibrationOptions& options) {
   return options.camera.empty() ? "camera" : options.camera;
 }
 
-CalibrationFormat format_of(const Options& options) {
+CalibrationFormat format_of(const BoardCalibrationOptions& options) {
   if (options.format == "ros") return CalibrationFormat::ros;
   return options.format == "kalibr" ? CalibrationFormat::kalibr : CalibrationFormat::opencv;
 }
@@ -59,7 +57,7 @@ Result<void> check_name(const std::string& name) {
   return fail("--camera " + name + ": expected a letter and then letters, digits, - or _");
 }
 
-Result<std::vector<Board>> load_boards(const Options& options) {
+Result<std::vector<Board>> load_boards(const BoardCalibrationOptions& options) {
   std::vector<Board> boards;
   for (const std::string& file : options.boards) {
     Result<Board> board = load_board(file);
@@ -71,7 +69,7 @@ Result<std::vector<Board>> load_boards(const Options& options) {
 }
 
 // Without those that are named twice: a photo counts once.
-Result<FileList> list_photos(const Options& options) {
+Result<FileList> list_photos(const BoardCalibrationOptions& options) {
   Result<FileList> list = list_files(options.photos, image_extensions(), std::cin);
   if (!list) return list;
   std::set<fs::path> seen;
@@ -83,7 +81,8 @@ Result<FileList> list_photos(const Options& options) {
   return list;
 }
 
-Result<void> check_files(const Options& options, const std::vector<fs::path>& photos) {
+Result<void> check_files(const BoardCalibrationOptions& options,
+                         const std::vector<fs::path>& photos) {
   CommandFiles files;
   for (const std::string& board : options.boards) files.reads(board, "the board");
   for (const fs::path& photo : photos) files.reads(photo, "the photo");
@@ -95,7 +94,8 @@ Result<void> check_files(const Options& options, const std::vector<fs::path>& ph
 }
 
 // How the rig names the camera's file: from its own folder.
-CalibratedIntrinsics intrinsics_of(const Options& options, const IntrinsicsSigma& sigma) {
+CalibratedIntrinsics intrinsics_of(const BoardCalibrationOptions& options,
+                                   const IntrinsicsSigma& sigma) {
   const fs::path folder = fs::path(options.rig).parent_path();
   std::error_code error;
   const fs::path file = fs::proximate(options.output, folder.empty() ? "." : folder, error);
@@ -104,7 +104,7 @@ CalibratedIntrinsics intrinsics_of(const Options& options, const IntrinsicsSigma
 }
 
 // A rig without the camera is told of before the photos are read.
-Result<void> check_rig(const Options& options) {
+Result<void> check_rig(const BoardCalibrationOptions& options) {
   if (options.rig.empty()) return {};
   const Result<std::string> text = read_file(options.rig);
   if (!text) return fail(text.error().message);
@@ -112,7 +112,7 @@ Result<void> check_rig(const Options& options) {
   return edited ? Result<void>{} : fail(options.rig + ": " + edited.error().message);
 }
 
-Result<void> check_options(const Options& options) {
+Result<void> check_options(const BoardCalibrationOptions& options) {
   if (options.photos.empty() || options.boards.empty()) {
     return fail(
         "PHOTO and --board are required: photos of a board and its file; or, for where "
@@ -175,13 +175,14 @@ struct NoCamera {
   std::string reason;
 };
 
-struct Outcome {
+struct CalibrationOutcome {
   std::optional<BoardCalibration> result;
   NoCamera none{};  // without a result
 };
 
-Result<Outcome> calibrate(const Options& options, std::vector<Board> boards,
-                          const std::vector<fs::path>& files) {
+Result<CalibrationOutcome> calibrate(const BoardCalibrationOptions& options,
+                                     std::vector<Board> boards,
+                                     const std::vector<fs::path>& files) {
   Loader loader(files);
   PhotoSource photos{{}, [&](std::size_t i) { return loader(i); }};
   for (const fs::path& file : files) photos.files.push_back(file.string());
@@ -194,14 +195,14 @@ Result<Outcome> calibrate(const Options& options, std::vector<Board> boards,
     return fail(fmt::format("{}", fmt::join(broken, "\n")));
   }
   if (!found && loader.has_several_sizes()) return fail(found.error().message);
-  if (!found) return Outcome{std::nullopt, {found.error().message}};
+  if (!found) return CalibrationOutcome{std::nullopt, {found.error().message}};
   BoardCalibration result{camera_name(options),
                           std::move(boards),
                           std::move(found->calibration),
                           std::move(found->views),
                           {}};
   result.assessment = assess_calibration(result.calibration, result.views, result.boards);
-  return Outcome{std::move(result)};
+  return CalibrationOutcome{std::move(result)};
 }
 
 // --- files ---
@@ -222,7 +223,7 @@ CalibrationNotes notes_of(const BoardCalibration& result) {
 
 // The rig's new text. It must load with the camera's file, which is not in its place yet: it is
 // checked with the file where it waits.
-Result<std::string> rig_text(const Options& options, const BoardCalibration& result,
+Result<std::string> rig_text(const BoardCalibrationOptions& options, const BoardCalibration& result,
                              const std::string& camera_file) {
   const Result<std::string> text = read_file(options.rig);
   if (!text) return text;
@@ -246,7 +247,7 @@ Result<std::string> rig_text(const Options& options, const BoardCalibration& res
 }
 
 // The camera's file and the rig that takes it; none of a camera that is refused.
-Result<std::vector<SheetFile>> camera_files(const Options& options,
+Result<std::vector<SheetFile>> camera_files(const BoardCalibrationOptions& options,
                                             const BoardCalibration& result) {
   std::vector<SheetFile> files;
   if (options.output.empty() || result.assessment.trust == CalibrationTrust::refused) return files;
@@ -261,7 +262,8 @@ Result<std::vector<SheetFile>> camera_files(const Options& options,
   return files;
 }
 
-Result<std::vector<SheetFile>> all_files(const Options& options, const BoardCalibration& result) {
+Result<std::vector<SheetFile>> all_files(const BoardCalibrationOptions& options,
+                                         const BoardCalibration& result) {
   Result<std::vector<SheetFile>> files = camera_files(options, result);
   if (!files) return files;
   if (!options.html.empty()) files->push_back({options.html, calibration_page(result)});
@@ -298,7 +300,7 @@ void print_findings(const BoardCalibration& result) {
   }
 }
 
-void print_rig_lines(const Options& options, const BoardCalibration& result) {
+void print_rig_lines(const BoardCalibrationOptions& options, const BoardCalibration& result) {
   const bool is_written =
       !options.output.empty() && result.assessment.trust != CalibrationTrust::refused;
   if (!is_written || !options.rig.empty()) return;
@@ -307,7 +309,7 @@ void print_rig_lines(const Options& options, const BoardCalibration& result) {
             calibration_value(intrinsics), focal_value(intrinsics), center_value(intrinsics));
 }
 
-void print_in_words(const Options& options, const BoardCalibration& result) {
+void print_in_words(const BoardCalibrationOptions& options, const BoardCalibration& result) {
   for (const std::string& fact : calibration_facts(result)) to_stdout("{}\n", fact);
   print_numbers(result.calibration);
   if (const auto out = photos_left_out(result); !out.empty()) {
@@ -321,7 +323,8 @@ void print_in_words(const Options& options, const BoardCalibration& result) {
   to_stdout("verdict: {}\n", verdict_words(result.assessment.trust));
 }
 
-int report_no_camera(const Options& options, std::size_t photos, const NoCamera& none) {
+int report_no_camera(const BoardCalibrationOptions& options, std::size_t photos,
+                     const NoCamera& none) {
   if (options.json) {
     to_stdout("{}\n", no_calibration_line(photos, none.reason));
   } else {
@@ -331,7 +334,7 @@ int report_no_camera(const Options& options, std::size_t photos, const NoCamera&
   return kExitFindings;
 }
 
-Result<int> report(const Options& options, const BoardCalibration& result) {
+Result<int> report(const BoardCalibrationOptions& options, const BoardCalibration& result) {
   const Result<std::vector<SheetFile>> files = all_files(options, result);
   if (!files) return fail(files.error().message);
   if (auto written = publish_files(*files); !written) return fail(written.error().message);
@@ -361,7 +364,7 @@ Result<int> calibrate_by_boards(const BoardCalibrationOptions& options) {
   const Result<FileList> list = list_photos(options);
   if (!list) return fail(list.error().message);
   if (auto usable = check_files(options, list->files); !usable) return fail(usable.error().message);
-  const Result<Outcome> outcome = calibrate(options, std::move(*boards), list->files);
+  const Result<CalibrationOutcome> outcome = calibrate(options, std::move(*boards), list->files);
   if (!outcome) return fail(outcome.error().message);
   if (!list->skipped.empty()) {
     to_stderr("tagsmith calibrate: skipped, no pictures: {}\n", skipped_in_words(list->skipped));

@@ -12,7 +12,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kNotes =
+constexpr const char* kCalibrateNotes =
     R"(From photos of boards: the lens. Needs no guess of it: perspective cameras and fisheyes are tried, and the simplest form that explains the corners is chosen. Every number comes with its standard deviation, and whatever the photos lack is named with what to do about it.
 
 From a drive past surveyed tags (--survey, --rig, --run): where a rig's cameras stand and look.
@@ -25,7 +25,7 @@ Example:
 
 Exit: 0 the calibration is good, 1 it is weak, or refused and nothing is written for the rig, 2 wrong use or a file that cannot be read.)";
 
-struct Options {
+struct CalibrateOptions {
   BoardCalibrationOptions board;  // with the options that both kinds have
   std::string survey;
   std::string run;
@@ -59,7 +59,7 @@ std::vector<CommandOption> board_options(BoardCalibrationOptions& options) {
                       "The same pictures as a sheet: FILE.pdf, FILE.svg or FILE.png")};
 }
 
-std::vector<CommandOption> calibrate_options(Options& options) {
+std::vector<CommandOption> calibrate_options(CalibrateOptions& options) {
   std::vector<CommandOption> all = board_options(options.board);
   const std::vector<std::string> of_boards{"--board", "--format", "--camera", "--html",
                                            "--drawing"};
@@ -88,7 +88,7 @@ std::vector<CommandOption> calibrate_options(Options& options) {
   return all;
 }
 
-Result<int> run(const Options& options) {
+Result<int> run(const CalibrateOptions& options) {
   const BoardCalibrationOptions& board = options.board;
   if (options.survey.empty()) return calibrate_by_boards(board);
   if (!board.photos.empty()) return fail("PHOTO is of boards, and --survey of a drive: give one");
@@ -99,12 +99,12 @@ Result<int> run(const Options& options) {
 }  // namespace
 
 Command calibrate_command() {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CalibrateOptions>();
   return {
       .name = "calibrate",
       .summary = "A camera's lens from photos of boards, or a rig's mounting from a drive",
       .options = calibrate_options(*options),
-      .notes = kNotes,
+      .notes = kCalibrateNotes,
       .run =
           [options] {
             const Result<int> code = run(*options);

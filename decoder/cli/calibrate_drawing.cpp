@@ -23,8 +23,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kText = 0.0018;  // height of capitals, metres on paper
-constexpr double kLine = 0.0036;
 constexpr Colour kDeepBlue{0.05, 0.20, 0.50};
 
 Words words_at(std::string text, const Vector2d& at, TextAlign align = TextAlign::left,
@@ -32,7 +30,7 @@ Words words_at(std::string text, const Vector2d& at, TextAlign align = TextAlign
   Words words;
   words.text = std::move(text);
   words.at = at;
-  words.height = kText;
+  words.height = kWordsHeight;
   words.align = align;
   words.level = level;
   return words;
@@ -160,7 +158,8 @@ void add_cells(SketchLayer& layer, const ImageFrame& frame, const RayGrid& grid)
     layer.add(outline(from, to, line));
     const std::string words = cell_words(grid.cells[static_cast<std::size_t>(i)]);
     const Vector2d label = from + Vector2d(0.0008, -0.0008);
-    layer.add(box(label, label + Vector2d(text_width(words, kText) + 0.0012, -kLine + 0.0006),
+    layer.add(box(label,
+                  label + Vector2d(text_width(words, kWordsHeight) + 0.0012, -kWordsLine + 0.0006),
                   colours::kWhite));
     layer.add(words_at(words, label + Vector2d(0.0006, -0.0024)));
   }
@@ -171,7 +170,7 @@ void add_legend(SketchLayer& layer, double y, const std::vector<SigmaClass>& cla
   for (const SigmaClass& one : classes) {
     layer.add(box({x, y}, {x + 0.004, y + 0.0025}, one.colour));
     layer.add(words_at(one.words, {x + 0.005, y + 0.0003}));
-    x += 0.009 + text_width(one.words, kText);
+    x += 0.009 + text_width(one.words, kWordsHeight);
   }
 }
 
@@ -397,11 +396,11 @@ DrawingView summary_view(const BoardCalibration& result) {
   SketchLayer& layer = view.sketch.layer("summary");
   double y = 0;
   const auto add = [&](const std::string& text, const Colour& colour) {
-    for (const std::string& line : lines_of(text, kWidth, kText)) {
+    for (const std::string& line : lines_of(text, kWidth, kWordsHeight)) {
       Words words = words_at(line, {0, y});
       words.colour = colour;
       layer.add(std::move(words));
-      y -= kLine;
+      y -= kWordsLine;
     }
   };
   for (const std::string& fact : calibration_facts(result)) add(fact, colours::kBlack);

@@ -29,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kName = "calibrate";
+constexpr const char* kCalibrate = "calibrate";
 constexpr std::array<const char*, 6> kParameters{"x", "y", "z", "yaw", "pitch", "roll"};
 
 struct Input {
@@ -182,17 +182,17 @@ Result<void> write_rig(const CalibrateMountingOptions& options, const MountingFi
 
 int calibrate_mounting(const CalibrateMountingOptions& options) {
   const Result<Input> input = load(options);
-  if (!input) return report_failure(kName, input.error());
+  if (!input) return report_failure(kCalibrate, input.error());
   const std::vector<Observation> rows = observe_all(*input, options.jobs);
   const Result<MountingFit> fit = fit_mounting(rows, input->survey, input->rig);
   if (!fit) {
-    to_stderr("tagsmith {}: {}: {}\n", kName, options.run.string(), fit.error().message);
+    to_stderr("tagsmith {}: {}: {}\n", kCalibrate, options.run.string(), fit.error().message);
     return kExitFindings;
   }
   options.json ? print_json(*fit, *input) : print_words(*fit, *input);
   if (options.output.empty()) return kExitOk;
   if (const auto written = write_rig(options, *fit); !written) {
-    return report_failure(kName, written.error());
+    return report_failure(kCalibrate, written.error());
   }
   return kExitOk;
 }

@@ -18,7 +18,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kCalibrationStyle = R"css(
 .good { color: var(--ok); } .weak { color: var(--poor); } .refused { color: var(--faulty); }
 .advice { color: #1f5fb0; }
 .verdict { font-size: 1.1rem; font-weight: 600; }
@@ -115,7 +115,7 @@ std::string table(const char* head, const std::string& rows) {
 std::string calibration_page(const BoardCalibration& result) {
   const CameraCalibration& calibration = result.calibration;
   const std::string title = "Calibration of " + markup_text(result.camera_name);
-  std::string page = page_head(title, kStyle, false) + "<h1>" + title + "</h1>\n";
+  std::string page = page_head(title, kCalibrationStyle, false) + "<h1>" + title + "</h1>\n";
   page += fmt::format("<p class=\"verdict {}\">{}</p>\n", to_string(result.assessment.trust),
                       verdict_words(result.assessment.trust));
   page += findings_text(result);

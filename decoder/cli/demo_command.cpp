@@ -173,7 +173,7 @@ Result<void> save_lines(const fs::path& file, const Demo& demo, const Verified& 
 }
 
 // The ten points, each located three times from one reading of its photos.
-struct Located {
+struct LocatedPoints {
   std::vector<Fix> jointly;
   std::vector<Fix> by_paper;
   std::vector<Fix> by_paper_with_true_range;  // the measured d replaced by the true one
@@ -194,12 +194,12 @@ Observation with_true_ranges(Observation observation, const Measurement& measure
   return observation;
 }
 
-Located localize(const Demo& demo) {
+LocatedPoints localize(const Demo& demo) {
   const std::vector<Measurement>& measurements = demo.run.measurements;
   const std::vector<Survey> surveys{demo.survey};
   const ReaderChoice reader{read_tags, kFittedCornerSigmaPx};
   const std::vector<Fix> none(measurements.size());
-  Located located{none, none, none};
+  LocatedPoints located{none, none, none};
   ProgressBar bar("points", measurements.size());
   run_in_order(measurements.size(), demo.jobs, [&](std::size_t i) -> Delivery {
     const Observation seen = observe(measurements[i], surveys, demo.rig, reader);
@@ -226,7 +226,7 @@ std::string position_in_words(const Fix& fix) {
 
 // Errors in the plane and in z, of each method and of the paper, beside the joint method's
 // positions.
-std::string table_of(const Demo& demo, const Located& located) {
+std::string table_of(const Demo& demo, const LocatedPoints& located) {
   constexpr const char* kRow = "  {:<5}  {:<9}  {:<23}  {:>13}  {:>13}  {:>13}  {:>13}\n";
   const std::vector<Measurement>& measurements = demo.run.measurements;
   const std::string plane_z = fmt::format("{:>6} {:>6}", "plane", "z");
@@ -312,7 +312,7 @@ Result<bool> run_steps(const Demo& demo) {
   const bool prints_are_well = show(demo, "prints", prints);
   const Verified photos = verify_files(demo, photos_of(demo.run));
   const bool photos_are_well = show(demo, "photos", photos);
-  const Located located = localize(demo);
+  const LocatedPoints located = localize(demo);
   const std::string table = table_of(demo, located);
   to_stdout("{:<10} ten points by both methods, from the photos and the range d\n{}{}", "localize",
             Lines{table}, Lines{kAboutMethods});

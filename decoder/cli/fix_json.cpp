@@ -16,8 +16,6 @@ using Json = nlohmann::ordered_json;
 
 Json json_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-Json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 Json covariance_json(const Fix& fix) {
   if (!fix.covariance_in_grid) return {};
   Json values = Json::array();
@@ -64,7 +62,7 @@ Json unchecked_json(const Fix& fix) {
 Json budget_json(const ErrorBudget& budget) {
   Json parts;
   for (const auto& [source, covariance] : parts_of(budget)) {
-    parts[source] = numbers(covariance.diagonal().cwiseMax(0).cwiseSqrt());
+    parts[source] = number_list(Eigen::Vector3d(covariance.diagonal().cwiseMax(0).cwiseSqrt()));
   }
   return parts;
 }
@@ -134,7 +132,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
             {"status", status_of(fix)},
             {"method", fix.method},
             {"survey", json_or_null(fix.survey)},
-            {"position", fix.position_in_grid ? numbers(*fix.position_in_grid) : Json()}};
+            {"position", fix.position_in_grid ? number_list(*fix.position_in_grid) : Json()}};
   add_attitude(line, fix);
   line["covariance"] = covariance_json(fix);
   line["tags"] = fix.tags;

@@ -16,7 +16,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kStyle = R"css(
+constexpr const char* kLedgerStyle = R"css(
 .do { font-size: 1rem; } .do th, .do td { font-size: 1rem; }
 .do b { font-size: 1.05rem; } td b { white-space: nowrap; }
 .none { color: var(--ok); } .reprint, .rehang { color: var(--faulty); }
@@ -189,8 +189,8 @@ constexpr const char* kLegend =
 }  // namespace
 
 std::string ledger_page(const Survey& survey, const LedgerReport& report) {
-  return page_head("Ledger of " + markup_text(survey.name), std::string(report_style()) + kStyle,
-                   false) +
+  return page_head("Ledger of " + markup_text(survey.name),
+                   std::string(report_style()) + kLedgerStyle, false) +
          heading(survey, report) + "<h2>To do now</h2>\n" + now_text(survey, report) +
          "<h2>To plan</h2>\n" + plan_text(report) + "<h2>Mended</h2>\n" + mended_text(report) +
          "<h2>In no photo with a date</h2>\n" + unseen_text(survey, report) +

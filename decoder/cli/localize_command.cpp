@@ -50,7 +50,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kName = "localize";
+constexpr const char* kLocalize = "localize";
 
 using LocalizationMethod =
     std::function<Fix(const Observation&, const std::vector<Survey>&, const Rig&)>;
@@ -155,9 +155,9 @@ Located localize_all(const LocalizeInput& input, const LocalizeOptions& options,
 
 // What is wrong with tags that the run shows to hang elsewhere, and with rows, once each.
 void tell(const RunCheck& checked) {
-  for (const std::string& words : checked.mixed) to_stderr("{}: {}\n", kName, words);
+  for (const std::string& words : checked.mixed) to_stderr("{}: {}\n", kLocalize, words);
   for (const SetAside& tag : checked.aside) {
-    to_stderr("{}: set aside in {} row{}: {}\n", kName, tag.rows.size(),
+    to_stderr("{}: set aside in {} row{}: {}\n", kLocalize, tag.rows.size(),
               tag.rows.size() == 1 ? "" : "s", tag.message);
   }
 }
@@ -432,20 +432,20 @@ Result<void> check_options(const LocalizeOptions& options) {
 int run_localize(LocalizeOptions options) {
   options.unsurveyed = options.unsurveyed || !options.own_template.empty();
   if (const auto usable = check_options(options); !usable) {
-    return report_failure(kName, usable.error());
+    return report_failure(kLocalize, usable.error());
   }
   const Result<LocalizeInput> input = load(options);
-  if (!input) return report_failure(kName, input.error());
-  print_assumptions(kName, assumed(*input, options));
+  if (!input) return report_failure(kLocalize, input.error());
+  print_assumptions(kLocalize, assumed(*input, options));
   if (options.follow) {
     return follow(live_input(*input, options));
   }
   if (const auto usable = check_files(options, *input, {}); !usable) {
-    return report_failure(kName, usable.error());
+    return report_failure(kLocalize, usable.error());
   }
   if (options.smooth) {
     if (const auto usable = check_times(input->run); !usable) {
-      return report_failure(kName, usable.error());
+      return report_failure(kLocalize, usable.error());
     }
   }
   std::vector<Observation> rows = observe_all(*input, options);
@@ -458,7 +458,7 @@ int run_localize(LocalizeOptions options) {
   tell(findings.checked);
   if (options.smooth) {
     auto smoothed = smooth_fixes(located.front(), input->run, input->surveys, input->rig);
-    if (!smoothed) return report_failure(kName, smoothed.error());
+    if (!smoothed) return report_failure(kLocalize, smoothed.error());
     located.front() = std::move(*smoothed);
   }
   if (options.confirmed) {
@@ -467,11 +467,11 @@ int run_localize(LocalizeOptions options) {
   }
   const std::vector<Fix>& fixes = located.front();
   if (const auto written = write_files(options, *input, fixes); !written) {
-    return report_failure(kName, written.error());
+    return report_failure(kLocalize, written.error());
   }
   if (!options.pictures.empty()) {
     const auto written = write_pictures(options.pictures, input->rig, fixes);
-    if (!written) return report_failure(kName, written.error());
+    if (!written) return report_failure(kLocalize, written.error());
   }
   if (options.json) {
     print_json(located, *input, options, findings);
@@ -491,7 +491,7 @@ int run_localize(LocalizeOptions options) {
 Command localize_command() {
   const auto options = std::make_shared<LocalizeOptions>();
   return {
-      .name = kName,
+      .name = kLocalize,
       .summary = "The vehicle's position at each measurement of a run, from what its cameras saw",
       .options = {{.names = "SURVEY",
                    .target = &options->surveys,

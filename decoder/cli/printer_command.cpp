@@ -74,10 +74,9 @@ void report(const PrinterMeasurement& found, const PrinterOptions& options) {
     to_stdout("{}\n", json_text(object));
     return;
   }
-  const auto mm = [](double metres) { return format_number(metres * 1000, 3); };
   to_stdout("scale {} % across, {} % down; bars {} mm too wide across, {} mm down; dot gain {} %\n",
             format_number(profile.scale.right * 100, 3), format_number(profile.scale.down * 100, 3),
-            mm(profile.growth_right), mm(profile.growth_down),
+            mm_text(profile.growth_right), mm_text(profile.growth_down),
             format_number(profile.dot_gain * 100, 1));
   to_stdout("{}\n", options.output);
 }

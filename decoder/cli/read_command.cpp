@@ -31,14 +31,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNotes = R"(Example:
+constexpr const char* kReadNotes = R"(Example:
   tagsmith read surveys/corridor/photos --survey surveys/corridor/survey.yaml
 
 --json prints one object an image: image, width, height, tags (digits, check_digit, position,
 corners P F lower-right Q in pixels or null, module_px, confidence, method), with --survey parts
 (tags that the picture's border cuts), rejected (reason, corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
 
-struct Options {
+struct ReadCommandOptions {
   std::vector<std::string> images;
   bool white_on_black = false;
   std::vector<std::string> surveys;
@@ -59,7 +59,8 @@ struct Tally {
   bool unreadable_file = false;
 };
 
-Result<ReadOptions> read_options(const Options& options, const std::vector<Survey>& surveys) {
+Result<ReadOptions> read_options(const ReadCommandOptions& options,
+                                 const std::vector<Survey>& surveys) {
   ReadOptions read = read_options_for(surveys);
   if (!options.check.empty()) read.check = parse_check_digit(options.check);
   read.white_on_black = read.white_on_black || options.white_on_black;
@@ -168,7 +169,7 @@ void print_in_words(const ImageReadings& readings, const std::vector<Survey>& su
   }
 }
 
-Tally read_all(const Options& options, const std::vector<fs::path>& files,
+Tally read_all(const ReadCommandOptions& options, const std::vector<fs::path>& files,
                const std::vector<fs::path>& explanations, const std::vector<Survey>& surveys,
                const ReadOptions& read) {
   Tally tally;
@@ -209,7 +210,7 @@ Result<void> check_files(const std::vector<Survey>& surveys, const std::vector<f
   return files.check();
 }
 
-int run(const Options& options) {
+int run(const ReadCommandOptions& options) {
   const Result<std::vector<Survey>> surveys =
       load_surveys({options.surveys.begin(), options.surveys.end()});
   if (!surveys) return report_failure("read", surveys.error());
@@ -232,7 +233,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command read_command() {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReadCommandOptions>();
   return {
       .name = "read",
       .summary = "Decode the tags in pictures; needs no survey",
@@ -271,7 +272,7 @@ Command read_command() {
                       "digits with their margins, what was refused and why"),
                   json_flag(options->json, "One JSON object an image"),
                   jobs_option(options->jobs, "Pictures read at once")},
-      .notes = kNotes,
+      .notes = kReadNotes,
       .run = [options] { return run(*options); },
   };
 }

@@ -24,7 +24,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr const char* kNotes = R"(Example:
+constexpr const char* kReportNotes = R"(Example:
   tagsmith verify --json --crops crops mine/survey.yaml photos > photos.jsonl
   tagsmith report mine/survey.yaml photos.jsonl --html report.html --pdf report.pdf
 
@@ -37,7 +37,7 @@ again, clean, rehang and look for, what its trend will need when, and what was m
 Exit: 0 every tag was seen and nothing is wrong, 1 otherwise (with --ledger: 0 nothing is to be done
 now, 1 something is), 2 a file could not be read.)";
 
-struct Options {
+struct ReportOptions {
   std::string survey;
   std::vector<std::string> files;
   ReportFiles report;
@@ -61,7 +61,7 @@ void print_in_words(const Completeness& covered, const VerifyMerge& merged) {
 }
 
 // All lines of all files, in turn. `tell`: says how many lines were left out.
-Result<void> read_all(const Options& options, const std::function<void(VerifiedFile)>& take,
+Result<void> read_all(const ReportOptions& options, const std::function<void(VerifiedFile)>& take,
                       bool tell = false) {
   for (const std::string& file : options.files) {
     const Result<VerifyLineCounts> counts = read_verify_lines(file, take);
@@ -77,7 +77,7 @@ Result<void> read_all(const Options& options, const std::function<void(VerifiedF
 }
 
 // Whether a line says where a tag hangs.
-Result<bool> any_says_hanging(const Options& options) {
+Result<bool> any_says_hanging(const ReportOptions& options) {
   bool says = false;
   const auto read = read_all(options, [&](const VerifiedFile& line) {
     says = says || std::ranges::any_of(line.tags,
@@ -87,7 +87,7 @@ Result<bool> any_says_hanging(const Options& options) {
   return says;
 }
 
-Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
+Result<VerifyMerge> merge_all(const ReportOptions& options, const Survey& survey,
                               const std::optional<LoadedHanging>& hanging,
                               const std::optional<HungTags>& hung, CommandFiles& files) {
   const std::string revision = survey_revision(survey);
@@ -108,7 +108,7 @@ Result<VerifyMerge> merge_all(const Options& options, const Survey& survey,
   return merged;
 }
 
-Result<int> run(const Options& options) {
+Result<int> run(const ReportOptions& options) {
   if (!options.ledger.empty()) {
     return report_ledger(
         {options.survey, options.files, options.ledger, options.report.html, options.json});
@@ -151,7 +151,7 @@ Result<int> run(const Options& options) {
 }  // namespace
 
 Command report_command() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   Command command{
       .name = "report",
       .summary = "Merge what verify runs found into one report",
@@ -164,7 +164,7 @@ Command report_command() {
                                 "Report what this file has of all photos; FILE.jsonl are entered "
                                 "in it before"),
                   json_flag(options->json, "Print the summary as one JSON object")},
-      .notes = kNotes,
+      .notes = kReportNotes,
       .run =
           [options] {
             const Result<int> code = run(*options);

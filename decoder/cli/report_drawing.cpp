@@ -27,14 +27,12 @@ using Eigen::Vector2d;
 
 constexpr std::size_t kMostShownFaults = 400;
 constexpr std::size_t kMostStretches = 12;
-constexpr std::size_t kMostNotes = 6;
-constexpr double kText = 0.0018;  // height of capitals, metres on paper
-constexpr double kLine = 0.0036;
+constexpr std::size_t kMostDrawnNotes = 6;
 
 SketchPoint on_paper(double x, double y) { return {Vector2d(0, 0), Vector2d(x, y)}; }
 
 Words words_at(std::string text, double x, double y, const Colour& colour = colours::kBlack,
-               double height = kText) {
+               double height = kWordsHeight) {
   Words words;
   words.text = std::move(text);
   words.at = on_paper(x, y);
@@ -48,7 +46,7 @@ double add_lines(SketchLayer& layer, const std::vector<std::string>& lines, doub
                  const Colour& colour) {
   for (const std::string& line : lines) {
     layer.add(words_at(line, 0, y, colour));
-    y -= kLine;
+    y -= kWordsLine;
   }
   return y;
 }
@@ -83,11 +81,11 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
     lines.push_back(fmt::format("{} files were verified against another state of the survey",
                                 merged.other_revisions));
   }
-  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostNotes)) {
+  for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostDrawnNotes)) {
     lines.push_back(line);
   }
   for (const std::string& line : lines)
-    y = add_lines(layer, lines_of(line, 0.17, kText), y, colours::kBlack);
+    y = add_lines(layer, lines_of(line, 0.17, kWordsHeight), y, colours::kBlack);
   return view;
 }
 
@@ -127,14 +125,14 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   }
   y -= 0.0045;
   SketchLayer& layer = view.sketch.layer("faults");
-  y = add_lines(layer, lines_of(fault.file, kWidth, kText), y, colours::kGrey);
+  y = add_lines(layer, lines_of(fault.file, kWidth, kWordsHeight), y, colours::kGrey);
   if (!fault.no_picture.empty()) {
-    y = add_lines(layer, lines_of("No picture: " + fault.no_picture + ".", kWidth, kText), y,
+    y = add_lines(layer, lines_of("No picture: " + fault.no_picture + ".", kWidth, kWordsHeight), y,
                   colours::kGrey);
   }
-  y = add_lines(layer, lines_of(fault.message, kWidth, kText), y, colours::kRed);
+  y = add_lines(layer, lines_of(fault.message, kWidth, kWordsHeight), y, colours::kRed);
   if (const VerifyRule* rule = find_verify_rule(fault.rule)) {
-    add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kText), y, colours::kBlack);
+    add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kWordsHeight), y, colours::kBlack);
   }
   return view;
 }
@@ -175,7 +173,7 @@ std::array<std::string, 8> cells_of(const PlacedTag& tag, const TagRecord& recor
 }
 
 std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& merged, Paper paper) {
-  const auto rows = static_cast<std::size_t>((drawing_area(paper).y() - 0.012) / kLine) - 1;
+  const auto rows = static_cast<std::size_t>((drawing_area(paper).y() - 0.012) / kWordsLine) - 1;
   std::vector<DrawingView> views;
   for (std::size_t first = 0; first < survey.tags.size(); first += rows) {
     const std::size_t end = std::min(survey.tags.size(), first + rows);
@@ -188,7 +186,8 @@ std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& mer
     add_row(layer, titles, 0, colours::kGrey);
     for (std::size_t i = first; i < end; ++i) {
       const TagRecord record = record_of(merged, survey.tags[i].name);
-      add_row(layer, cells_of(survey.tags[i], record), -kLine * static_cast<double>(i - first + 1),
+      add_row(layer, cells_of(survey.tags[i], record),
+              -kWordsLine * static_cast<double>(i - first + 1),
               status_of(record) == "ok" ? colours::kBlack : status_colour(status_of(record)));
     }
     views.push_back(std::move(view));

@@ -41,7 +41,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kName = "simulate";
+constexpr const char* kSimulate = "simulate";
 constexpr const char* kTruth = "truth.json";
 constexpr const char* kRun = "run.csv";
 
@@ -189,19 +189,14 @@ Result<std::vector<Station>> stations_of(const SimulateInput& input, std::uint64
 
 // --- truth.json ---
 
-Json numbers(const auto& vector) {
-  Json list = Json::array();
-  for (const double value : vector) list.push_back(value);
-  return list;
-}
-
 Json corner_json(const std::optional<Eigen::Vector2d>& corner) {
-  return corner ? numbers(*corner) : Json();
+  return corner ? number_list(*corner) : Json();
 }
 
 Json plate_json(const Survey& survey, const PlacedTag& tag, const PlateTruth& truth) {
   const auto corner_in_grid = [&](double x, double y) {
-    return numbers(grid_from_world(survey.grid, tag.world_from_plate * Eigen::Vector3d(x, y, 0)));
+    return number_list(
+        grid_from_world(survey.grid, tag.world_from_plate * Eigen::Vector3d(x, y, 0)));
   };
   const double right = survey.tag_template.frame_inner_length;
   const double bottom = survey.tag_template.frame_inner_height;
@@ -227,7 +222,7 @@ Json distortion_json(const Camera& camera) {
   const std::array<double, 8>& k = camera.distortion;
   const bool rational = k[5] != 0 || k[6] != 0 || k[7] != 0;
   const std::size_t count = camera.lens == LensModel::fisheye ? 4 : rational ? 8 : 5;
-  return numbers(std::span(k).first(count));
+  return number_list(std::span(k).first(count));
 }
 
 // x_camera = R x_grid + t.
@@ -236,7 +231,7 @@ Json camera_json(const Grid& grid, const Camera& camera, const Pose& world_from_
   Json rotation = Json::array();
   for (int row = 0; row < 3; ++row) {
     const Eigen::Vector3d in_world = camera_from_world.rotation.row(row).transpose();
-    rotation.push_back(numbers(grid_from_world(grid, in_world)));
+    rotation.push_back(number_list(grid_from_world(grid, in_world)));
   }
   return {{"fx", camera.fx},
           {"fy", camera.fy},
@@ -245,8 +240,8 @@ Json camera_json(const Grid& grid, const Camera& camera, const Pose& world_from_
           {"model", camera.lens == LensModel::fisheye ? "fisheye" : "perspective"},
           {"distortion", distortion_json(camera)},
           {"R", rotation},
-          {"t", numbers(camera_from_world.translation)},
-          {"position_grid", numbers(grid_from_world(grid, world_from_camera.translation))}};
+          {"t", number_list(camera_from_world.translation)},
+          {"position_grid", number_list(grid_from_world(grid, world_from_camera.translation))}};
 }
 
 Json shot_json(const Survey& survey, const Shot& shot, const SurveyView& seen) {
@@ -262,8 +257,8 @@ Json shot_json(const Survey& survey, const Shot& shot, const SurveyView& seen) {
           {"camera_name", shot.camera->name},
           {"image_size", {shot.camera->camera.width, shot.camera->camera.height}},
           {"vehicle",
-           {{"O_grid", numbers(position)},
-            {"heading_grid", numbers(grid_from_world(survey.grid, forward))}}},
+           {{"O_grid", number_list(position)},
+            {"heading_grid", number_list(grid_from_world(survey.grid, forward))}}},
           {"camera", camera_json(survey.grid, shot.camera->camera,
                                  world_from_vehicle * shot.camera->vehicle_from_camera)},
           {"plates", plates}};
@@ -445,9 +440,9 @@ Result<Json> simulate(const SimulateOptions& options, const SimulateInput& input
 
 int run_simulate(const SimulateOptions& options) {
   const Result<SimulateInput> input = load(options);
-  if (!input) return report_failure(kName, input.error());
+  if (!input) return report_failure(kSimulate, input.error());
   const Result<Json> truths = simulate(options, *input);
-  if (!truths) return report_failure(kName, truths.error());
+  if (!truths) return report_failure(kSimulate, truths.error());
   if (options.json) {
     print_json(*truths, options.folder);
   } else {
@@ -512,7 +507,7 @@ std::vector<CommandOption> camera_options(SimulateOptions& options) {
 Command simulate_command() {
   const auto options = std::make_shared<SimulateOptions>();
   Command command{
-      .name = kName,
+      .name = kSimulate,
       .summary = "What the cameras would see along a run, for rehearsals",
       .options = {survey_argument(&options->survey, "The tunnel and its tags (survey.yaml)"),
                   required(rig_option(&options->rig,

@@ -43,7 +43,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kNotes = R"(Example:
+constexpr const char* kVerifyNotes = R"(Example:
   tagsmith verify surveys/corridor/survey.yaml print/*.pdf photos --html report.html
 
 --json prints one object a file: file, tags (tag, status, digits, corners, message, page), findings;
@@ -55,7 +55,7 @@ together are checked for where they hang, all photos at once, and the output com
 (with --json --resume the lines come at once, and the summary says where tags hang). Exit: 0 nothing is wrong, 1 something
 is, 2 a file could not be read. Missing tags count as wrong only with --complete.)";
 
-struct Options {
+struct VerifyCommandOptions {
   std::string survey;
   std::vector<std::string> files;
   std::vector<std::string> also;
@@ -135,16 +135,16 @@ void print_in_words(const Survey& survey, const VerifyMerge& merged) {
 }
 
 // Crops and copies have names that come with the work.
-Result<void> save_late(const Options& options, const std::string& role, const fs::path& file,
-                       std::string_view bytes) {
+Result<void> save_late(const VerifyCommandOptions& options, const std::string& role,
+                       const fs::path& file, std::string_view bytes) {
   if (auto usable = options.named->check_no_input(file, role); !usable) return usable;
   return write_file(file, bytes);
 }
 
 // Keeps a picture for the report and, with --crops, writes it as NAME-HASH-`which`.png, HASH being
 // of the whole path: photos of several folders often have one name. Then it is let go.
-Result<void> save_picture(const Options& options, const fs::path& of, const std::string& which,
-                          FaultPicture& picture) {
+Result<void> save_picture(const VerifyCommandOptions& options, const fs::path& of,
+                          const std::string& which, FaultPicture& picture) {
   const std::optional<GrayImage> image = std::exchange(picture.image, std::nullopt);
   if (!image) return {};
   if (options.report.shows_pictures()) picture.jpeg = report_picture(image->view());
@@ -160,7 +160,7 @@ Result<void> save_picture(const Options& options, const fs::path& of, const std:
 }
 
 // The pictures of a file's faults, numbered, and that of a file without a tag.
-Result<void> save_pictures(const Options& options, VerifiedFile& file) {
+Result<void> save_pictures(const VerifyCommandOptions& options, VerifiedFile& file) {
   int number = 0;
   for (VerifiedTag& tag : file.tags) {
     if (tag.picture.image || !tag.picture.file.empty()) ++number;
@@ -170,7 +170,7 @@ Result<void> save_pictures(const Options& options, VerifiedFile& file) {
   return save_picture(options, file.file, "whole", file.picture);
 }
 
-Result<void> save_annotated(const Options& options, const InputFile& input,
+Result<void> save_annotated(const VerifyCommandOptions& options, const InputFile& input,
                             const VerifiedFile& file) {
   if (options.annotate.empty()) return {};
   const Result<std::optional<SheetFile>> copy = annotated_copy(options.annotate, input, file);
@@ -197,7 +197,7 @@ VerifiedOne broken(const fs::path& file, const Error& error) {
 // Content hashes of what earlier runs verified against this state of the survey.
 using VerifiedBefore = std::set<std::string>;
 
-VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
+VerifiedOne verify_one(const VerifyCommandOptions& options, const VerifyRequest& request,
                        const VerifiedBefore& before, const fs::path& file) {
   const Result<InputFile> input = read_input_file(file);
   if (!input) return broken(file, input.error());
@@ -213,7 +213,7 @@ VerifiedOne verify_one(const Options& options, const VerifyRequest& request,
 
 // All files together. An archive has more of them than memory holds: each is printed, and its
 // counts alone are kept.
-struct Outcome {
+struct VerifyOutcome {
   VerifyMerge merged;
   std::vector<VerifiedFile> waiting;  // where tags hang is checked: until all are read
   std::optional<HungTags> hung;
@@ -223,7 +223,7 @@ struct Outcome {
 };
 
 // The lines to be resumed, of this state of the survey; none when there is no such file yet.
-Result<void> read_resumed(const Options& options, const std::string& revision,
+Result<void> read_resumed(const VerifyCommandOptions& options, const std::string& revision,
                           const std::function<void(VerifiedFile)>& take, bool tell = false) {
   std::error_code ignored;
   if (options.resume.empty() || !fs::exists(options.resume, ignored)) return {};
@@ -235,7 +235,7 @@ Result<void> read_resumed(const Options& options, const std::string& revision,
   return {};
 }
 
-void print(const Options& options, const VerifiedFile& file) {
+void print(const VerifyCommandOptions& options, const VerifiedFile& file) {
   if (options.json) {
     to_stdout("{}\n", to_json_line(file));
     std::fflush(stdout);  // what is printed stays when the run is killed
@@ -245,7 +245,7 @@ void print(const Options& options, const VerifiedFile& file) {
 }
 
 // Crops and the copy of a photo, of what only all photos together showed.
-Result<void> save_late_pictures(const Options& options, VerifiedFile& file) {
+Result<void> save_late_pictures(const VerifyCommandOptions& options, VerifiedFile& file) {
   const auto lacks_crop = [](const VerifiedTag& tag) {
     return tag.is_fault() && tag.picture.file.empty() && tag.picture.jpeg.empty();
   };
@@ -262,7 +262,7 @@ Result<void> save_late_pictures(const Options& options, VerifiedFile& file) {
   return save_annotated(options, *input, file);
 }
 
-void tell_failure(const Result<void>& result, Outcome& outcome) {
+void tell_failure(const Result<void>& result, VerifyOutcome& outcome) {
   if (result) return;
   report_failure("verify", result.error());
   outcome.failed = true;
@@ -302,7 +302,7 @@ Result<void> prepare_to_append(const std::filesystem::path& path) {
 
 // What all files of the run have in common.
 struct Job {
-  const Options& options;
+  const VerifyCommandOptions& options;
   const VerifyRequest& request;
   std::optional<LoadedHanging>& hanging;
   LedgerWriter& ledger;
@@ -313,12 +313,12 @@ struct Job {
 };
 
 // What is known of the file, all that other files say of it included.
-void take(const Job& job, VerifiedFile file, Outcome& outcome) {
+void take(const Job& job, VerifiedFile file, VerifyOutcome& outcome) {
   tell_failure(job.ledger.add(file), outcome);
   merge(job.revision, std::move(file), outcome.merged);
 }
 
-void deliver(const Job& job, VerifiedOne& one, Outcome& outcome) {
+void deliver(const Job& job, VerifiedOne& one, VerifyOutcome& outcome) {
   if (one.problem) tell_failure(tl::unexpected(*one.problem), outcome);
   if (one.skipped) {
     ++outcome.skipped_files;
@@ -335,7 +335,7 @@ void deliver(const Job& job, VerifiedOne& one, Outcome& outcome) {
 }
 
 // Where the tags of all files hang, those of the lines that are resumed too.
-Result<void> judge_waiting(const Job& job, Outcome& outcome) {
+Result<void> judge_waiting(const Job& job, VerifyOutcome& outcome) {
   const EachFile all = [&](const auto& take) -> Result<void> {
     for (const VerifiedFile& file : outcome.waiting) take(file);
     return outcome.skipped.empty() ? Result<void>{} : read_resumed(job.options, job.revision, take);
@@ -354,7 +354,7 @@ Result<void> judge_waiting(const Job& job, Outcome& outcome) {
 }
 
 // Of the files that were skipped, what the earlier run said.
-Result<void> add_skipped(const Job& job, Outcome& outcome) {
+Result<void> add_skipped(const Job& job, VerifyOutcome& outcome) {
   return read_resumed(job.options, job.revision, [&](VerifiedFile line) {
     if (outcome.skipped.erase(line.sha256) == 0) return;
     if (outcome.hung) judge_hanging(job.request.survey, job.hanging->setup, *outcome.hung, line);
@@ -362,9 +362,9 @@ Result<void> add_skipped(const Job& job, Outcome& outcome) {
   });
 }
 
-Result<Outcome> verify_all(const Job& job, const std::vector<fs::path>& files) {
-  const Options& options = job.options;
-  Outcome outcome;
+Result<VerifyOutcome> verify_all(const Job& job, const std::vector<fs::path>& files) {
+  const VerifyCommandOptions& options = job.options;
+  VerifyOutcome outcome;
   VerifiedBefore before;
   const auto remember = [&](const VerifiedFile& line) {
     if (!line.sha256.empty()) before.insert(line.sha256);
@@ -391,8 +391,8 @@ Result<Outcome> verify_all(const Job& job, const std::vector<fs::path>& files) {
   return outcome;
 }
 
-void print_summary(const Options& options, const Survey& survey, const Outcome& outcome,
-                   const SkippedFiles& skipped) {
+void print_summary(const VerifyCommandOptions& options, const Survey& survey,
+                   const VerifyOutcome& outcome, const SkippedFiles& skipped) {
   if (outcome.skipped_files > 0) {
     to_stderr("skipped, verified before: {}\n", outcome.skipped_files);
   }
@@ -408,8 +408,9 @@ void print_summary(const Options& options, const Survey& survey, const Outcome& 
 }
 
 // Names what else is read and written; `listed` are the files to verify.
-void add_files(const Options& options, const Survey& survey, const std::vector<Survey>& also,
-               const std::vector<fs::path>& listed, CommandFiles& files) {
+void add_files(const VerifyCommandOptions& options, const Survey& survey,
+               const std::vector<Survey>& also, const std::vector<fs::path>& listed,
+               CommandFiles& files) {
   files.reads(survey);
   for (const Survey& other : also) files.reads(other);
   files.reads(options.resume, "the lines of --resume");
@@ -427,7 +428,7 @@ void add_files(const Options& options, const Survey& survey, const std::vector<S
   files.writes_into(options.annotate, "--annotate");
 }
 
-Result<int> run(Options options) {
+Result<int> run(VerifyCommandOptions options) {
   if (options.files.empty() && options.hanging.run.empty()) {
     return fail("FILE is required: photos, print files, folders of them");
   }
@@ -461,7 +462,7 @@ Result<int> run(Options options) {
     *hanging = hanging_without_rig(options.hanging);
   }
   options.hangs_late = hanging->has_value();
-  const Result<Outcome> outcome =
+  const Result<VerifyOutcome> outcome =
       verify_all({options, request, *hanging, *ledger, survey_revision(*survey)}, list->files);
   if (!outcome) return fail(outcome.error().message);
   const VerifyMerge& merged = outcome->merged;
@@ -481,7 +482,7 @@ Result<int> run(Options options) {
 }  // namespace
 
 Command verify_command() {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VerifyCommandOptions>();
   Command command{
       .name = "verify",
       .summary = "Check print files and photos against the survey",
@@ -523,7 +524,7 @@ Command verify_command() {
                    .greatest = 10'000,
                    .excludes = {"--rig"}},
                   jobs_option(options->jobs, "Files read at once")},
-      .notes = kNotes,
+      .notes = kVerifyNotes,
       .run =
           [options] {
             const Result<int> code = run(*options);

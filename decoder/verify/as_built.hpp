@@ -39,6 +39,8 @@ struct AsBuiltTag {
   // Of P in world axes, metres, then of the turn about the plate's own axes, radians.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();  // of P from its surveyed place, world axes
+
+  bool has_place() const { return status != AsBuiltStatus::undetermined; }
 };
 
 struct LeftOutSighting {

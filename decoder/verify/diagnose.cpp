@@ -24,7 +24,7 @@ constexpr double kSteep = radians(70);
 // Beyond these nothing in docs/accuracy.md is read.
 constexpr double kDarkestWhite = 40;  // samples, 0 to 255
 constexpr double kBrightestBars = 170;
-constexpr double kLeastContrast = 20;
+constexpr double kLeastPlateContrast = 20;
 constexpr double kMostBlur = 0.9;   // modules
 constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a photo in focus
 constexpr double kMostHidden = 0.05;
@@ -155,9 +155,9 @@ std::optional<Diagnosis> judge_light(const GrayView& image, const FrameCorners& 
     return Diagnosis{"glare", fmt::format("{} {:.0f} of 255, limit {:.0f}", lit.dark, levels.dark,
                                           kBrightestBars)};
   }
-  if (levels.bright - levels.dark < kLeastContrast) {
+  if (levels.bright - levels.dark < kLeastPlateContrast) {
     return Diagnosis{"low-contrast", fmt::format("{}: {:.0f} grey levels, {:.0f} needed", lit.both,
-                                                 levels.bright - levels.dark, kLeastContrast)};
+                                                 levels.bright - levels.dark, kLeastPlateContrast)};
   }
   return std::nullopt;
 }
@@ -274,7 +274,7 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   std::ranges::sort(ordered);
   const double usual = ordered[ordered.size() * 3 / 4];
   // Where bars are blurred everywhere, faint ones are not covered.
-  if (usual < std::max(kLeastContrast, kSharp * frame_contrast(image, tag, corners))) {
+  if (usual < std::max(kLeastPlateContrast, kSharp * frame_contrast(image, tag, corners))) {
     return std::nullopt;
   }
   double hidden = 0;

@@ -15,7 +15,7 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr int kPlaces = 33;  // along a side
+constexpr int kSidePlaces = 33;  // along a side
 
 // A side from a to b, and the way out of the frame.
 struct FrameEdge {
@@ -71,7 +71,7 @@ std::optional<double> edge_at(const GrayView& image, PixelPoint at, PixelPoint o
 // out until the rest fit.
 std::optional<double> fitted_bow(std::vector<Eigen::Vector2d> points) {
   constexpr double kMostScatter = 0.35;  // pixels, root mean square
-  constexpr std::size_t kLeast = kPlaces * 2 / 3;
+  constexpr std::size_t kLeast = kSidePlaces * 2 / 3;
   while (points.size() >= kLeast) {
     const auto count = static_cast<Eigen::Index>(points.size());
     Eigen::MatrixXd terms(count, 3);
@@ -97,8 +97,8 @@ std::optional<double> bow_of_side(const GrayView& image, const FrameEdge& side, 
                                   double stroke) {
   std::vector<Eigen::Vector2d> points;
   std::vector<double> samples;
-  for (int i = 0; i < kPlaces; ++i) {
-    const double t = 0.04 + 0.92 * i / (kPlaces - 1);  // clear of the corners
+  for (int i = 0; i < kSidePlaces; ++i) {
+    const double t = 0.04 + 0.92 * i / (kSidePlaces - 1);  // clear of the corners
     const PixelPoint at = side.a + t * (side.b - side.a);
     if (const auto edge = edge_at(image, at, side.out, inside, stroke, samples)) {
       points.emplace_back(t, *edge);

@@ -23,7 +23,7 @@ constexpr std::uintmax_t kMaxManifestBytes = 16U << 20U;
 
 // The value under the key; nothing where there is none, or one of another type.
 template <class Value>
-std::optional<Value> get(const json& object, const char* key) {
+std::optional<Value> find_value(const json& object, const char* key) {
   const auto value = object.find(key);
   if (value == object.end()) return std::nullopt;
   try {
@@ -34,12 +34,12 @@ std::optional<Value> get(const json& object, const char* key) {
 }
 
 std::optional<ManifestTag> parse_tag(const json& object) {
-  const auto name = get<std::string>(object, "tag");
-  const auto digits = parse_digits(get<std::string>(object, "digits").value_or(""));
-  const auto files = get<std::vector<std::string>>(object, "files");
+  const auto name = find_value<std::string>(object, "tag");
+  const auto digits = parse_digits(find_value<std::string>(object, "digits").value_or(""));
+  const auto files = find_value<std::vector<std::string>>(object, "files");
   if (!name || !digits || !files) return std::nullopt;
   ManifestTag tag{*name, *digits, *files};
-  if (const auto p = get<std::array<double, 3>>(object, "position")) {
+  if (const auto p = find_value<std::array<double, 3>>(object, "position")) {
     tag.p_in_grid = Eigen::Vector3d(p->data());
   }
   return tag;
@@ -113,7 +113,7 @@ std::string other_plate(const PrintManifest& manifest, const TagTemplate& tag) {
 PrinterScale parse_scale(const json& root) {
   const auto object = root.find("printer");
   if (object == root.end()) return {};
-  const auto scale = get<std::array<double, 2>>(*object, "scale");
+  const auto scale = find_value<std::array<double, 2>>(*object, "scale");
   const auto is_usual = [](double value) { return std::abs(value - 1) <= kMostPrinterScale; };
   if (!scale || !std::ranges::all_of(*scale, is_usual)) return {};
   return {(*scale)[0], (*scale)[1]};
@@ -123,11 +123,11 @@ std::optional<TilePlan> parse_tiles(const json& root) {
   constexpr int kMostTiles = 100;  // along a side
   const auto object = root.find("tiles");
   if (object == root.end()) return std::nullopt;
-  const int columns = get<int>(*object, "columns").value_or(0);
-  const int rows = get<int>(*object, "rows").value_or(0);
-  const auto page = get<std::array<double, 2>>(root, "page_mm");
-  const auto window = get<std::array<double, 4>>(*object, "window_mm");
-  const auto step = get<std::array<double, 2>>(*object, "step_mm");
+  const int columns = find_value<int>(*object, "columns").value_or(0);
+  const int rows = find_value<int>(*object, "rows").value_or(0);
+  const auto page = find_value<std::array<double, 2>>(root, "page_mm");
+  const auto window = find_value<std::array<double, 4>>(*object, "window_mm");
+  const auto step = find_value<std::array<double, 2>>(*object, "step_mm");
   if (!page || !window || !step) return std::nullopt;
   TilePlan plan{columns, rows, (*page)[0] / 1e3, (*page)[1] / 1e3};
   plan.window = {(*window)[0] / 1e3, (*window)[1] / 1e3, (*window)[2] / 1e3, (*window)[3] / 1e3};
@@ -149,16 +149,17 @@ std::optional<TilePlan> parse_tiles(const json& root) {
 void read_details(const json& root, PrintManifest& manifest) {
   constexpr int kMostDotsPerInch = 10'000;
   for (const char* key : {"plate_mm", "feature_frame_inner_mm"}) {
-    if (const auto sizes = get<std::array<double, 2>>(root, key)) manifest.sizes[key] = *sizes;
+    if (const auto sizes = find_value<std::array<double, 2>>(root, key))
+      manifest.sizes[key] = *sizes;
   }
   manifest.documents =
-      get<std::vector<std::string>>(root, "documents").value_or(std::vector<std::string>{});
-  manifest.sha256 = get<std::map<std::string, std::string>>(root, "sha256")
+      find_value<std::vector<std::string>>(root, "documents").value_or(std::vector<std::string>{});
+  manifest.sha256 = find_value<std::map<std::string, std::string>>(root, "sha256")
                         .value_or(std::map<std::string, std::string>{});
-  manifest.tiled = get<bool>(root, "tiled").value_or(false);
+  manifest.tiled = find_value<bool>(root, "tiled").value_or(false);
   manifest.tiles = parse_tiles(root);
   manifest.scale = parse_scale(root);
-  const double dots = get<double>(root, "png_dots_per_inch").value_or(0);
+  const double dots = find_value<double>(root, "png_dots_per_inch").value_or(0);
   if (dots >= 1 && dots <= kMostDotsPerInch) manifest.dots_per_inch = static_cast<int>(dots);
 }
 
@@ -181,7 +182,7 @@ Result<std::optional<PrintManifest>> find_manifest(const fs::path& print_file) {
   const json root = parse_json(*bytes);
   if (root.is_discarded()) return fail(path.string() + ": is no JSON");
   if (!root.is_object() || !root.contains("survey") || !root.contains("tags")) return std::nullopt;
-  const auto survey = get<std::string>(root, "survey");
+  const auto survey = find_value<std::string>(root, "survey");
   if (!survey) return fail(path.string() + ": survey is no text, expected the survey's name");
   if (!root["tags"].is_array()) return fail(path.string() + ": tags is no list");
   PrintManifest manifest{path, *survey, {}};

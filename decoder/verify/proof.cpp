@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kAround = 0.008;         // white around the feature frame that is read too, metres
-constexpr double kMaxPixels = 50e6;       // of a tag
+constexpr double kMaxTagPixels = 50e6;    // of a tag
 constexpr double kMaxPagePixels = 150e6;  // of an SVG page, which is drawn as a whole
 
 // A tag and the pages that show it.
@@ -51,7 +51,7 @@ std::vector<ProofTag> tags_on(std::span<const ProofPage> pages) {
   return tags;
 }
 
-bool is_png(const fs::path& path) { return path.extension() == ".png"; }
+bool has_png_name(const fs::path& path) { return path.extension() == ".png"; }
 
 // A whole fraction of the printer's dots, so that what stands on dots stands on pixels.
 double resolution_for(const ProofTag& tag, int dots_per_inch) {
@@ -60,10 +60,10 @@ double resolution_for(const ProofTag& tag, int dots_per_inch) {
   const auto& [proof_page, shown] = tag.pieces.front();
   const bool whole_page = is_svg(proof_page->file);
   const double page_area = proof_page->page->width * proof_page->page->height;
-  if (is_png(proof_page->file)) return dots_per_inch;
+  if (has_png_name(proof_page->file)) return dots_per_inch;
   for (int part = 1;; ++part) {
     const double per_metre = dots_per_inch / (part * kMetresPerInch);
-    const bool fits = tag_area * per_metre * per_metre <= kMaxPixels &&
+    const bool fits = tag_area * per_metre * per_metre <= kMaxTagPixels &&
                       (!whole_page || page_area * per_metre * per_metre <= kMaxPagePixels);
     if (fits) return static_cast<double>(dots_per_inch) / part;
   }

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kMaxPages = 1000;
 constexpr double kDpi = 150;
-constexpr double kMaxPixels = 40e6;
+constexpr double kMaxRasterPixels = 40e6;
 constexpr double kMetresPerPoint = kMetresPerInch / 72;
 
 // A name that poppler's programs cannot take for an option.
@@ -58,7 +58,7 @@ std::string first_error(const std::string& messages) {
 
 double dots_per_inch(const PageSize& size) {
   const double square_inches = size.width * size.height / (kMetresPerInch * kMetresPerInch);
-  return std::min(kDpi, std::sqrt(kMaxPixels / square_inches));
+  return std::min(kDpi, std::sqrt(kMaxRasterPixels / square_inches));
 }
 
 bool has_extension(const std::filesystem::path& path, std::string_view wanted) {

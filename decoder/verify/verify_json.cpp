@@ -242,7 +242,7 @@ Json notes_json(const VerifyMerge& merged) {
 
 // The default where the key is absent or null.
 template <class Value>
-Value get(const json& object, const char* key, Value absent = {}) {
+Value get_or(const json& object, const char* key, Value absent = {}) {
   const auto value = object.find(key);
   return value == object.end() || value->is_null() ? absent : value->get<Value>();
 }
@@ -287,9 +287,9 @@ CornerCovariance covariance_from(const json& list) {
 SymbolGrade grade_from(const json& tag) {
   SymbolGrade grade;
   grade.grade = tag.at("grade").get<double>();
-  grade.absolute = get(tag, "grade_absolute", false);
-  const auto blame = get<std::string>(tag, "grade_blame");
-  const json means = get(tag, "grade_parameters", json::object());
+  grade.absolute = get_or(tag, "grade_absolute", false);
+  const auto blame = get_or<std::string>(tag, "grade_blame");
+  const json means = get_or(tag, "grade_parameters", json::object());
   for (std::size_t i = 0; i < kGradeParameters; ++i) {
     const auto parameter = static_cast<GradeParameter>(i);
     if (to_string(parameter) == blame) grade.worst = parameter;
@@ -304,13 +304,13 @@ SymbolGrade grade_from(const json& tag) {
 HungTag hung_from(const json& object, const VerifiedTag& tag) {
   HungTag hung;
   hung.tag = tag.tag;
-  hung.verdict = value_of(4, get<std::string>(object, "verdict"), HangVerdict::unchecked);
-  hung.stations = get(object, "stations", 0);
-  hung.rivals = get<std::vector<std::string>>(object, "rivals");
-  hung.odds = get(object, "odds", 0.0);
-  hung.placed = get<std::string>(object, "placed");
+  hung.verdict = value_of(4, get_or<std::string>(object, "verdict"), HangVerdict::unchecked);
+  hung.stations = get_or(object, "stations", 0);
+  hung.rivals = get_or<std::vector<std::string>>(object, "rivals");
+  hung.odds = get_or(object, "odds", 0.0);
+  hung.placed = get_or<std::string>(object, "placed");
   const auto triple = [&](const char* key, double unit) {
-    const auto values = get(object, key, std::array<double, 3>{});
+    const auto values = get_or(object, key, std::array<double, 3>{});
     return Eigen::Vector3d(unit * Eigen::Vector3d(values.data()));
   };
   hung.offset = {triple("offset_mm", 1e-3), triple("offset_sigma_mm", 1e-3)};
@@ -320,38 +320,38 @@ HungTag hung_from(const json& object, const VerifiedTag& tag) {
 
 VerifiedTag tag_from(const json& object) {
   VerifiedTag tag;
-  tag.tag = get<std::string>(object, "tag");
+  tag.tag = get_or<std::string>(object, "tag");
   tag.status = value_of(kTagStatuses, object.at("status").get<std::string>(), TagStatus::unknown);
-  tag.rule = get<std::string>(object, "rule");
-  tag.message = get<std::string>(object, "message");
+  tag.rule = get_or<std::string>(object, "rule");
+  tag.message = get_or<std::string>(object, "message");
   // A line without corners is of an older version, and of no use as a reading.
   if (object.contains("corners")) {
     tag.corners = corners_from(object["corners"]);
-    tag.digits = parse_digits(get<std::string>(object, "digits"));
+    tag.digits = parse_digits(get_or<std::string>(object, "digits"));
   }
-  tag.module_px = get(object, "module_px", 0.0);
-  tag.confidence = get(object, "confidence", 0.0);
-  tag.in_place_of = get<std::string>(object, "in_place_of");
-  tag.page = get(object, "page", 0);
+  tag.module_px = get_or(object, "module_px", 0.0);
+  tag.confidence = get_or(object, "confidence", 0.0);
+  tag.in_place_of = get_or<std::string>(object, "in_place_of");
+  tag.page = get_or(object, "page", 0);
   if (object.contains("corner_covariance")) {
     tag.corner_covariance = covariance_from(object["corner_covariance"]);
   }
   if (object.contains("grade") && !object["grade"].is_null()) tag.grade = grade_from(object);
-  tag.grade_reason = get<std::string>(object, "grade_reason");
-  tag.picture.file = get<std::string>(object, "crop");
+  tag.grade_reason = get_or<std::string>(object, "grade_reason");
+  tag.picture.file = get_or<std::string>(object, "crop");
   if (object.contains("hanging")) tag.hung = hung_from(object["hanging"], tag);
   return tag;
 }
 
 int size_from(const json& object, const char* key) {
   constexpr std::uint64_t kMost = 1'000'000;
-  return static_cast<int>(std::min(kMost, get<std::uint64_t>(object, key)));
+  return static_cast<int>(std::min(kMost, get_or<std::uint64_t>(object, key)));
 }
 
 // Nothing of an object that no photo could say.
 std::optional<PhotoLens> lens_from(const json& object) {
-  PhotoLens lens{get<std::string>(object, "name"), get(object, "focal_mm", 0.0),
-                 get(object, "focal_35_mm", 0.0)};
+  PhotoLens lens{get_or<std::string>(object, "name"), get_or(object, "focal_mm", 0.0),
+                 get_or(object, "focal_35_mm", 0.0)};
   constexpr double kMost = 1e5;  // millimetres
   const bool is_sound = !lens.camera.empty() && lens.focal_35_mm > 0 && lens.focal_35_mm < kMost;
   return is_sound ? std::optional(lens) : std::nullopt;
@@ -359,21 +359,21 @@ std::optional<PhotoLens> lens_from(const json& object) {
 
 VerifiedFile file_from(const json& object) {
   VerifiedFile file{object.at("file").get<std::string>()};
-  file.sha256 = get<std::string>(object, "sha256");
-  file.revision = get<std::string>(object, "revision");
+  file.sha256 = get_or<std::string>(object, "sha256");
+  file.revision = get_or<std::string>(object, "revision");
   file.pages = size_from(object, "pages");
   file.width = size_from(object, "width");
   file.height = size_from(object, "height");
-  const int orientation = get(object, "orientation", 0);
+  const int orientation = get_or(object, "orientation", 0);
   if (orientation >= 1 && orientation <= 8) file.orientation = orientation;
   if (object.contains("camera")) file.lens = lens_from(object["camera"]);
-  file.taken = get<std::string>(object, "taken");
+  file.taken = get_or<std::string>(object, "taken");
   if (!is_moment(file.taken)) file.taken.clear();
   for (const json& tag : object.at("tags").get_ref<const json::array_t&>()) {
     file.tags.push_back(tag_from(tag));
   }
-  file.findings = get<std::vector<std::string>>(object, "findings");
-  file.rules = get<std::set<std::string>>(object, "rules");
+  file.findings = get_or<std::vector<std::string>>(object, "findings");
+  file.rules = get_or<std::set<std::string>>(object, "rules");
   // What remains is of the file as a whole.
   for (const VerifiedTag& tag : file.tags) {
     if (!tag.is_fault()) continue;
@@ -381,10 +381,10 @@ VerifiedFile file_from(const json& object) {
     std::erase_if(file.findings, of_tag);
     file.rules.erase(tag.rule);
   }
-  file.stale = get(object, "stale", false);
-  file.up = value_of(kUpSources, get<std::string>(object, "up"), UpSource::unknown);
-  file.notes = get<std::vector<std::string>>(object, "notes");
-  file.picture.file = get<std::string>(object, "picture");
+  file.stale = get_or(object, "stale", false);
+  file.up = value_of(kUpSources, get_or<std::string>(object, "up"), UpSource::unknown);
+  file.notes = get_or<std::vector<std::string>>(object, "notes");
+  file.picture.file = get_or<std::string>(object, "picture");
   return file;
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON to text and back. The library's templates for it are long: they are compiled here alone.
+// JSON to text and back, and lists of numbers. The library's templates for it are long: they are
+// compiled here alone.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -11,6 +14,15 @@ namespace tagsmith::detail {
 
 // On one line, or with this many spaces a level. Bytes that are no UTF-8 become U+FFFD.
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
+
+// The numbers as a list.
+nlohmann::ordered_json number_list(std::span<const double> values);
+
+// Those of a vector of Eigen's.
+auto number_list(const auto& vector) {
+  return number_list(
+      std::span<const double>(vector.data(), static_cast<std::size_t>(vector.size())));
+}
 
 // A value for which is_discarded() holds where the text is no JSON.
 nlohmann::json parse_json(std::string_view text);
