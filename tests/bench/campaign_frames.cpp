@@ -17,13 +17,13 @@
 namespace tagsmith::detail::bench {
 namespace {
 
-constexpr std::size_t kBookSize = 400;
+constexpr std::size_t kFrameBookSize = 400;
 
 // A survey's codes: besides random ones, neighbours that differ in a digit and the check digit.
 std::vector<Digits> code_book() {
   std::mt19937_64 random(400);
   std::vector<Digits> book;
-  while (book.size() < kBookSize) {
+  while (book.size() < kFrameBookSize) {
     Digits code = mass::random_code(random);
     for (int k = 0; k < 8; ++k) {
       book.push_back(code);

@@ -18,8 +18,6 @@ using test::Draws;
 
 namespace {
 
-const Camera kWide{1280, 960, 800, 800, 633.5, 488, {-0.35, 0.12}};
-
 struct Assessed {
   CameraCalibration calibration;
   CalibrationAssessment assessment;
@@ -78,7 +76,7 @@ void check_honest(const Assessed& result, const Camera& truth) {
 TEST_CASE("photos that cover the picture and tilt the board are good, and nothing is said") {
   const Board board = test::plate_board();
   Draws draws(1);
-  const Assessed result = assessed(test::seen_boards(kWide, board, 15, draws), board);
+  const Assessed result = assessed(test::seen_boards(test::kWideCamera, board, 15, draws), board);
   CHECK(result.assessment.trust == CalibrationTrust::good);
   CHECK(result.assessment.findings.empty());
   CHECK(result.assessment.focal_sigma < 2e-4);
@@ -102,7 +100,7 @@ TEST_CASE("boards seen from the front alone do not tell the focal length") {
 TEST_CASE("two photos are never enough") {
   const Board board = test::plate_board();
   Draws draws(3);
-  const Assessed result = assessed(test::seen_boards(kWide, board, 2, draws), board);
+  const Assessed result = assessed(test::seen_boards(test::kWideCamera, board, 2, draws), board);
   CHECK(result.assessment.trust == CalibrationTrust::refused);
   REQUIRE(result.find(CalibrationIssue::too_few_photos) != nullptr);
   CHECK(result.find(CalibrationIssue::too_few_photos)->measured == 2);
@@ -111,7 +109,7 @@ TEST_CASE("two photos are never enough") {
 TEST_CASE("a corner of the picture where no board was is named when its rays are not known") {
   const Board board = test::plate_board();
   Draws draws(4);
-  const auto views = views_from(kWide, board, 8, draws, [&](std::size_t) {
+  const auto views = views_from(test::kWideCamera, board, 8, draws, [&](std::size_t) {
     BoardStance stance = frontal(draws.uniform(420, 520), draws.uniform(340, 420), 0.6);
     stance.yaw = radians(draws.uniform(-40, 40));
     stance.pitch = radians(draws.uniform(-40, 40));
@@ -123,7 +121,7 @@ TEST_CASE("a corner of the picture where no board was is named when its rays are
   REQUIRE(uncovered != nullptr);
   CHECK(std::ranges::find(uncovered->cells, std::size_t{11}) != uncovered->cells.end());
   CHECK(uncovered->message.find("lower right") != std::string::npos);
-  check_honest(result, kWide);
+  check_honest(result, test::kWideCamera);
 }
 
 TEST_CASE("poor sets of photos are refused, weak, or right: never sure and wrong") {
@@ -134,7 +132,7 @@ TEST_CASE("poor sets of photos are refused, weak, or right: never sure and wrong
     const std::size_t count = 1 + draws.index(6);
     const double most_tilt = radians(draws.uniform(0, 40));
     const double size = draws.uniform(0.2, 1.2);
-    const auto views = views_from(kWide, board, count, draws, [&](std::size_t) {
+    const auto views = views_from(test::kWideCamera, board, count, draws, [&](std::size_t) {
       BoardStance stance = frontal(draws.uniform(400, 900), draws.uniform(300, 700), size);
       stance.yaw = draws.uniform(-1, 1) * most_tilt;
       stance.pitch = draws.uniform(-1, 1) * most_tilt;
@@ -142,7 +140,7 @@ TEST_CASE("poor sets of photos are refused, weak, or right: never sure and wrong
     });
     const bool is_any =
         std::ranges::any_of(views, [](const BoardView& view) { return view.tags.size() >= 4; });
-    if (is_any) check_honest(assessed(views, board), kWide);
+    if (is_any) check_honest(assessed(views, board), test::kWideCamera);
   }
 }
 
@@ -151,7 +149,7 @@ TEST_CASE("photos that each have a focal length of their own make no camera") {
   Draws draws(8);
   std::vector<BoardView> views;
   for (std::size_t i = 0; i < 15; ++i) {
-    Camera camera = kWide;
+    Camera camera = test::kWideCamera;
     camera.fx = camera.fy = 800 * (1 + draws.normal(0.01));
     const Pose pose = test::camera_from_board(camera, board, test::varied_stance(camera, i, draws));
     views.push_back(test::seen_board(camera, board, pose, draws));
@@ -163,11 +161,11 @@ TEST_CASE("a photo with another zoom is named") {
   const Board board = test::plate_board();
   for (const double zoom : {1.004, 1.03}) {
     CAPTURE(zoom);
-    Camera zoomed = kWide;
+    Camera zoomed = test::kWideCamera;
     zoomed.fx *= zoom;
     zoomed.fy *= zoom;
     Draws draws(5);
-    auto views = test::seen_boards(kWide, board, 15, draws);
+    auto views = test::seen_boards(test::kWideCamera, board, 15, draws);
     const auto others = test::seen_boards(zoomed, board, 6, draws);
     views[5] = others[5];
     views[5].file = "zoomed";
@@ -177,14 +175,14 @@ TEST_CASE("a photo with another zoom is named") {
     CHECK(found->view == std::size_t{5});
     CHECK(found->message.find("zoomed") != std::string::npos);
     CHECK(found->measured == doctest::Approx(zoom - 1).epsilon(0.3));
-    check_honest(result, kWide);
+    check_honest(result, test::kWideCamera);
   }
 }
 
 TEST_CASE("a photo in which something moved is named") {
   const Board board = test::plate_board();
   Draws draws(6);
-  auto views = test::seen_boards(kWide, board, 15, draws);
+  auto views = test::seen_boards(test::kWideCamera, board, 15, draws);
   for (SeenBoardTag& tag : views[3].tags) {
     for (Eigen::Index i = 0; i < 8; ++i) tag.pixels[i] += draws.normal(0.06);
   }
@@ -192,7 +190,7 @@ TEST_CASE("a photo in which something moved is named") {
   const CalibrationFinding* found = result.find(CalibrationIssue::photo_contradicts);
   REQUIRE(found != nullptr);
   CHECK(found->view == std::size_t{3});
-  check_honest(result, kWide);
+  check_honest(result, test::kWideCamera);
 }
 
 TEST_CASE("a bent board and one of another shape are named") {
@@ -202,16 +200,17 @@ TEST_CASE("a bent board and one of another shape are named") {
     const double x = drawn.x() / 0.3 - 1;
     return Eigen::Vector3d(drawn.x(), drawn.y(), 0.0015 * x * x);
   };
-  const Assessed bowed = assessed(test::seen_boards(kWide, board, 15, draws, {1, 0, bent}), board);
+  const Assessed bowed =
+      assessed(test::seen_boards(test::kWideCamera, board, 15, draws, {1, 0, bent}), board);
   REQUIRE(bowed.find(CalibrationIssue::board_bowed) != nullptr);
   CHECK(bowed.find(CalibrationIssue::board_bowed)->measured ==
         doctest::Approx(0.0015).epsilon(0.1));
-  check_honest(bowed, kWide);
+  check_honest(bowed, test::kWideCamera);
   const auto wide = [](const Vector2d& drawn) {
     return Eigen::Vector3d(1.005 * drawn.x(), drawn.y(), 0);
   };
   const Assessed stretched =
-      assessed(test::seen_boards(kWide, board, 15, draws, {1, 0, wide}), board);
+      assessed(test::seen_boards(test::kWideCamera, board, 15, draws, {1, 0, wide}), board);
   const CalibrationFinding* found = stretched.find(CalibrationIssue::board_stretched);
   REQUIRE(found != nullptr);
   CHECK(found->measured == doctest::Approx(0.005).epsilon(0.2));

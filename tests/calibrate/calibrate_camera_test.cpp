@@ -53,8 +53,6 @@ double worst_ray(const Camera& truth, const CameraCalibration& calibration, doub
   return worst;
 }
 
-const Camera kWide{1280, 960, 800, 800, 633.5, 488, {-0.35, 0.12}};
-
 std::size_t count_unused(const CameraCalibration& calibration) {
   return static_cast<std::size_t>(std::ranges::count_if(
       calibration.residuals, [](const TagResidual& tag) { return !tag.used; }));
@@ -91,7 +89,7 @@ TEST_CASE("a camera is found without any guess, to within what it says of itself
 TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
   const Board board = test::plate_board();
   Draws draws(3);
-  auto views = test::seen_boards(kWide, board, 15, draws);
+  auto views = test::seen_boards(test::kWideCamera, board, 15, draws);
   std::size_t bad = 0;
   for (BoardView& view : views) {
     for (std::size_t i = bad % 7; i < view.tags.size(); i += 11) {
@@ -105,7 +103,7 @@ TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
   }
   const auto calibration = calibrate_camera(views, {&board, 1});
   REQUIRE(calibration.has_value());
-  check_sound(*calibration, kWide);
+  check_sound(*calibration, test::kWideCamera);
   CHECK(count_unused(*calibration) >= bad - 15);  // swaps may have swapped what was moved
   CHECK(count_unused(*calibration) <= bad + 3);
 }
@@ -113,10 +111,10 @@ TEST_CASE("tags that were misread or moved are left out and spoil nothing") {
 TEST_CASE("edges that sharpening moves are told from distances") {
   const Board board = test::plate_board();
   Draws draws(4);
-  const auto views = test::seen_boards(kWide, board, 15, draws, {1, 0.12});
+  const auto views = test::seen_boards(test::kWideCamera, board, 15, draws, {1, 0.12});
   const auto calibration = calibrate_camera(views, {&board, 1});
   REQUIRE(calibration.has_value());
-  check_sound(*calibration, kWide);
+  check_sound(*calibration, test::kWideCamera);
   CHECK(calibration->edge_px == doctest::Approx(0.12).epsilon(0.05));
 }
 
@@ -124,7 +122,7 @@ TEST_CASE("residuals larger than stated raise the covariance, smaller ones lower
   const Board board = test::plate_board();
   const auto calibrated = [&](double noise) {
     Draws draws(5);
-    const auto views = test::seen_boards(kWide, board, 15, draws, {noise});
+    const auto views = test::seen_boards(test::kWideCamera, board, 15, draws, {noise});
     return calibrate_camera(views, {&board, 1}).value();
   };
   const CameraCalibration usual = calibrated(1);
@@ -145,14 +143,14 @@ TEST_CASE("a board that is bent or stretched is found so, and the camera is righ
     return Eigen::Vector3d(drawn.x() + stretch / 2 * (drawn.x() - 0.3),
                            drawn.y() - stretch / 2 * (drawn.y() - 0.2), bow * at.x() * at.x());
   };
-  const auto views = test::seen_boards(kWide, board, 20, draws, {1, 0, warp});
+  const auto views = test::seen_boards(test::kWideCamera, board, 20, draws, {1, 0, warp});
   const auto calibration = calibrate_camera(views, {&board, 1});
   REQUIRE(calibration.has_value());
   const CalibratedBoard& found = calibration->boards[0];
   CHECK(std::abs(found.shape.bow[0] - bow) < 4 * found.sigma.bow[0]);
   CHECK(found.sigma.bow[0] < 2e-5);
   CHECK(std::abs(found.shape.stretch - stretch) < 4 * found.sigma.stretch);
-  check_sound(*calibration, kWide);
+  check_sound(*calibration, test::kWideCamera);
 }
 
 TEST_CASE("poses are where the boards stood, to within their covariance") {
@@ -161,8 +159,9 @@ TEST_CASE("poses are where the boards stood, to within their covariance") {
   std::vector<BoardView> views;
   std::vector<Pose> truth;
   for (std::size_t i = 0; i < 15; ++i) {
-    const Pose pose = test::camera_from_board(kWide, board, test::varied_stance(kWide, i, draws));
-    BoardView view = test::seen_board(kWide, board, pose, draws);
+    const Pose pose = test::camera_from_board(test::kWideCamera, board,
+                                              test::varied_stance(test::kWideCamera, i, draws));
+    BoardView view = test::seen_board(test::kWideCamera, board, pose, draws);
     if (view.tags.size() < 4) continue;
     views.push_back(std::move(view));
     truth.push_back(pose);
@@ -188,8 +187,8 @@ TEST_CASE("poses are where the boards stood, to within their covariance") {
 TEST_CASE("two boards in the same photos are placed each by itself") {
   const Board boards[] = {test::plate_board(0, 1), test::plate_board(0, 2)};
   Draws draws(9);
-  auto views = test::seen_boards(kWide, boards[0], 12, draws);
-  const auto others = test::seen_boards(kWide, boards[1], 12, draws);
+  auto views = test::seen_boards(test::kWideCamera, boards[0], 12, draws);
+  const auto others = test::seen_boards(test::kWideCamera, boards[1], 12, draws);
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (SeenBoardTag tag : others[i].tags) {
       tag.board = 1;
@@ -200,7 +199,7 @@ TEST_CASE("two boards in the same photos are placed each by itself") {
   REQUIRE(calibration.has_value());
   CHECK(calibration->sightings.size() == 24);
   CHECK(calibration->boards.size() == 2);
-  check_sound(*calibration, kWide);
+  check_sound(*calibration, test::kWideCamera);
 }
 
 TEST_CASE("what cannot be calibrated is refused with what to do") {
@@ -212,7 +211,7 @@ TEST_CASE("what cannot be calibrated is refused with what to do") {
   };
   CHECK(message({}).find("0 of the boards' tags") != std::string::npos);
   Draws draws(10);
-  auto views = test::seen_boards(kWide, board, 4, draws);
+  auto views = test::seen_boards(test::kWideCamera, board, 4, draws);
   views[2].width = 640;
   CHECK(message(views).find("photo2: is 640 x 960") != std::string::npos);
   const Board twice[] = {board, board};

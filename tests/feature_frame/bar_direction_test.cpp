@@ -12,13 +12,13 @@ using tagsmith::detail::test::SeenTag;
 
 namespace {
 
-constexpr int kWidth = 100, kHeight = 60;
+constexpr int kImageWidth = 100, kImageHeight = 60;
 
 template <class LevelAt>
 GrayImage image_of(const LevelAt& level_at) {
-  GrayImage image{kWidth, kHeight, {}};
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  GrayImage image{kImageWidth, kImageHeight, {}};
+  for (int y = 0; y < kImageHeight; ++y) {
+    for (int x = 0; x < kImageWidth; ++x) {
       image.samples.push_back(static_cast<std::uint8_t>(level_at(x, y)));
     }
   }
@@ -43,7 +43,7 @@ TEST_CASE("what does not run through the quadrilateral counts less than what doe
   std::mt19937 random(5);
   std::uniform_int_distribution<int> level(60, 200);
   const Quad quad{{{4, 4}, {95, 4}, {95, 55}, {4, 55}}};
-  std::array<int, kWidth> columns{};
+  std::array<int, kImageWidth> columns{};
   for (int& column : columns) column = level(random);
   const GrayImage lines =
       image_of([&](int x, int) { return columns[static_cast<std::size_t>(x)]; });

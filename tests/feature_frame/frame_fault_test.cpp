@@ -9,7 +9,6 @@
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
-using tagsmith::detail::test::Cover;
 using tagsmith::detail::test::farthest_apart;
 using tagsmith::detail::test::SeenTag;
 

@@ -14,7 +14,6 @@ using doctest::Approx;
 
 namespace {
 
-const Digits kDigits = *parse_digits("036000291452");  // gs1; has 1, 2 and no 7, 8
 constexpr GradeOptions kAbsolute{true, 0};
 
 double grade_of(const ScanGrade& scan, GradeParameter parameter) {

@@ -15,8 +15,6 @@ using doctest::Approx;
 
 namespace {
 
-const Digits kDigits = *parse_digits("036000291452");
-
 struct Picture {
   GrayImage image;
   Quad corners;

@@ -8,6 +8,7 @@
 
 namespace tagsmith::detail::test {
 
+inline const Digits kDigits = *parse_digits("036000291452");  // gs1; has 1, 2 and no 7, 8
 inline constexpr int kPerModule = 20;
 inline constexpr double kWhite = 0.90;
 inline constexpr double kBlack = 0.10;

@@ -8,20 +8,13 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/load.hpp"
+#include "tests/image/ramp.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-GrayImage ramp(int width, int height) {
-  GrayImage image{width, height, {}};
-  for (int i = 0; i < width * height; ++i) {
-    image.samples.push_back(static_cast<std::uint8_t>(i * 7 % 251));
-  }
-  return image;
-}
-
 std::string encoded(const std::string& extension, int width = 37, int height = 23) {
-  const GrayImage image = ramp(width, height);
+  const GrayImage image = test::ramp(width, height);
   const auto bytes = encode_gray_image("image" + extension, image.view());
   REQUIRE(bytes);
   return *bytes;

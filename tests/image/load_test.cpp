@@ -16,20 +16,13 @@
 #include "decoder/image/png_chunks.hpp"
 #include "decoder/image/shrink.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tests/image/ramp.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 namespace fs = std::filesystem;
-
-GrayImage ramp(int width, int height) {
-  GrayImage image{width, height, {}};
-  for (int i = 0; i < width * height; ++i) {
-    image.samples.push_back(static_cast<std::uint8_t>(i * 7 % 251));
-  }
-  return image;
-}
 
 // The error of loading a file of these bytes; "" when it could be loaded.
 std::string error_of(const std::string& bytes, const std::string& name = "image") {
@@ -50,7 +43,7 @@ long peak_megabytes() {
 
 TEST_CASE("Lossless formats come back as they were") {
   const test::TemporaryFolder folder;
-  const GrayImage image = ramp(61, 40);
+  const GrayImage image = test::ramp(61, 40);
   for (const char* name : {"a.png", "b.tiff", "c.pgm", "d.bmp", "E.PNG"}) {
     CAPTURE(name);
     REQUIRE(save_gray_image(folder.path() / name, image.view()));
@@ -64,7 +57,7 @@ TEST_CASE("Lossless formats come back as they were") {
 
 TEST_CASE("A view with padded rows is saved without the padding") {
   const test::TemporaryFolder folder;
-  const GrayImage image = ramp(50, 30);
+  const GrayImage image = test::ramp(50, 30);
   const GrayView left{image.samples.data(), 20, 30, 50};
   REQUIRE(save_gray_image(folder.path() / "left.png", left));
   const auto loaded = load_gray_image(folder.path() / "left.png");
@@ -108,7 +101,7 @@ TEST_CASE("What is no image says so") {
 }
 
 TEST_CASE("A file cut short is refused, never half a picture") {
-  const GrayImage image = ramp(200, 150);
+  const GrayImage image = test::ramp(200, 150);
   for (const char* name : {"a.png", "a.jpg", "a.webp", "a.tiff", "a.pgm", "a.bmp"}) {
     const auto bytes = encode_gray_image(name, image.view());
     REQUIRE(bytes);
@@ -124,7 +117,7 @@ TEST_CASE("A file cut short is refused, never half a picture") {
 
 TEST_CASE(
     "What a PNG holds besides its pixels is passed over, a wrong checksum of them is refused") {
-  const GrayImage image = ramp(200, 150);
+  const GrayImage image = test::ramp(200, 150);
   const std::string png = encode_gray_image("a.png", image.view()).value();
   constexpr std::size_t kAfterHeader = 33;
   std::string odd = png;
@@ -154,10 +147,10 @@ TEST_CASE("A header that asks for a huge picture is refused before memory is tak
   const std::string huge = error_of("P5 40000 40000 255\nabc");
   CHECK(huge.find(" 40000 x 40000 ") != std::string::npos);
   CHECK(huge.find(" 200 million") != std::string::npos);
-  auto png = *encode_gray_image("a.png", ramp(8, 8).view());
+  auto png = *encode_gray_image("a.png", test::ramp(8, 8).view());
   png.replace(16, 8, std::string("\x00\x00\xFF\xFF\x00\x00\xFF\xFF", 8));
   CHECK(error_of(png).find("65535 x 65535") != std::string::npos);
-  auto jpeg = *encode_gray_image("a.jpg", ramp(8, 8).view());
+  auto jpeg = *encode_gray_image("a.jpg", test::ramp(8, 8).view());
   const std::size_t frame = jpeg.find("\xFF\xC0");
   REQUIRE(frame != std::string::npos);
   jpeg.replace(frame + 5, 4, std::string("\xFF\xFF\xFF\xFF", 4));
@@ -166,7 +159,7 @@ TEST_CASE("A header that asks for a huge picture is refused before memory is tak
 }
 
 TEST_CASE("Saving needs a format and a place") {
-  const GrayImage image = ramp(5, 5);
+  const GrayImage image = test::ramp(5, 5);
   const auto unknown = save_gray_image("image.xyz", image.view());
   REQUIRE_FALSE(unknown);
   CHECK(unknown.error().message.starts_with("image.xyz"));
@@ -178,7 +171,7 @@ TEST_CASE("Saving needs a format and a place") {
 }
 
 TEST_CASE("JPEG quality decides the size") {
-  const GrayImage image = ramp(300, 200);
+  const GrayImage image = test::ramp(300, 200);
   const auto fine = encode_gray_image("a.jpg", image.view(), 95);
   const auto coarse = encode_gray_image("a.jpg", image.view(), 30);
   REQUIRE(fine);

@@ -81,19 +81,20 @@ double distance_to_plate(const Eigen::Vector3d& o_in_world, const PlacedTag& tag
       (tag.world_from_plate.translation - o_in_world).dot(tag.world_from_plate.rotation.col(2)));
 }
 
-struct View {
+struct PairView {
   Eigen::Vector3d o_in_world = Eigen::Vector3d::Zero();
   Observation observation;
 };
 
 // A level vehicle some way behind the pair, everything measured without error.
-View view_of_pair(const Survey& survey, const Rig& rig, int pair, double behind, double offset) {
+PairView view_of_pair(const Survey& survey, const Rig& rig, int pair, double behind,
+                      double offset) {
   const PlacedTag& left = survey.tags.at(static_cast<std::size_t>(2 * pair));
   const PlacedTag& right = survey.tags.at(static_cast<std::size_t>(2 * pair + 1));
   const double heading = heading_between(left, right);
   const Eigen::Vector3d middle =
       (left.world_from_plate.translation + right.world_from_plate.translation) / 2;
-  View view;
+  PairView view;
   view.o_in_world = middle - behind * direction_of(heading) + offset * right_of(heading);
   view.o_in_world.z() = rig.vehicle_height;
   const Pose vehicle = world_from_vehicle(view.o_in_world, heading);
@@ -168,7 +169,7 @@ TEST_CASE("exact corners and range give back the position, straight and curved, 
     std::uniform_real_distribution<double> offset(-0.2 * width, 0.2 * width);
     std::uniform_int_distribution<int> pair(0, static_cast<int>(survey.tags.size() / 2) - 1);
     for (int i = 0; i < 200; ++i) {
-      const View view = view_of_pair(survey, rig, pair(random), behind(random), offset(random));
+      const PairView view = view_of_pair(survey, rig, pair(random), behind(random), offset(random));
       const Fix fix = localize_by_paper(view.observation, {survey}, rig);
       const Eigen::Vector3d truth = grid_from_world(survey.grid, view.o_in_world);
       CHECK((position_of(fix) - truth).norm() < 1e-7);
@@ -191,7 +192,7 @@ code: { check_digit: sum10 }
   const Rig rig = rig_named("corridor");
   for (const int pair : {1, 4, 8, 11}) {
     CAPTURE(pair);
-    const View view = view_of_pair(survey, rig, pair, 0.8, 0.1);
+    const PairView view = view_of_pair(survey, rig, pair, 0.8, 0.1);
     const Fix fix = localize_by_paper(view.observation, {survey}, rig);
     CHECK((position_of(fix) - grid_from_world(survey.grid, view.o_in_world)).norm() < 1e-7);
   }
@@ -200,7 +201,7 @@ code: { check_digit: sum10 }
 TEST_CASE("a plate that turns out of its wall is no tag of the paper's pairs") {
   Survey survey = survey_named("corridor");
   const Rig rig = rig_named("corridor");
-  View view = view_of_pair(survey, rig, 3, 0.7, 0.1);
+  PairView view = view_of_pair(survey, rig, 3, 0.7, 0.1);
   for (SeenTag& seen : view.observation.tags) {
     if (seen.tag.side != Side::left) continue;
     const Eigen::Vector3d p = seen.tag.p_in_grid;
@@ -216,7 +217,7 @@ TEST_CASE("the rig's distortion is undone before the distance is taken") {
   const Survey survey = survey_named("corridor");
   Rig rig = rig_named("corridor");
   for (RigCamera& camera : rig.cameras) camera.camera.distortion = {-0.2, 0.05, 1e-3, -5e-4, 0};
-  const View view = view_of_pair(survey, rig, 3, 0.7, 0.1);
+  const PairView view = view_of_pair(survey, rig, 3, 0.7, 0.1);
   const Fix fix = localize_by_paper(view.observation, {survey}, rig);
   CHECK((position_of(fix) - grid_from_world(survey.grid, view.o_in_world)).norm() < 1e-6);
 }
@@ -232,7 +233,7 @@ TEST_CASE("the covariance is what noise of the stated size does") {
   // Small enough for the closed form to be linear; a centimetre leaves it without solution.
   rig.ranges.front().sigma = 2e-4;
   const double corner_sigma = 0.02;
-  View view = view_of_pair(survey, rig, 3, 0.55, 0.0);
+  PairView view = view_of_pair(survey, rig, 3, 0.55, 0.0);
   for (SeenTag& seen : view.observation.tags) seen.seen_corners->sigma_px = corner_sigma;
   const Fix fix = localize_by_paper(view.observation, {survey}, rig);
   REQUIRE(fix.covariance_in_grid.has_value());
@@ -273,7 +274,7 @@ TEST_CASE("in a bend, where d is not the distance to the plate's plane, the solu
   const Rig rig = rig_named("curved");
   for (int pair = 2; pair < 6; ++pair) {  // on the arc, and two metres behind them too
     CAPTURE(pair);
-    View view = view_of_pair(survey, rig, pair, 1.4, 0.0);
+    PairView view = view_of_pair(survey, rig, pair, 1.4, 0.0);
     const Centerline& line = survey.tunnel.centerline;
     const double offset = line.locate(view.o_in_world.head<2>()).offset;
     view.observation.ranges["d"] = width_at(survey.tunnel, 0) / 2 + offset;
@@ -296,7 +297,7 @@ TEST_CASE("in a bend, where d is not the distance to the plate's plane, the solu
 TEST_CASE("the covariance contains what wrong tag positions do") {
   const Survey survey = survey_named("corridor");
   const Rig rig = rig_named("corridor");
-  View view = view_of_pair(survey, rig, 2, 0.55, 0.0);
+  PairView view = view_of_pair(survey, rig, 2, 0.55, 0.0);
   for (SeenTag& seen : view.observation.tags) seen.tag.sigma = 0;
   const Eigen::Matrix3d without =
       localize_by_paper(view.observation, {survey}, rig).covariance_in_grid.value();
@@ -309,7 +310,7 @@ TEST_CASE("the covariance contains what wrong tag positions do") {
 TEST_CASE("close to having no solution the fix says that its covariance is rough") {
   const Survey survey = survey_named("corridor");
   const Rig rig = rig_named("corridor");
-  const View view = view_of_pair(survey, rig, 3, 0.7, 0.1);
+  const PairView view = view_of_pair(survey, rig, 3, 0.7, 0.1);
   const Fix fix = localize_by_paper(view.observation, {survey}, rig);
   REQUIRE(fix.position_in_grid.has_value());
   REQUIRE(fix.notes.size() == 1);
@@ -328,7 +329,7 @@ TEST_CASE("a centimetre of range noise leaves no real solution at several points
   int in_the_rock = 0;
   constexpr int kTrials = 500;
   for (int i = 0; i < kTrials; ++i) {
-    View view = view_of_pair(survey, rig, i % 8, behind(random), 0.05);
+    PairView view = view_of_pair(survey, rig, i % 8, behind(random), 0.05);
     view.observation.ranges["d"] += noise(random);
     const Fix fix = localize_by_paper(view.observation, {survey}, rig);
     if (fix.position_in_grid) continue;
@@ -415,7 +416,7 @@ TEST_CASE("the least range within its sensor's limits is taken") {
   second.name = "to_the_right";
   second.wall = Side::right;
   rig.ranges.push_back(second);
-  View view = view_of_pair(survey, rig, 3, 0.6, 0.0);
+  PairView view = view_of_pair(survey, rig, 3, 0.6, 0.0);
   view.observation.ranges["d2"] = view.observation.ranges["d"];
   view.observation.ranges["d"] += 0.2;            // it looks along the wall
   view.observation.ranges["to_the_right"] = 0.3;  // another wall

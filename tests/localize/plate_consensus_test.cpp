@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-struct Site : test::WideCorridor {
+struct CorridorHungByEye : test::WideCorridor {
   // Hangs all plates by eye, `sigma` radians off about each axis.
   void tilt_all(double sigma, std::mt19937_64& random) {
     std::normal_distribution<double> angle(0, sigma);
@@ -35,7 +35,7 @@ struct Site : test::WideCorridor {
 };
 
 // What the cameras see of the named plates from this chainage, corners to 0.1 px.
-Station seen_from(const Site& site, double y, const std::vector<std::string>& names,
+Station seen_from(const CorridorHungByEye& site, double y, const std::vector<std::string>& names,
                   std::mt19937_64& random) {
   std::normal_distribution<double> noise(0, 0.1);
   Station station{std::to_string(y), {}};
@@ -60,7 +60,7 @@ Station seen_from(const Site& site, double y, const std::vector<std::string>& na
   return station;
 }
 
-AdjustmentProblem problem_of(const Site& site) {
+AdjustmentProblem problem_of(const CorridorHungByEye& site) {
   AdjustmentProblem problem{&site.rig, {}, {}};
   for (const PlacedTag& tag : site.survey.tags) {
     problem.plates.push_back(sighted_plate(tag, site.survey));
@@ -70,7 +70,7 @@ AdjustmentProblem problem_of(const Site& site) {
 }
 
 // Three places, each of which sees two pairs.
-AdjustmentProblem drive(const Site& site) {
+AdjustmentProblem drive(const CorridorHungByEye& site) {
   std::mt19937_64 random(7);
   AdjustmentProblem problem = problem_of(site);
   problem.stations = {seen_from(site, -0.5, {"000L", "000R", "001L", "001R"}, random),
@@ -81,7 +81,7 @@ AdjustmentProblem drive(const Site& site) {
 
 // Pictures of a plate at another size: those of the whole one, its corners drawn towards its
 // middle.
-void print_small(const Site& site, std::size_t small, AdjustmentProblem& problem,
+void print_small(const CorridorHungByEye& site, std::size_t small, AdjustmentProblem& problem,
                  double size = 0.97) {
   for (Station& station : problem.stations) {
     for (Sighting& sighting : station.sightings) {
@@ -105,7 +105,7 @@ void print_small(const Site& site, std::size_t small, AdjustmentProblem& problem
 }  // namespace
 
 TEST_CASE("plates that hang as surveyed fit, those not seen are not checked") {
-  const Site site;
+  const CorridorHungByEye site;
   const Consensus consensus = find_consensus(drive(site));
   for (std::size_t i = 0; i < consensus.plates.size(); ++i) {
     CAPTURE(site.survey.tags[i].name);
@@ -120,7 +120,7 @@ TEST_CASE("a displaced plate is found, and by how much to its standard deviation
     for (const Vector3d& shift : shifts) {
       CAPTURE(name);
       CAPTURE(shift.transpose());
-      Site site;
+      CorridorHungByEye site;
       site.move(name, shift, radians(4));
       const Consensus consensus = find_consensus(drive(site));
       for (std::size_t i = 0; i < 8; ++i) {
@@ -144,7 +144,7 @@ TEST_CASE("no row is left out for what one plate explains, however far it is mov
     for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(0, 0.6, 0.8), Vector3d(0.6, 0, -0.8)}) {
       CAPTURE(by);
       CAPTURE(way.transpose());
-      Site site;
+      CorridorHungByEye site;
       site.move("002R", by * way);
       std::mt19937_64 random(5);
       AdjustmentProblem problem = problem_of(site);
@@ -165,7 +165,7 @@ TEST_CASE("no row is left out for what one plate explains, however far it is mov
 
 TEST_CASE("of two plates seen together nothing tells which is off, of three the others do") {
   std::mt19937_64 random(3);
-  Site site;
+  CorridorHungByEye site;
   site.move("001L", {0, 0.03, 0});
   AdjustmentProblem pair = problem_of(site);
   pair.stations = {seen_from(site, 0.3, {"001L", "001R"}, random)};
@@ -184,7 +184,7 @@ TEST_CASE("of two plates seen together nothing tells which is off, of three the 
 }
 
 TEST_CASE("a plate off by less than the tolerance fits") {
-  Site site;
+  CorridorHungByEye site;
   site.move("001L", {0.007, 0, 0});
   AdjustmentProblem problem = drive(site);
   for (SightedPlate& plate : problem.plates) plate.survey_variance.head<3>().setConstant(1e-7);
@@ -194,7 +194,7 @@ TEST_CASE("a plate off by less than the tolerance fits") {
 
 TEST_CASE("how plates are tilted is told by their pictures, by custom where these tell nothing") {
   std::mt19937_64 random(11);
-  const Site straight;
+  const CorridorHungByEye straight;
   AdjustmentProblem one = problem_of(straight);
   one.stations = {seen_from(straight, 0.3, {"001L"}, random)};
   CHECK(degrees(attitude_scatter(one)) == doctest::Approx(0.7).epsilon(0.1));
@@ -204,7 +204,7 @@ TEST_CASE("how plates are tilted is told by their pictures, by custom where thes
   CHECK(degrees(attitude_scatter(drive(straight))) < 0.15);
   int below = 0;
   for (int draw = 0; draw < 20; ++draw) {
-    Site by_eye;
+    CorridorHungByEye by_eye;
     by_eye.tilt_all(radians(0.5), random);
     const double scatter = degrees(attitude_scatter(drive(by_eye)));
     CHECK(scatter < 1.2);
@@ -214,14 +214,14 @@ TEST_CASE("how plates are tilted is told by their pictures, by custom where thes
 }
 
 TEST_CASE("a plate that hangs wrong altogether does not make the others look tilted") {
-  Site site;
+  CorridorHungByEye site;
   site.move("001L", {0.03, 0, 0}, radians(5));
   site.move("002R", {0, 0.1, 0});
   CHECK(degrees(attitude_scatter(drive(site))) < 0.25);
 }
 
 TEST_CASE("exchanged plates are told as such") {
-  Site site;
+  CorridorHungByEye site;
   std::swap(site.hung[site.index("001L")], site.hung[site.index("002L")]);
   const Consensus consensus = find_consensus(drive(site));
   CHECK(consensus.plates[site.index("001L")].swapped_with == site.index("002L"));
@@ -237,7 +237,7 @@ TEST_CASE("a shift among plates hung by eye is more than their tilts where they 
   int accused = 0;
   for (int draw = 0; draw < 40; ++draw) {
     for (const bool moved : {true, false}) {
-      Site site;
+      CorridorHungByEye site;
       site.tilt_all(radians(0.5), random);
       if (moved) site.move("001L", {0, -0.03, 0});
       AdjustmentProblem pair = problem_of(site);
@@ -256,7 +256,7 @@ TEST_CASE("a shift among plates hung by eye is more than their tilts where they 
 }
 
 TEST_CASE("a frame of another size in its place is told from one that hangs elsewhere") {
-  const Site site;
+  const CorridorHungByEye site;
   AdjustmentProblem problem = drive(site);
   const std::size_t small = site.index("001L");
   print_small(site, small, problem);
@@ -266,14 +266,14 @@ TEST_CASE("a frame of another size in its place is told from one that hangs else
   CHECK(check.scale->share == doctest::Approx(0.97).epsilon(0.003));
   CHECK(check.scale->least > 0.001);
   CHECK(check.scale->least < 0.02);
-  Site moved;
+  CorridorHungByEye moved;
   moved.move("001L", {0.03, 0, 0});
   CHECK_FALSE(find_consensus(drive(moved)).plates[small].scale);
 }
 
 TEST_CASE("of two plates that contradict each other the size that explains it is told") {
   std::mt19937_64 random(5);
-  Site site;
+  CorridorHungByEye site;
   const std::size_t small = site.index("001L");
   AdjustmentProblem pair = problem_of(site);
   pair.stations = {seen_from(site, 0.3, {"001L", "001R"}, random)};
@@ -291,7 +291,7 @@ TEST_CASE("of two plates that contradict each other the size that explains it is
 
 TEST_CASE("pictures that were not taken together accuse no plate") {
   std::mt19937_64 random(9);
-  const Site site;
+  const CorridorHungByEye site;
   AdjustmentProblem problem = drive(site);
   Station mixed = seen_from(site, 0.3, {"001L", "002L"}, random);
   const Station other = seen_from(site, 0.9, {"001R", "002R"}, random);
@@ -305,7 +305,7 @@ TEST_CASE("pictures that were not taken together accuse no plate") {
 }
 
 TEST_CASE("a plate of another size, seen from near and far, accuses none that hang beside it") {
-  const Site site;
+  const CorridorHungByEye site;
   AdjustmentProblem problem = drive(site);
   std::mt19937_64 random(15);
   problem.stations.push_back(seen_from(site, -0.1, {"000R", "001L", "001R", "002L"}, random));
@@ -323,10 +323,10 @@ TEST_CASE("a plate of another size, seen from near and far, accuses none that ha
 }
 
 TEST_CASE("a second copy of a plate is suspected where it hangs, and none is accused surely") {
-  const Site site;
+  const CorridorHungByEye site;
   AdjustmentProblem problem = drive(site);
   std::mt19937_64 random(16);
-  Site copied = site;
+  CorridorHungByEye copied = site;
   copied.hung[site.index("001R")] = site.hung[site.index("002R")];
   problem.stations[1] = seen_from(copied, 0.3, {"001L", "001R", "002L"}, random);
   problem.stations[2] = seen_from(site, 1.1, {"002L", "003L", "003R"}, random);
@@ -344,7 +344,7 @@ TEST_CASE("a second copy of a plate is suspected where it hangs, and none is acc
 }
 
 TEST_CASE("a plate is not surely off when pictures that were not taken together explain it") {
-  const Site site;
+  const CorridorHungByEye site;
   std::mt19937_64 random(17);
   AdjustmentProblem problem = problem_of(site);
   Station mixed = seen_from(site, 0.3, {"001L", "002L"}, random);
@@ -357,7 +357,7 @@ TEST_CASE("a plate is not surely off when pictures that were not taken together 
 }
 
 TEST_CASE("another rig, or a template of another size, accuses no plate surely") {
-  const Site site;
+  const CorridorHungByEye site;
   const std::vector<std::pair<double, double>> worlds{{3, 1}, {0, 0.95}, {0, 1.05}};
   for (const auto& [turn_deg, focal] : worlds) {
     CAPTURE(turn_deg);
@@ -382,7 +382,7 @@ TEST_CASE("another rig, or a template of another size, accuses no plate surely")
 }
 
 TEST_CASE("when nothing fits, the rig or the survey is wrong and no plate is accused") {
-  Site site;
+  CorridorHungByEye site;
   for (const char* name : {"000L", "001L", "002L", "003L", "000R", "002R"}) {
     site.move(name, {0.05 * (name[2] - '0') - 0.1, 0.07, 0.03 * (name[2] - '0')});
   }

@@ -10,13 +10,12 @@
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
-using tagsmith::detail::test::Cover;
 using tagsmith::detail::test::SeenTag;
 
 namespace {
 
 // Bars alone, on white.
-SeenTag bare_symbol(double turn = 0) {
+SeenTag turned_bars(double turn = 0) {
   SeenTag tag;
   tag.framed = false;
   tag.width = tag.height = 300;
@@ -29,7 +28,7 @@ SeenTag bare_symbol(double turn = 0) {
 TEST_CASE("lines run across the bars, beyond them by half of their length") {
   for (const double turn : {0.0, 0.6, 2.5}) {
     CAPTURE(turn);
-    SeenTag tag = bare_symbol(turn);
+    SeenTag tag = turned_bars(turn);
     tag.width = tag.height = 600;
     tag.view.middle = {300, 300};
     const GrayImage image = tag.image();
@@ -50,7 +49,7 @@ TEST_CASE("lines run across the bars, beyond them by half of their length") {
 }
 
 TEST_CASE("lines end where the picture does") {
-  SeenTag tag = bare_symbol();
+  SeenTag tag = turned_bars();
   tag.view.middle = {120, 140};
   const GrayImage image = tag.image();
   SampledLight light(image.view());
@@ -64,7 +63,7 @@ TEST_CASE("lines end where the picture does") {
 TEST_CASE("bars that lean from the region's own direction are followed to a degree") {
   for (const double lean : {-0.1, 0.05, 0.12}) {
     CAPTURE(lean);
-    const SeenTag tag = bare_symbol(lean);
+    const SeenTag tag = turned_bars(lean);
     BarRegion region = tag.region();
     region.across = {1, 0};
     const GrayImage image = tag.image();
@@ -76,7 +75,7 @@ TEST_CASE("bars that lean from the region's own direction are followed to a degr
 }
 
 TEST_CASE("a line holds the light of the picture, averaged along the bars") {
-  const SeenTag tag = bare_symbol(0.4);
+  const SeenTag tag = turned_bars(0.4);
   const GrayImage image = tag.image();
   SampledLight light(image.view());
   const LineFrame frame = line_frame_for(light, tag.region());
@@ -103,7 +102,7 @@ TEST_CASE("a line holds the light of the picture, averaged along the bars") {
 }
 
 TEST_CASE("a symbol has bars, also where half of it is covered") {
-  SeenTag tag = bare_symbol(0.3);
+  SeenTag tag = turned_bars(0.3);
   const auto has = [](const SeenTag& seen) {
     const GrayImage image = seen.image();
     SampledLight light(image.view());

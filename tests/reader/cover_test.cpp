@@ -24,7 +24,7 @@ using namespace tagsmith::detail;
 
 namespace {
 
-constexpr const char* kCode = "019002400404";
+constexpr const char* kCoveredCode = "019002400404";
 
 struct CoveredPicture {
   View view;
@@ -48,7 +48,7 @@ Camera camera_of_width(int width) {
 }
 
 // The tag at 3 px a module, seen a little obliquely, with something in front.
-CoveredPicture read_behind(const PlateFinish& finish, const std::string& code = kCode,
+CoveredPicture read_behind(const PlateFinish& finish, const std::string& code = kCoveredCode,
                            const Hanging& pose = {},
                            std::optional<CheckDigit> check = CheckDigit::gs1) {
   const Camera camera = camera_of_width(480);
@@ -76,16 +76,16 @@ ReadResult read_covered(const Cover& cover) {
 
 // Over the frame's stroke and the quiet zone's first part, not over the bars: left, right, above,
 // below.
-constexpr double kModule = 0.343 / 113, kWidth = 0.343, kHeight = 0.168;
+constexpr double kModule = 0.343 / 113, kFrameWidth = 0.343, kFrameHeight = 0.168;
 constexpr std::array<Rectangle, 4> kBoardsOverSides{
     {{-0.02, -0.08, 0.02 + 4 * kModule, 0.32},
-     {kWidth - 4 * kModule, -0.08, 0.02 + 4 * kModule, 0.32},
+     {kFrameWidth - 4 * kModule, -0.08, 0.02 + 4 * kModule, 0.32},
      {-0.04, -0.02, 0.42, 0.02 + 4 * kModule},
-     {-0.04, kHeight - 4 * kModule, 0.42, 0.02 + 4 * kModule}}};
+     {-0.04, kFrameHeight - 4 * kModule, 0.42, 0.02 + 4 * kModule}}};
 
 bool reads_wrongly(const ReadResult& result) {
-  return std::ranges::any_of(result.tags,
-                             [](const Reading& tag) { return to_string(tag.digits) != kCode; });
+  return std::ranges::any_of(
+      result.tags, [](const Reading& tag) { return to_string(tag.digits) != kCoveredCode; });
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ TEST_CASE("a board before the upper third of the bars hides nothing") {
     CAPTURE(reflectance);
     const ReadResult result = read_covered({{0.09, 0.02, 0.17, 0.042}, reflectance});
     REQUIRE(result.tags.size() == 1);
-    CHECK(to_string(result.tags[0].digits) == kCode);
+    CHECK(to_string(result.tags[0].digits) == kCoveredCode);
   }
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("a board over a side of the frame: the bars say where the side is, and
     const CoveredPicture picture = read_behind(finish);
     REQUIRE(picture.result.tags.size() == 1);
     const Reading& tag = picture.result.tags[0];
-    CHECK(to_string(tag.digits) == kCode);
+    CHECK(to_string(tag.digits) == kCoveredCode);
     CHECK(tag.method == ReadingMethod::partly_covered);
     // The explanation shows what decided, with the places that nothing showed.
     REQUIRE(tag.symbol);
@@ -154,7 +154,7 @@ TEST_CASE("corners at a hidden side are off by what their covariance says") {
       CAPTURE(way.yaw);
       PlateFinish finish;
       finish.cover = Cover{kBoardsOverSides[side], 0.1};
-      const CoveredPicture picture = read_behind(finish, kCode, way);
+      const CoveredPicture picture = read_behind(finish, kCoveredCode, way);
       REQUIRE(picture.result.tags.size() == 1);
       const Reading& tag = picture.result.tags[0];
       for (const std::size_t i : kAtSide[side]) {
@@ -196,7 +196,7 @@ TEST_CASE("the rows of the bars tell how a frame's sides lean") {
 }
 
 TEST_CASE("a seventh of the bars' height above a cover is enough") {
-  const double start = 0.163 * kHeight + 0.0165;
+  const double start = 0.163 * kFrameHeight + 0.0165;
   for (const int modules : {8, 14, 21}) {
     for (const double reflectance : {0.05, 0.4, 0.82}) {
       CAPTURE(modules);
@@ -204,7 +204,7 @@ TEST_CASE("a seventh of the bars' height above a cover is enough") {
       const ReadResult result =
           read_covered({{45 * kModule, start, modules * kModule, 0.32}, reflectance});
       REQUIRE(result.tags.size() == 1);
-      CHECK(to_string(result.tags[0].digits) == kCode);
+      CHECK(to_string(result.tags[0].digits) == kCoveredCode);
     }
   }
 }
@@ -213,7 +213,7 @@ TEST_CASE("a covered tag beside a clean one is read too") {
   const Camera camera = camera_of_width(960);
   const double module = 0.343 / 113;
   std::array<ScenePlate, 2> plates;
-  plates[0].drawing = draw_tag(test::corridor_template(), *parse_digits(kCode));
+  plates[0].drawing = draw_tag(test::corridor_template(), *parse_digits(kCoveredCode));
   plates[0].finish.cover = Cover{{-0.04, -0.02, 0.42, 0.02 + 4 * module}, 0.1};
   plates[1].drawing = draw_tag(test::corridor_template(), *parse_digits("000001140408"));
   for (std::size_t i = 0; i < 2; ++i) {
@@ -228,7 +228,7 @@ TEST_CASE("a covered tag beside a clean one is read too") {
   const ReadResult result = read_tags(view.image.view());
   REQUIRE(result.tags.size() == 2);
   for (const Reading& tag : result.tags) {
-    const bool covered = to_string(tag.digits) == kCode;
+    const bool covered = to_string(tag.digits) == kCoveredCode;
     CHECK((covered || to_string(tag.digits) == "000001140408"));
     CHECK(tag.method == (covered ? ReadingMethod::partly_covered : ReadingMethod::frame));
   }
@@ -239,7 +239,7 @@ TEST_CASE("a highlight on the bars is read around") {
   finish.glare = Glare{{0.12, 0.11}, 0.025, 1.5};
   const ReadResult result = read_behind(finish).result;
   REQUIRE(result.tags.size() == 1);
-  CHECK(to_string(result.tags[0].digits) == kCode);
+  CHECK(to_string(result.tags[0].digits) == kCoveredCode);
 }
 
 TEST_CASE("a cable along the bars that turns one digit into another is no part of the code") {

@@ -13,6 +13,8 @@
 
 namespace tagsmith::detail::test {
 
+inline const Digits kDrawnDigits = *parse_digits("019000700401");
+
 struct DrawnSymbol {
   static constexpr int kMargin = 30;  // pixels around the frame's inside
   static constexpr int kStroke = 12;

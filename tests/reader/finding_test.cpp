@@ -117,7 +117,7 @@ std::set<Box> flooded_regions(const GrayImage& image) {
   return boxes;
 }
 
-const Digits kCode{0, 1, 9, 0, 0, 0, 0, 0, 0, 4, 0, 4};
+const Digits kShownCode{0, 1, 9, 0, 0, 0, 0, 0, 0, 4, 0, 4};
 
 // A tag in the middle of a picture, turned about its vertical by `incidence`.
 struct Shot {
@@ -133,7 +133,7 @@ Shot shot_of_tag(double module_px, double incidence_deg, double roll_deg = 5) {
   shot.camera.fx = shot.camera.fy = 1600;
   shot.camera.cx = 319.5;
   shot.camera.cy = 239.5;
-  shot.plate.drawing = draw_tag(test::corridor_template(), kCode);
+  shot.plate.drawing = draw_tag(test::corridor_template(), kShownCode);
   const double incidence = radians(incidence_deg);
   const double distance =
       shot.camera.fx * shot.plate.drawing.module * std::cos(incidence) / module_px;
@@ -151,7 +151,7 @@ View render(const Shot& shot) {
 
 bool is_read(const View& view, const ReadOptions& options = {}) {
   const ReadResult result = read_tags(view.image.view(), options);
-  return result.tags.size() == 1 && result.tags.front().digits == kCode;
+  return result.tags.size() == 1 && result.tags.front().digits == kShownCode;
 }
 
 }  // namespace
@@ -419,5 +419,5 @@ TEST_CASE("a tag of another survey is refused by its digits") {
   REQUIRE(result.rejected.size() == 1);
   CHECK(result.rejected.front().reason == RejectionReason::stranger);
   CHECK(describe(result.rejected.front()) ==
-        "the digits " + to_string(kCode) + " are in none of the given surveys");
+        "the digits " + to_string(kShownCode) + " are in none of the given surveys");
 }

@@ -10,16 +10,14 @@
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
-using tagsmith::detail::test::Cover;
 using tagsmith::detail::test::farthest_apart;
+using tagsmith::detail::test::PlaneCover;
 using tagsmith::detail::test::PlaneView;
 using tagsmith::detail::test::SeenTag;
 
 namespace {
 
-constexpr SymbolLayout kLayout;
-
-SeenTag seen_aslant() {
+SeenTag bars_seen_aslant() {
   SeenTag tag;
   tag.width = 360;
   tag.height = 220;
@@ -46,18 +44,18 @@ LocatedBars bars_of(const SeenTag& tag) {
 
 std::optional<RefinedFrame> completed(const SeenTag& tag) {
   const GrayImage image = tag.image(), half = half_size(image.view());
-  return frame_by_bars(image.view(), half.view(), bars_of(tag), kLayout);
+  return frame_by_bars(image.view(), half.view(), bars_of(tag), SymbolLayout{});
 }
 
 std::optional<RefinedFrame> fitted(const SeenTag& tag, const Quad& expected) {
   const GrayImage image = tag.image(), half = half_size(image.view());
-  return frame_by_symbol(image.view(), half.view(), expected, kLayout, tag.view.module_px);
+  return frame_by_symbol(image.view(), half.view(), expected, SymbolLayout{}, tag.view.module_px);
 }
 
 }  // namespace
 
 TEST_CASE("bars as they are made here are where the plane has them") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = bars_seen_aslant();
   const LocatedBars bars = bars_of(tag);
   for (const PixelPoint at : {PixelPoint{-47.5, -10}, {12, 9}, {47.5, 3}}) {
     CHECK(bars.module_of(tag.view.pixel(at)) == doctest::Approx(at.x + 47.5));
@@ -65,7 +63,7 @@ TEST_CASE("bars as they are made here are where the plane has them") {
 }
 
 TEST_CASE("a frame that shows all around is fitted around its bars") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = bars_seen_aslant();
   const auto frame = completed(tag);
   REQUIRE(frame);
   CHECK(frame->shown == std::array<bool, 4>{true, true, true, true});
@@ -75,8 +73,8 @@ TEST_CASE("a frame that shows all around is fitted around its bars") {
 TEST_CASE("a left or right side that is hidden is where the bars have it") {
   for (const bool left : {true, false}) {
     CAPTURE(left);
-    SeenTag tag = seen_aslant();
-    tag.covers = {left ? Cover{-80, -50, -52, 50, 0.4} : Cover{52, -50, 80, 50, 0.4}};
+    SeenTag tag = bars_seen_aslant();
+    tag.covers = {left ? PlaneCover{-80, -50, -52, 50, 0.4} : PlaneCover{52, -50, 80, 50, 0.4}};
     const auto frame = completed(tag);
     REQUIRE(frame);
     CHECK(frame->shown == std::array<bool, 4>{true, left, true, !left});
@@ -89,7 +87,7 @@ TEST_CASE("a left or right side that is hidden is where the bars have it") {
 }
 
 TEST_CASE("an upper side that is hidden is where the bars' ends have it") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = bars_seen_aslant();
   tag.covers = {{-80, -50, 80, tag.bars_top - 4, tag.white}};
   const auto frame = completed(tag);
   REQUIRE(frame);
@@ -99,19 +97,19 @@ TEST_CASE("an upper side that is hidden is where the bars' ends have it") {
 }
 
 TEST_CASE("bars of which nothing around is a frame complete none") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = bars_seen_aslant();
   tag.framed = false;
   tag.covers = {{-80, -50, 80, tag.bars_top + 5, 0.4}, {-80, tag.bars_bottom - 5, 80, 50, 0.4}};
   CHECK(!completed(tag));
   LocatedBars none;
   const GrayImage image = tag.image(), half = half_size(image.view());
-  CHECK(!frame_by_bars(image.view(), half.view(), none, kLayout));
+  CHECK(!frame_by_bars(image.view(), half.view(), none, SymbolLayout{}));
 }
 
 TEST_CASE("around a symbol that was read the frame is fitted to a tenth of a pixel") {
   for (const double module_px : {1.4, 2.4}) {
     CAPTURE(module_px);
-    SeenTag tag = seen_aslant();
+    SeenTag tag = bars_seen_aslant();
     tag.view.module_px = module_px;
     Quad expected = tag.corners();
     // As the bars have them, to a tenth of a module or so.
@@ -129,7 +127,7 @@ TEST_CASE("a side that is not where the symbol has it is something else's") {
   // half its size tells, and nearer.
   for (const double inside : {2.0, 0.5}) {
     CAPTURE(inside);
-    SeenTag tag = seen_aslant();
+    SeenTag tag = bars_seen_aslant();
     tag.covers = {{SeenTag::kLeft - 6, -50, SeenTag::kLeft + inside, 50, 0.05}};
     const auto frame = fitted(tag, tag.corners());
     REQUIRE(frame);

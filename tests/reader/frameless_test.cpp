@@ -17,7 +17,7 @@
 namespace tagsmith::detail::test {
 namespace {
 
-constexpr const char* kCode = "036000291452";  // GS1's own example of a UPC-A number
+constexpr const char* kProductCode = "036000291452";  // GS1's own example of a UPC-A number
 
 std::vector<int> elements(const char* text) {
   const auto widths = elements_of(parse_digits(text).value());
@@ -50,7 +50,7 @@ TEST_CASE("a symbol without a frame is read whichever way it is turned") {
     CAPTURE(degrees);
     BarPicture how;
     how.roll = degrees * std::numbers::pi / 180;
-    CHECK(read(elements(kCode), how) == kCode);
+    CHECK(read(elements(kProductCode), how) == kProductCode);
   }
 }
 
@@ -86,12 +86,12 @@ TEST_CASE("blurred, small, bent, crumpled, grown and noisy symbols without a fra
     CAPTURE(how.growth);
     CAPTURE(how.noise);
     CAPTURE(how.paper);
-    CHECK(read(elements(kCode), how) == kCode);
+    CHECK(read(elements(kProductCode), how) == kProductCode);
   }
 }
 
 TEST_CASE("what is no UPC-A symbol with a gs1 check digit is not read") {
-  const std::vector<int> code = elements(kCode);
+  const std::vector<int> code = elements(kProductCode);
   std::vector<int> ean13 = code;  // digits 1, 2 and 4 of the left half in even parity
   for (const int place : {1, 2, 4}) {
     const auto first = ean13.begin() + first_element_of_digit(place);
@@ -116,7 +116,7 @@ TEST_CASE("what is no UPC-A symbol with a gs1 check digit is not read") {
 TEST_CASE("a reading without a frame tells its bars' outline and module") {
   BarPicture how;
   how.module_px = 3;
-  const GrayImage image = picture_of(elements(kCode), how);
+  const GrayImage image = picture_of(elements(kProductCode), how);
   const FramelessResult result = read_frameless(image.view());
   REQUIRE(result.read.size() == 1);
   const FramelessReading& reading = result.read[0];

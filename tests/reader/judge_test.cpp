@@ -12,10 +12,9 @@
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::DrawnSymbol;
+using tagsmith::detail::test::kDrawnDigits;
 
 namespace {
-
-const Digits kDigits = *parse_digits("019000700401");
 
 // A dark cable over the whole plate, so many pixels wide.
 void draw_cable(DrawnSymbol& symbol, int module, int width) {
@@ -27,13 +26,13 @@ void draw_cable(DrawnSymbol& symbol, int module, int width) {
 }  // namespace
 
 TEST_CASE("the bars tell which corners may be P") {
-  const DrawnSymbol symbol(kDigits, 3);
+  const DrawnSymbol symbol(kDrawnDigits, 3);
   const GrayView image = symbol.image.view();
   CHECK(possible_first_corners(image, symbol.frame().corners) == std::vector<std::size_t>{0});
   CHECK(possible_first_corners(image, turned_to(symbol.frame(), 1).corners) ==
         std::vector<std::size_t>{1});
   const DrawnSymbol blank = [] {
-    DrawnSymbol drawn(kDigits, 3);
+    DrawnSymbol drawn(kDrawnDigits, 3);
     drawn.fill(0, 0, drawn.width(), drawn.height(), DrawnSymbol::kWhite);
     return drawn;
   }();
@@ -41,13 +40,13 @@ TEST_CASE("the bars tell which corners may be P") {
 }
 
 TEST_CASE("a frame's symbol is the same from whichever corner the frame begins") {
-  const DrawnSymbol symbol(kDigits, 3);
+  const DrawnSymbol symbol(kDrawnDigits, 3);
   for (const std::size_t turn : {0U, 1U, 2U, 3U}) {
     CAPTURE(turn);
     const RefinedFrame frame = turned_to(symbol.frame(), turn);
     const auto found = quick_hypothesis(symbol.image.view(), frame, {});
     REQUIRE(found);
-    CHECK(found->decoding.digits == kDigits);
+    CHECK(found->decoding.digits == kDrawnDigits);
     const FrameCorners corners = corners_of(*found), by_bars = corners_by_bars(*found);
     for (std::size_t i = 0; i < 4; ++i) {
       CHECK(distance(corners[i], symbol.frame().corners[i]) < 0.05);
@@ -59,7 +58,7 @@ TEST_CASE("a frame's symbol is the same from whichever corner the frame begins")
 }
 
 TEST_CASE("a hidden side is where the bars put it") {
-  const DrawnSymbol symbol(kDigits, 3);
+  const DrawnSymbol symbol(kDrawnDigits, 3);
   RefinedFrame frame = symbol.frame();
   // Said to be a third of a module further out than it is.
   frame.corners[1].x += 1;
@@ -67,7 +66,7 @@ TEST_CASE("a hidden side is where the bars put it") {
   frame.shown[1] = false;
   const auto found = better_hypothesis(symbol.image.view(), frame, {});
   REQUIRE(found);
-  CHECK(found->decoding.digits == kDigits);
+  CHECK(found->decoding.digits == kDrawnDigits);
   const FrameCorners corners = corners_of(*found);
   for (std::size_t i = 0; i < 4; ++i) {
     CHECK(distance(corners[i], symbol.frame().corners[i]) < 0.5);
@@ -75,7 +74,7 @@ TEST_CASE("a hidden side is where the bars put it") {
 }
 
 TEST_CASE("what is not believed says why, with what was measured and its limit") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   const GrayView image = symbol.image.view();
   SUBCASE("a cable along the bars") {
     draw_cable(symbol, 30, 6);
@@ -104,42 +103,42 @@ TEST_CASE("what is not believed says why, with what was measured and its limit")
 }
 
 TEST_CASE("all rows together are believed where most of the height is hidden") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   symbol.fill(8, symbol.height() / 3, symbol.width() - 8, symbol.height() - 8, 140);
   const auto found = believed_hypothesis(symbol.image.view(), symbol.frame(), {}, true);
   REQUIRE(found);
-  CHECK(found->decoding.digits == kDigits);
+  CHECK(found->decoding.digits == kDrawnDigits);
 }
 
 TEST_CASE("a clear symbol that is in no book is a stranger to it") {
-  const DrawnSymbol symbol(kDigits, 3);
+  const DrawnSymbol symbol(kDrawnDigits, 3);
   ReadOptions options;
   options.code_book = {*parse_digits("019000900403")};
   const auto stranger = stranger_to_book(symbol.image.view(), symbol.frame(), options);
   REQUIRE(stranger);
-  CHECK(stranger->decoding.digits == kDigits);
-  options.code_book.push_back(kDigits);
+  CHECK(stranger->decoding.digits == kDrawnDigits);
+  options.code_book.push_back(kDrawnDigits);
   CHECK(!stranger_to_book(symbol.image.view(), symbol.frame(), options));
 }
 
 TEST_CASE("a believed symbol is a reading where its bars end as its layout says") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   const auto found = quick_hypothesis(symbol.image.view(), symbol.frame(), {});
   REQUIRE(found);
   const auto reading =
       reading_where_bars_end(symbol.image.view(), *found, {}, ReadingMethod::frame);
   REQUIRE(reading);
-  CHECK(reading->digits == kDigits);
+  CHECK(reading->digits == kDrawnDigits);
   CHECK(reading->confidence > kSureInFrame);
   CHECK(reading->module_px == doctest::Approx(4));
   CHECK(reading->method == ReadingMethod::frame);
-  CHECK(reading->sum10_holds == has_check_digit(CheckDigit::sum10, kDigits));
+  CHECK(reading->sum10_holds == has_check_digit(CheckDigit::sum10, kDrawnDigits));
   // What was refused is read once its codes are known, from what was kept of it.
   const Rejection rejection = rejection_of(*found, {RejectionReason::doubtful, 0.5, 0.9});
   ReadOptions named;
-  named.code_book = {kDigits};
+  named.code_book = {kDrawnDigits};
   const auto again = read_again(symbol.image.view(), rejection, named);
   REQUIRE(again);
-  CHECK(again->digits == kDigits);
+  CHECK(again->digits == kDrawnDigits);
   CHECK(!read_again(symbol.image.view(), Rejection{}, named));
 }

@@ -13,10 +13,9 @@
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::DrawnSymbol;
+using tagsmith::detail::test::kDrawnDigits;
 
 namespace {
-
-const Digits kDigits = *parse_digits("019000700401");
 
 SymbolRows rows_of(const DrawnSymbol& symbol, RowHeight height) {
   return {symbol.image.view(), symbol.frame().corners, {}, SymbolLayout{}, height};
@@ -25,7 +24,7 @@ SymbolRows rows_of(const DrawnSymbol& symbol, RowHeight height) {
 // The greatest difference between a profile and the modules of the digits, of places that are a
 // third of a module from every edge and that say something; `least` places must.
 double farthest_off(const ScanProfile& profile, std::size_t least = 190) {
-  const auto modules = modules_of(kDigits);
+  const auto modules = modules_of(kDrawnDigits);
   double worst = 0;
   std::size_t seen = 0;
   for (const ScanBin& bin : profile) {
@@ -43,7 +42,7 @@ double farthest_off(const ScanProfile& profile, std::size_t least = 190) {
 }  // namespace
 
 TEST_CASE("a symbol's rows hold each pixel of the bars once, at its place") {
-  const DrawnSymbol symbol(kDigits, 4);
+  const DrawnSymbol symbol(kDrawnDigits, 4);
   const SymbolRows rows = rows_of(symbol, RowHeight::fine);
   CHECK(rows.module_px == doctest::Approx(4));
   CHECK(rows.bins_per_module == 6);
@@ -56,7 +55,7 @@ TEST_CASE("a symbol's rows hold each pixel of the bars once, at its place") {
   // 103 modules of four pixels, in every row of pixels between top and bottom.
   const double lines = (rows.bottom - rows.top) * symbol.height();
   CHECK(pixels == doctest::Approx(4 * 103 * lines).epsilon(0.02));
-  const auto modules = modules_of(kDigits);
+  const auto modules = modules_of(kDrawnDigits);
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     const double at = rows.module_of(static_cast<double>(rows.middles[bin]));
     if (rows.middles[bin] < 0 || at < 0 || at >= kModuleCount) continue;
@@ -66,7 +65,7 @@ TEST_CASE("a symbol's rows hold each pixel of the bars once, at its place") {
 }
 
 TEST_CASE("coarse rows are few, and take fewer pixels of a large frame") {
-  const DrawnSymbol small(kDigits, 1), large(kDigits, 8);
+  const DrawnSymbol small(kDrawnDigits, 1), large(kDrawnDigits, 8);
   CHECK(rows_of(small, RowHeight::coarse).rows == 8);
   const SymbolRows coarse = rows_of(large, RowHeight::coarse);
   const SymbolRows fine = rows_of(large, RowHeight::fine);
@@ -81,7 +80,7 @@ TEST_CASE("coarse rows are few, and take fewer pixels of a large frame") {
 }
 
 TEST_CASE("what is plain where other rows show bars is left out, and nothing else") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   const int middle = symbol.height() / 2;
   symbol.fill(0, middle - 10, symbol.width(), middle + 10, 120);
   SymbolRows rows = rows_of(symbol, RowHeight::fine);
@@ -97,7 +96,7 @@ TEST_CASE("what is plain where other rows show bars is left out, and nothing els
 }
 
 TEST_CASE("rows that agree give the modules") {
-  const DrawnSymbol symbol(kDigits, 3);
+  const DrawnSymbol symbol(kDrawnDigits, 3);
   const SymbolProfile profile =
       RobustProfile(symbol.image.view(), symbol.frame(), SymbolLayout{}).of_agreeing_rows();
   CHECK(profile.module_px == doctest::Approx(3));
@@ -107,7 +106,7 @@ TEST_CASE("rows that agree give the modules") {
 }
 
 TEST_CASE("an occluder over some rows is left out there without making the others doubtful") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   // A board over a quarter of the bars' height and twenty modules.
   const int top = static_cast<int>(0.2 * symbol.height());
   const int bottom = top + static_cast<int>(0.25 * 0.674 * symbol.height());
@@ -125,8 +124,8 @@ TEST_CASE("an occluder over some rows is left out there without making the other
 }
 
 TEST_CASE("a speck that is too small for an occluder makes its place doubtful") {
-  DrawnSymbol symbol(kDigits, 4);
-  const auto modules = modules_of(kDigits);
+  DrawnSymbol symbol(kDrawnDigits, 4);
+  const auto modules = modules_of(kDrawnDigits);
   int space = 20;
   while (modules[static_cast<std::size_t>(space)] == 1) ++space;
   const int top = static_cast<int>(0.2 * symbol.height());
@@ -143,7 +142,7 @@ TEST_CASE("a speck that is too small for an occluder makes its place doubtful") 
 }
 
 TEST_CASE("half of the height can be asked alone") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   symbol.fill(0, 0, symbol.width(), symbol.height() / 2, DrawnSymbol::kWhite);
   const RobustProfile profile(symbol.image.view(), symbol.frame(), SymbolLayout{});
   CHECK(farthest_off(profile.of_agreeing_rows({0.5, 1}).bins) < 0.01);
@@ -151,7 +150,7 @@ TEST_CASE("half of the height can be asked alone") {
 }
 
 TEST_CASE("a fifth of the height in sight is enough for all rows together") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   const double bars = 0.674 * symbol.height();
   const int top = static_cast<int>(0.163 * symbol.height() + 0.2 * bars);
   symbol.fill(10, top, symbol.width() - 10, symbol.height() - 10, 130);
@@ -161,7 +160,7 @@ TEST_CASE("a fifth of the height in sight is enough for all rows together") {
 }
 
 TEST_CASE("rows under light of their own follow what all have in common") {
-  DrawnSymbol symbol(kDigits, 4);
+  DrawnSymbol symbol(kDrawnDigits, 4);
   // A shadow that quarters the light of a third of the height, and glare that fills in another.
   const int third = symbol.height() / 3;
   for (int y = 0; y < symbol.height(); ++y) {
@@ -175,7 +174,7 @@ TEST_CASE("rows under light of their own follow what all have in common") {
   const SymbolRows rows = rows_of(symbol, RowHeight::fine);
   const SettledRows settled = settle(rows, AddedLight::even);
   const RowStretches stretches(rows, settled.common, AddedLight::even);
-  const auto modules = modules_of(kDigits);
+  const auto modules = modules_of(kDrawnDigits);
   std::size_t voting = 0;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
     const double at = rows.module_of(static_cast<double>(bin) + 0.5);

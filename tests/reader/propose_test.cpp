@@ -14,12 +14,12 @@
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
-using tagsmith::detail::test::Cover;
+using tagsmith::detail::test::PlaneCover;
 using tagsmith::detail::test::SeenTag;
 
 namespace {
 
-SeenTag seen_aslant() {
+SeenTag large_seen_aslant() {
   SeenTag tag;
   tag.width = 520;
   tag.height = 400;
@@ -91,12 +91,12 @@ bool is_of(const BarRegion& region, const SeenTag& tag) {
 }
 
 // Something dark over the frame and the bars, from above to below.
-Cover cable_at(double x) { return {x, -60, x + 6, 60, 0.05}; }
+PlaneCover cable_at(double x) { return {x, -60, x + 6, 60, 0.05}; }
 
 }  // namespace
 
 TEST_CASE("an expected tag is proposed where it should be, in a level that reaches so far") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   for (const double uncertainty : {2.0, 12.0}) {
     CAPTURE(uncertainty);
     ReadOptions options;
@@ -121,7 +121,7 @@ TEST_CASE("an expected tag is proposed where it should be, in a level that reach
 }
 
 TEST_CASE("around an expected tag that was read nothing more is proposed") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   ReadOptions options;
   options.expected = {{tag.corners(), 2}};
   Proposed proposed(tag, options);
@@ -131,7 +131,7 @@ TEST_CASE("around an expected tag that was read nothing more is proposed") {
 }
 
 TEST_CASE("a tag that is expected outside of the picture is not proposed") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   ReadOptions options;
   options.expected = {{tag.corners(), 2}};
   for (PixelPoint& corner : options.expected[0].corners) corner.x += 900;
@@ -141,7 +141,7 @@ TEST_CASE("a tag that is expected outside of the picture is not proposed") {
 }
 
 TEST_CASE("a tag's outline is proposed near its bars, once each in full and half size") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   Proposed proposed(tag);
   propose_near_bars(proposed.search);
   CHECK(proposed.search.is_searched);
@@ -155,7 +155,7 @@ TEST_CASE("a tag's outline is proposed near its bars, once each in full and half
 }
 
 TEST_CASE("a tag that is too small for the coarsest level is proposed in a finer one") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   tag.view.module_px = 0.6;
   Proposed proposed(tag);
   propose_near_bars(proposed.search);
@@ -163,7 +163,7 @@ TEST_CASE("a tag that is too small for the coarsest level is proposed in a finer
 }
 
 TEST_CASE("what was read is not proposed again") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   Proposed proposed(tag);
   proposed.read(tag);
   REQUIRE(proposed.detector.has_read_any());
@@ -172,7 +172,7 @@ TEST_CASE("what was read is not proposed again") {
 }
 
 TEST_CASE("the options say when the whole picture is searched") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   const auto is_searched = [&](Search when, bool expected, bool read) {
     ReadOptions options;
     options.search = when;
@@ -192,7 +192,7 @@ TEST_CASE("the options say when the whole picture is searched") {
 }
 
 TEST_CASE("a frame that does not show as one piece is proposed around its bars") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   // So near that the quiet zones keep bars and frame apart in the image at half its size.
   tag.width = 680;
   tag.view = {{340, 200}, 4.5, 0.15, {}};
@@ -212,7 +212,7 @@ TEST_CASE("a frame that does not show as one piece is proposed around its bars")
 }
 
 TEST_CASE("bars that show at a quarter of the size are told in pixels of the full image") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   tag.width = 1150;
   tag.height = 760;
   tag.view = {{575, 380}, 8.5, 0.1, {}};
@@ -226,7 +226,7 @@ TEST_CASE("bars that show at a quarter of the size are told in pixels of the ful
 }
 
 TEST_CASE("a frame that is cut in two is proposed as its pieces joined") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   tag.covers = {cable_at(-20)};
   Proposed near(tag);
   propose_near_bars(near.search);
@@ -237,7 +237,7 @@ TEST_CASE("a frame that is cut in two is proposed as its pieces joined") {
 }
 
 TEST_CASE("where something was read pieces are joined around bars that are like a symbol alone") {
-  const SeenTag tag = seen_aslant();
+  const SeenTag tag = large_seen_aslant();
   Proposed proposed(tag);
   proposed.read(tag);
   REQUIRE(proposed.detector.has_read_any());
@@ -246,7 +246,7 @@ TEST_CASE("where something was read pieces are joined around bars that are like 
 }
 
 TEST_CASE("frames that were refused and may be covered are proposed, each by its hypothesis") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   tag.view.module_px = 2.4;
   tag.covers = {{-54, -5, 54, 25, 0.3}};
   Proposed proposed(tag);
@@ -261,7 +261,7 @@ TEST_CASE("frames that were refused and may be covered are proposed, each by its
 }
 
 TEST_CASE("bars in a frame that is not theirs are proposed, unless they are none") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   tag.bars_top += 5;
   tag.bars_bottom += 5;
   Proposed proposed(tag);
@@ -274,7 +274,7 @@ TEST_CASE("bars in a frame that is not theirs are proposed, unless they are none
 }
 
 TEST_CASE("bars that no reading explains are proposed where they are") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   tag.framed = false;
   Proposed proposed(tag);
   propose_bars(proposed.search);
@@ -284,7 +284,7 @@ TEST_CASE("bars that no reading explains are proposed where they are") {
 }
 
 TEST_CASE("bars that were read, that run off the picture or that are too small are not proposed") {
-  SeenTag tag = seen_aslant();
+  SeenTag tag = large_seen_aslant();
   Proposed read(tag);
   read.read(tag);
   REQUIRE(read.detector.has_read_any());
@@ -296,7 +296,7 @@ TEST_CASE("bars that were read, that run off the picture or that are too small a
   Proposed off(tag);
   propose_bars(off.search);
   CHECK(off.all.empty());
-  tag = seen_aslant();
+  tag = large_seen_aslant();
   tag.framed = false;
   tag.view.module_px = 0.7;
   Proposed small(tag);

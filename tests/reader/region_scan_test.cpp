@@ -10,12 +10,11 @@
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
-using tagsmith::detail::test::Cover;
 using tagsmith::detail::test::SeenTag;
 
 namespace {
 
-SeenTag bare_symbol(double turn = 0) {
+SeenTag slanted_bars(double turn = 0) {
   SeenTag tag;
   tag.framed = false;
   tag.width = 460;
@@ -77,7 +76,7 @@ TEST_CASE("boundaries are where guards and digits begin") {
 TEST_CASE("the first line reads the symbol, in whichever direction it runs") {
   for (const double turn : {0.0, 0.2, std::numbers::pi}) {
     CAPTURE(turn);
-    Lines lines(bare_symbol(turn));
+    Lines lines(slanted_bars(turn));
     if (turn > 3) {  // seen from the other end
       lines.region.across = -1 * lines.region.across;
       lines.frame = line_frame_for(lines.light, lines.region);
@@ -92,7 +91,7 @@ TEST_CASE("the first line reads the symbol, in whichever direction it runs") {
 }
 
 TEST_CASE("the first line is one that is not covered") {
-  SeenTag tag = bare_symbol();
+  SeenTag tag = slanted_bars();
   const double middle = (tag.bars_top + tag.bars_bottom) / 2;
   const double height = tag.bars_bottom - tag.bars_top;
   tag.covers = {{-60, middle - 0.4 * height, 60, middle + 0.1 * height, 0.4}};
@@ -104,13 +103,13 @@ TEST_CASE("the first line is one that is not covered") {
 }
 
 TEST_CASE("what is no symbol, or not of the region's size, has no first line") {
-  SeenTag tag = bare_symbol();
+  SeenTag tag = slanted_bars();
   tag.covers = {{-60, -40, 60, 40, 0.4}};
   CHECK(!Lines(tag).first());
-  tag = bare_symbol();
+  tag = slanted_bars();
   tag.covers = {{-60, -40, -20, 40, 0.4}, {20, -40, 60, 40, 0.4}};
   CHECK(!Lines(tag).first());
-  Lines lines(bare_symbol());
+  Lines lines(slanted_bars());
   lines.region.length *= 2;
   FirstLineLimits limits;
   CHECK(first_line(lines.light, lines.frame, lines.region, Wanted::digits, limits));
@@ -119,7 +118,7 @@ TEST_CASE("what is no symbol, or not of the region's size, has no first line") {
 }
 
 TEST_CASE("lines are read over the whole height of the bars, each where it lies") {
-  Lines lines(bare_symbol(0.1));
+  Lines lines(slanted_bars(0.1));
   const RegionScan scan = lines.scan(12);
   CHECK(scan.spacing == doctest::Approx(lines.region.height / 12));
   REQUIRE(scan.lines.size() >= 11);
@@ -137,7 +136,7 @@ TEST_CASE("lines are read over the whole height of the bars, each where it lies"
 }
 
 TEST_CASE("lines follow bars that lean by more than one line could be off") {
-  Lines lines(bare_symbol(0.1));
+  Lines lines(slanted_bars(0.1));
   lines.frame.along = {std::sin(0.35), std::cos(0.35)};
   const RegionScan scan = lines.scan(16);
   // From end to end the symbol moves along the lines by so many modules.
@@ -148,7 +147,7 @@ TEST_CASE("lines follow bars that lean by more than one line could be off") {
 }
 
 TEST_CASE("a line that reads much worse than most is left out") {
-  SeenTag tag = bare_symbol();
+  SeenTag tag = slanted_bars();
   const double middle = (tag.bars_top + tag.bars_bottom) / 2;
   tag.covers = {{-26, middle + 7, -2, middle + 12, tag.black}};
   Lines lines(tag);
@@ -160,7 +159,7 @@ TEST_CASE("a line that reads much worse than most is left out") {
 }
 
 TEST_CASE("lines in dirt are left out, and those beyond it are read") {
-  SeenTag tag = bare_symbol();
+  SeenTag tag = slanted_bars();
   const double middle = (tag.bars_top + tag.bars_bottom) / 2;
   tag.covers = {{-60, middle - 12, 10, middle - 6, 0.4}};
   Lines lines(tag);
@@ -179,7 +178,7 @@ TEST_CASE("lines in dirt are left out, and those beyond it are read") {
 TEST_CASE("the look of the bars is the one that suits them") {
   for (const double growth : {-0.3, 0.0, 0.3}) {
     CAPTURE(growth);
-    SeenTag tag = bare_symbol();
+    SeenTag tag = slanted_bars();
     tag.growth = growth;
     tag.blur_px = 1.25;  // half of a module
     Lines lines(tag);

@@ -50,7 +50,7 @@ std::vector<Rectangle> rooms_of(const std::vector<PlateSize>& plates, const Plat
   return rooms;
 }
 
-bool overlap(const Rectangle& a, const Rectangle& b) {
+bool overlap_visibly(const Rectangle& a, const Rectangle& b) {
   constexpr double kRounding = 1e-6;
   return std::min(a.x + a.width, b.x + b.width) - std::max(a.x, b.x) > kRounding &&
          std::min(a.y + a.height, b.y + b.height) - std::max(a.y, b.y) > kRounding;
@@ -128,7 +128,7 @@ TEST_CASE("plates of any sizes are packed apart, on little more of the strip tha
       CHECK(rooms[i].x >= 0);
       CHECK(rooms[i].x + rooms[i].width < kWidth + 1e-6);
       CHECK(rooms[i].y + rooms[i].height < packing.length + 1e-6);
-      for (std::size_t j = 0; j < i; ++j) CHECK_FALSE(overlap(rooms[i], rooms[j]));
+      for (std::size_t j = 0; j < i; ++j) CHECK_FALSE(overlap_visibly(rooms[i], rooms[j]));
     }
     const PlatePacking part = pack_plates(plates, kWidth, packing.length / 2, true);
     CHECK(part.places.size() < plates.size());

@@ -9,6 +9,7 @@
 
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tests/render/print_command.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -17,12 +18,6 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr const char* kCorridor = "surveys/corridor/survey.yaml";
-
-ProgramOutput print(const std::string& survey, const fs::path& folder, const std::string& options) {
-  return run_tagsmith("print '" + survey + "' -o '" + folder.string() + "' " + options);
-}
 
 json manifest_in(const fs::path& folder) {
   return json::parse(read_file(folder / "manifest.json").value());

@@ -10,6 +10,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tests/render/print_command.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -20,8 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kCorridor = "surveys/corridor/survey.yaml";
-
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -29,11 +28,6 @@ std::vector<std::string> names_in(const fs::path& folder) {
   }
   std::ranges::sort(names);
   return names;
-}
-
-ProgramOutput print(const std::string& survey, const fs::path& folder,
-                    const std::string& options = {}) {
-  return run_tagsmith("print '" + survey + "' -o '" + folder.string() + "' " + options);
 }
 
 std::string all_bytes(const fs::path& folder) {

@@ -30,6 +30,9 @@ struct BoardStance {
 
 Pose camera_from_board(const Camera& camera, const Board& board, const BoardStance& stance);
 
+// With a lens that bends straight lines.
+inline const Camera kWideCamera{1280, 960, 800, 800, 633.5, 488, {-0.35, 0.12}};
+
 // As somebody moves a board about who was told to cover the picture and to tilt it.
 BoardStance varied_stance(const Camera& camera, std::size_t index, Draws& draws);
 

@@ -57,7 +57,7 @@ struct PlaneView {
 };
 
 // A rectangle of the plane that is laid over the tag.
-struct Cover {
+struct PlaneCover {
   double left = 0, top = 0, right = 0, bottom = 0;
   double light = 0.1;
 };
@@ -78,7 +78,7 @@ struct SeenTag {
   double bars_bottom = kTop + 0.837 * (-2 * kTop);  // and end, below
   double bars_lean = 0;  // by which both ends are further down, modules a module along x
   double growth = 0;     // of the bars, modules
-  std::vector<Cover> covers{};
+  std::vector<PlaneCover> covers{};
 
   double right() const { return -kLeft; }
   double bottom() const { return -kTop; }
@@ -133,7 +133,7 @@ struct SeenTag {
     }
     const double lean = bars_lean * at.x;
     light -= (white - black) * share * between(at.y - lean, bars_top, bars_bottom, px_y);
-    for (const Cover& cover : covers) {
+    for (const PlaneCover& cover : covers) {
       light += (cover.light - light) * box(cover.left, cover.top, cover.right, cover.bottom);
     }
     return light;

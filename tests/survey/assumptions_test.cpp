@@ -20,12 +20,6 @@ using doctest::Approx;
 
 namespace {
 
-Survey survey_of(const std::string& text) {
-  const SurveyReading reading = read_survey_text("trial.yaml", text);
-  REQUIRE_MESSAGE(reading.survey.has_value(), to_string(reading.diagnostics));
-  return *reading.survey;
-}
-
 // A rig whose one camera has these intrinsics and, with `sigma`, that key.
 RigReading rig_reading(const std::string& intrinsics, const std::string& sigma) {
   return read_rig_text("rig.yaml", "rig: trial\ncameras:\n  eye: { " + intrinsics + ", yaw: 5" +

@@ -16,7 +16,7 @@ using doctest::Approx;
 namespace {
 
 // Of an A4 sheet, measured; nine lines.
-const std::string kRight =
+const std::string kRightBoard =
     "board: desk\n"
     "serial: 12\n"
     "sheet: [0.297, 0.210]\n"
@@ -33,7 +33,7 @@ BoardReading read_text_as_board(const std::string& text) {
   return *reading;
 }
 
-const Breakage kErrors[] = {
+const Breakage kBoardErrors[] = {
     {"no name", "board: desk\n", "", "missing-key", 1},
     {"name as a path", "board: desk", "board: ../desk", "bad-name", 1},
     {"serial of four digits", "serial: 12", "serial: 1000", "out-of-range", 2},
@@ -67,7 +67,7 @@ const Breakage kErrors[] = {
 }  // namespace
 
 TEST_CASE("the board that the others break is right, and has its measured scale") {
-  const BoardReading reading = read_text_as_board(kRight);
+  const BoardReading reading = read_text_as_board(kRightBoard);
   CHECK_MESSAGE(reading.diagnostics.empty(), to_string(reading.diagnostics));
   REQUIRE(reading.board);
   const Board& board = *reading.board;
@@ -81,9 +81,9 @@ TEST_CASE("the board that the others break is right, and has its measured scale"
 }
 
 TEST_CASE("every way to break a board is reported by its rule and line") {
-  for (const Breakage& broken : kErrors) {
+  for (const Breakage& broken : kBoardErrors) {
     CAPTURE(broken.name);
-    const BoardReading reading = read_text_as_board(replaced(kRight, broken.from, broken.to));
+    const BoardReading reading = read_text_as_board(replaced(kRightBoard, broken.from, broken.to));
     CHECK_FALSE(reading.board.has_value());
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
@@ -92,7 +92,7 @@ TEST_CASE("every way to break a board is reported by its rule and line") {
 
 TEST_CASE("a scale that no print has comes with its remedy") {
   const BoardReading reading =
-      read_text_as_board(replaced(kRight, "280.4, a_c_mm: 194.1", "267.0, a_c_mm: 184.3"));
+      read_text_as_board(replaced(kRightBoard, "280.4, a_c_mm: 194.1", "267.0, a_c_mm: 184.3"));
   REQUIRE(reading.diagnostics.size() == 1);
   CHECK(reading.diagnostics[0].message ==
         "the print is 95.02 % of its drawn size to the right and 95 % down, expected 98 to 102 %");
@@ -100,12 +100,12 @@ TEST_CASE("a scale that no print has comes with its remedy") {
 }
 
 TEST_CASE("a board that nobody measured is as drawn, less surely") {
-  const std::size_t measured = kRight.find("measured");
-  const BoardReading reading = read_text_as_board(kRight.substr(0, measured));
+  const std::size_t measured = kRightBoard.find("measured");
+  const BoardReading reading = read_text_as_board(kRightBoard.substr(0, measured));
   REQUIRE(reading.board);
   CHECK(reading.board->scale == std::array{1.0, 1.0});
   CHECK(reading.board->scale_sigma == kUnmeasuredScaleSigma);
-  const BoardReading unsaid = read_text_as_board(replaced(kRight, ", sigma_mm: 0.1", ""));
+  const BoardReading unsaid = read_text_as_board(replaced(kRightBoard, ", sigma_mm: 0.1", ""));
   REQUIRE(unsaid.board);
   CHECK(unsaid.board->scale_sigma == Approx(0.2 / 194));
 }
@@ -144,7 +144,7 @@ TEST_CASE("what is written of a board reads back as the board, and measures by r
 
 TEST_CASE("a board in another file's place, or another file in its place, is named") {
   const TemporaryFolder folder;
-  const auto as_rig = read_rig(write_text(folder.path() / "b.yaml", kRight));
+  const auto as_rig = read_rig(write_text(folder.path() / "b.yaml", kRightBoard));
   REQUIRE(as_rig);
   CHECK(count_findings(as_rig->diagnostics, "wrong-kind") == 1);
   const BoardReading as_board = read_text_as_board(right_rig());

@@ -21,7 +21,7 @@ RigReading read_text_as_rig(const std::string& text) {
   return *reading;
 }
 
-const Breakage kErrors[] = {
+const Breakage kRigErrors[] = {
     {"unknown key of a camera", "alpha: 35", "alfa: 35", "unknown-key", 7},
     {"no mounting", "    alpha: 35\n", "", "missing-key", 3},
     {"alpha without side", "    side: left\n", "", "missing-key", 3},
@@ -106,7 +106,7 @@ TEST_CASE(
 }
 
 TEST_CASE("every way to break a rig is reported by its rule and line") {
-  for (const Breakage& broken : kErrors) {
+  for (const Breakage& broken : kRigErrors) {
     CAPTURE(broken.name);
     const RigReading reading = read_text_as_rig(replaced(right_rig(), broken.from, broken.to));
     CHECK_FALSE(reading.rig.has_value());

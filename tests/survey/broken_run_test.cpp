@@ -26,7 +26,7 @@ Result<Run> read_text_as_run(const std::string& text) {
   return load_run(write_text(folder.path() / "run.csv", text), trial_rig());
 }
 
-const char* kRight =
+const char* kRightRun =
     "id,time,left,right,d,truth_x,truth_y,truth_z,truth_heading\n"
     "1,0.5,a.jpg,b.jpg,0.9,1,2,3,90\n"
     "2,,,b.jpg,,,,,\n";
@@ -35,7 +35,7 @@ const char* kRight =
 
 TEST_CASE("a run's columns become measurements") {
   const TemporaryFolder folder;
-  const auto run = load_run(write_text(folder.path() / "run.csv", kRight), trial_rig());
+  const auto run = load_run(write_text(folder.path() / "run.csv", kRightRun), trial_rig());
   REQUIRE_MESSAGE(run.has_value(), run.error().message);
   REQUIRE(run->measurements.size() == 2);
   const Measurement& first = run->measurements[0];

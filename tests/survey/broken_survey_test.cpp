@@ -18,7 +18,7 @@ SurveyReading read_text_as_survey(const std::string& text) {
   return *reading;
 }
 
-const Breakage kErrors[] = {
+const Breakage kSurveyErrors[] = {
     {"unknown key", "spacing:", "spaceing:", "unknown-key", 15},
     {"missing key", "  height: 3.0\n", "", "missing-key", 3},
     {"missing section", "tunnel:", "tunel:", "missing-key", 1},
@@ -126,7 +126,7 @@ TEST_CASE("the survey that the others break is right") {
 }
 
 TEST_CASE("every way to break a survey is reported by its rule and line, with a place") {
-  for (const Breakage& broken : kErrors) {
+  for (const Breakage& broken : kSurveyErrors) {
     CAPTURE(broken.name);
     std::string text = replaced(right_survey(), broken.from, broken.to);
     if (broken.name == "alias") text = replaced(text, "{ x_axis: right }", "*a");

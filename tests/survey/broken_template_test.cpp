@@ -20,7 +20,7 @@ TemplateReading read_text_as_template(const std::string& text) {
   return *reading;
 }
 
-const Breakage kErrors[] = {
+const Breakage kTemplateErrors[] = {
     {"no name", "tag: trial\n", "", "missing-key", 1},
     {"no frame", "feature_frame:", "frame:", "missing-key", 1},
     {"name as a path", "tag: trial", "tag: ../trial", "bad-name", 1},
@@ -70,7 +70,7 @@ TEST_CASE("the template that the others break is right") {
 }
 
 TEST_CASE("every way to break a template is reported by its rule and line") {
-  for (const Breakage& broken : kErrors) {
+  for (const Breakage& broken : kTemplateErrors) {
     CAPTURE(broken.name);
     const TemplateReading reading =
         read_text_as_template(replaced(right_template(), broken.from, broken.to));

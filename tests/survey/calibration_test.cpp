@@ -187,7 +187,7 @@ struct BrokenCalibration {
   int line;
 };
 
-const BrokenCalibration kErrors[] = {
+const BrokenCalibration kCalibrationErrors[] = {
     {"YAML cut short", kOpenCvYaml, "0., 0., 1. ]", "0., 0.", "syntax", -1},
     {"XML cut short", kOpenCvXml, "</opencv_storage>", "", "syntax", -1},
     {"another tag", kOpenCvYaml, "camera_matrix: !!opencv-matrix", "camera_matrix: !!python/object",
@@ -287,7 +287,7 @@ TEST_CASE("every way to break a calibration is reported by its rule and line, in
       CHECK_MESSAGE(finding.file.ends_with("c.yaml"), to_string(finding));
     }
   };
-  for (const BrokenCalibration& broken : kErrors) check(broken, "calibration: c.yaml");
+  for (const BrokenCalibration& broken : kCalibrationErrors) check(broken, "calibration: c.yaml");
   for (const BrokenCalibration& broken : kKalibrErrors) {
     check(broken, "calibration: { file: c.yaml, camera: cam0 }");
   }

@@ -9,15 +9,6 @@
 #include "tests/survey/files.hpp"
 
 namespace tagsmith::detail::test {
-namespace {
-
-Survey survey_of(const std::string& text) {
-  const TemporaryFolder folder;
-  return load_survey(write_text(folder.path() / "s.yaml", text)).value();
-}
-
-}  // namespace
-
 TEST_CASE("an unchanged survey leaves nothing to do") {
   CHECK(compare_surveys(survey_of(right_survey()), survey_of(right_survey())).empty());
 }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "tagsmith/base/file.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith::detail::test {
 
@@ -70,6 +71,12 @@ std::filesystem::path write_text(const std::filesystem::path& path, const std::s
     throw std::runtime_error(written.error().message);
   }
   return path;
+}
+
+Survey survey_of(const std::string& text) {
+  const SurveyReading reading = read_survey_text("survey.yaml", text);
+  if (!reading.survey) throw std::runtime_error(to_string(reading.diagnostics));
+  return *reading.survey;
 }
 
 int count_findings(const std::vector<Diagnostic>& diagnostics, const std::string& code, int line) {

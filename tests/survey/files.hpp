@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tagsmith/base/diagnostic.hpp"
+#include "tagsmith/survey/survey.hpp"
 
 namespace tagsmith::detail::test {
 
@@ -21,6 +22,9 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 // Writes the file and returns its path.
 std::filesystem::path write_text(const std::filesystem::path& path, const std::string& text);
+
+// The survey of a right file; throws its findings when it is wrong.
+Survey survey_of(const std::string& text);
 
 // How many findings have this rule and line; line -1 = any.
 int count_findings(const std::vector<Diagnostic>& diagnostics, const std::string& code,

@@ -37,7 +37,7 @@ std::vector<Placed> surveyed_tags() {
   return tags;
 }
 
-std::string survey_of(const std::vector<Placed>& tags, const std::string& x_axis = "left") {
+std::string survey_text_of(const std::vector<Placed>& tags, const std::string& x_axis = "left") {
   std::string text =
       "survey: drawn\n"
       "grid: { x_axis: " +
@@ -77,13 +77,13 @@ std::vector<Diagnostic> findings_with(std::size_t index,
                                       const std::function<void(Placed&)>& change) {
   std::vector<Placed> tags = surveyed_tags();
   change(tags[index]);
-  return findings_of(survey_of(tags));
+  return findings_of(survey_text_of(tags));
 }
 
 }  // namespace
 
 TEST_CASE("a survey with the scatter of real ones has no findings") {
-  CHECK(to_string(findings_of(survey_of(surveyed_tags()))) == "");
+  CHECK(to_string(findings_of(survey_text_of(surveyed_tags()))) == "");
 }
 
 TEST_CASE("two exchanged digits are found, and what was meant") {
@@ -115,7 +115,7 @@ TEST_CASE("slips of the pen are named") {
     std::vector<Placed> tags = surveyed_tags();
     tags[20].y = 148.01;
     slip.change(tags[20]);
-    const auto findings = findings_of(survey_of(tags));
+    const auto findings = findings_of(survey_text_of(tags));
     CHECK(count_findings(findings, slip.code, kFirstTagLine + 20) == 1);
     CAPTURE(to_string(findings));
     CHECK(hint_of(findings, slip.code).find(slip.hint) != std::string::npos);
@@ -126,7 +126,7 @@ TEST_CASE("a wrong tag spoils none of its neighbours") {
   std::vector<Placed> tags = surveyed_tags();
   tags[40].y += 0.3;
   tags[44].y -= 0.3;
-  const auto findings = findings_of(survey_of(tags));
+  const auto findings = findings_of(survey_text_of(tags));
   CHECK(findings.size() == 2);
   CHECK(count_findings(findings, "spacing-outlier", kFirstTagLine + 40) == 1);
   CHECK(count_findings(findings, "spacing-outlier", kFirstTagLine + 44) == 1);
@@ -136,19 +136,19 @@ TEST_CASE("a pair that stands apart otherwise than the others is found on its ow
   std::vector<Placed> tags = surveyed_tags();
   tags[30].y -= 0.12;  // each within the tolerance of its wall
   tags[31].y += 0.12;
-  const auto findings = findings_of(survey_of(tags));
+  const auto findings = findings_of(survey_text_of(tags));
   CHECK(findings.size() == 1);
   CHECK(count_findings(findings, "pair-shift", kFirstTagLine + 31) == 1);
 }
 
 TEST_CASE("a mirrored grid and exchanged axes are one finding each") {
-  const auto mirrored = findings_of(survey_of(surveyed_tags(), "right"));
+  const auto mirrored = findings_of(survey_text_of(surveyed_tags(), "right"));
   CHECK(mirrored.size() == 1);
   CHECK(count_findings(mirrored, "mirrored-grid", kFirstTagLine - 1) == 1);
   CHECK(hint_of(mirrored, "mirrored-grid").find("grid.x_axis: left") == 0);
   std::vector<Placed> exchanged = surveyed_tags();
   for (Placed& tag : exchanged) std::swap(tag.x, tag.y);
-  const auto findings = findings_of(survey_of(exchanged));
+  const auto findings = findings_of(survey_text_of(exchanged));
   CHECK(findings.size() == 1);
   CHECK(count_findings(findings, "exchanged-axes", kFirstTagLine - 1) == 1);
 }
@@ -170,19 +170,20 @@ TEST_CASE("a placed tag is compared with the design where there is one") {
 }
 
 TEST_CASE("codes of neighbours that blur confuses are found, those of far tags are not") {
-  std::string text = survey_of(surveyed_tags());
+  std::string text = survey_text_of(surveyed_tags());
   text = replaced(text, "check_digit: gs1", "check_digit: sum10");
   // With the plain sum, y = 141.xx and 147.xx differ by 1/7, and their check digits by 6.
   std::vector<Placed> tags{{0, false, 1.9, 141.10, 0.45, ""}, {1, false, 1.9, 147.10, 0.45, ""}};
-  const auto near = findings_of(replaced(survey_of(tags), "gs1", "sum10"));
+  const auto near = findings_of(replaced(survey_text_of(tags), "gs1", "sum10"));
   CHECK(count_findings(near, "alike-codes", 8) == 1);
   tags[1].y = 171.10;
-  CHECK(count_findings(findings_of(replaced(survey_of(tags), "gs1", "sum10")), "alike-codes") == 0);
+  CHECK(count_findings(findings_of(replaced(survey_text_of(tags), "gs1", "sum10")),
+                       "alike-codes") == 0);
 }
 
 TEST_CASE("a code that is nearly used up is told before the next section") {
   const auto findings = findings_of(replaced(
-      survey_of(surveyed_tags()), "resolution: 0.01, digits: [3, 5, 3], origin: [-0.5, 0, 0]",
+      survey_text_of(surveyed_tags()), "resolution: 0.01, digits: [3, 5, 3], origin: [-0.5, 0, 0]",
       "resolution: [0.01, 0.01, 0.01], digits: [4, 4, 3], origin: [-0.5, 90, 0]"));
   CHECK(count_findings(findings, "code-range-end", 8) == 1);
 }
@@ -197,12 +198,12 @@ TEST_CASE("a comment with a reason silences a warning on its line or the next") 
   tags[40].y += 0.3;
   const std::string allow = "  # tagsmith: allow spacing-outlier: hangs beside the fire door";
   tags[40].comment = allow;
-  CHECK(to_string(findings_of(survey_of(tags))) == "");
+  CHECK(to_string(findings_of(survey_text_of(tags))) == "");
   tags[40].comment.clear();
   tags[39].comment = "\n" + allow;
-  CHECK(to_string(findings_of(survey_of(tags))) == "");
+  CHECK(to_string(findings_of(survey_text_of(tags))) == "");
   tags[39].comment = allow;
-  const auto elsewhere = findings_of(survey_of(tags));
+  const auto elsewhere = findings_of(survey_text_of(tags));
   CHECK(count_findings(elsewhere, "spacing-outlier") == 1);
   CHECK(count_findings(elsewhere, "unused-allow", kFirstTagLine + 39) == 1);
 }
@@ -212,7 +213,7 @@ TEST_CASE("a comment that allows must name a rule and a reason, and errors stay"
     std::vector<Placed> tags = surveyed_tags();
     tags[40].x += 0.4;
     tags[40].comment = comment;
-    return findings_of(survey_of(tags));
+    return findings_of(survey_text_of(tags));
   };
   const auto unknown = findings_of_comment(" # tagsmith: allow of-wall: a niche");
   CHECK(count_findings(unknown, "bad-allow", kFirstTagLine + 40) == 1);
@@ -226,13 +227,13 @@ TEST_CASE("digits that say another tag's place are told, with the tag") {
   std::vector<Placed> tags = surveyed_tags();
   const auto digits_of = [&](int pair, const std::string& resolution) {
     const TemporaryFolder folder;
-    const std::string text = replaced(survey_of(tags), "resolution: 0.01", resolution);
+    const std::string text = replaced(survey_text_of(tags), "resolution: 0.01", resolution);
     const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
     REQUIRE_MESSAGE(reading->survey, to_string(reading->diagnostics));
     return to_string(reading->survey->tags[static_cast<std::size_t>(2 * pair)].digits);
   };
   const auto exchange = [&](const std::string& resolution, int one, int another) {
-    std::string text = replaced(survey_of(tags), "resolution: 0.01", resolution);
+    std::string text = replaced(survey_text_of(tags), "resolution: 0.01", resolution);
     for (const auto& [pair, other] : {std::pair{one, another}, std::pair{another, one}}) {
       const std::string name = fmt::format("{{ tag: {:03}L, ", pair);
       text = replaced(text, name, name + "digits: \"" + digits_of(other, resolution) + "\", ");
@@ -248,7 +249,7 @@ TEST_CASE("digits that say another tag's place are told, with the tag") {
     CHECK(own != std::string::npos);
     CHECK(finding.message.find("012L", own) != std::string::npos);
   }
-  CHECK(count_findings(findings_of(survey_of(tags)), "exchanged-code") == 0);
+  CHECK(count_findings(findings_of(survey_text_of(tags)), "exchanged-code") == 0);
   // 0.8 m apart: codes of 0.7 m, which are different, cannot tell.
   const auto coarse = exchange("resolution: [0.5, 0.7, 0.5]", 10, 11);
   CHECK(count_findings(coarse, "exchanged-code") == 0);
@@ -268,8 +269,8 @@ TEST_CASE("digits that say the place of another survey's tag are told") {
     }
     return std::string();
   };
-  const std::string low = replaced(survey_of(tags_from(0)), "survey: drawn", "survey: low");
-  const std::string high = replaced(survey_of(tags_from(30)), "survey: drawn", "survey: high");
+  const std::string low = replaced(survey_text_of(tags_from(0)), "survey: drawn", "survey: low");
+  const std::string high = replaced(survey_text_of(tags_from(30)), "survey: drawn", "survey: high");
   const auto loaded = [&](const std::string& file, const std::string& text) {
     return *read_survey(write_text(folder.path() / file, text))->survey;
   };

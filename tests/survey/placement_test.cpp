@@ -15,13 +15,6 @@ using namespace tagsmith::detail::test;
 
 namespace {
 
-Survey survey_of(const std::string& text) {
-  const TemporaryFolder folder;
-  auto survey = load_survey(write_text(folder.path() / "survey.yaml", text));
-  if (!survey) FAIL(survey.error().message);
-  return *survey;
-}
-
 std::string without_placed(std::string text) { return text.substr(0, text.find("placed:")); }
 
 // The middle of the inner frame's upper edge, world frame.

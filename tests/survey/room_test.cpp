@@ -24,12 +24,6 @@ namespace {
 
 SurveyReading reading_of(const std::string& text) { return read_survey_text("s.yaml", text); }
 
-Survey survey_of(const std::string& text) {
-  SurveyReading reading = reading_of(text);
-  REQUIRE_MESSAGE(reading.survey.has_value(), to_string(reading.diagnostics));
-  return *reading.survey;
-}
-
 // A straight drive of 30 m along +y from the origin; `room` are the keys of its walls and roof.
 std::string drive(const std::string& room, const std::string& rest = "") {
   return "survey: drive\ntunnel:\n" + room +

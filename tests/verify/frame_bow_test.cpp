@@ -18,19 +18,20 @@ namespace {
 
 const Camera kCamera{1280, 960, 1600, 1600, 639.5, 479.5};
 
-struct Picture {
+struct BowedPicture {
   GrayImage image;
   FrameCorners corners{};
 };
 
-Picture rendered(const Camera& camera, const Eigen::Vector2d& middle, double yaw, double pitch) {
+BowedPicture rendered(const Camera& camera, const Eigen::Vector2d& middle, double yaw,
+                      double pitch) {
   ScenePlate plate{draw_tag(test::corridor_template(), *parse_digits("019000000404")), {}, {}};
   plate.camera_from_plate =
       camera_from_turned_plate(camera, plate.drawing, middle, 1.2, yaw, pitch, 0.1);
   ViewOptions options;
   options.sensor.noise_sigma = 2;
   const View view = render_view(camera, std::span(&plate, 1), options);
-  Picture picture{view.image, {}};
+  BowedPicture picture{view.image, {}};
   const ReadResult read = read_tags(picture.image.view());
   REQUIRE(read.tags.size() == 1);
   picture.corners = read.tags[0].corners;
@@ -39,8 +40,8 @@ Picture rendered(const Camera& camera, const Eigen::Vector2d& middle, double yaw
 
 // The picture as a plate bent about its upright axis shows from above: its columns shifted by a
 // parabola with this height in the middle of the frame.
-Picture bent(const Picture& flat, double pixels) {
-  Picture result = flat;
+BowedPicture bent(const BowedPicture& flat, double pixels) {
+  BowedPicture result = flat;
   const double from = flat.corners[0].x;
   const double to = flat.corners[1].x;
   for (int y = 0; y < flat.image.height; ++y) {
@@ -56,7 +57,7 @@ Picture bent(const Picture& flat, double pixels) {
 }
 
 // The rule of what is found; empty when nothing is.
-std::string judged(const Picture& picture, const Camera* camera) {
+std::string judged(const BowedPicture& picture, const Camera* camera) {
   Survey survey;
   survey.tag_template = test::corridor_template();
   PictureEvidence evidence{survey, picture.image.view()};
@@ -76,7 +77,7 @@ TEST_CASE("the sides of a flat plate are straight from wherever they are seen") 
     for (const double pitch : {-25.0, 0.0, 20.0}) {
       CAPTURE(yaw);
       CAPTURE(pitch);
-      const Picture flat = rendered(kCamera, {500, 600}, radians(yaw), radians(pitch));
+      const BowedPicture flat = rendered(kCamera, {500, 600}, radians(yaw), radians(pitch));
       const auto bow = measure_bow(flat.image.view(), test::corridor_template(), flat.corners);
       if (bow) {
         for (const double side : *bow) CHECK(std::abs(side) < 0.3);
@@ -89,10 +90,10 @@ TEST_CASE("the sides of a flat plate are straight from wherever they are seen") 
 }
 
 TEST_CASE("a bent plate is told by the bow of its frame") {
-  const Picture flat = rendered(kCamera, {600, 500}, radians(10), radians(-20));
+  const BowedPicture flat = rendered(kCamera, {600, 500}, radians(10), radians(-20));
   const double length = distance(flat.corners[0], flat.corners[1]);
   for (const double share : {-0.03, 0.03}) {
-    const Picture picture = bent(flat, share * length);
+    const BowedPicture picture = bent(flat, share * length);
     const auto bow = measure_bow(picture.image.view(), test::corridor_template(), picture.corners);
     REQUIRE(bow);
     CHECK(share_of_bend(*bow, picture.corners) == doctest::Approx(0.03).epsilon(0.15));
@@ -100,7 +101,7 @@ TEST_CASE("a bent plate is told by the bow of its frame") {
       CHECK(judged(picture, camera) == "bent");
     }
   }
-  const Picture slight = bent(flat, 0.015 * length);
+  const BowedPicture slight = bent(flat, 0.015 * length);
   CHECK(judged(slight, &kCamera) == "bent");
   CHECK(judged(slight, nullptr) == "");
 }
@@ -111,7 +112,7 @@ TEST_CASE("what a lens bends is no bent plate, whether the lens is known or not"
   for (const Eigen::Vector2d& middle :
        {Eigen::Vector2d(350, 300), Eigen::Vector2d(640, 480), Eigen::Vector2d(950, 700)}) {
     CAPTURE(middle.transpose());
-    const Picture picture = rendered(barrel, middle, radians(20), radians(5));
+    const BowedPicture picture = rendered(barrel, middle, radians(20), radians(5));
     const auto bow = measure_bow(picture.image.view(), test::corridor_template(), picture.corners);
     REQUIRE(bow);
     const FrameBow of_lens = bow_of_lens(barrel, picture.corners);

@@ -29,7 +29,7 @@ TagTemplate with_patches() {
   return tag;
 }
 
-struct Picture {
+struct PlatePicture {
   GrayImage image;
   FrameCorners corners{};
 };
@@ -47,10 +47,11 @@ void fill(GrayImage& image, const Rectangle& area, double light) {
 }
 
 // The tag upright, P at 0.1 m from both edges of a dark picture.
-Picture draw(const TagTemplate& tag, double white) {
+PlatePicture draw(const TagTemplate& tag, double white) {
   constexpr int kWidth = 1200;
   constexpr int kHeight = 800;
-  Picture picture{{kWidth, kHeight, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 20)}};
+  PlatePicture picture{
+      {kWidth, kHeight, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 20)}};
   const TagDrawing drawing = draw_tag(tag, kDigits);
   fill(picture.image, drawing.plate, white);
   fill(picture.image, drawing.frame_outer, kBlack);
@@ -64,7 +65,7 @@ Picture draw(const TagTemplate& tag, double white) {
   return picture;
 }
 
-VerifiedTag graded(const TagTemplate& tag, const Picture& picture) {
+VerifiedTag graded(const TagTemplate& tag, const PlatePicture& picture) {
   VerifiedTag verified;
   verified.corners = picture.corners;
   grade_tag(picture.image.view(), tag, verified);
@@ -75,7 +76,7 @@ VerifiedTag graded(const TagTemplate& tag, const Picture& picture) {
 
 TEST_CASE("reference patches make a grade absolute") {
   const TagTemplate tag = with_patches();
-  const Picture picture = draw(tag, kWhite);
+  const PlatePicture picture = draw(tag, kWhite);
   const auto references = find_references(picture.image.view(), tag, picture.corners);
   REQUIRE(references.has_value());
   CHECK(references->white_light == doctest::Approx(kWhite).epsilon(0.01));
@@ -93,13 +94,13 @@ TEST_CASE("without patches, or with overexposed ones, a grade is relative") {
   const VerifiedTag finding = graded(plain, draw(plain, kWhite));
   REQUIRE(finding.grade.has_value());
   CHECK(!finding.grade->absolute);
-  const Picture glare = draw(with_patches(), 1.0);
+  const PlatePicture glare = draw(with_patches(), 1.0);
   CHECK(!find_references(glare.image.view(), with_patches(), glare.corners));
 }
 
 TEST_CASE("a far tag has a reason instead of a grade") {
   const TagTemplate tag = with_patches();
-  Picture picture = draw(tag, kWhite);
+  PlatePicture picture = draw(tag, kWhite);
   for (PixelPoint& corner : picture.corners) corner = 0.5 * corner;
   const VerifiedTag finding = graded(tag, picture);
   CHECK(!finding.grade);
