@@ -278,6 +278,17 @@ std::vector<std::string> types_defined(std::string_view header) {
   return names;
 }
 
+std::vector<std::string> constants_defined(std::string_view source) {
+  static const std::regex definition(
+      "(?:inline |static )*(?:constexpr|const) [^;={(]*\\b(k[A-Z]\\w*)(?: =|\\{|\\[|;).*");
+  std::vector<std::string> names;
+  for (const std::string_view line : lines_of(source)) {
+    std::match_results<std::string_view::const_iterator> match;
+    if (std::regex_match(line.begin(), line.end(), match, definition)) names.push_back(match[1]);
+  }
+  return names;
+}
+
 namespace {
 
 std::size_t count_matches(std::string_view text, const std::regex& pattern) {

@@ -35,6 +35,9 @@ std::vector<std::string> include_rings(const std::map<std::string, std::string>&
 // The names of the types that a header defines at its outermost level.
 std::vector<std::string> types_defined(std::string_view header);
 
+// The names of the constants that a source defines at its outermost level.
+std::vector<std::string> constants_defined(std::string_view source);
+
 // The number of values that the structs of tuning (`struct FitTuning {`) of a source hold.
 std::size_t count_tuned_values(std::string_view source);
 

@@ -147,6 +147,28 @@ TEST_CASE("no two headers define a type of one name") {
   CHECK(defined_in.size() > 30);
 }
 
+// Sources of a module may be compiled as one, in which such a constant hides the header's.
+TEST_CASE("no source defines a constant that has the name of a header's") {
+  CHECK(constants_defined("constexpr double kLeast = 2;\n"
+                          "inline constexpr std::array<int, 2> kSides{1, 2};\n"
+                          "const char* const kNames[] = {};\n"
+                          "  constexpr double kInFunction = 1;\n") ==
+        std::vector<std::string>{"kLeast", "kSides", "kNames"});
+  std::map<std::string, std::string> of_headers;
+  for (const std::string& file : project_sources()) {
+    if (layer_of(file).empty() || !file.ends_with(".hpp")) continue;
+    for (const std::string& name : constants_defined(contents(file))) of_headers[name] = file;
+  }
+  CHECK(of_headers.size() > 30);
+  for (const std::string& file : project_sources()) {
+    if (layer_of(file).empty() || !file.ends_with(".cpp")) continue;
+    for (const std::string& name : constants_defined(contents(file))) {
+      CHECK_MESSAGE(!of_headers.contains(name),
+                    file << " defines " << name << " of " << of_headers[name]);
+    }
+  }
+}
+
 TEST_CASE("values of tuning and named constants are counted") {
   CHECK(count_tuned_values("struct FitTuning {\n"
                            "  double least = 2;  // of a = b\n"
