@@ -123,7 +123,8 @@ def prepare() -> None:
         return
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if run("ccache", "--version") else []
     subprocess.run(["cmake", "-G", "Ninja", "-S", str(SOURCE), "-B", str(BUILD),
-                    "-DCMAKE_BUILD_TYPE=Release", "--log-level=WARNING", *launcher], check=True)
+                    "-DCMAKE_BUILD_TYPE=Release", "-DTAGSMITH_UNITY=OFF",
+                    "--log-level=WARNING", *launcher], check=True)
 
 
 def tests_of(module: str) -> list[str]:
