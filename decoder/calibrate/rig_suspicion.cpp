@@ -7,18 +7,25 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "decoder/calibrate/drive_fit.hpp"
+#include "decoder/localize/attitude_scatter.hpp"
+#include "tagsmith/base/chi_square.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
-// The parameters that are tried, by their place among a camera's calibration parameters.
-constexpr std::array<std::size_t, 4> kTriedParameters{3, 4, 5, 6};
+// What is tried of one camera, by the places among its calibration parameters.
+using Trial = std::vector<std::size_t>;
+constexpr std::size_t kFirstAngle = 3;
 constexpr std::size_t kFocal = 6;
+const std::vector<Trial> kTrials{{3}, {4}, {5}, {kFocal}, {3, 4, 5}};
+
+double free_sigma(std::size_t parameter) { return parameter == kFocal ? kFreeFocal : kFreeAngle; }
 
 std::size_t count_sightings(const Drive& drive) {
   std::size_t count = 0;
@@ -54,6 +61,8 @@ std::vector<Observation> compared_rows(std::span<const Observation> rows) {
 
 struct Explained {
   std::size_t rows = 0;
+  std::size_t stations = 0;  // that were not left out, and their sightings
+  std::size_t sightings = 0;
   double chi_square = 0;
   DriveFit fit;
 };
@@ -71,7 +80,8 @@ std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig&
     leave_out_worst(*fit, drive, excess);
     if (count_sightings(drive) < before) continue;
     // A vehicle that stands askew in every row is no evidence against a camera.
-    Explained result{0, fit->adjustment.chi_square - fit->heading_chi_square, std::move(*fit)};
+    Explained result{0, drive.stations.size(), before,
+                     fit->adjustment.chi_square - fit->heading_chi_square, std::move(*fit)};
     for (std::size_t s = 0; s < drive.stations.size(); ++s) {
       const auto row = std::ranges::find(rows, drive.rows[s]) - rows.begin();
       const bool all = drive.stations[s].sightings.size() == whole[static_cast<std::size_t>(row)];
@@ -82,14 +92,44 @@ std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig&
   return std::nullopt;
 }
 
-// What the corners' chi-square is where the cameras may look anywhere, with any lens.
-double noise_of(const Survey& survey, const Drive& drive, const Rig& start) {
-  std::vector<ParameterSigmas> sigmas = stated_sigmas(start);
+// Where the cameras may look anywhere, with any lens.
+std::vector<ParameterSigmas> any_sigmas(const Rig& rig) {
+  std::vector<ParameterSigmas> sigmas = stated_sigmas(rig);
   for (ParameterSigmas& camera : sigmas) {
-    for (const std::size_t i : kTriedParameters) camera[i] = i == kFocal ? kFreeFocal : kFreeAngle;
+    for (std::size_t i = kFirstAngle; i <= kFocal; ++i) camera[i] = free_sigma(i);
   }
-  const auto fit = fit_drive(survey, drive, start, sigmas);
+  return sigmas;
+}
+
+// What the corners' chi-square is where the rig is not called in question.
+double noise_of(const Survey& survey, const Drive& drive, const Rig& start) {
+  const auto fit = fit_drive(survey, drive, start, any_sigmas(start));
   return fit ? usual_excess(*fit, drive) : 1;
+}
+
+// The drive as stated, and what another rig has to be better by.
+struct Stated {
+  const Drive* drive = nullptr;
+  double excess = 1;  // of the corners' chi-square over chance
+  std::optional<Explained> explained;
+
+  std::size_t rows() const { return explained ? explained->rows : 0; }
+
+  // True when the other rig explains clearly what the plates' tolerances would have to take up, row
+  // by row and always alike, if the rig were right.
+  bool is_beaten_by(const Explained& other) const {
+    constexpr double kDecisive = 25;  // of chi-square: odds of 270 000
+    return explained && other.sightings >= explained->sightings &&
+           explained->chi_square - other.chi_square > excess * kDecisive;
+  }
+};
+
+// True when chi-square is no more than noise.
+bool fits_well(const Explained& with, double excess) {
+  constexpr double kGate = 3;  // normal value that is exceeded once in 700
+  const auto degrees_of_freedom =
+      static_cast<int>(kSightingRows * with.sightings) - 2 * static_cast<int>(with.stations);
+  return with.chi_square < excess * chi_square_limit(degrees_of_freedom, kGate);
 }
 
 double value_of(const MountingAngles& angles, RigParameter parameter) {
@@ -106,15 +146,32 @@ RigParameter angle_changed(const MountingAngles& from, const MountingAngles& to)
   return std::ranges::max({RigParameter::yaw, RigParameter::pitch, RigParameter::roll}, {}, change);
 }
 
-RigSuspect suspect_of(const Rig& rig, std::size_t camera, std::size_t parameter,
+// By how much the camera is turned as a whole.
+void take_turn(const RigCamera& stated, const RigCamera& fitted, const Eigen::Matrix3d& covariance,
+               RigSuspect& suspect) {
+  const Eigen::AngleAxisd turn(stated.vehicle_from_camera.rotation.transpose() *
+                               fitted.vehicle_from_camera.rotation);
+  suspect.parameter = RigParameter::turn;
+  suspect.stated = 0;
+  suspect.expected = turn.angle();
+  suspect.sigma = std::sqrt(turn.axis().dot(covariance * turn.axis()));
+  suspect.mounting = mounting_angles(fitted.vehicle_from_camera);
+}
+
+RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
                       const Explained& with) {
   const RigCamera& stated = rig.cameras[camera];
   const RigCamera& fitted = with.fit.rig.cameras[camera];
-  const auto place = static_cast<Eigen::Index>(with.fit.layout.places[camera][parameter]);
+  const auto place = static_cast<Eigen::Index>(with.fit.layout.places[camera][trial.front()]);
+  const Eigen::MatrixXd& covariance = with.fit.adjustment.calibration_covariance;
   RigSuspect suspect{stated.name, RigParameter::focal, 1, fitted.camera.fx / stated.camera.fx};
-  suspect.sigma = std::sqrt(with.fit.adjustment.calibration_covariance(place, place));
+  suspect.sigma = std::sqrt(covariance(place, place));
   suspect.rows_explained = with.rows;
-  if (parameter == kFocal) return suspect;
+  if (trial.front() == kFocal) return suspect;
+  if (trial.size() > 1) {
+    take_turn(stated, fitted, covariance.block<3, 3>(place, place), suspect);
+    return suspect;
+  }
   const MountingAngles from = mounting_angles(stated.vehicle_from_camera);
   const MountingAngles to = mounting_angles(fitted.vehicle_from_camera);
   suspect.parameter = angle_changed(from, to);
@@ -127,20 +184,24 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, std::size_t parameter,
 // The rig from which the search for a camera's angle starts: where most of its tags have it, were
 // all else as stated.
 Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::size_t camera,
-              std::size_t parameter) {
+              const Trial& trial) {
   Rig start = rig;
-  if (parameter == kFocal) return start;
+  if (trial.front() == kFocal) return start;
   Pose& pose = start.cameras[camera].vehicle_from_camera;
   const MountingAngles stated = mounting_angles(pose);
   Pose likely = pose;
   likely.rotation = likely_attitude(survey, rig, drive, camera);
+  if (trial.size() > 1) {
+    pose = likely;
+    return start;
+  }
   const MountingAngles seen = mounting_angles(likely);
   MountingAngles angles = stated;
   const RigParameter changed = angle_changed(stated, seen);
   // The axis that is tried turns the camera about its own x, y or z: pitch, yaw or roll.
   constexpr std::array<RigParameter, 3> kAngle{RigParameter::pitch, RigParameter::yaw,
                                                RigParameter::roll};
-  if (changed != kAngle[parameter - kTriedParameters[0]]) return start;
+  if (changed != kAngle[trial.front() - kFirstAngle]) return start;
   (changed == RigParameter::yaw     ? angles.yaw
    : changed == RigParameter::pitch ? angles.pitch
                                     : angles.roll) = value_of(seen, changed);
@@ -148,31 +209,62 @@ Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::siz
   return start;
 }
 
+// Whether it explains most rows, as the rig as stated does not.
+bool is_better(const Explained& with, const Stated& as_stated) {
+  constexpr std::size_t kLeastRows = 3;
+  constexpr double kLeastShare = 0.7;
+  const auto rows = static_cast<double>(as_stated.drive->stations.size());
+  const auto least = std::max(kLeastRows, static_cast<std::size_t>(std::ceil(kLeastShare * rows)));
+  if (with.rows < least) return false;
+  return with.rows >= 2 * as_stated.rows() ||
+         (as_stated.is_beaten_by(with) && fits_well(with, as_stated.excess));
+}
+
 struct Candidate {
   RigSuspect suspect;
-  double chi_square = 0;
+  double chi_square = 0;  // with what further parameters cost
 };
 
-std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Drive& drive,
-                                  double excess) {
-  constexpr double kSurely = 4;  // standard deviations
+// Rigs that explain the rows much better than the rig as stated.
+std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const Stated& as_stated) {
+  constexpr double kSurely = 4;   // standard deviations
+  constexpr double kOfTurn = 14;  // of chi-square: two angles more, and their odds
+  const Drive& drive = *as_stated.drive;
   const std::vector<ParameterSigmas> stated = stated_sigmas(rig);
   std::vector<Candidate> result;
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     if (!sees_anything(drive, camera)) continue;
-    for (const std::size_t parameter : kTriedParameters) {
+    for (const Trial& trial : kTrials) {
       std::vector<ParameterSigmas> sigmas = stated;
-      sigmas[camera][parameter] = parameter == kFocal ? kFreeFocal : kFreeAngle;
-      const auto with = explained(survey, drive, start_for(survey, rig, drive, camera, parameter),
-                                  sigmas, excess);
-      if (!with) continue;
-      const RigSuspect suspect = suspect_of(rig, camera, parameter, *with);
-      const double sigma = std::hypot(suspect.sigma, stated[camera][parameter]);
+      for (const std::size_t parameter : trial) {
+        sigmas[camera][parameter] = free_sigma(parameter);
+      }
+      const auto with = explained(survey, drive, start_for(survey, rig, drive, camera, trial),
+                                  sigmas, as_stated.excess);
+      if (!with || !is_better(*with, as_stated)) continue;
+      const RigSuspect suspect = suspect_of(rig, camera, trial, *with);
+      const double sigma = std::hypot(suspect.sigma, stated[camera][trial.front()]);
       if (std::abs(suspect.expected - suspect.stated) < kSurely * sigma) continue;
-      result.push_back({suspect, with->chi_square});
+      result.push_back({suspect, with->chi_square + (trial.size() > 1 ? kOfTurn : 0)});
     }
   }
   return result;
+}
+
+// A yaw as the rig file has it: of level cameras that look to a side as their alpha.
+struct NamedYaw {
+  std::string name;
+  double sign = 1;
+  double offset = 0;
+
+  double of(double yaw) const { return offset + sign * yaw; }
+};
+
+NamedYaw named_yaw(const RigCamera& camera) {
+  const MountingAngles angles = mounting_angles(camera.vehicle_from_camera);
+  const bool level = std::abs(angles.pitch) < 1e-9 && std::abs(angles.roll) < 1e-9;
+  if (!camera.side || !level) return {to_string(RigParameter::yaw)};
+  return {"alpha", *camera.side == Side::left ? -1.0 : 1.0, std::numbers::pi / 2};
 }
 
 // "left: alpha 40.00 +-0.01 degrees in place of 35.00"
@@ -183,21 +275,71 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
                        suspect.camera, suspect.expected * camera.camera.fx,
                        suspect.sigma * camera.camera.fx, camera.camera.fx);
   }
-  const MountingAngles angles = mounting_angles(camera.vehicle_from_camera);
-  const bool level = std::abs(angles.pitch) < 1e-9 && std::abs(angles.roll) < 1e-9;
-  std::string name = to_string(suspect.parameter);
-  double stated = suspect.stated;
-  double expected = suspect.expected;
-  if (suspect.parameter == RigParameter::yaw && camera.side && level) {
-    const double side = *camera.side == Side::left ? 1 : -1;
-    name = "alpha";
-    stated = std::numbers::pi / 2 - side * stated;
-    expected = std::numbers::pi / 2 - side * expected;
-  }
   const int decimals = degrees(suspect.sigma) < 0.01 ? 3 : 2;
-  return fmt::format("{}: {} {:.{}f} +-{:.{}f} degrees in place of {:.2f}", suspect.camera, name,
-                     degrees(expected), decimals, degrees(suspect.sigma), decimals,
-                     degrees(stated));
+  if (suspect.parameter == RigParameter::turn) {
+    return fmt::format(
+        "{}: a turn by {:.{}f} +-{:.{}f} degrees (to yaw {:.2f}, pitch {:.2f}, roll "
+        "{:.2f})",
+        suspect.camera, degrees(suspect.expected), decimals, degrees(suspect.sigma), decimals,
+        degrees(suspect.mounting.yaw), degrees(suspect.mounting.pitch),
+        degrees(suspect.mounting.roll));
+  }
+  NamedYaw named{to_string(suspect.parameter)};
+  if (suspect.parameter == RigParameter::yaw) named = named_yaw(camera);
+  return fmt::format("{}: {} {:.{}f} +-{:.{}f} degrees in place of {:.2f}", suspect.camera,
+                     named.name, degrees(named.of(suspect.expected)), decimals,
+                     degrees(suspect.sigma), decimals, degrees(named.of(suspect.stated)));
+}
+
+// How much a survey that says nothing of it, or that plates hang exactly so, lets them be tilted.
+void take_scatter(const Survey& survey, const Rig& rig, Drive& drive) {
+  if (survey.angle_sigma > 0 && survey.states_angle_sigma) return;
+  const double sigma =
+      attitude_scatter({&rig, drive.plates, drive.stations}, ComparedPlates::of_picture);
+  for (SightedPlate& plate : drive.plates)
+    plate.survey_variance.tail<3>().setConstant(sigma * sigma);
+}
+
+// The best of the candidates, and what is as likely: explains as many rows, with a chi-square that
+// chance tells from the best's once in a hundred.
+std::vector<RigSuspect> likeliest(std::vector<Candidate> found, double excess) {
+  constexpr double kAsLikely = 9.2;
+  if (found.empty()) return {};
+  std::ranges::sort(found, {}, &Candidate::chi_square);
+  const auto rows = [](const Candidate& candidate) { return candidate.suspect.rows_explained; };
+  const Candidate best = *std::ranges::max_element(found, {}, rows);
+  std::vector<RigSuspect> suspects;
+  for (const Candidate& candidate : found) {
+    const bool as_likely = rows(candidate) == rows(best) &&
+                           candidate.chi_square < best.chi_square + excess * kAsLikely;
+    if (as_likely) suspects.push_back(candidate.suspect);
+  }
+  return suspects;
+}
+
+// True when one plate that hangs anywhere explains the rows about as well as another rig does: a
+// plate is the likelier to be wrong.
+bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_stated,
+                        double chi_square) {
+  constexpr std::size_t kMostTried = 6;
+  constexpr double kNearlyAsWell = 12;  // of chi-square: odds of 400
+  constexpr double kAnywhere = 1;       // metres, radians
+  if (!as_stated.explained) return false;
+  const auto& offsets = as_stated.explained->fit.adjustment.offsets;
+  std::vector<std::size_t> worst;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    if (offsets[i]) worst.push_back(i);
+  }
+  std::ranges::sort(worst, std::ranges::greater{},
+                    [&](std::size_t i) { return offsets[i]->chi_square; });
+  if (worst.size() > kMostTried) worst.resize(kMostTried);
+  return std::ranges::any_of(worst, [&](std::size_t plate) {
+    Drive drive = *as_stated.drive;
+    drive.plates[plate].survey_variance.setConstant(kAnywhere);
+    const auto fit = fit_drive(survey, drive, rig, stated_sigmas(rig));
+    return fit && fit->adjustment.chi_square - fit->heading_chi_square <
+                      chi_square + as_stated.excess * kNearlyAsWell;
+  });
 }
 
 }  // namespace
@@ -205,37 +347,25 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig) {
   constexpr std::size_t kLeastRows = 3;
-  constexpr double kLeastShare = 0.7;
   const std::vector<Observation> compared = compared_rows(rows);
-  const Drive drive = drive_of(compared, survey, rig);
+  Drive drive = drive_of(compared, survey, rig);
   if (drive.stations.size() < kLeastRows) return std::nullopt;
-  const double excess = noise_of(survey, drive, rig);
-  const auto as_stated = explained(survey, drive, rig, stated_sigmas(rig), excess);
+  take_scatter(survey, rig, drive);
+  Stated as_stated{&drive, noise_of(survey, drive, rig), {}};
+  as_stated.explained = explained(survey, drive, rig, stated_sigmas(rig), as_stated.excess);
   RigSuspicion suspicion;
   suspicion.rows = drive.stations.size();
   suspicion.by_one_camera = count_seeing(drive, rig) == 1;
-  suspicion.rows_as_stated = as_stated ? as_stated->rows : 0;
-  if (2 * suspicion.rows_as_stated > suspicion.rows) return std::nullopt;
-  std::vector<Candidate> found = candidates(survey, rig, drive, excess);
-  if (found.empty()) return std::nullopt;
-  const auto best = std::ranges::max_element(found, {}, [](const Candidate& candidate) {
-    return std::pair(candidate.suspect.rows_explained, -candidate.chi_square);
-  });
-  const std::size_t most = best->suspect.rows_explained;
-  const auto needed =
-      static_cast<std::size_t>(std::ceil(kLeastShare * static_cast<double>(suspicion.rows)));
-  if (most < std::max(kLeastRows, needed) || most < 2 * suspicion.rows_as_stated) {
-    return std::nullopt;
+  suspicion.rows_as_stated = as_stated.rows();
+  if (2 * suspicion.rows_as_stated > suspicion.rows) {
+    const auto any = explained(survey, drive, rig, any_sigmas(rig), as_stated.excess);
+    if (!any || !as_stated.is_beaten_by(*any)) return std::nullopt;
   }
-  // As likely: as many rows, and a chi-square that chance tells from the best's once in a hundred.
-  constexpr double kAsLikely = 9.2;
-  const double least = best->chi_square;
-  std::ranges::sort(found, {}, &Candidate::chi_square);
-  for (const Candidate& candidate : found) {
-    const bool as_likely = candidate.suspect.rows_explained == most &&
-                           candidate.chi_square < least + excess * kAsLikely;
-    if (as_likely) suspicion.suspects.push_back(candidate.suspect);
-  }
+  const std::vector<Candidate> better = candidates(survey, rig, as_stated);
+  if (better.empty()) return std::nullopt;
+  const double least = std::ranges::min(better, {}, &Candidate::chi_square).chi_square;
+  if (one_plate_explains(survey, rig, as_stated, least)) return std::nullopt;
+  suspicion.suspects = likeliest(better, as_stated.excess);
   return suspicion;
 }
 
@@ -247,6 +377,8 @@ const char* to_string(RigParameter parameter) {
       return "pitch";
     case RigParameter::roll:
       return "roll";
+    case RigParameter::turn:
+      return "turn";
     case RigParameter::focal:
       break;
   }
@@ -261,9 +393,11 @@ std::string describe(const RigSuspicion& suspicion, const Rig& rig) {
       words.back() += ", or frames of other proportions than the template's,";
     }
   }
-  return fmt::format("{} would explain {} of {} rows ({} as it is)", fmt::join(words, ", or "),
-                     suspicion.suspects.front().rows_explained, suspicion.rows,
-                     suspicion.rows_as_stated);
+  const bool by_rows = 2 * suspicion.rows_as_stated <= suspicion.rows;
+  return fmt::format(
+      "{} would explain {} of {} rows {}", fmt::join(words, ", or "),
+      suspicion.suspects.front().rows_explained, suspicion.rows,
+      by_rows ? fmt::format("({} as it is)", suspicion.rows_as_stated) : "far better than the rig");
 }
 
 }  // namespace tagsmith::detail

@@ -14,19 +14,21 @@
 
 namespace tagsmith::detail {
 
-enum class RigParameter { yaw, pitch, roll, focal };
+enum class RigParameter { yaw, pitch, roll, turn, focal };
 
-// "yaw", "pitch", "roll", "focal".
+// "yaw", "pitch", "roll", "turn", "focal".
 const char* to_string(RigParameter parameter);
 
-// A single value of the rig that would explain what the tags show.
+// A single value of the rig, or a camera's turn about any axis, that would explain what the tags
+// show.
 struct RigSuspect {
   std::string camera;
   RigParameter parameter = RigParameter::yaw;
-  double stated = 0;  // radians; of the focal length 1
+  double stated = 0;  // radians; of the focal length 1, of a turn 0
   double expected = 0;
   double sigma = 0;  // of the expected value
   std::size_t rows_explained = 0;
+  MountingAngles mounting{};  // expected, of a turn
 };
 
 struct RigSuspicion {
@@ -39,10 +41,13 @@ struct RigSuspicion {
   bool by_one_camera = false;
 };
 
-// Compares the rig as stated with rigs in which one value of one camera is another. A row is
-// explained when all its tags fit. Nothing where the rig as stated explains more than half as many
-// rows as the best of the others, where that explains fewer than three rows or seven in ten, or
-// where it differs by less than four standard deviations from what the rig states.
+// Compares the rig as stated with rigs in which one value of one camera is another, or one camera
+// is turned about any axis. A row is explained when all its tags fit. Plates are tilted by what the
+// survey states, or as single pictures show. A rig is suspected by another that explains three rows
+// and seven in ten, twice as many as the rig as stated or all of them so much better that the
+// plates' tolerances would have to take up the same in every row (odds of 270 000), and that
+// differs by four standard deviations and more from what the rig states; unless one plate that
+// hangs wrong explains them about as well.
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig);
 

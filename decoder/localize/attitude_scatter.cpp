@@ -34,6 +34,7 @@ struct TurnOfPair {
 
 struct SeenAttitude {
   std::size_t plate = 0;
+  std::size_t camera = 0;
   std::vector<SinglePose> poses;
 };
 
@@ -41,7 +42,7 @@ std::vector<SeenAttitude> attitudes_of(const AdjustmentProblem& problem, const S
   std::vector<SeenAttitude> attitudes;
   for (const Sighting& sighting : station.sightings) {
     std::vector<SinglePose> poses = single_poses(problem, sighting);
-    if (!poses.empty()) attitudes.push_back({sighting.plate, std::move(poses)});
+    if (!poses.empty()) attitudes.push_back({sighting.plate, sighting.camera, std::move(poses)});
   }
   return attitudes;
 }
@@ -61,15 +62,28 @@ std::vector<TurnOfPair::Possible> turns_between(const SeenAttitude& a, const See
   return possible;
 }
 
-std::vector<TurnOfPair> turns_of_pairs(const AdjustmentProblem& problem) {
-  std::vector<std::vector<SeenAttitude>> stations;
-  std::map<std::size_t, int> times_seen;
+// The plates that are compared with each other, station by station or picture by picture.
+std::vector<std::vector<SeenAttitude>> compared_attitudes(const AdjustmentProblem& problem,
+                                                          ComparedPlates compared) {
+  std::vector<std::vector<SeenAttitude>> groups;
   for (const Station& station : problem.stations) {
-    stations.push_back(attitudes_of(problem, station));
-    for (const SeenAttitude& attitude : stations.back()) ++times_seen[attitude.plate];
+    std::map<std::size_t, std::vector<SeenAttitude>> by_camera;
+    for (SeenAttitude& attitude : attitudes_of(problem, station)) {
+      const bool one = compared == ComparedPlates::of_station;
+      by_camera[one ? 0 : attitude.camera].push_back(std::move(attitude));
+    }
+    for (auto& [camera, attitudes] : by_camera) groups.push_back(std::move(attitudes));
+  }
+  return groups;
+}
+
+std::vector<TurnOfPair> turns_of_pairs(const std::vector<std::vector<SeenAttitude>>& groups) {
+  std::map<std::size_t, int> times_seen;
+  for (const std::vector<SeenAttitude>& attitudes : groups) {
+    for (const SeenAttitude& attitude : attitudes) ++times_seen[attitude.plate];
   }
   std::vector<TurnOfPair> pairs;
-  for (const std::vector<SeenAttitude>& attitudes : stations) {
+  for (const std::vector<SeenAttitude>& attitudes : groups) {
     for (std::size_t i = 0; i < attitudes.size(); ++i) {
       for (std::size_t j = i + 1; j < attitudes.size(); ++j) {
         const SeenAttitude& a = attitudes[i];
@@ -129,7 +143,7 @@ double log_prior(double sigma) {
 }  // namespace
 
 // Why: docs/decisions/0011-as-built-deviations.md.
-double attitude_scatter(const AdjustmentProblem& problem) {
+double attitude_scatter(const AdjustmentProblem& problem, ComparedPlates compared) {
   constexpr std::size_t kSteps = 61;
   constexpr double kQuantile = 0.975;
   const double least = radians(0.05);
@@ -137,7 +151,7 @@ double attitude_scatter(const AdjustmentProblem& problem) {
   const double step = std::log(most / least) / (kSteps - 1);
   const auto sigma_at = [&](double place) { return least * std::exp(place * step); };
 
-  const std::vector<TurnOfPair> pairs = turns_of_pairs(problem);
+  const std::vector<TurnOfPair> pairs = turns_of_pairs(compared_attitudes(problem, compared));
   std::array<double, kSteps> posterior{};
   for (std::size_t i = 0; i < kSteps; ++i) {
     const double sigma = sigma_at(static_cast<double>(i));

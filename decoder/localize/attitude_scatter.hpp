@@ -13,6 +13,11 @@ namespace tagsmith::detail {
 // hangs wrong altogether, which then says nothing. Known beforehand is that plates hung by eye and
 // spirit level are within a degree or so: every magnitude from 0.05 to 0.5 degrees is as likely as
 // any other, larger ones ever less. Pictures that tell nothing give 0.55 degrees.
-double attitude_scatter(const AdjustmentProblem& problem);
+enum class ComparedPlates {
+  of_station,
+  of_picture,  // an error of how the cameras are mounted has no part in it
+};
+double attitude_scatter(const AdjustmentProblem& problem,
+                        ComparedPlates compared = ComparedPlates::of_station);
 
 }  // namespace tagsmith::detail

@@ -84,19 +84,36 @@ class Judge {
     return copy == found_.copies.end() ? plate : copy->of;
   }
 
-  // Several photos of one camera, or one that shows the copy, cannot have been mixed up.
+  // Several rows with the same mistake are no chance.
   void take_copy(const PlateCopy& copy) {
     FoundCopy found{copy.of, copy.place, {}, false};
-    bool by_one_camera = false;
     for (const Station& station : found_.problem.stations) {
-      if (!shows(station, copy.plate)) continue;
-      found.stations.push_back(station.name);
-      by_one_camera = by_one_camera || is_of_one_camera(station);
+      if (shows(station, copy.plate)) found.stations.push_back(station.name);
     }
     if (found.stations.empty() || result_.nothing_fits) return;
     const bool fits = result_.plates[copy.plate].verdict == HangVerdict::fits;
-    found.certain = fits && (by_one_camera || found.stations.size() > 1);
+    found.certain = fits && (found.stations.size() > 1 || !mixed_photos_explain(copy));
     result_.copies.push_back(std::move(found));
+  }
+
+  // True when photos that were not taken together explain what shows the copy, too: it is the
+  // original there.
+  bool mixed_photos_explain(const PlateCopy& copy) const {
+    PlateExplanation split = found_;
+    std::vector<Station> stations;
+    for (Station& station : split.problem.stations) {
+      if (!shows(station, copy.plate)) {
+        stations.push_back(std::move(station));
+        continue;
+      }
+      for (Sighting& seen : station.sightings) {
+        if (seen.plate == copy.plate) seen.plate = copy.of;
+      }
+      std::ranges::move(apart(station), std::back_inserter(stations));
+    }
+    split.problem.stations = std::move(stations);
+    split.adjustment = adjust_plates(split.problem, split.freed);
+    return split.problem.stations.empty() || cost_of(split) - cost_of(found_) <= kClearlyBetter;
   }
 
   void judge_all() {

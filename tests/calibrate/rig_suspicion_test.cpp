@@ -94,6 +94,24 @@ TEST_CASE("a camera that hangs askew about its axis is told") {
   CHECK(std::abs(left->expected) < radians(0.1));
 }
 
+TEST_CASE("a camera that is turned about a slanted axis is told with its angles") {
+  const Seen seen = corridor_seen(10);
+  Rig wrong = seen.site.rig;
+  mount(wrong, 1, -54, 0.8, -0.7, Vector3d::Zero());
+  const auto suspicion = suspect_rig(seen.rows, seen.site.survey, wrong);
+  REQUIRE(suspicion);
+  const RigSuspect* right = suspect_named(*suspicion, "right");
+  REQUIRE(right != nullptr);
+  CHECK(right->parameter == RigParameter::turn);
+  CHECK(std::abs(degrees(right->expected) - 1.3) < 0.3);
+  CHECK(std::abs(degrees(right->mounting.yaw) + 55) < 0.1);
+  CHECK(std::abs(degrees(right->mounting.pitch)) < 0.3);
+  CHECK(std::abs(degrees(right->mounting.roll)) < 0.3);
+  CHECK(right->sigma < radians(0.1));
+  CHECK(right->rows_explained == suspicion->rows);
+  CHECK(describe(*suspicion, wrong).find("right: a turn by 1.") != std::string::npos);
+}
+
 TEST_CASE("nothing is suspected of a right rig, nor for a plate that hangs wrong") {
   for (std::uint64_t seed = 11; seed < 16; ++seed) {
     Seen seen = corridor_seen(seed);
