@@ -59,6 +59,8 @@ std::vector<Observation> compared_rows(std::span<const Observation> rows) {
   return some;
 }
 
+constexpr std::size_t kLeastRows = 3;
+
 struct Explained {
   std::size_t rows = 0;
   std::size_t stations = 0;  // that were not left out, and their sightings
@@ -211,7 +213,6 @@ Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::siz
 
 // Whether it explains most rows, as the rig as stated does not.
 bool is_better(const Explained& with, const Stated& as_stated) {
-  constexpr std::size_t kLeastRows = 3;
   constexpr double kLeastShare = 0.7;
   const auto rows = static_cast<double>(as_stated.drive->stations.size());
   const auto least = std::max(kLeastRows, static_cast<std::size_t>(std::ceil(kLeastShare * rows)));
@@ -346,7 +347,6 @@ bool one_plate_explains(const Survey& survey, const Rig& rig, const Stated& as_s
 
 std::optional<RigSuspicion> suspect_rig(std::span<const Observation> rows, const Survey& survey,
                                         const Rig& rig) {
-  constexpr std::size_t kLeastRows = 3;
   const std::vector<Observation> compared = compared_rows(rows);
   Drive drive = drive_of(compared, survey, rig);
   if (drive.stations.size() < kLeastRows) return std::nullopt;

@@ -17,8 +17,15 @@ struct DigitModules {
   std::array<std::array<double, kModules>, kModules> products{};  // of the modules' light
 };
 
-// Of each of the digits, all of them of 0 to 9, the odds that it is another.
+// How much it counts that a digit is truly another one, by place and that digit.
+using CorruptedShares = std::array<std::array<double, 10>, kDigitCount>;
+
+// The same share for every digit.
+CorruptedShares same_share(double share);
+
+// Of each of the digits, all of them of 0 to 9, the odds that it is another, by their shares.
 std::array<double, kDigitCount> odds_of_corrupted_digits(
-    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits);
+    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits,
+    const CorruptedShares& shares);
 
 }  // namespace tagsmith::detail
