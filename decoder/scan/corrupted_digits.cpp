@@ -119,8 +119,7 @@ LogLikelihoods log_likelihoods(const SideBySide& digits) {
   return logs;
 }
 
-double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t digit,
-                    const std::array<double, kDigits>& shares) {
+double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t digit) {
   const double log_even = logs.even[lane];
   const double log_uneven = std::log(kOdds.uneven) + logs.uneven[lane];
   const double log_spoilt = std::log(kOdds.corrupted) + logs.corrupted[lane];
@@ -129,30 +128,20 @@ double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t d
                        std::exp(log_spoilt - greatest);
   double wrong = 0;
   for (std::size_t other = 0; other < kDigits; ++other) {
-    if (other == digit) continue;
-    wrong += shares[other] * kOdds.corrupted * std::exp(logs.changed[other][lane] - greatest);
+    if (other != digit) wrong += kOdds.corrupted * std::exp(logs.changed[other][lane] - greatest);
   }
   return wrong / right;
 }
 
 }  // namespace
 
-CorruptedShares same_share(double share) {
-  CorruptedShares shares;
-  for (auto& of_place : shares) of_place.fill(share);
-  return shares;
-}
-
 std::array<double, kDigitCount> odds_of_corrupted_digits(
-    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits,
-    const CorruptedShares& shares) {
+    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits) {
   std::array<double, kDigitCount> odds{};
   for (std::size_t first = 0; first < kDigitCount; first += kDigitLanes) {
     const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));
-    for (std::size_t k = 0; k < kDigitLanes; ++k) {
-      odds[first + k] =
-          odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k], shares[first + k]);
-    }
+    for (std::size_t k = 0; k < kDigitLanes; ++k)
+      odds[first + k] = odds_against(logs, static_cast<Eigen::Index>(k), digits[first + k]);
   }
   return odds;
 }

@@ -17,15 +17,8 @@ struct DigitModules {
   std::array<std::array<double, kModules>, kModules> products{};  // of the modules' light
 };
 
-// How much it counts that a digit is truly another one, by place and that digit.
-using CorruptedShares = std::array<std::array<double, 10>, kDigitCount>;
-
-// The same share for every digit.
-CorruptedShares same_share(double share);
-
-// Of each of the digits, all of them of 0 to 9, the odds that it is another, by their shares.
+// Of each of the digits, all of them of 0 to 9, the odds that it is another.
 std::array<double, kDigitCount> odds_of_corrupted_digits(
-    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits,
-    const CorruptedShares& shares);
+    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits);
 
 }  // namespace tagsmith::detail

@@ -133,22 +133,14 @@ ScanProfile with_common_noise(ScanProfile profile, const VarianceFactors& factor
   return profile;
 }
 
-// How much it counts that one digit is truly another: as much as the code with that one is likely,
-// which is another scheme's, a misprint or a stranger to the book.
-CorruptedShares shares_of_corrupted(const DecodeOptions& options, const Digits& digits) {
-  if (!options.code_book.empty()) return same_share(kOdds.corrupted_stranger);
-  CorruptedShares shares = same_share(kOdds.wrong_check);
-  if (options.check) return shares;  // of which no two codes differ in a single digit
-  for (std::size_t place = 0; place < kDigitCount; ++place) {
-    Digits other = digits;
-    for (std::uint8_t digit = 0; digit < 10; ++digit) {
-      other[place] = digit;
-      const bool is_code =
-          has_check_digit(CheckDigit::sum10, other) || has_check_digit(CheckDigit::gs1, other);
-      if (is_code) shares[place][digit] = kOdds.understated;
-    }
-  }
-  return shares;
+// The share of digits that only look like these: with a single other digit the code would be
+// another scheme's, a misprint or a stranger. Where both schemes hold, neither does with any single
+// other digit: both weigh each place by what has an inverse modulo 10.
+double share_of_corrupted(const DecodeOptions& options, const Digits& digits) {
+  if (!options.code_book.empty()) return kOdds.corrupted_stranger;
+  const bool may_be_others = !options.check && !(has_check_digit(CheckDigit::sum10, digits) &&
+                                                 has_check_digit(CheckDigit::gs1, digits));
+  return kOdds.wrong_check + (may_be_others ? 1 : 0);
 }
 
 // How a profile is read at first: by the picture of the symbol that it starts from.
@@ -264,11 +256,12 @@ void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeO
       doubt_by(system_of(with_local_noise(cleaned, factors)), options, decoding.digits);
   const PosteriorOdds other = doubt_by(common, options, decoding.digits);
   if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
-  const CorruptedShares shares = shares_of_corrupted(options, decoding.digits);
-  const auto corrupted = is_whole ? common.odds_of_corrupted_digits(characters, shares)
-                                  : system_of(with_common_noise(profile, factors))
-                                        .odds_of_corrupted_digits(characters, shares);
-  decoding.doubt.corrupted_digits = std::accumulate(corrupted.begin(), corrupted.end(), 0.0);
+  const auto corrupted =
+      is_whole
+          ? common.odds_of_corrupted_digits(characters)
+          : system_of(with_common_noise(profile, factors)).odds_of_corrupted_digits(characters);
+  decoding.doubt.corrupted_digits = share_of_corrupted(options, decoding.digits) *
+                                    std::accumulate(corrupted.begin(), corrupted.end(), 0.0);
   const double odds = decoding.doubt.odds();
   decoding.confidence = odds >= 0 ? 1 / (1 + odds) : 0;  // 0 also where nothing can be computed
 }
@@ -476,10 +469,11 @@ std::optional<PartDecoding> decode_part_upright(const ScanProfile& all, const Im
   }
   list_candidates(options, odds, part);
   const auto corrupted =
-      system_of(with_common_noise(profile, factors))
-          .odds_of_corrupted_digits(digits, same_share(kOdds.corrupted_stranger));
+      system_of(with_common_noise(profile, factors)).odds_of_corrupted_digits(digits);
   for (std::size_t i = 0; i < kDigitCount; ++i) {
-    if (part.in_sight[i]) decoding.doubt.corrupted_digits += corrupted[i];
+    if (part.in_sight[i]) {
+      decoding.doubt.corrupted_digits += kOdds.corrupted_stranger * corrupted[i];
+    }
   }
   const double doubt = decoding.doubt.odds();
   decoding.confidence = doubt >= 0 ? 1 / (1 + doubt) : 0;

@@ -313,7 +313,7 @@ std::array<float, kModuleCount> ModuleNormalEquations::misfits(const Characters&
 }
 
 std::array<double, kDigitCount> ModuleNormalEquations::odds_of_corrupted_digits(
-    const Characters& characters, const CorruptedShares& shares) const {
+    const Characters& characters) const {
   const std::array<float, kFeatures> residuals = residuals_of(characters);
   std::array<DigitModules, kCharacterPlaces> digits{};
   for (std::size_t position = 0; position < kCharacterPlaces; ++position) {
@@ -330,7 +330,7 @@ std::array<double, kDigitCount> ModuleNormalEquations::odds_of_corrupted_digits(
       }
     }
   }
-  return tagsmith::detail::odds_of_corrupted_digits(digits, characters, shares);
+  return tagsmith::detail::odds_of_corrupted_digits(digits, characters);
 }
 
 }  // namespace tagsmith::detail

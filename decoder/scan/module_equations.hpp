@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "decoder/scan/character_costs.hpp"
-#include "decoder/scan/corrupted_digits.hpp"
 #include "decoder/scan/module_light.hpp"
 #include "decoder/scan/profile.hpp"
 #include "decoder/scan/symbol_fit.hpp"
@@ -36,8 +35,7 @@ class ModuleNormalEquations {
   // Of each digit, the odds that it is another one, corrupted by anything that makes it look like
   // this: modules of any darkness about that digit's, against modules that are printed and lit
   // nearly evenly, or corrupted too, about this one's.
-  std::array<double, kDigitCount> odds_of_corrupted_digits(const Characters& characters,
-                                                           const CorruptedShares& shares) const;
+  std::array<double, kDigitCount> odds_of_corrupted_digits(const Characters& characters) const;
 
  private:
   static constexpr std::size_t kSlack = NuisanceCovariance::value_type::SizeAtCompileTime;

@@ -53,8 +53,7 @@ struct OddsTuning {
   double corrupted_stranger = 2e-3;  // a corrupted digit that makes it look like the book's
   double strangers = 0.5;            // all strangers to the book together
   // Fitted on the same frames: what of other codes and misprints is wrong without a book, over what
-  // the sums say; also of digits corrupted until one scheme's code looks like the other's. With a
-  // book they are right, and for corrupted digits too much.
+  // the sums say. With a book they are right, and for corrupted digits too much.
   double understated = 3;
   // Shares of digits with a reflection or a smear, and of covered ones; the others are never quite
   // even. Standard deviations of their modules, in contrasts.

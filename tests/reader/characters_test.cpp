@@ -237,8 +237,7 @@ TEST_CASE("a digit between two digits may be either") {
   const Digits digits = random_code(random);
   const Characters characters = characters_of(digits);
   const ScanProfile profile = profile_of(image, digits, 4, random);
-  CHECK(std::ranges::max(
-            system_of(profile, image).odds_of_corrupted_digits(characters, same_share(1))) < 1e-8);
+  CHECK(std::ranges::max(system_of(profile, image).odds_of_corrupted_digits(characters)) < 1e-8);
   Digits other = digits;
   other[4] = static_cast<std::uint8_t>((other[4] + 5) % 10);
   const std::vector<double> there = expected_darkness(image, other, profile);
@@ -246,7 +245,7 @@ TEST_CASE("a digit between two digits may be either") {
   for (std::size_t i = 0; i < profile.size(); ++i) {
     between[i].darkness = 0.55 * profile[i].darkness + 0.45 * there[i];
   }
-  CHECK(system_of(between, image).odds_of_corrupted_digits(characters, same_share(1))[4] > 0.01);
+  CHECK(system_of(between, image).odds_of_corrupted_digits(characters)[4] > 0.01);
 }
 
 TEST_CASE("the noise that the symbol leaves decides how sure it is") {

@@ -129,40 +129,10 @@ TEST_CASE("a corrupted digit can make a code of the other scheme unless both hol
       ++both;
       CHECK(either->doubt.corrupted_digits == doctest::Approx(named->doubt.corrupted_digits));
     } else {
-      CHECK(either->doubt.corrupted_digits > named->doubt.corrupted_digits);
+      CHECK(either->doubt.corrupted_digits > 10 * named->doubt.corrupted_digits);
     }
   }
   CHECK(both > 0);
-}
-
-TEST_CASE("what looks a little like another digit is doubted by how likely the code with it is") {
-  std::mt19937 random(18);
-  const Digits code = *parse_digits("019000800404");  // gs1 alone
-  const ScanProfile own = make_profile(code, {0.8, 0.05}, random);
-  // Doubt without a named scheme, over that with it.
-  double of_code = 0;
-  double of_misprints = 0;
-  for (std::uint8_t digit = 0; digit < 10; ++digit) {
-    Digits other = code;
-    if (digit == code[8]) continue;
-    other[8] = digit;
-    CAPTURE(to_string(other));
-    const ScanProfile there = make_profile(other, {0.8, 0.05}, random);
-    ScanProfile between = own;
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      between[i].darkness = 0.7 * own[i].darkness + 0.3 * there[i].darkness;
-    }
-    const auto named = decode_profile(between, start_with(0.8), {CheckDigit::gs1, {}});
-    const auto either = decode_profile(between, start_with(0.8), {});
-    REQUIRE(named);
-    REQUIRE(either);
-    REQUIRE(named->digits == code);
-    REQUIRE(either->digits == code);
-    const double ratio = either->doubt.corrupted_digits / named->doubt.corrupted_digits;
-    double& greatest = has_check_digit(CheckDigit::sum10, other) ? of_code : of_misprints;
-    greatest = std::max(greatest, ratio);
-  }
-  CHECK(of_code > 2 * of_misprints);
 }
 
 TEST_CASE("a code book decides what the profile alone cannot, and hides nothing") {

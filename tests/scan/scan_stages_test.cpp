@@ -266,7 +266,7 @@ TEST_CASE("a corrupted digit makes the reading doubtful, a clear one does not") 
     const NuisanceCovariance slack =
         nuisance_covariance(profile, image, bar_shares(profile, image, kDigits));
     return std::ranges::max(ModuleNormalEquations(profile, light, slack)
-                                .odds_of_corrupted_digits(characters_of(kDigits), same_share(1)));
+                                .odds_of_corrupted_digits(characters_of(kDigits)));
   };
   const ScanProfile clear = profile_of(kDigits, image, 1e-4);
   CHECK(odds_of(clear) < 1e-9);
@@ -283,7 +283,7 @@ TEST_CASE("what nothing is known of may be any digit") {
   std::array<DigitModules, kDigitCount> nothing{};
   Characters digits{};
   // Nine others, each as likely as it is that a digit is corrupted: a thousandth.
-  for (const double odds : odds_of_corrupted_digits(nothing, digits, same_share(1))) {
+  for (const double odds : odds_of_corrupted_digits(nothing, digits)) {
     CHECK(odds == doctest::Approx(9 * 0.001 / 1.051).epsilon(1e-6));
   }
 }
