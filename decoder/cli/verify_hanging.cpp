@@ -162,6 +162,12 @@ Result<std::optional<HungTags>> check_hanging(const char* command, const Survey&
 }
 
 void print_hanging(const HungTags& hung) {
+  if (hung.nothing_fits) {
+    to_stdout("where tags hang: not judged, because {}\n",
+              hung.rig_doubt.empty() ? "more than half of the tags seen contradict the survey"
+                                     : "the rig is in doubt");
+    return;
+  }
   const auto is_checked = [](const HungTag& tag) { return tag.verdict != HangVerdict::unchecked; };
   const auto checked = std::ranges::count_if(hung.tags, is_checked);
   to_stdout(

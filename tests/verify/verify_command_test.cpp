@@ -526,10 +526,14 @@ TEST_CASE("where the rig is wrong no plate is accused, and the right value is to
   rig.replace(rig.find(focal, right), focal.size(), "focal_length_mm: 5.5");
   const fs::path file = folder.path() / "rig.yaml";
   std::ofstream(file) << rig;
-  const ProgramOutput output = run_tagsmith("verify --json " + kSurvey + " --rig '" +
-                                            file.string() + "' --run surveys/corridor/run.csv");
+  const std::string options =
+      kSurvey + " --rig '" + file.string() + "' --run surveys/corridor/run.csv";
+  const ProgramOutput output = run_tagsmith("verify --json " + options);
   CHECK(output.exit_code == 1);
   CHECK(output.err.find("the rig is in doubt") != std::string::npos);
+  CHECK(run_tagsmith("verify " + options)
+            .out.find("where tags hang: not judged, because the rig is in doubt") !=
+        std::string::npos);
   CHECK(output.err.find("right: a focal length of 1") != std::string::npos);
   const json summary = json_lines(output.out).back()["summary"];
   CHECK(summary["files_with_findings"] == 0);
