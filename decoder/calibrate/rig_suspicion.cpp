@@ -2,6 +2,7 @@
 #include "decoder/calibrate/rig_suspicion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -19,11 +20,14 @@
 namespace tagsmith::detail {
 namespace {
 
-// What is tried of one camera, by the places among its calibration parameters.
-using Trial = std::vector<std::size_t>;
+// What is tried of one camera: neighbours among its calibration parameters.
+struct Trial {
+  std::size_t first = 0;
+  std::size_t count = 1;
+};
 constexpr std::size_t kFirstAngle = 3;
 constexpr std::size_t kFocal = 6;
-const std::vector<Trial> kTrials{{3}, {4}, {5}, {kFocal}, {3, 4, 5}};
+constexpr std::array<Trial, 5> kTrials{{{3}, {4}, {5}, {kFocal}, {kFirstAngle, 3}}};
 
 double free_sigma(std::size_t parameter) { return parameter == kFocal ? kFreeFocal : kFreeAngle; }
 
@@ -164,13 +168,13 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
                       const Explained& with) {
   const RigCamera& stated = rig.cameras[camera];
   const RigCamera& fitted = with.fit.rig.cameras[camera];
-  const auto place = static_cast<Eigen::Index>(with.fit.layout.places[camera][trial.front()]);
+  const auto place = static_cast<Eigen::Index>(with.fit.layout.places[camera][trial.first]);
   const Eigen::MatrixXd& covariance = with.fit.adjustment.calibration_covariance;
   RigSuspect suspect{stated.name, RigParameter::focal, 1, fitted.camera.fx / stated.camera.fx};
   suspect.sigma = std::sqrt(covariance(place, place));
   suspect.rows_explained = with.rows;
-  if (trial.front() == kFocal) return suspect;
-  if (trial.size() > 1) {
+  if (trial.first == kFocal) return suspect;
+  if (trial.count > 1) {
     take_turn(stated, fitted, covariance.block<3, 3>(place, place), suspect);
     return suspect;
   }
@@ -188,12 +192,12 @@ RigSuspect suspect_of(const Rig& rig, std::size_t camera, const Trial& trial,
 Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::size_t camera,
               const Trial& trial) {
   Rig start = rig;
-  if (trial.front() == kFocal) return start;
+  if (trial.first == kFocal) return start;
   Pose& pose = start.cameras[camera].vehicle_from_camera;
   const MountingAngles stated = mounting_angles(pose);
   Pose likely = pose;
   likely.rotation = likely_attitude(survey, rig, drive, camera);
-  if (trial.size() > 1) {
+  if (trial.count > 1) {
     pose = likely;
     return start;
   }
@@ -203,7 +207,7 @@ Rig start_for(const Survey& survey, const Rig& rig, const Drive& drive, std::siz
   // The axis that is tried turns the camera about its own x, y or z: pitch, yaw or roll.
   constexpr std::array<RigParameter, 3> kAngle{RigParameter::pitch, RigParameter::yaw,
                                                RigParameter::roll};
-  if (changed != kAngle[trial.front() - kFirstAngle]) return start;
+  if (changed != kAngle[trial.first - kFirstAngle]) return start;
   (changed == RigParameter::yaw     ? angles.yaw
    : changed == RigParameter::pitch ? angles.pitch
                                     : angles.roll) = value_of(seen, changed);
@@ -237,16 +241,16 @@ std::vector<Candidate> candidates(const Survey& survey, const Rig& rig, const St
     if (!sees_anything(drive, camera)) continue;
     for (const Trial& trial : kTrials) {
       std::vector<ParameterSigmas> sigmas = stated;
-      for (const std::size_t parameter : trial) {
-        sigmas[camera][parameter] = free_sigma(parameter);
+      for (std::size_t i = trial.first; i < trial.first + trial.count; ++i) {
+        sigmas[camera][i] = free_sigma(i);
       }
       const auto with = explained(survey, drive, start_for(survey, rig, drive, camera, trial),
                                   sigmas, as_stated.excess);
       if (!with || !is_better(*with, as_stated)) continue;
       const RigSuspect suspect = suspect_of(rig, camera, trial, *with);
-      const double sigma = std::hypot(suspect.sigma, stated[camera][trial.front()]);
+      const double sigma = std::hypot(suspect.sigma, stated[camera][trial.first]);
       if (std::abs(suspect.expected - suspect.stated) < kSurely * sigma) continue;
-      result.push_back({suspect, with->chi_square + (trial.size() > 1 ? kOfTurn : 0)});
+      result.push_back({suspect, with->chi_square + (trial.count > 1 ? kOfTurn : 0)});
     }
   }
   return result;
@@ -279,8 +283,8 @@ std::string words_for(const RigSuspect& suspect, const Rig& rig) {
   const int decimals = degrees(suspect.sigma) < 0.01 ? 3 : 2;
   if (suspect.parameter == RigParameter::turn) {
     return fmt::format(
-        "{}: a turn by {:.{}f} +-{:.{}f} degrees (to yaw {:.2f}, pitch {:.2f}, roll "
-        "{:.2f})",
+        "{}: a turn by {:.{}f} +-{:.{}f} degrees (to yaw {:.2f}, pitch {:.2f}, "
+        "roll {:.2f})",
         suspect.camera, degrees(suspect.expected), decimals, degrees(suspect.sigma), decimals,
         degrees(suspect.mounting.yaw), degrees(suspect.mounting.pitch),
         degrees(suspect.mounting.roll));
