@@ -3,7 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+#include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "decoder/scan/tuning.hpp"
@@ -133,10 +138,57 @@ double odds_against(const LogLikelihoods& logs, Eigen::Index lane, std::size_t d
   return wrong / right;
 }
 
+// What a digit's modules leave unexplained when they are free, over what noise alone would leave of
+// the two thirds of digits where it is least. Nothing where next to nothing of the digit is seen.
+std::optional<double> unexplained_by(const DigitModules& digit) {
+  using Square = Eigen::Matrix<double, kModules, kModules, Eigen::RowMajor>;
+  constexpr double kLeastDegrees = 1;
+  const Eigen::Map<const Square> products(digit.products.front().data());
+  const Eigen::Map<const Eigen::Vector<double, kModules>> residuals(digit.residuals.data());
+  Square free = products;
+  free.diagonal().array() += 1 / (kOdds.corrupted_sigma * kOdds.corrupted_sigma);
+  const Eigen::LLT<Square> factors(free);
+  const double degrees = factors.solve(products).trace();
+  if (!(degrees > kLeastDegrees)) return std::nullopt;
+  // The mean of the lesser two thirds of chi-square variables over their degrees of freedom.
+  const double expected = 1 - 0.745 / std::sqrt(degrees);
+  return residuals.dot(factors.solve(residuals)) / degrees / expected;
+}
+
+// The noise in what the modules of digits tell, at least 1: what most digits leave unexplained
+// there is no corruption. It is more than the noise of the symbol where errors are alike over two
+// or three modules, which free modules show enlarged by what the blur took from them.
+double noise_of_free_modules(const std::array<DigitModules, kDigitCount>& digits) {
+  std::vector<double> ratios;
+  for (const DigitModules& digit : digits) {
+    if (const auto ratio = unexplained_by(digit)) ratios.push_back(*ratio);
+  }
+  std::ranges::sort(ratios);
+  const std::size_t clear = ratios.size() * 2 / 3;
+  if (clear == 0) return 1;
+  const double sum =
+      std::accumulate(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(clear), 0.0);
+  return std::max(1.0, sum / static_cast<double>(clear));
+}
+
+std::array<DigitModules, kDigitCount> with_noise(std::array<DigitModules, kDigitCount> digits,
+                                                 double noise) {
+  for (DigitModules& digit : digits) {
+    for (double& residual : digit.residuals) residual /= noise;
+    for (auto& row : digit.products) {
+      for (double& product : row) product /= noise;
+    }
+  }
+  return digits;
+}
+
 }  // namespace
 
+// Why: docs/decisions/0003-confidence-and-its-border.md.
 std::array<double, kDigitCount> odds_of_corrupted_digits(
-    const std::array<DigitModules, kDigitCount>& modules, const Characters& digits) {
+    const std::array<DigitModules, kDigitCount>& seen, const Characters& digits) {
+  const std::array<DigitModules, kDigitCount> modules =
+      with_noise(seen, noise_of_free_modules(seen));
   std::array<double, kDigitCount> odds{};
   for (std::size_t first = 0; first < kDigitCount; first += kDigitLanes) {
     const LogLikelihoods logs = log_likelihoods(side_by_side(modules, digits, first));

@@ -2,6 +2,7 @@
 // The stages from a scan profile to digits, each with inputs made for it.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -258,15 +259,34 @@ TEST_CASE("the cost of a symbol adds what its characters cost and what neighbour
   CHECK(costs.of(characters) == 105);
 }
 
+namespace {
+
+// The greatest odds that a digit of kDigits, of which this is the profile, is corrupted.
+double odds_of_corrupted(const ScanProfile& profile, const ImagingModel& image) {
+  const ModuleLight light(profile, image);
+  const NuisanceCovariance slack =
+      nuisance_covariance(profile, image, bar_shares(profile, image, kDigits));
+  return std::ranges::max(ModuleNormalEquations(profile, light, slack)
+                              .odds_of_corrupted_digits(characters_of(kDigits)));
+}
+
+// The profile with waves of 2.5 modules from one digit to another.
+ScanProfile with_waves(ScanProfile profile, double amplitude, int first_digit, int last_digit) {
+  const int from = first_module_of_digit(first_digit), to = first_module_of_digit(last_digit) + 7;
+  for (ScanBin& bin : profile) {
+    const bool is_there = bin.at > from && bin.at < to;
+    if (is_there) bin.darkness += amplitude * std::sin(2 * std::numbers::pi * bin.at / 2.5);
+  }
+  return profile;
+}
+
+}  // namespace
+
 TEST_CASE("a corrupted digit makes the reading doubtful, a clear one does not") {
   ImagingModel image;
   image.blur = 0.4;
   const auto odds_of = [&](const ScanProfile& profile) {
-    const ModuleLight light(profile, image);
-    const NuisanceCovariance slack =
-        nuisance_covariance(profile, image, bar_shares(profile, image, kDigits));
-    return std::ranges::max(ModuleNormalEquations(profile, light, slack)
-                                .odds_of_corrupted_digits(characters_of(kDigits)));
+    return odds_of_corrupted(profile, image);
   };
   const ScanProfile clear = profile_of(kDigits, image, 1e-4);
   CHECK(odds_of(clear) < 1e-9);
@@ -277,6 +297,16 @@ TEST_CASE("a corrupted digit makes the reading doubtful, a clear one does not") 
     if (bin.at > first + 2 && bin.at < first + 4) bin.darkness = 0.5;
   }
   CHECK(odds_of(corrupted) > 1e-3);
+}
+
+TEST_CASE("what most digits show alike is noise, in one alone it makes the reading doubtful") {
+  ImagingModel image;
+  image.blur = 0.8;
+  const ScanProfile clear = profile_of(kDigits, image, 1e-4);
+  const double of_one = odds_of_corrupted(with_waves(clear, 0.1, 3, 3), image);
+  const double of_all = odds_of_corrupted(with_waves(clear, 0.1, 0, 11), image);
+  CHECK(of_one > 0.01);
+  CHECK(of_all < of_one / 1000);
 }
 
 TEST_CASE("what nothing is known of may be any digit") {
