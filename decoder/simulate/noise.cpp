@@ -61,17 +61,23 @@ double gaussian_noise(std::uint64_t seed, std::uint64_t counter) {
   return normal_quantile(uniform_noise(seed, counter));
 }
 
-double value_noise(std::uint64_t seed, double x, double y) {
+double value_noise(std::uint64_t seed, double x, double y) { return ValueNoise(seed).at(x, y); }
+
+double ValueNoise::at(double x, double y) {
   const double left = std::floor(x);
   const double top = std::floor(y);
-  const auto column = static_cast<std::int64_t>(left);
-  const auto row = static_cast<std::int64_t>(top);
+  if (!(left == left_ && top == top_)) {
+    const auto column = static_cast<std::int64_t>(left);
+    const auto row = static_cast<std::int64_t>(top);
+    corners_ = {lattice_noise(seed_, column, row), lattice_noise(seed_, column + 1, row),
+                lattice_noise(seed_, column, row + 1), lattice_noise(seed_, column + 1, row + 1)};
+    left_ = left;
+    top_ = top;
+  }
   const double u = ease(x - left);
   const double v = ease(y - top);
-  const double upper =
-      (1 - u) * lattice_noise(seed, column, row) + u * lattice_noise(seed, column + 1, row);
-  const double lower =
-      (1 - u) * lattice_noise(seed, column, row + 1) + u * lattice_noise(seed, column + 1, row + 1);
+  const double upper = (1 - u) * corners_[0] + u * corners_[1];
+  const double lower = (1 - u) * corners_[2] + u * corners_[3];
   return (1 - v) * upper + v * lower;
 }
 

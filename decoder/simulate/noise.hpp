@@ -3,7 +3,9 @@
 // the number of threads, the tiling, or the standard library.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 
 namespace tagsmith::detail {
 
@@ -19,5 +21,20 @@ double gaussian_noise(std::uint64_t seed, std::uint64_t counter);
 // Smooth noise in [0, 1] with features of about one unit: uniform at the points of the integer
 // lattice, interpolated with zero slope there.
 double value_noise(std::uint64_t seed, double x, double y);
+
+// value_noise of one seed. Of places one after another it is the faster the fewer cells of the
+// lattice they change.
+class ValueNoise {
+ public:
+  explicit ValueNoise(std::uint64_t seed = 0) : seed_(seed) {}
+
+  double at(double x, double y);
+
+ private:
+  std::uint64_t seed_;
+  double left_ = std::numeric_limits<double>::quiet_NaN();  // of the cell whose corners are known
+  double top_ = std::numeric_limits<double>::quiet_NaN();
+  std::array<double, 4> corners_{};  // upper left, upper right, lower left, lower right
+};
 
 }  // namespace tagsmith::detail

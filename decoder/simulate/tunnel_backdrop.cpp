@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "decoder/simulate/noise.hpp"
 #include "tagsmith/placement/floor_and_roof.hpp"
@@ -24,26 +27,39 @@ struct Place {
   double v = 0;
   double cosine = 1;  // between the ray and the surface's normal
   enum class Kind { nothing, left, right, floor, roof } kind = Kind::nothing;
+  static constexpr std::uint64_t kKinds = 5;
 };
 
-// Fractal value noise about 0. An octave finer than the pixel's footprint is left out, because it
-// would only flicker.
-double roughness(std::uint64_t seed, double u, double v, double footprint) {
+// Fractal value noise about 0.
+class Roughness {
+ public:
+  explicit Roughness(std::uint64_t seed) {
+    for (ValueNoise& noise : noises_) noise = ValueNoise(++seed);
+  }
+
+  // An octave finer than the pixel's footprint is left out, because it would only flicker.
+  double at(double u, double v, double footprint) {
+    double sum = 0;
+    for (std::size_t i = 0; i < kOctaves.size(); ++i) {
+      const Octave& octave = kOctaves[i];
+      const double fade = std::min(octave.wavelength / footprint / 2 - 0.5, 1.0);
+      if (fade <= 0) break;
+      const double noise = noises_[i].at(u / octave.wavelength, v / octave.wavelength);
+      sum += fade * octave.amplitude * (2 * noise - 1);
+    }
+    return sum;
+  }
+
+ private:
   struct Octave {
     double wavelength;
     double amplitude;
   };
-  constexpr std::array<Octave, 5> kOctaves{
+  static constexpr std::array<Octave, 5> kOctaves{
       {{1.3, 0.35}, {0.45, 0.30}, {0.16, 0.25}, {0.055, 0.2}, {0.02, 0.15}}};
-  double sum = 0;
-  for (const Octave& octave : kOctaves) {
-    const double fade = std::min(octave.wavelength / footprint / 2 - 0.5, 1.0);
-    if (fade <= 0) break;
-    const double noise = value_noise(++seed, u / octave.wavelength, v / octave.wavelength);
-    sum += fade * octave.amplitude * (2 * noise - 1);
-  }
-  return sum;
-}
+
+  std::array<ValueNoise, kOctaves.size()> noises_;
+};
 
 // Share of mortar at a place of the wall, softened over the footprint.
 double mortar(double u, double v, double footprint) {
@@ -60,30 +76,62 @@ double mortar(double u, double v, double footprint) {
   return share * std::min(1.0, kJoint / soft);
 }
 
-double reflectance(const Place& place, double footprint, std::uint64_t seed) {
-  const auto kind = static_cast<std::uint64_t>(place.kind);
-  const double rough = roughness(seed + 100 * kind, place.u, place.v, footprint);
+// What the surfaces of a tunnel reflect.
+class Surfaces {
+ public:
+  explicit Surfaces(std::uint64_t seed) {
+    for (std::uint64_t kind = 0; kind < Place::kKinds; ++kind)
+      rough_.emplace_back(seed + 100 * kind);
+  }
+
+  double reflectance(const Place& place, double footprint);
+
+ private:
+  std::vector<Roughness> rough_;  // by the kind of the place
+};
+
+double Surfaces::reflectance(const Place& place, double footprint) {
+  const double rough = rough_[static_cast<std::size_t>(place.kind)].at(place.u, place.v, footprint);
   if (place.kind == Place::Kind::floor) return 0.16 * (1 + 0.8 * rough);
   if (place.kind == Place::Kind::roof) return 0.22 * (1 + 0.8 * rough);
   const double brick = 0.22 * (1 + 0.7 * rough);
   return brick + mortar(place.u, place.v, footprint) * (0.40 * (1 + 0.3 * rough) - brick);
 }
 
-// Heights of a point above the floor and above the roof.
-struct Height {
-  const Tunnel& tunnel;
-  bool level = true;  // floor and roof at one z everywhere
+bool is_level(const Tunnel& tunnel) {
+  const auto& elements = tunnel.centerline.elements();
+  return tunnel.height.is_constant() &&
+         std::ranges::all_of(elements,
+                             [](const CenterlineElement& element) { return element.grade == 0; });
+}
 
-  double chainage_of(const Vector3d& point) const {
-    return level ? 0.0 : tunnel.centerline.locate(point.head<2>()).chainage;
+// Heights of a point above the floor and above the roof.
+class Height {
+ public:
+  explicit Height(const Tunnel& tunnel) : tunnel_(tunnel) {
+    if (is_level(tunnel)) level_ = at(0);
   }
-  double above_floor(const Vector3d& point) const {
-    return point.z() - tunnel.centerline.at(chainage_of(point)).position.z();
-  }
+
+  double above_floor(const Vector3d& point) const { return point.z() - below(point).floor; }
   double above_roof(const Vector3d& point) const {
-    const double chainage = chainage_of(point);
-    return point.z() - tunnel.centerline.at(chainage).position.z() - tunnel.height.at(chainage);
+    const Levels levels = below(point);
+    return point.z() - levels.floor - levels.roof_above_floor;
   }
+
+ private:
+  struct Levels {
+    double floor = 0;
+    double roof_above_floor = 0;
+  };
+  Levels at(double chainage) const {
+    return {tunnel_.centerline.at(chainage).position.z(), tunnel_.height.at(chainage)};
+  }
+  Levels below(const Vector3d& point) const {
+    return level_ ? *level_ : at(tunnel_.centerline.locate(point.head<2>()).chainage);
+  }
+
+  const Tunnel& tunnel_;
+  std::optional<Levels> level_{};  // floor and roof at one z everywhere
 };
 
 // The way to where `height` passes 0, between `low` and `high`, where it lies on different sides:
@@ -153,13 +201,6 @@ Place look(const TunnelWalls& walls, const FloorAndRoof& floor_and_roof, const H
   return place;
 }
 
-bool is_level(const Tunnel& tunnel) {
-  const auto& elements = tunnel.centerline.elements();
-  return tunnel.height.is_constant() &&
-         std::ranges::all_of(elements,
-                             [](const CenterlineElement& element) { return element.grade == 0; });
-}
-
 }  // namespace
 
 Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& camera,
@@ -169,7 +210,8 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
   const double chainage = tunnel.centerline.locate(origin.head<2>()).chainage;
   const TunnelWalls walls(tunnel, standoff, chainage);
   const FloorAndRoof floor_and_roof(tunnel, chainage);
-  const Height height{tunnel, is_level(tunnel)};
+  const Height height(tunnel);
+  Surfaces surfaces(seed);
   Backdrop backdrop{LightImage(camera.width, camera.height),
                     LightImage(camera.width, camera.height, static_cast<float>(kFar))};
   for (int y = 0; y < camera.height; ++y) {
@@ -183,7 +225,7 @@ Backdrop tunnel_backdrop(const Tunnel& tunnel, double standoff, const Camera& ca
       const double distance = place.depth * ray.norm();
       const double footprint = distance / camera.fx / std::sqrt(std::max(place.cosine, 0.01));
       const double light =
-          irradiance(lighting, distance, place.cosine) * reflectance(place, footprint, seed);
+          irradiance(lighting, distance, place.cosine) * surfaces.reflectance(place, footprint);
       backdrop.light.row(y)[x] = static_cast<float>(std::max(light, 0.0));
       backdrop.depth.row(y)[x] = static_cast<float>(place.depth);
     }

@@ -8,32 +8,32 @@
 #include <utility>
 
 namespace tagsmith::detail {
-namespace {
 
-// The place `distance` further along an element that starts at `start`; either sign.
-CenterlinePoint advance(const CenterlinePoint& start, const CenterlineElement& element,
-                        double distance) {
-  CenterlinePoint end = start;
+Centerline::Start::Start(const CenterlinePoint& at)
+    : point(at), along(direction_of(at.heading)), right(right_of(at.heading)) {}
+
+CenterlinePoint Centerline::advance(const Start& start, const CenterlineElement& element,
+                                    double distance) {
+  CenterlinePoint end = start.point;
   end.grade = element.grade;
   end.curvature = element.curvature;
   end.position.z() += element.grade * distance;
   if (element.curvature == 0) {
-    end.position += distance * direction_of(start.heading);
+    end.position += distance * start.along;
     return end;
   }
   const double radius = 1.0 / element.curvature;
-  end.heading = start.heading + distance * element.curvature;
-  end.position += radius * (right_of(start.heading) - right_of(end.heading));
+  end.heading = start.point.heading + distance * element.curvature;
+  end.position += radius * (start.right - right_of(end.heading));
   return end;
 }
 
-// Length along the element, from its start, of the point nearest to `point`, within [low, high].
-double nearest_length(const CenterlinePoint& start, const CenterlineElement& element,
-                      const Eigen::Vector2d& point, double low, double high) {
-  const Eigen::Vector2d along = direction_of(start.heading).head<2>();
-  const Eigen::Vector2d right = right_of(start.heading).head<2>();
-  const Eigen::Vector2d from_start = point - start.position.head<2>();
+double Centerline::nearest_length(const Start& start, const CenterlineElement& element,
+                                  const Eigen::Vector2d& point, double low, double high) {
+  const Eigen::Vector2d along = start.along.head<2>();
+  const Eigen::Vector2d from_start = point - start.point.position.head<2>();
   if (element.curvature == 0) return std::clamp(from_start.dot(along), low, high);
+  const Eigen::Vector2d right = start.right.head<2>();
   const double radius = std::abs(1.0 / element.curvature);
   const double towards_centre = element.curvature > 0 ? 1.0 : -1.0;
   const Eigen::Vector2d from_centre = from_start - towards_centre * radius * right;
@@ -45,8 +45,6 @@ double nearest_length(const CenterlinePoint& start, const CenterlineElement& ele
   }
   return std::clamp(angle * radius, low, high);
 }
-
-}  // namespace
 
 Eigen::Vector3d direction_of(double heading) { return {std::sin(heading), std::cos(heading), 0.0}; }
 
@@ -61,12 +59,12 @@ Centerline::Centerline(const Eigen::Vector3d& start, double heading,
   for (const CenterlineElement& element : elements_) {
     point.grade = element.grade;
     point.curvature = element.curvature;
-    starts_.push_back(point);
+    starts_.emplace_back(point);
     chainages_.push_back(length_);
-    point = advance(point, element, element.length);
+    point = advance(starts_.back(), element, element.length);
     length_ += element.length;
   }
-  starts_.push_back(point);
+  starts_.emplace_back(point);
   chainages_.push_back(length_);
 }
 
@@ -88,7 +86,7 @@ std::size_t Centerline::element_at(double chainage) const {
 double Centerline::distance_to_a_start(const Eigen::Vector2d& point) const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < elements_.size();) {
-    const double away = (point - starts_[i].position.head<2>()).norm();
+    const double away = (point - starts_[i].point.position.head<2>()).norm();
     least = std::min(least, away);
     i = std::max(element_at(chainages_[i] + away), i + 1);
   }
@@ -98,7 +96,7 @@ double Centerline::distance_to_a_start(const Eigen::Vector2d& point) const {
 CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
   CenterlineAddress nearest;
   double least = std::numeric_limits<double>::infinity();
-  const auto consider = [&](const CenterlinePoint& start, const CenterlineElement& element,
+  const auto consider = [&](const Start& start, const CenterlineElement& element,
                             double chainage_at_start, double low, double high) {
     const double length = nearest_length(start, element, point, low, high);
     const CenterlinePoint foot = advance(start, element, length);
@@ -114,7 +112,7 @@ CenterlineAddress Centerline::locate(const Eigen::Vector2d& point) const {
   const double bound = distance_to_a_start(point);
   for (std::size_t i = 0; i < elements_.size();) {
     // No place nears the point by more than the chainage between them: up to here none is nearer.
-    const double away = (point - starts_[i].position.head<2>()).norm();
+    const double away = (point - starts_[i].point.position.head<2>()).norm();
     const double clear = chainages_[i] + std::max(0.0, away - std::min(least, bound));
     const std::size_t next = element_at(clear);
     if (next == i) consider(starts_[i], elements_[i], chainages_[i], 0, elements_[i].length);

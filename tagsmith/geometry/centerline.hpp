@@ -47,6 +47,23 @@ class Centerline {
   CenterlineAddress locate(const Eigen::Vector2d& point) const;
 
  private:
+  // Where an element starts, or the line ends.
+  struct Start {
+    explicit Start(const CenterlinePoint& at);
+
+    CenterlinePoint point;
+    Eigen::Vector3d along;  // direction_of and right_of the heading there
+    Eigen::Vector3d right;
+  };
+
+  // The place `distance` further along an element; either sign.
+  static CenterlinePoint advance(const Start& start, const CenterlineElement& element,
+                                 double distance);
+
+  // Length along the element, from its start, of the point nearest to `point`, within [low, high].
+  static double nearest_length(const Start& start, const CenterlineElement& element,
+                               const Eigen::Vector2d& point, double low, double high);
+
   // Index of the element at a chainage >= 0; their number beyond the end.
   std::size_t element_at(double chainage) const;
 
@@ -55,8 +72,8 @@ class Centerline {
   double distance_to_a_start(const Eigen::Vector2d& point) const;
 
   std::vector<CenterlineElement> elements_;
-  std::vector<CenterlinePoint> starts_;  // of each element, and last the end of the line
-  std::vector<double> chainages_;        // of starts_
+  std::vector<Start> starts_;      // of each element, and last the end of the line
+  std::vector<double> chainages_;  // of starts_
   double length_ = 0;
 };
 

@@ -94,10 +94,18 @@ ProgramOutput run_until(double seconds, const std::string& signal, const std::st
                    " > /dev/null 2> /dev/null");
 }
 
-std::vector<LongCommand> long_commands(const fs::path& lines) {
+// The first two places of the corridor's drive.
+void write_short_run(const fs::path& file) {
+  std::ifstream all(kSite + "run.csv");
+  std::ofstream few(file);
+  std::string row;
+  for (int i = 0; i < 3 && std::getline(all, row); ++i) few << row << "\n";
+}
+
+std::vector<LongCommand> long_commands(const fs::path& lines, const fs::path& run) {
   return {
       {"print", "print " + kSurvey + " -o %/out"},
-      {"simulate", "simulate " + kSurvey + kRig + " --run " + kSite + "run.csv -o %/out --force"},
+      {"simulate", "simulate " + kSurvey + kRig + " --run '" + run.string() + "' -o %/out --force"},
       {"plan", "plan " + kSurvey + kRig + " --to 4 --step 0.2 -o %/out"},
       {"draw", "draw " + kSurvey + " -o %/drawing.pdf"},
       {"report", "report " + kSurvey + " '" + lines.string() +
@@ -112,8 +120,10 @@ TEST_CASE("a command that is killed at any moment leaves whole files, and a seco
   const fs::path lines = work.path() / "photos.jsonl";
   run_shell("\"$TAGSMITH_PROGRAM\" verify --json " + kSurvey + " " + kSite + "photos > '" +
             lines.string() + "'");
+  const fs::path run = work.path() / "run.csv";
+  write_short_run(run);
   Moments random(7);
-  for (const LongCommand& command : long_commands(lines)) {
+  for (const LongCommand& command : long_commands(lines, run)) {
     CAPTURE(command.name);
     const TemporaryFolder once;
     const double seconds = seconds_of(in_folder(command.arguments, once.path()));

@@ -143,9 +143,12 @@ TEST_CASE("localize, calibrate and simulate print what their schemas say") {
                               .out);
   // What it prints of boards is judged where the photos of boards are.
   check_lines("calibrate", run_tagsmith("calibrate --json --survey " + kSurvey + kRig + kRun).out);
+  const std::string run = (folder.path() / "run.csv").string();
+  REQUIRE(write_file(run, "id,left,right,d,truth_x,truth_y,truth_z\n1,,,0.9,1,0,0.24\n"));
   const std::string output = (folder.path() / "simulated").string();
-  check_lines("simulate",
-              run_tagsmith("simulate --json " + kSurvey + kRig + kRun + " -o " + output).out);
+  check_lines(
+      "simulate",
+      run_tagsmith("simulate --json " + kSurvey + kRig + " --run " + run + " -o " + output).out);
   check_file("truth", folder.path() / "simulated" / "truth.json");
 }
 

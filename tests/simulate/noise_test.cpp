@@ -49,6 +49,14 @@ TEST_CASE("A draw depends on seed and counter alone") {
   CHECK(gaussian_noise(4, 1000) != first);
 }
 
+TEST_CASE("Value noise of places one after another is that of each alone") {
+  ValueNoise noise(5);
+  for (std::uint64_t i = 0; i < 400; ++i) {
+    const double x = 6 * uniform_noise(1, i / 3) - 3, y = 4 * uniform_noise(2, i / 2) - 2;
+    CHECK(noise.at(x, y) == value_noise(5, x, y));
+  }
+}
+
 TEST_CASE("Value noise is continuous, within 0 and 1, and not constant") {
   double low = 1;
   double high = 0;
