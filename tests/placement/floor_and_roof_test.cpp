@@ -87,7 +87,7 @@ TEST_CASE("behind a crest the plan sees the plates that the simulation shows") {
   const Survey survey = survey_along({{6, 0, 0.25}, {6, 0, -0.25}}, 13);
   Rig rig = crawler();
   for (RigCamera& camera : rig.cameras) {  // looks farther ahead
-    camera.camera = camera_from_sensor(1280, 960, 0.012, 0.0048, 0.0036);
+    camera.camera = camera_from_sensor(640, 480, 0.012, 0.0048, 0.0036);
     camera.vehicle_from_camera = vehicle_from_side_camera(*camera.side, radians(65));
   }
   const SightModel model(survey, rig);

@@ -145,12 +145,13 @@ TEST_CASE("plates printed with a profile have their size, are proved and verifie
                    {"office", {printer.scale_right, printer.scale_down}, 0.127e-3, 0.127e-3, 0})));
   fs::path out = folder.path() / "out";
   const std::string survey = "surveys/corridor/survey.yaml";
-  for (const char* paper : {" --paper A4 --tile", " --paper A2", ""}) {
+  for (const char* paper :
+       {" --paper A4 --tile --format both", " --paper A2 --format svg", " --format pdf"}) {
     CAPTURE(paper);
     out += "-next";
     const ProgramOutput output =
-        run_tagsmith(fmt::format("print {} -o {} --format both --tags 000L --proof --profile {}{}",
-                                 survey, out.string(), profile.string(), paper));
+        run_tagsmith(fmt::format("print {} -o {} --tags 000L --proof --profile {}{}", survey,
+                                 out.string(), profile.string(), paper));
     REQUIRE_MESSAGE(output.exit_code == 0, output.err);
     const ProgramOutput verified = run_tagsmith("verify " + survey + " " + out.string());
     CHECK_MESSAGE(verified.exit_code == 0, verified.out);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -29,24 +30,36 @@ struct CornerErrors {
   double mean() const { return std::sqrt(square / (4 * tags)); }
 };
 
-// Over the large tags that a camera at the left reads along the corridor.
-CornerErrors errors_along_corridor(const Camera& camera, const ReadOptions& options) {
-  const auto survey = load_survey("surveys/corridor/survey.yaml");
-  REQUIRE(survey.has_value());
+const Survey& corridor() {
+  static const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  return survey;
+}
+
+// What a camera at the left sees along the corridor.
+std::vector<SurveyView> views_along_corridor(const Camera& camera) {
   RigCamera rig_camera;
   rig_camera.camera = camera;
   rig_camera.vehicle_from_camera = vehicle_from_side_camera(Side::left, radians(20));
   ViewOptions view;
   view.lighting = tunnel_lighting();
   view.sensor.noise_sigma = 1.5;
-  CornerErrors errors;
+  std::vector<SurveyView> views;
   for (const double y : {0.3, 1.1, 1.9, 2.7}) {
-    const Pose vehicle = vehicle_in_tunnel(*survey, {0.95, y, 0.24}, radians(2));
-    const SurveyView seen = render_survey_view(*survey, rig_camera, vehicle, view, 1);
+    const Pose vehicle = vehicle_in_tunnel(corridor(), {0.95, y, 0.24}, radians(2));
+    views.push_back(render_survey_view(corridor(), rig_camera, vehicle, view, 1));
+  }
+  return views;
+}
+
+// Over the large tags that are read in them.
+CornerErrors errors_in(const std::vector<SurveyView>& views, const ReadOptions& options) {
+  CornerErrors errors;
+  for (const SurveyView& seen : views) {
     for (const Reading& reading : read_tags(seen.view.image.view(), options).tags) {
       for (std::size_t i = 0; i < seen.tags.size(); ++i) {
         const PlateTruth& plate = seen.view.plates[i];
-        if (survey->tags[seen.tags[i]].digits != reading.digits || plate.module_px < 1.2) continue;
+        const bool is_this = corridor().tags[seen.tags[i]].digits == reading.digits;
+        if (!is_this || plate.module_px < 1.2) continue;
         ++errors.tags;
         for (std::size_t corner = 0; corner < 4; ++corner) {
           const PixelPoint& at = reading.corners[corner];
@@ -69,8 +82,9 @@ TEST_CASE("a lens that bends the frame's sides does not shift its corners") {
   for (const Camera& camera : {fisheye(), wide_angle()}) {
     ReadOptions known;
     known.camera = camera;
-    const CornerErrors by_camera = errors_along_corridor(camera, known);
-    const CornerErrors by_sides = errors_along_corridor(camera, {});
+    const std::vector<SurveyView> views = views_along_corridor(camera);
+    const CornerErrors by_camera = errors_in(views, known);
+    const CornerErrors by_sides = errors_in(views, {});
     MESSAGE(by_camera.tags << " and " << by_sides.tags << " tags: " << by_camera.mean()
                            << " px with the camera, " << by_sides.mean() << " px without");
     CHECK(by_camera.tags >= 4);

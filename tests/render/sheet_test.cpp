@@ -108,8 +108,8 @@ TEST_CASE("a dashed line has its gaps in PDF and SVG") {
   const std::vector<Sheet> sheets = sheets_of({view});
   const auto& line = std::get<SheetLine>(layer_named(sheets[0], "dashes").items.front()).points;
   const Rectangle strip{line[0].x() - 0.001, line[0].y() - 1e-4, 0.041, 2e-4};
-  for (const Raster& raster : {rasterize_pdf(render_pdf(sheets).value(), 600),
-                               rasterize_svg(render_svg(sheets[0]), 600)}) {
+  for (const Raster& raster : {rasterize_pdf(render_pdf(sheets).value(), 300),
+                               rasterize_svg(render_svg(sheets[0]), 300)}) {
     CHECK(lines_mm(profile_of(raster, strip, false)).size() == 10);
   }
 }
