@@ -2,6 +2,7 @@
 // The front door: runs the command that was asked for.
 #include <algorithm>
 #include <exception>
+#include <new>
 
 #include "decoder/cli/commands.hpp"
 #include "tagsmith/cli/commit.hpp"
@@ -15,7 +16,10 @@ int main(int argc, char** argv) {
   try {
     return run_program(all_commands(), {TAGSMITH_VERSION, TAGSMITH_COMMIT},
                        {argv + std::min(argc, 1), argv + argc});
-  } catch (const std::exception& error) {  // what no library foresees, such as no memory left
+  } catch (const std::bad_alloc&) {
+    to_stderr("tagsmith: the memory does not suffice; give fewer or smaller files at a time\n");
+    return kExitFailure;
+  } catch (const std::exception& error) {  // what no library foresees
     to_stderr("tagsmith: {}\n", error.what());
     return kExitFailure;
   }

@@ -1,19 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a fuzz target without a fuzzer: first each file given, and each file in the folders given,
-// then as many changed ones. Whatever the compiler, the same seeds give the same inputs.
-// Usage: fuzz_NAME_replay EXECUTIONS FILE|FOLDER...
+// then these again with memory that ends at one moment after another, then as many changed ones.
+// Whatever the compiler, the same seeds give the same inputs.
+// Usage: fuzz_NAME_replay EXECUTIONS MOMENTS FILE|FOLDER...
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
+#include <new>
 #include <random>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
+#include <sys/wait.h>
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace {
+
+// Of memory that ends: allocations until the one that fails; below 0, none does.
+std::atomic<long> allocations_left{-1};
+
+void* allocated(std::size_t size, std::size_t alignment) {
+  if (allocations_left >= 0 && allocations_left-- == 0) throw std::bad_alloc();
+  const std::size_t padded =
+      (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
+  void* memory = std::aligned_alloc(alignment, padded);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return allocated(size, alignof(std::max_align_t)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocated(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace {
 
@@ -74,20 +107,44 @@ void run(const std::string& input) {
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
 }
 
+long allocations_of(const std::string& input) {
+  allocations_left = std::numeric_limits<long>::max();
+  run(input);
+  return std::numeric_limits<long>::max() - allocations_left.exchange(-1);
+}
+
+// Memory ends at so many moments of an input, the same way apart: that is told or thrown, and
+// nothing is left behind.
+void run_short_of_memory(const std::string& input, long moments) {
+  const long all = allocations_of(input);
+  for (long k = 0; k < std::min(all, moments); ++k) {
+    allocations_left = all * k / moments;
+    try {
+      run(input);
+    } catch (const std::bad_alloc&) {
+    }
+    allocations_left = -1;
+  }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count < 3) {
-    std::fprintf(stderr, "usage: %s EXECUTIONS FILE|FOLDER...\n", arguments[0]);
+  if (count < 4) {
+    std::fprintf(stderr, "usage: %s EXECUTIONS MOMENTS FILE|FOLDER...\n", arguments[0]);
     return 2;
   }
   const long executions = std::atol(arguments[1]);
-  const auto inputs = inputs_in({arguments + 2, arguments + count});
+  const auto inputs = inputs_in({arguments + 3, arguments + count});
   if (inputs.empty()) {
     std::fprintf(stderr, "%s: no seeds\n", arguments[0]);
     return 2;
   }
-  for (const std::string& input : inputs) run(input);
+  const long moments = std::atol(arguments[2]);
+  for (const std::string& input : inputs) {
+    run(input);
+    run_short_of_memory(input, moments);
+  }
   std::mt19937 random(1);
   for (long i = 0; i < executions; ++i) {
     std::string input = inputs[random() % inputs.size()];
@@ -97,5 +154,6 @@ int main(int count, char** arguments) {
     }
     run(input);
   }
-  std::printf("%zu seeds and %ld changed inputs\n", inputs.size(), executions);
+  std::printf("%zu seeds, each at up to %ld moments short of memory, and %ld changed inputs\n",
+              inputs.size(), moments, executions);
 }
