@@ -410,10 +410,10 @@ Result<CameraCalibration> calibrate_camera(std::span<const BoardView> views,
 }
 
 bool has_other_focal(const CalibratedSighting& sighting) {
-  constexpr double kSure = 4;       // standard deviations: none of chance among some hundred photos
+  constexpr double kChance = 4;     // standard deviations: none of chance among some hundred photos
   constexpr double kLeast = 0.001;  // relative; less is within what a calibration is trusted to
   const double change = std::abs(sighting.focal_change);
-  return sighting.focal_sigma > 0 && change > kSure * sighting.focal_sigma && change > kLeast;
+  return sighting.focal_sigma > 0 && change > kChance * sighting.focal_sigma && change > kLeast;
 }
 
 BoardGuess guess_for(const CameraCalibration& calibration, std::size_t view) {

@@ -212,18 +212,18 @@ void FrameHomography::correct(float& u, float& v) const {
 
 // Least squares over a grid of places.
 void FrameHomography::fit_correction() {
-  constexpr int kColumns = 11, kRows = 7;
+  constexpr int kPlacesAlong = 11, kPlacesUp = 7;
   constexpr int kTerms = kAlong * kAcross;
   const Homography flat_from_image = inverse(flat_);
-  Eigen::Matrix<double, kColumns * kRows, kTerms> terms;
-  Eigen::Matrix<double, kColumns * kRows, 2> changes;
-  for (int row = 0; row < kRows; ++row) {
-    for (int column = 0; column < kColumns; ++column) {
-      const double u = static_cast<double>(column) / (kColumns - 1);
-      const double v = static_cast<double>(row) / (kRows - 1);
+  Eigen::Matrix<double, kPlacesAlong * kPlacesUp, kTerms> terms;
+  Eigen::Matrix<double, kPlacesAlong * kPlacesUp, 2> changes;
+  for (int row = 0; row < kPlacesUp; ++row) {
+    for (int column = 0; column < kPlacesAlong; ++column) {
+      const double u = static_cast<double>(column) / (kPlacesAlong - 1);
+      const double v = static_cast<double>(row) / (kPlacesUp - 1);
       const PixelPoint pixel = (*this)(u, v);
       const PixelPoint flat = flat_from_image(pixel.x, pixel.y);
-      const Eigen::Index k = row * kColumns + column;
+      const Eigen::Index k = row * kPlacesAlong + column;
       changes.row(k) << u - flat.x, v - flat.y;
       double across = 1;
       for (int j = 0; j < kAcross; ++j, across *= flat.y) {

@@ -19,9 +19,10 @@ std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 nlohmann::ordered_json number_list(std::span<const double> values);
 
 // Those of a vector of Eigen's.
-auto number_list(const auto& vector) {
-  return number_list(
-      std::span<const double>(vector.data(), static_cast<std::size_t>(vector.size())));
+template <typename Vector>
+auto number_list(const Vector& vector) {
+  return number_list(std::span<const typename Vector::Scalar>(
+      vector.data(), static_cast<std::size_t>(vector.size())));
 }
 
 // A value for which is_discarded() holds where the text is no JSON.
