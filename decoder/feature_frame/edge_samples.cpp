@@ -13,13 +13,15 @@ namespace tagsmith::detail {
 namespace {
 
 // Pixels near a side, gathered by how far along and how far across they lie: fine across near the
-// edge, where the light changes within a pixel, coarse elsewhere.
+// edge, where the light changes within a pixel, coarse elsewhere, but not where the stroke's other
+// edge is among them: its mean over two pixels would be of no place, and of another one where
+// perspective tapers the stroke.
 class EdgeBins {
  public:
-  EdgeBins(float inward, float outward) : inward_(inward), outward_(outward) {
+  EdgeBins(float inward, float outward, bool both_edges) : inward_(inward), outward_(outward) {
     const float span =
         std::max(0.0F, inward - kEdgeFit.fine) + std::max(0.0F, outward - kEdgeFit.fine);
-    per_coarse_ = 1 / std::max(0.5F, span / 8);
+    per_coarse_ = both_edges ? 2 : 1 / std::max(0.5F, span / 8);
     fine_begin_ = std::ceil(std::max(0.0F, inward_ - kEdgeFit.fine) * per_coarse_);
     rows_ = index_of(outward) + 1;
     bins_.resize(kEdgeFit.zones * rows_);
@@ -73,7 +75,7 @@ class EdgeBins {
 // The pixels near the side, `margin` pixels at its ends left out.
 std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
                                      double outward, double margin) {
-  EdgeBins bins(static_cast<float>(inward), static_cast<float>(outward));
+  EdgeBins bins(static_cast<float>(inward), static_cast<float>(outward), outward > side.stroke);
   const PixelPoint d = side.end - side.begin;
   const bool steep = std::abs(d.y) > std::abs(d.x);
   const double side_length = length(d);

@@ -106,6 +106,18 @@ TEST_CASE("a thick stroke is seen on its inner part alone") {
   }
 }
 
+TEST_CASE("where both edges of a stroke are seen, samples lie close together at both") {
+  const SideLine side = side_at(1.0, 9);
+  const GrayImage image = image_of(side);
+  std::vector<float> across;
+  for (const EdgeSample& sample : edge_samples(image.view(), side, 10.0)) {
+    across.push_back(sample.across);
+  }
+  std::ranges::sort(across);
+  REQUIRE(across.back() > 10);
+  for (std::size_t i = 1; i < across.size(); ++i) CHECK(across[i] - across[i - 1] < 0.55F);
+}
+
 TEST_CASE("a side that leaves the picture is seen where it is in the picture") {
   SideLine side = side_at(0.2, 3);
   const PixelPoint away{-60, 0};
