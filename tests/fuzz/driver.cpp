@@ -2,7 +2,7 @@
 // Runs a fuzz target without a fuzzer: first each file given, and each file in the folders given,
 // then these again with memory that ends at one moment after another, then as many changed ones.
 // Whatever the compiler, the same seeds give the same inputs.
-// Usage: fuzz_NAME_replay EXECUTIONS MOMENTS FILE|FOLDER...
+// Usage: fuzz_NAME EXECUTIONS MOMENTS FILE|FOLDER...
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -16,10 +16,7 @@
 #include <new>
 #include <random>
 #include <string>
-#include <unistd.h>
 #include <vector>
-
-#include <sys/wait.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
@@ -113,8 +110,7 @@ long allocations_of(const std::string& input) {
   return std::numeric_limits<long>::max() - allocations_left.exchange(-1);
 }
 
-// Memory ends at so many moments of an input, the same way apart: that is told or thrown, and
-// nothing is left behind.
+// Memory ends at so many moments of an input, the same way apart: that is told or thrown.
 void run_short_of_memory(const std::string& input, long moments) {
   const long all = allocations_of(input);
   for (long k = 0; k < std::min(all, moments); ++k) {
@@ -143,7 +139,7 @@ int main(int count, char** arguments) {
   const long moments = std::atol(arguments[2]);
   for (const std::string& input : inputs) {
     run(input);
-    run_short_of_memory(input, moments);
+    if (moments > 0) run_short_of_memory(input, moments);
   }
   std::mt19937 random(1);
   for (long i = 0; i < executions; ++i) {
