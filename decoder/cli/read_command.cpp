@@ -36,7 +36,7 @@ constexpr const char* kReadNotes = R"(Example:
 
 --json prints one object an image: image, width, height, tags (digits, check_digit, position,
 corners P F lower-right Q in pixels or null, module_px, confidence, method), with --survey parts
-(tags that the picture's border cuts), rejected (reason, corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
+(tags of which a part is in sight), rejected (reason, corners), time_ms. Exit: 0 a tag was read, 1 no image has a readable tag, 2 an image could not be read.)";
 
 struct ReadCommandOptions {
   std::vector<std::string> images;
@@ -156,8 +156,8 @@ void print_in_words(const ImageReadings& readings, const std::vector<Survey>& su
               name_in_words(tag.digits, surveys));
   }
   for (const PartReading& part : result.parts) {
-    to_stdout("  {}  cut by the picture's border, {:.0f} % in sight:{}\n", digits_in_sight(part),
-              100 * part.share, candidates_in_words(part, surveys));
+    to_stdout("  {}  in part, {:.0f} % in sight:{}\n", digits_in_sight(part), 100 * part.share,
+              candidates_in_words(part, surveys));
   }
   for (const Rejection& rejection : result.rejected) {
     to_stdout("  refused at ({:.0f}, {:.0f}): {}\n", rejection.corners[0].x, rejection.corners[0].y,

@@ -50,7 +50,7 @@ struct FittedCorners {
   std::array<PixelPoint, 4> seen{};
   std::array<PixelPoint, 4> fitted{};
   bool used = true;
-  bool is_part = false;  // the picture's border cuts the tag
+  bool is_part = false;  // only a part of the tag is in sight
 };
 
 // A mistake that nothing in the measurement would reveal, were it made.

@@ -37,7 +37,7 @@ struct SeenTag {
   std::optional<SeenCorners> seen_corners;
   std::optional<double> distance;  // from the camera to corner P, metres
   bool at_coded_place = false;     // in no survey: hangs where its digits say, to their rounding
-  bool is_part = false;            // the picture's border cuts it
+  bool is_part = false;            // only a part of it is in sight
 };
 
 // A tag and the index of the survey that has it.
@@ -46,7 +46,7 @@ struct SurveyedTag {
   const PlacedTag* tag = nullptr;
 };
 
-// A tag that the border of a camera's picture cuts: one of these of the surveys.
+// A tag of which a camera's picture shows a part: one of these of the surveys.
 struct SeenPart {
   std::string camera;  // of the rig
   std::vector<SurveyedTag> candidates;

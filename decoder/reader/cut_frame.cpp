@@ -40,6 +40,34 @@ std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad) {
   return std::nullopt;
 }
 
+std::optional<PictureBeside> picture_beside(const GrayView& image, const Quad& outline) {
+  const PixelPoint ahead = 0.5 * (outline[1] + outline[2]) - 0.5 * (outline[0] + outline[3]);
+  const bool by_columns = std::abs(ahead.x) > std::abs(ahead.y);
+  const auto place = [&](PixelPoint at) { return by_columns ? at.x : at.y; };
+  const bool keeps_first = place(ahead) > 0;
+  const int size = by_columns ? image.width : image.height;
+  // The first row or column that the object's blurred edge touches anywhere.
+  const auto [least, greatest] = std::minmax({place(outline[1]), place(outline[2])});
+  const int limit = keeps_first ? static_cast<int>(std::floor(least - kPart.border_px))
+                                : static_cast<int>(std::ceil(greatest + kPart.border_px));
+  if (limit < 1 || limit > size - 2) return std::nullopt;
+  PictureBeside beside{image, {}, outline};
+  for (const auto& [from, to] : {std::pair{0, 1}, std::pair{3, 2}}) {
+    const PixelPoint a = outline[static_cast<std::size_t>(from)];
+    const PixelPoint b = outline[static_cast<std::size_t>(to)];
+    const double share = (limit - place(a)) / (place(b) - place(a));
+    if (!(share > 0 && share <= 1)) return std::nullopt;
+    beside.quad[static_cast<std::size_t>(to)] = a + share * (b - a);
+  }
+  const int first = keeps_first ? 0 : limit;
+  const int count = keeps_first ? limit + 1 : size - limit;
+  (by_columns ? beside.view.width : beside.view.height) = count;
+  beside.view.data += by_columns ? first : first * image.stride;
+  (by_columns ? beside.first.x : beside.first.y) = first;
+  for (PixelPoint& corner : beside.quad) corner = corner - beside.first;
+  return beside;
+}
+
 std::optional<Quad> completed_by_shape(const Quad& cut, const FrameShape& shape,
                                        const Camera& camera) {
   std::array<Vector3d, 4> rays;

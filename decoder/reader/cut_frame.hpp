@@ -17,6 +17,17 @@ namespace tagsmith::detail {
 // is side 1; nothing for another outline.
 std::optional<Quad> cut_by_border(const PyramidLevel& level, const Quad& quad);
 
+// What of a picture lies before an object that hides the side 1 of an outline: the rows or columns
+// up to it, and the outline where they end, both as if the picture's border cut the tag there.
+struct PictureBeside {
+  GrayView view;
+  PixelPoint first;  // the view's first pixel in the picture
+  Quad quad;         // in pixels of the view
+};
+
+// Nothing where no row or column before the object crosses both sides of the outline.
+std::optional<PictureBeside> picture_beside(const GrayView& image, const Quad& outline);
+
 // The whole frame, of such a shape, of which a cut outline (pixels of the picture, side 1 on the
 // border) shows the sides 0, 2 and 3, as a camera that bends nothing sees it: corners 1 and 2 are
 // where they must be for the sides to be those of a rectangle of these proportions. Nothing where

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_lines.hpp"
-#include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
-#include "decoder/reader/read_part.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -108,7 +107,8 @@ Detector::Detector(SearchedImage& picture, const ReadOptions& options)
     : image_(picture.image()),
       picture_(picture),
       options_(options),
-      shape_(frame_shape_of(options.layouts)) {
+      shape_(frame_shape_of(options.layouts)),
+      part_search_(options) {
   if (options.camera) lens_ = LensDistortion(*options.camera);
 }
 
@@ -119,35 +119,30 @@ void Detector::consider(const Proposal& proposal) {
 void Detector::look_at(const Outline& outline) {
   const auto& [level, quad] = outline;
   if (is_read(to_full(level, quad))) return;
-  note_cut(outline);
+  part_search_.note_cut(outline, shape_);
   if (!looks_framed(level.image, quad, shape_)) {
+    part_search_.note_hidden_side(outline, shape_);
     return pass_over(to_full(level, quad), FrameFault::not_framed);
   }
   look_at(RoughFrame{level, quad});
 }
 
-void Detector::note_cut(const Outline& outline) {
-  if (options_.code_book.empty() && options_.likely_codes.empty()) return;
-  const auto cut = cut_by_border(outline.level, outline.quad);
-  if (!cut || !looks_framed(outline.level.image, *cut, shape_, {true, false, true, true})) return;
-  const Quad in_full = to_full(outline.level, *cut);
-  const auto same = [&](const Quad& other) {
-    return nearly_equal(other, in_full, kPart.border_px * outline.level.scale);
-  };
-  if (std::ranges::none_of(cut_, same)) cut_.push_back(in_full);
+void Detector::read_parts() {
+  part_search_.read_cut(image_, [this](PixelPoint at) { return has_reading_at(at); });
 }
 
-void Detector::read_parts() {
-  if (read_cuts_ == cut_.size()) return;
-  ReadOptions options = options_;
-  if (options.code_book.empty()) options.code_book = options.likely_codes;
-  for (; read_cuts_ < cut_.size(); ++read_cuts_) {
-    const Quad& cut = cut_[read_cuts_];
-    const PixelPoint centre = centre_of(cut);
-    const auto is_there = [&](const PartReading& part) { return contains(part.corners, centre); };
-    if (has_reading_at(centre) || std::ranges::any_of(parts_, is_there)) continue;
-    if (auto part = read_part(image_, cut, options)) parts_.push_back(*std::move(part));
+// The frames found last come first: those that bars complete are better than the outlines of what
+// covers them. A frame in which next to nothing of a symbol shows may still end at what hides it.
+void Detector::read_covered_parts() {
+  const auto is_read = [this](PixelPoint at) { return has_reading_at(at); };
+  for (const TagHypothesis& hypothesis : std::views::reverse(hypotheses_)) {
+    if (!hypothesis.frame || hypothesis.reading() != nullptr) continue;
+    if (hypothesis.may_be_covered || hypothesis.source == Source::careful) {
+      part_search_.read_covered(image_, *hypothesis.frame, is_read);
+    }
+    if (hypothesis.odd_bars) part_search_.note_hidden_end(image_, hypothesis.frame->corners);
   }
+  part_search_.read_beside(image_, is_read);
 }
 
 void Detector::look_at(const RoughFrame& proposed) {
@@ -432,7 +427,7 @@ ReadResult Detector::result() const {
     }
     result.rejected.push_back(*rejection);
   }
-  for (const PartReading& part : parts_) {
+  for (const PartReading& part : part_search_.parts()) {
     const auto same = [&](const Reading& tag) {
       return contains(part.corners, centre_of(tag.corners));
     };

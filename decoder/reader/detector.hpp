@@ -20,6 +20,7 @@
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
+#include "decoder/reader/part_search.hpp"
 #include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
@@ -74,6 +75,10 @@ class Detector {
   // Reads what shows of the tags that the picture's border cuts, where there is a code book.
   void read_parts();
 
+  // Reads what shows of the tags in refused frames of which something may hide digits, where there
+  // is a code book.
+  void read_covered_parts();
+
   // Reads what was refused as any code again as one of the likely ones.
   void try_likely_codes();
 
@@ -106,9 +111,6 @@ class Detector {
   ReadResult result() const;
 
  private:
-  // Keeps an outline that the border cuts, for read_parts.
-  void note_cut(const Outline& outline);
-
   // Reads what stands in an outline, if it is framed.
   void look_at(const Outline& outline);
 
@@ -172,9 +174,7 @@ class Detector {
   FrameShape shape_;                    // of the frames that are searched for
   std::optional<LensDistortion> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;
-  std::vector<Quad> cut_;                        // outlines with their side 1 on the border
-  std::size_t read_cuts_ = 0;                    // of them, tried so far
-  std::vector<PartReading> parts_;               // of those that were read
+  PartSearch part_search_;
   std::optional<UnsharpenedImage> unsharpened_;  // the picture that is read, where it was sharpened
 };
 

@@ -10,7 +10,7 @@
 
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/reading.hpp"
-#include "decoder/scan/decode.hpp"
+#include "decoder/scan/decoding.hpp"
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/base/result.hpp"
 

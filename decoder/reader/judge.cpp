@@ -12,15 +12,14 @@
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/scan/decode.hpp"
 
 namespace tagsmith::detail {
 namespace {
 
 // Whether a symbol shows too little for its covered digits to be more than guesses.
 bool too_little_shown(const SymbolProfile& profile) {
-  constexpr double kSaysNothing = 1;  // variance
-  const auto hidden = std::ranges::count_if(
-      profile.bins, [](const ScanBin& bin) { return bin.variance > kSaysNothing; });
+  const auto hidden = std::ranges::count_if(profile.bins, is_hidden);
   return static_cast<double>(hidden) >
          kJudge.most_hidden * static_cast<double>(profile.bins.size());
 }

@@ -9,20 +9,20 @@
 
 #include "decoder/feature_frame/corner_covariance.hpp"
 #include "decoder/reader/frame_corners.hpp"
-#include "decoder/scan/decode.hpp"
+#include "decoder/scan/decode_part.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
 namespace tagsmith::detail {
 
-// A tag that the picture's border cuts. What is in sight is certain and belongs to one of the
-// candidates, or to a plate of no survey given whose digits in sight are the same: nothing in the
-// picture tells these apart, so that a part by itself says of no place that it is there.
-// Why: docs/decisions/0025-parts-of-tags.md.
+// A tag that the picture's border cuts, or of which something hides digits or an end. What is in
+// sight is certain and belongs to one of the candidates, or to a plate of no survey given whose
+// digits in sight are the same: nothing in the picture tells these apart, so that a part by itself
+// says of no place that it is there. Why: docs/decisions/0025-parts-of-tags.md.
 struct PartReading {
   std::vector<PartCandidate> candidates;     // of the code book, likeliest first; not empty
-  std::array<bool, kDigitCount> in_sight{};  // digits wholly in the picture
-  double share = 0;                          // of the symbol's length that is in the picture
-  // From P on. What lies beyond the border follows from the sides and bars in sight.
+  std::array<bool, kDigitCount> in_sight{};  // digits that are seen wholly, and certain
+  double share = 0;                          // of the symbol's length that is in sight
+  // From P on. What is out of sight follows from the sides and bars in sight.
   FrameCorners corners{};
   std::array<bool, 4> corner_in_sight{};
   CornerCovariance corner_covariance = CornerCovariance::Zero();  // pixels^2

@@ -56,8 +56,8 @@ struct ReadOptions {
   // lower resolution.
   std::vector<Digits> code_book;
   // Codes that are likely where others are possible: what is refused as any code is read again as
-  // one of these, in the frame that was found, without a frame nothing else is read, and tags that
-  // the picture's border cuts are read as one of these.
+  // one of these, in the frame that was found, without a frame nothing else is read, and tags of
+  // which a part is in sight are read as one of these.
   std::vector<Digits> likely_codes;
   // Where the symbol stands in the frame, one for each template in use.
   std::vector<SymbolLayout> layouts{SymbolLayout{}};

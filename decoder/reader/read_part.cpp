@@ -20,7 +20,9 @@
 #include "decoder/reader/judge.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/robust_profile.hpp"
+#include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/scan/decode_part.hpp"
 #include "decoder/scan/explained.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 #include "decoder/scan/tuning.hpp"
@@ -29,12 +31,22 @@
 namespace tagsmith::detail {
 namespace {
 
+// Which rows a profile is made of: those that agree, or, where dirt lies on them, all by their own
+// light.
+enum class RowsTaken { agreeing, all };
+
+SymbolProfile profile_of(const RobustProfile& rows, RowsTaken taken) {
+  return taken == RowsTaken::agreeing ? rows.of_agreeing_rows()
+                                      : rows.of_all_rows(AddedLight::even);
+}
+
 // A part while it is being read. The frame's corner 0 is taken for P; the symbol runs along side 0,
 // or from its other end.
 struct Part {
   RefinedFrame frame;
   SymbolLayout layout;
   RobustProfile rows;
+  RowsTaken taken;
   SymbolProfile profile;
   PartDecoding decoding{};
 };
@@ -78,6 +90,16 @@ SeenModule seen_far_side(const ScanProfile& from_side, const Decoding& decoding,
   return {kModuleCount - seen.at, seen.variance};
 }
 
+// The profile without the places of digits that are not certain: something may lie on them.
+ScanProfile certain_places(ScanProfile profile, const PartDecoding& part) {
+  std::erase_if(profile, [&](const ScanBin& bin) {
+    const double at = part.decoding.upside_down ? kModuleCount - bin.at : bin.at;
+    const auto digit = digit_at(at);
+    return digit && !part.certain[*digit];
+  });
+  return profile;
+}
+
 // The frame's far side as the bars of the upper and the lower half of their height have it.
 struct FarSide {
   PixelPoint upper, lower;            // on it
@@ -95,7 +117,8 @@ FarSide far_side_of(const Part& part) {
   side.at_upper = layout.bars_top + edge * bars;
   side.at_lower = layout.bars_bottom - edge * bars;
   const auto place = [&](HeightShare half, double v) {
-    const SeenModule seen = seen_far_side(part.rows.of_agreeing_rows(half).bins, decoding, layout);
+    const ScanProfile rows = certain_places(part.rows.of_agreeing_rows(half).bins, part.decoding);
+    const SeenModule seen = seen_far_side(rows, decoding, layout);
     const PixelPoint at = map(layout.width_share(seen.at), v);
     const double module_px = distance(at, map(layout.width_share(seen.at + 1), v));
     side.sigma_px = std::max(side.sigma_px, module_px * std::sqrt(seen.variance));
@@ -124,11 +147,12 @@ Eigen::Matrix2d covariance_of(const FarSide& side) {
 
 // The frame fitted anew with its far side where the bars put it, and the symbol read anew in it.
 std::optional<Part> read_anew(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const ReadOptions& options) {
+                              const SymbolLayout& layout, RowsTaken taken,
+                              const ReadOptions& options) {
   auto frame = fit_cut_frame(image, corners, layout.frame);
   if (!frame) return std::nullopt;
   const RobustProfile rows(image, *frame, layout);
-  Part part{*std::move(frame), layout, rows, rows.of_agreeing_rows()};
+  Part part{*std::move(frame), layout, rows, taken, profile_of(rows, taken)};
   auto decoding = decode(part.profile.bins, part.profile.blur, options);
   if (!decoding) return std::nullopt;
   part.decoding = *std::move(decoding);
@@ -158,8 +182,9 @@ std::vector<double> likely_lengths(const SymbolProfile& profile, const SymbolLay
 
 // The part at the length at which the bars are explained best.
 std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame& frame,
-                                       const SymbolLayout& layout, const ReadOptions& options) {
-  const SymbolProfile profile = RobustProfile(image, frame, layout).of_agreeing_rows();
+                                       const SymbolLayout& layout, RowsTaken taken,
+                                       const ReadOptions& options) {
+  const SymbolProfile profile = profile_of(RobustProfile(image, frame, layout), taken);
   const int most = options.camera ? kPart.steps : kPart.steps_unknown;
   std::optional<PartDecoding> best;
   double length = 1;
@@ -181,7 +206,7 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
   Quad quad = frame.corners;
   quad[1] = map(far, 0);
   quad[2] = map(far, 1);
-  return read_anew(image, quad, layout, options);
+  return read_anew(image, quad, layout, taken, options);
 }
 
 // The share of the frame's inner width, from side 3 on, that the profile shows.
@@ -209,14 +234,18 @@ bool is_crossed(const GrayView& image, const Part& part) {
   });
 }
 
-bool is_believed(const GrayView& image, const Part& part, const ReadOptions& options) {
-  const Decoding& decoding = part.decoding.decoding;
-  const auto digits = std::ranges::count(part.decoding.in_sight, true);
+// Whether what is in sight is certain, and so much that few strangers look alike.
+bool is_certain(const PartDecoding& part, const ReadOptions& options) {
+  const auto digits = std::ranges::count(part.certain, true);
   const double alike = kOdds.strangers * static_cast<double>(options.code_book.size()) /
                        std::pow(10, static_cast<double>(digits));
-  return !objection_to(decoding, options) && alike < kPart.most_alike &&
-         bars_end_right(image, part) && !is_crossed(image, part) &&
-         !halves_contradict(part.rows, decoding);
+  return alike < kPart.most_alike && !objection_to(part.decoding, options);
+}
+
+bool is_believed(const GrayView& image, const Part& part, const ReadOptions& options) {
+  return is_certain(part.decoding, options) && bars_end_right(image, part) &&
+         !is_crossed(image, part) &&
+         (part.taken == RowsTaken::all || !halves_contradict(part.rows, part.decoding.decoding));
 }
 
 bool in_picture(const GrayView& image, PixelPoint at) {
@@ -238,10 +267,55 @@ PartReading reading_of(const GrayView& image, Part part) {
   }
   reading.corner_covariance = corner_covariance(frame);
   reading.candidates = std::move(part.decoding.candidates);
-  reading.in_sight = part.decoding.in_sight;
+  reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);
   reading.module_px = part.profile.module_px;
   reading.confidence = decoding.confidence;
+  return reading;
+}
+
+// A symbol of which something hides digits.
+struct CoveredSymbol {
+  SymbolHypothesis symbol;
+  PartDecoding decoding;
+};
+
+// What explains best what is in sight in a frame.
+std::optional<CoveredSymbol> best_in_sight(const GrayView& image, const RefinedFrame& frame,
+                                           const ReadOptions& options, AddedLight added) {
+  std::optional<CoveredSymbol> best;
+  for (const std::size_t first : possible_first_corners(image, frame.corners)) {
+    for (const SymbolLayout& layout : options.layouts) {
+      const RefinedFrame turned = turned_to(frame, first);
+      SymbolProfile profile = RobustProfile(image, turned, layout).of_all_rows(added);
+      auto part = decode(profile.bins, profile.blur, options);
+      if (!part) continue;
+      const Decoding& decoding = part->decoding;
+      if (best && decoding.fit.explained <= best->decoding.decoding.fit.explained) continue;
+      SymbolHypothesis symbol{turned_to(turned, decoding.upside_down ? 2 : 0), layout,
+                              std::move(profile), decoding};
+      best = CoveredSymbol{std::move(symbol), *std::move(part)};
+    }
+  }
+  return best;
+}
+
+// The share of a symbol's modules that a profile does not hide.
+double share_in_sight(const ScanProfile& profile) {
+  const auto hidden = static_cast<double>(std::ranges::count_if(profile, is_hidden));
+  return 1 - hidden / static_cast<double>(profile.size());
+}
+
+PartReading reading_of(CoveredSymbol covered, const Reading& whole) {
+  PartReading reading;
+  reading.candidates = std::move(covered.decoding.candidates);
+  reading.in_sight = covered.decoding.certain;
+  reading.share = share_in_sight(covered.symbol.profile.bins);
+  reading.corners = whole.corners;
+  reading.corner_in_sight.fill(true);
+  reading.corner_covariance = whole.corner_covariance;
+  reading.module_px = whole.module_px;
+  reading.confidence = whole.confidence;
   return reading;
 }
 
@@ -269,8 +343,27 @@ std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
     if (!whole) continue;
     RefinedFrame frame = *fitted;
     frame.corners = *whole;
-    auto part = read_at_any_length(image, frame, layout, options);
-    if (part && is_believed(image, *part, options)) return reading_of(image, *std::move(part));
+    for (const RowsTaken taken : {RowsTaken::agreeing, RowsTaken::all}) {
+      auto part = read_at_any_length(image, frame, layout, taken, options);
+      if (!part) break;
+      if (is_believed(image, *part, options)) return reading_of(image, *std::move(part));
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<PartReading> read_covered(const GrayView& image, const RefinedFrame& frame,
+                                        const ReadOptions& options) {
+  for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
+    auto covered = best_in_sight(image, frame, options, added);
+    if (!covered || covered->decoding.decoding.fit.explained < kJudge.worth_light) {
+      return std::nullopt;
+    }
+    if (std::ranges::all_of(covered->decoding.certain, std::identity{})) return std::nullopt;
+    if (!is_certain(covered->decoding, options)) continue;
+    const auto whole =
+        reading_where_bars_end(image, covered->symbol, options, ReadingMethod::partly_covered);
+    if (whole) return reading_of(*std::move(covered), *whole);
   }
   return std::nullopt;
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tags that the picture's border cuts, read against a code book.
+// Tags of which a part is in sight, read against a code book.
 #pragma once
 
 #include <optional>
 
 #include "decoder/feature_frame/quad.hpp"
+#include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/read_options.hpp"
@@ -16,5 +17,11 @@ namespace tagsmith::detail {
 // too little of it, or the camera's lens bends what is straight.
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options);
+
+// Reads what is in sight of a symbol in a whole frame, of which something hides digits. Nothing
+// where what is in sight is not certainly that of a code of the book, or too little of it, or the
+// bars end elsewhere than in this frame.
+std::optional<PartReading> read_covered(const GrayView& image, const RefinedFrame& frame,
+                                        const ReadOptions& options);
 
 }  // namespace tagsmith::detail

@@ -63,6 +63,7 @@ void TagSearch::look_closer() {
   state_->is_done = true;
   state_->look(kCloserLook);
   state_->detector.try_likely_codes();
+  state_->detector.read_covered_parts();
   state_->tags = state_->detector.tags();
 }
 

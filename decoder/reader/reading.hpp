@@ -13,7 +13,7 @@
 #include "decoder/reader/frame_corners.hpp"
 #include "decoder/reader/part_reading.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
-#include "decoder/scan/decode.hpp"
+#include "decoder/scan/decoding.hpp"
 #include "decoder/scan/profile.hpp"
 #include "tagsmith/symbology/digits.hpp"
 
@@ -114,7 +114,7 @@ struct ReadResult {
   // (ReadOptions::tell_passed_over).
   std::vector<Rejection> passed_over{};
   FramelessResult frameless{};  // empty unless asked for (ReadOptions::frameless)
-  // Tags that the picture's border cuts; empty without a code book.
+  // Tags of which a part is in sight; empty without a code book.
   std::vector<PartReading> parts{};
 };
 

@@ -9,6 +9,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/scan/decode.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {

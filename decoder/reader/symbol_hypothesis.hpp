@@ -13,7 +13,7 @@
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/robust_profile.hpp"
 #include "decoder/reader/symbol_layout.hpp"
-#include "decoder/scan/decode.hpp"
+#include "decoder/scan/decoding.hpp"
 
 namespace tagsmith::detail {
 

@@ -184,7 +184,7 @@ struct JudgeTuning {
 };
 inline constexpr JudgeTuning kJudge;
 
-// Tags that the picture's border cuts (`./dev bench half`).
+// Tags of which a part is in sight (`./dev bench half`).
 // Why: docs/decisions/0025-parts-of-tags.md.
 struct PartTuning {
   double border_px = 3;       // of the level: corners on the border, outlines that are one

@@ -36,7 +36,8 @@ bool is_known(double at) {
                              [&](const auto& range) { return at >= range[0] && at <= range[1]; });
 }
 
-// The digit at a place, modules from the symbol's begin.
+}  // namespace
+
 std::optional<std::size_t> digit_at(double place) {
   constexpr int kRight = first_module_of_digit(6);
   const int half = place < kRight ? 0 : 1;
@@ -45,8 +46,6 @@ std::optional<std::size_t> digit_at(double place) {
   if (!(digit >= 0 && digit < 6)) return std::nullopt;
   return static_cast<std::size_t>(6 * half + static_cast<int>(digit));
 }
-
-}  // namespace
 
 std::vector<double> expected_darkness(const ImagingModel& image, const Digits& digits,
                                       const ScanProfile& profile) {
@@ -75,21 +74,21 @@ double guards_in(const ScanProfile& profile, const ImagingModel& image) {
   return explained_by_guards(known, image, expected_darkness(image, {}, known));
 }
 
-double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,
-                             const std::vector<double>& expected) {
+std::array<double, kDigitCount> explained_by_digits(const ScanProfile& profile,
+                                                    const ImagingModel& image,
+                                                    const std::vector<double>& expected) {
   const double middle = (image.white + image.black) / 2;
   std::array<Share, kDigitCount> shares{};
   for (std::size_t i = 0; i < profile.size(); ++i) {
     const auto digit = digit_at(profile[i].at);
     if (digit) shares[*digit].add(profile[i], expected[i], middle);
   }
-  double least = 1;
-  for (const Share& share : shares) {
-    if (share.variation <= 0) continue;
-    const double unexplained = std::max(0.0, share.unexplained - share.noise);
-    least = std::min(least, 1 - unexplained / share.variation);
-  }
-  return least;
+  std::array<double, kDigitCount> explained{};
+  std::ranges::transform(shares, explained.begin(), [](const Share& share) {
+    if (share.variation <= 0) return 1.0;
+    return 1 - std::max(0.0, share.unexplained - share.noise) / share.variation;
+  });
+  return explained;
 }
 
 }  // namespace tagsmith::detail

@@ -2,6 +2,9 @@
 // How well a symbol explains a profile, in all and where it matters.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "decoder/scan/imaging_model.hpp"
@@ -22,11 +25,15 @@ std::vector<double> expected_darkness(const ImagingModel& image, const Digits& d
 double explained_by_guards(const ScanProfile& profile, const ImagingModel& image,
                            const std::vector<double>& expected);
 
-// The digit that is explained worst: share of its variation about mid grey, as above, over its
-// seven modules, beyond what the profile's variances allow. A digit with a single element edge a
-// module off falls below 0.5.
-double least_explained_digit(const ScanProfile& profile, const ImagingModel& image,
-                             const std::vector<double>& expected);
+// The digit of which a place shows a module, modules from the symbol's begin; nothing elsewhere.
+std::optional<std::size_t> digit_at(double place);
+
+// Of each digit, the share of its variation about mid grey that is explained, as above, over its
+// seven modules, beyond what the profile's variances allow; 1 where nothing of it shows. A digit
+// with a single element edge a module off falls below 0.5.
+std::array<double, kDigitCount> explained_by_digits(const ScanProfile& profile,
+                                                    const ImagingModel& image,
+                                                    const std::vector<double>& expected);
 
 // The share of the guard patterns and of the white beside them, as far as a profile shows them,
 // that such a picture of them explains.

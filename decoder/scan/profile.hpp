@@ -21,6 +21,9 @@ struct ScanBin {
 // The variance, in contrasts squared, of a place that says nothing.
 inline constexpr double kHiddenVariance = 4;
 
+// Whether a place says next to nothing: it may be off by the whole contrast.
+inline bool is_hidden(const ScanBin& bin) { return bin.variance > 1; }
+
 // In order of `at`; places that no pixel covers are absent.
 using ScanProfile = std::vector<ScanBin>;
 

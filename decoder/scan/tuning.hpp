@@ -80,8 +80,9 @@ struct DecodeTuning {
   double least_noise = 0.15;  // variance factor
   int noise_reach = 4;        // modules to either side that tell a module's own noise
   double noise_prior = 5;     // modules' worth of the common noise
-  // Odds against the likeliest code from which another code is a candidate of a part of a symbol:
-  // what is less likely counts as doubt, of which kSureWithBook leaves 2e-6.
+  // Odds from which another code is a candidate of a part of a symbol, and a digit that may be
+  // another one is uncertain: what is less likely counts as doubt, of which kSureWithBook leaves
+  // 2e-6.
   double candidate = 1e-8;
 };
 inline constexpr DecodeTuning kDecode;

@@ -153,7 +153,15 @@ void see_hidden(const PictureReading& read, PictureEvidence& evidence) {
   }
 }
 
-// In the place of what was refused there. A tag that was read otherwise stays.
+// Whether the picture's border cuts the frame.
+bool leaves_picture(const PartReading& part, const GrayView& image) {
+  return std::ranges::any_of(part.corners, [&](PixelPoint at) {
+    return at.x < 0 || at.y < 0 || at.x > image.width - 1 || at.y > image.height - 1;
+  });
+}
+
+// A tag that was read otherwise stays. What was refused there is given a name, or, where the
+// picture's border cuts it, gives way to the part.
 void see_part(const PartReading& part, PictureEvidence& evidence) {
   TagEvidence seen;
   seen.sight = Sight::part;
@@ -168,9 +176,16 @@ void see_part(const PartReading& part, PictureEvidence& evidence) {
   const auto is_there = [&](const TagEvidence& other) {
     return overlap(part.corners, other.tag.corners);
   };
-  std::erase_if(evidence.tags, [&](const TagEvidence& other) {
+  const auto is_refused = [&](const TagEvidence& other) {
     return other.sight == Sight::refused && is_there(other);
-  });
+  };
+  if (leaves_picture(part, evidence.image)) {
+    std::erase_if(evidence.tags, is_refused);
+  } else if (const auto refused = std::ranges::find_if(evidence.tags, is_refused);
+             refused != evidence.tags.end()) {
+    refused->by_bars = "; what is in sight fits " + seen.fits;
+    refused->tag.tag = seen.tag.tag;
+  }
   if (std::ranges::none_of(evidence.tags, is_there)) evidence.tags.push_back(std::move(seen));
 }
 

@@ -26,7 +26,7 @@ enum class Sight {
   thinned,    // read after ink was taken away
   thickened,  // read after ink was added
   bars,       // read by its bars, without a frame
-  part,       // cut by the picture's border, and known by what is in sight
+  part,       // known by the part of it that is in sight
 };
 
 struct TagEvidence {
@@ -66,8 +66,8 @@ using PictureReading = std::function<ReadResult(const GrayView&, const ReadOptio
 // Reads the picture and fills `readings` and `tags`: as any code, so that a tag that should not be
 // there is seen for what it is; what is refused so, as one of the survey's, for tags too small or
 // too worn otherwise. Where no tag is read by its frame, also the picture's negative and the
-// survey's tags by their bars; and a page with more ink and with less. Tags of a photo that its
-// border cuts are compared with the survey's.
+// survey's tags by their bars; and a page with more ink and with less. Tags of which a photo shows
+// a part are compared with the survey's.
 void see_tags(const PictureReading& read, PictureEvidence& evidence);
 
 // A result without refusals that lie on any reading. Of refusals that lie on each other one is

@@ -75,16 +75,16 @@ Finding wrong_check_digit(const PictureEvidence& evidence, const TagEvidence& se
                       to_string(scheme), nearest, also_right)};
 }
 
-// True when the outline, were it larger by a quarter of its size on every side, would leave the
-// picture: what was taken for a feature frame may be the visible end of one.
-bool may_be_cut_off(const FrameCorners& corners, const GrayView& image) {
-  const auto leaves = [](double least, double greatest, int pixels) {
-    const double margin = 0.25 * (greatest - least);
+// True when the outline, were it larger by this share of its size on every side, would leave the
+// picture.
+bool leaves(const FrameCorners& corners, const GrayView& image, double larger_by) {
+  const auto beyond = [&](double least, double greatest, int pixels) {
+    const double margin = larger_by * (greatest - least);
     return least - margin < 0 || greatest + margin > pixels - 1;
   };
   const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
   const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
-  return leaves(left.x, right.x, image.width) || leaves(top.y, bottom.y, image.height);
+  return beyond(left.x, right.x, image.width) || beyond(top.y, bottom.y, image.height);
 }
 
 // True when the feature frame around these bars would not be wholly in the photo.
@@ -188,12 +188,14 @@ std::optional<Finding> find_duplicate(const PictureEvidence& evidence, const Tag
 std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEvidence& seen) {
   const FrameCorners& corners = seen.tag.corners;
   if (!evidence.is_photo) return std::nullopt;
-  if (seen.sight == Sight::refused && may_be_cut_off(corners, evidence.image)) {
+  // What was taken for a feature frame may be the visible end of one.
+  constexpr double kHidden = 0.25;
+  if (seen.sight == Sight::refused && leaves(corners, evidence.image, kHidden)) {
     return Finding{
         TagStatus::cut_off, "cut-off",
         "a tag at the picture's edge, not read: " + describe(*seen.refusal) + seen.by_bars};
   }
-  if (seen.sight == Sight::part) {
+  if (seen.sight == Sight::part && leaves(corners, evidence.image, 0)) {
     return Finding{TagStatus::cut_off, "cut-off",
                    "a tag at the picture's edge; what is in sight fits " + seen.fits};
   }
@@ -209,8 +211,11 @@ std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEv
 std::optional<Finding> find_unread(const PictureEvidence& evidence, const TagEvidence& seen) {
   switch (seen.sight) {
     case Sight::read:
-    case Sight::part:
       return std::nullopt;
+    case Sight::part:
+      return Finding{TagStatus::unreadable, "covered",
+                     fmt::format("{}something hides a part of it; what is in sight fits {}",
+                                 kUnread, seen.fits)};
     case Sight::refused:
       return refused(evidence, seen);
     case Sight::negative:

@@ -51,6 +51,7 @@ Result<Series> series_of(const std::string& name) {
     });
   }
   if (name == "halves") return half_series();
+  if (name == "hidden") return hidden_series();
   if (name.starts_with(kPhotos)) return photo_series(name.substr(kPhotos.size()));
   return fail("no series '" + name + "'");
 }
@@ -91,7 +92,8 @@ Result<Arguments> parse(std::span<const std::string> words) {
       plain.push_back(words[i]);
     }
   }
-  if (plain.empty()) return fail("which series: frames, chains, troubles, halves, photos:FOLDER?");
+  if (plain.empty())
+    return fail("which series: frames, chains, troubles, halves, hidden, photos:FOLDER?");
   arguments.series = plain[0];
   if (plain.size() > 1 && (!is_number(plain[1], arguments.range.count) || plain[1] == "0")) {
     return fail("'" + plain[1] + "' is no number of pictures");

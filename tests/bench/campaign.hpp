@@ -20,6 +20,9 @@ Series frame_series(const std::string& name, std::function<mass::Picture(std::ui
 // The same frames cut by the picture's border, read as parts with a book.
 Series half_series();
 
+// Frames of which something hides digits, read as parts with a book.
+Series hidden_series();
+
 // Cuttings of the photos below a folder, which show no tag: turned, enlarged, brightened at random.
 Result<Series> photo_series(const std::filesystem::path& folder);
 

@@ -2,8 +2,9 @@
 // What is read of tags that the picture's border cuts, by the share of the bars in sight.
 // Usage: bench_half [-v] [FOLDER...] | bench_half drive [N] [SEED]
 //
-// With folders of photos that have a truth.json: the tags that the border cuts as they are, and
-// each whole one with the photo cropped across its bars at a drawn place. The book holds the
+// With folders of photos that have a truth.json: the tags in sight, something in front of them or
+// not, those that the border cuts, and each whole one with the photo cropped across its bars at a
+// drawn place, or with a post painted over what that cuts off. The book holds the
 // folder's codes. `drive`: pictures simulated on the center lines of the shipped surveys, their
 // plates and cameras taken for exact; what of the line has a position with and without parts of
 // tags, and how true the positions' covariances are.
@@ -146,13 +147,44 @@ Camera camera_of(const json& item, const GrayView& part, int first) {
   return camera;
 }
 
+// A round post before all that a crop cuts off of a tag, leaning a little.
+GrayImage with_post(const GrayView& image, const FrameCorners& corners, const bench::Crop& crop,
+                    std::mt19937_64& random) {
+  const auto uniform = [&](double from, double to) {
+    return std::uniform_real_distribution(from, to)(random);
+  };
+  GrayImage result{image.width, image.height, {}};
+  for (int y = 0; y < image.height; ++y) {
+    result.samples.insert(result.samples.end(), image.row(y), image.row(y) + image.width);
+  }
+  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
+  const bool keeps_left = crop.first == 0;
+  const double edge = keeps_left ? crop.width : crop.first;
+  const double across = (keeps_left ? right.x - edge : edge - left.x) * uniform(1.3, 2);
+  const double lean = uniform(-0.1, 0.1), grey = uniform(20, 150);
+  const double height = 0.5 * (corners[0].y + corners[2].y);
+  for (int y = 0; y < image.height; ++y) {
+    const double from = edge + lean * (y - height) - (keeps_left ? 0 : across);
+    for (int x = 0; x < image.width; ++x) {
+      const double at = (x - from) / across;
+      if (at < 0 || at > 1) continue;
+      const double shade = 0.4 + 0.6 * std::sin(M_PI * at);
+      const double noise = std::normal_distribution(0.0, 2.0)(random);
+      result.samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                     static_cast<std::size_t>(x)] =
+          static_cast<std::uint8_t>(std::clamp(grey * shade + noise, 0.0, 255.0));
+    }
+  }
+  return result;
+}
+
 // Reads a folder's photos as they are and cropped.
 bool read_folder(const fs::path& folder, bool verbose) {
   const auto truth = json::parse(std::ifstream(folder / "truth.json"));
   ReadOptions options;
   options.code_book = codes_of(truth);
   options.check = parse_check_digit(truth.at("check").get<std::string>());
-  Table as_they_are, cut;
+  Table whole, as_they_are, cut, posts;
   std::mt19937_64 random(1);
   for (const auto& item : truth.at("images")) {
     const std::string file = item.at("file").get<std::string>();
@@ -175,6 +207,8 @@ bool read_folder(const fs::path& folder, bool verbose) {
         if (share > 0.1) count_plate(result, code, corners, share, file, verbose, as_they_are);
         continue;
       }
+      count_plate(result, code, corners, plate.value("fraction_visible", 1.0), file, verbose,
+                  whole);
       const bench::Crop crop = bench::random_crop(corners, view.width, random);
       const GrayView part = bench::cropped(view, crop);
       options.camera = camera_of(item, part, crop.first);
@@ -183,13 +217,36 @@ bool read_folder(const fs::path& folder, bool verbose) {
       count_plate(of_part, code, there, bench::share_in_sight(there, part.width, part.height),
                   file + fmt::format(" columns {} to {}", crop.first, crop.first + crop.width),
                   verbose, cut);
+      const GrayImage behind = with_post(view, corners, crop, random);
+      options.camera = camera_of(item, view, 0);
+      if (std::getenv("DBG")) {
+        fmt::print(stderr,
+                   "POST {} {} share {:.2f} corners {:.0f} {:.0f} to {:.0f} {:.0f} edge {}\n", file,
+                   to_string(code), bench::share_in_sight(there, part.width, part.height),
+                   corners[0].x, corners[0].y, corners[2].x, corners[2].y,
+                   crop.first == 0 ? crop.width : crop.first);
+        if (FILE* f = fopen(("/tmp/tr/post_" + file + ".pgm").c_str(), "wb")) {
+          auto v = behind.view();
+          fprintf(f, "P5 %d %d 255\n", v.width, v.height);
+          for (int y = 0; y < v.height; ++y) fwrite(v.row(y), 1, v.width, f);
+          fclose(f);
+        }
+      }
+      count_plate(read_tags(behind.view(), options), code, corners,
+                  bench::share_in_sight(there, part.width, part.height), file + " behind a post",
+                  verbose, posts);
     }
   }
+  fmt::print("\n{}: whole frames, by the share of the plate that nothing hides\n\n",
+             folder.string());
+  print(whole);
   fmt::print("\n{}: cut by the border, {} px a module and more\n\n", folder.string(),
              bench::kLeastCroppedModule);
   print(as_they_are);
   fmt::print("\n{}: cropped\n\n", folder.string());
   print(cut);
+  fmt::print("\n{}: behind a post\n\n", folder.string());
+  print(posts);
   return true;
 }
 

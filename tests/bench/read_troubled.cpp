@@ -19,6 +19,7 @@
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/mass_picture.hpp"
 #include "tests/bench/other_readers.hpp"
+#include "tests/bench/parts_of_tags.hpp"
 
 using namespace tagsmith::detail;
 
@@ -29,14 +30,17 @@ struct Outcome {
   bool read = false;
   bool carefully = false;  // by the way for partly covered tags
   bool wrong = false;
-  bool astray = false;  // read rightly, with a corner that is not where it is said to be
+  bool astray = false;      // read rightly, with a corner that is not where it is said to be
+  bool with_book = false;   // read with a code book
+  bool identified = false;  // as a part, with that book
+  bool part_astray = false;
   std::string story;
   std::vector<bool> others;
 };
 
 // Whether a corner is farther from every true one than its covariance allows: a mirrored picture
 // has them in another order.
-bool is_astray(const Reading& reading, const Quad& corners) {
+bool is_astray(const auto& reading, const Quad& corners) {
   constexpr double kAllowed = 0.5;  // pixels
   constexpr double kSigmas = 5;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -45,10 +49,46 @@ bool is_astray(const Reading& reading, const Quad& corners) {
       off = std::min(off, distance(corner, reading.corners[i]));
     }
     const auto row = static_cast<Eigen::Index>(2 * i);
-    const double sigma = std::sqrt(reading.corner_covariance.block<2, 2>(row, row).trace());
+    const CornerCovariance& covariance = reading.corner_covariance;
+    const double sigma = std::sqrt(covariance(row, row) + covariance(row + 1, row + 1));
     if (off > kAllowed && off > kSigmas * sigma) return true;
   }
   return false;
+}
+
+// With a book of 400 codes, that of the plate among them.
+void read_with_book(const mass::Picture& picture, std::uint64_t number, Outcome& outcome) {
+  std::mt19937_64 random(number);
+  ReadOptions options;
+  while (options.code_book.size() < 400) options.code_book.push_back(mass::random_code(random));
+  options.code_book.front() = picture.code;
+  const ReadResult result = read_tags(picture.image.view(), options);
+  const bool has_digits =
+      mass::may_be_read(picture.kind) || picture.kind == mass::Kind::wrong_check;
+  for (const Reading& reading : result.tags) {
+    const bool right = has_digits && reading.digits == picture.code;
+    outcome.with_book = outcome.with_book || (right && outcome.is_tag);
+    if (!right) outcome.story = fmt::format("{} with a book", number);
+    outcome.wrong = outcome.wrong || !right;
+  }
+  for (const PartReading& part : result.parts) {
+    const bool right =
+        bench::may_show_digits(picture.kind) && bench::shows_digits_of(part, picture.code);
+    outcome.identified = outcome.identified || (right && outcome.is_tag);
+    outcome.part_astray = outcome.part_astray || (right && is_astray(part, picture.corners));
+    if (std::getenv("DBG") && right && is_astray(part, picture.corners)) {
+      fprintf(stderr, "ASTRAY %d odd %d %s\n", int(number), int(picture.odd_margins),
+              digits_in_sight(part).c_str());
+      for (int i = 0; i < 4; ++i)
+        fprintf(stderr, "  %.2f %.2f true %.2f %.2f sigma %.3f\n", part.corners[i].x,
+                part.corners[i].y, picture.corners[i].x, picture.corners[i].y,
+                std::sqrt(part.corner_covariance(2 * i, 2 * i)));
+    }
+    if (right) continue;
+    outcome.wrong = true;
+    outcome.story = fmt::format("{} {}: part {} for {}", number, mass::name_of(picture.kind),
+                                digits_in_sight(part), to_string(picture.code));
+  }
 }
 
 Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
@@ -68,6 +108,18 @@ Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
                     mass::name_of(trouble), mass::name_of(picture.kind), to_string(reading.digits),
                     to_string(picture.code), 1 - reading.confidence, picture.module_px);
   }
+  if (std::getenv("DBG")) {
+    fprintf(stderr, "== %s %d module %.2f code %s\n", mass::name_of(trouble), int(number),
+            picture.module_px, to_string(picture.code).c_str());
+    std::string name = fmt::format("/tmp/tr/{}_{}.pgm", int(trouble), number);
+    if (FILE* f = fopen(name.c_str(), "wb")) {
+      auto v = picture.image.view();
+      fprintf(f, "P5 %d %d 255\n", v.width, v.height);
+      for (int y = 0; y < v.height; ++y) fwrite(v.row(y), 1, v.width, f);
+      fclose(f);
+    }
+  }
+  read_with_book(picture, number, outcome);
   for (const bench::OtherReader& reader : bench::other_readers()) {
     outcome.others.push_back(outcome.is_tag &&
                              reader.read(picture.image.view()).contains(to_string(picture.code)));
@@ -79,7 +131,7 @@ void run_cause(mass::Trouble trouble, std::size_t count, std::uint64_t first) {
   std::vector<Outcome> outcomes(count);
   tbb::parallel_for(std::size_t{0}, count,
                     [&](std::size_t i) { outcomes[i] = run_one(trouble, first + i); });
-  int tags = 0, read = 0, carefully = 0, astray = 0, wrong = 0;
+  int tags = 0, read = 0, carefully = 0, astray = 0, wrong = 0, book = 0, parts = 0, off = 0;
   std::vector<int> others(bench::other_readers().size());
   for (const Outcome& outcome : outcomes) {
     tags += outcome.is_tag ? 1 : 0;
@@ -87,12 +139,18 @@ void run_cause(mass::Trouble trouble, std::size_t count, std::uint64_t first) {
     carefully += outcome.carefully ? 1 : 0;
     astray += outcome.astray ? 1 : 0;
     wrong += outcome.wrong ? 1 : 0;
+    book += outcome.with_book ? 1 : 0;
+    parts += outcome.identified ? 1 : 0;
+    off += outcome.part_astray ? 1 : 0;
+    if (outcome.is_tag && !outcome.with_book && !outcome.identified && std::getenv("DBG"))
+      fmt::print("MISSED {} {}\n", mass::name_of(trouble), &outcome - outcomes.data() + first);
     if (outcome.wrong) fmt::print("WRONG {}\n", outcome.story);
     for (std::size_t r = 0; r < others.size(); ++r) others[r] += outcome.others[r] ? 1 : 0;
   }
   const auto percent = [&](int part) { return 100.0 * part / std::max(1, tags); };
-  fmt::print("| {} | {} | {:.0f} % | {:.0f} % | {} | {} |", mass::name_of(trouble), tags,
-             percent(read), percent(carefully), astray, wrong);
+  fmt::print("| {} | {} | {:.0f} % | {:.0f} % | {} | {:.0f} % | {:.0f} % | {} | {} |",
+             mass::name_of(trouble), tags, percent(read), percent(carefully), astray, percent(book),
+             percent(book + parts), off, wrong);
   for (const int other : others) fmt::print(" {:.0f} % |", percent(other));
   fmt::print("\n");
   std::fflush(stdout);
@@ -107,9 +165,11 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: bench_read_troubled [PICTURES_PER_CAUSE] [FIRST]\n");
     return 2;
   }
-  fmt::print("| cause | tags | read | of them carefully | corners astray | wrong |");
+  fmt::print(
+      "| cause | tags | read | of them carefully | corners astray | with a book | or a part | "
+      "parts astray | wrong |");
   for (const bench::OtherReader& reader : bench::other_readers()) fmt::print(" {} |", reader.name);
-  fmt::print("\n|---|---|---|---|---|---|");
+  fmt::print("\n|---|---|---|---|---|---|---|---|---|");
   for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
   fmt::print("\n");
   for (int cause = 0; cause < static_cast<int>(mass::Trouble::count); ++cause) {

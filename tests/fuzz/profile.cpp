@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "decoder/scan/decode.hpp"
+#include "decoder/scan/decode_part.hpp"
 #include "tests/fuzz/fuzz_input.hpp"
 
 using namespace tagsmith::detail;

@@ -12,6 +12,7 @@
 
 #include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/part_reading.hpp"
+#include "decoder/reader/part_search.hpp"
 #include "decoder/reader/read_part.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tests/support/seen_tag.hpp"
@@ -111,7 +112,119 @@ TEST_CASE("too few digits are no part, and dirt over one is not looked through")
   CHECK(read_tags(little.image().view(), with_book({"019000700401"})).parts.empty());
   SeenTag dirty = cut_at_left();
   dirty.covers = {{8, -40, 16, 40, 0.3}};
-  CHECK(read_tags(dirty.image().view(), with_book({"019000700401"})).parts.empty());
+  const ReadResult result = read_tags(dirty.image().view(), with_book({"019000700401"}));
+  for (const PartReading& part : result.parts) {
+    CHECK_FALSE(part.in_sight[6]);
+    CHECK_FALSE(part.in_sight[7]);
+  }
+  std::vector<std::string> many{"019000700401"};
+  for (int i = 0; i < 20; ++i) many.push_back(std::to_string(123456789000 + 7 * i));
+  CHECK(read_tags(dirty.image().view(), with_book(many)).parts.empty());
+}
+
+TEST_CASE("digits that something hides are left open, and the others tell which code it is") {
+  SeenTag tag;
+  tag.view.slant = {0.0008, 0.0001};
+  tag.covers = {{-16, -60, -10, 60, 0.04}};
+  const GrayImage image = tag.image();
+  const ReadResult result =
+      read_tags(image.view(), with_book({"000005140404", "019000700401", "050806630604"}));
+  CHECK(result.tags.empty());
+  REQUIRE(result.parts.size() == 1);
+  const PartReading& part = result.parts.front();
+  REQUIRE(part.candidates.size() == 1);
+  CHECK(to_string(part.candidates.front().digits) == "019000700401");
+  CHECK_FALSE(part.in_sight[4]);
+  CHECK(std::ranges::count(part.in_sight, true) >= 9);
+  CHECK(part.share > 0.85);
+  CHECK(part.share < 1);
+  CHECK(part.confidence >= kSureWithBook);
+  CHECK(part.corner_in_sight == std::array{true, true, true, true});
+  CHECK(farthest_apart(part.corners, tag.corners()) < 0.1);
+  CHECK(read_tags(image.view()).parts.empty());
+}
+
+TEST_CASE("a covered stranger that differs in one digit in sight is refused") {
+  SeenTag tag;
+  tag.covers = {{-16, -60, -10, 60, 0.04}};
+  const GrayImage image = tag.image();
+  for (const char* code : {"119000700401", "019000700402", "019000100401"}) {
+    CAPTURE(code);
+    const ReadResult result = read_tags(image.view(), with_book({code, "000005140404"}));
+    CHECK(result.tags.empty());
+    CHECK(result.parts.empty());
+  }
+}
+
+TEST_CASE("what hides the end of a tag cuts it like the border") {
+  for (const double light : {0.04, 0.2}) {
+    CAPTURE(light);
+    SeenTag tag;
+    tag.covers = {{20, -90, 90, 90, light}};
+    const ReadResult result =
+        read_tags(tag.image().view(), with_book({"019000700401", "000005140404"}));
+    CHECK(result.tags.empty());
+    REQUIRE(result.parts.size() == 1);
+    const PartReading& part = result.parts.front();
+    CHECK(to_string(part.candidates.front().digits) == "019000700401");
+    CHECK(digits_in_sight(part).substr(0, 6) == "019000");
+    CHECK_FALSE(part.in_sight[9]);
+    CHECK(part.corner_in_sight == std::array{true, false, false, true});
+    CHECK(farthest_apart(part.corners, tag.corners()) < 1);
+  }
+}
+
+TEST_CASE("parts are searched with a book, once, and where no tag was read") {
+  const SeenTag tag = cut_at_right();
+  const GrayImage image = tag.image();
+  const auto nothing = [](PixelPoint) { return false; };
+  const auto everything = [](PixelPoint) { return true; };
+  const Homography map = homography_to(tag.corners());
+  const Quad corners = tag.corners();
+  // To where the border cuts both long sides.
+  const auto at_border = [&](double v) {
+    double u = 0;
+    while (map(u, v).x < image.width - 1) u += 1e-3;
+    return map(u, v);
+  };
+  const Outline outline{{image.view(), 1, 20, {}},
+                        {corners[0], at_border(0), at_border(1), corners[3]}};
+  const auto parts_of = [&](const ReadOptions& options, const PartSearch::IsRead& is_read) {
+    PartSearch search(options);
+    search.note_cut(outline, {});
+    search.note_cut(outline, {});
+    search.read_cut(image.view(), is_read);
+    search.read_cut(image.view(), is_read);
+    return search.parts().size();
+  };
+  CHECK(parts_of(with_book({"019000700401"}), nothing) == 1);
+  CHECK(parts_of(with_book({"019000700401"}), everything) == 0);
+  CHECK(parts_of({}, nothing) == 0);
+  ReadOptions likely;
+  likely.likely_codes = {tag.digits};
+  CHECK(parts_of(likely, nothing) == 1);
+}
+
+TEST_CASE("rows or columns up to what hides a side are a picture of their own") {
+  const GrayImage image{100, 80, std::vector<std::uint8_t>(8000)};
+  const auto right =
+      picture_beside(image.view(), Quad{PixelPoint{20, 20}, {70, 20}, {60, 50}, {20, 50}});
+  REQUIRE(right);
+  CHECK(right->view.width == 58);  // up to three pixels before the leftmost of the side's corners
+  CHECK(right->view.height == 80);
+  CHECK(right->first.x == 0);
+  CHECK(right->quad[1].x == doctest::Approx(57));
+  CHECK(right->quad[2].x == doctest::Approx(57));
+  const auto below =
+      picture_beside(image.view(), Quad{PixelPoint{80, 60}, {80, 20}, {20, 20}, {20, 60}});
+  REQUIRE(below);
+  CHECK(below->first.y == 23);
+  CHECK(below->view.height == 57);
+  CHECK(below->view.data == image.view().row(23));
+  CHECK(below->quad[0].y == doctest::Approx(37));
+  CHECK(below->quad[1].y == doctest::Approx(0));
+  // Next to nothing is left.
+  CHECK_FALSE(picture_beside(image.view(), Quad{PixelPoint{20, 20}, {70, 20}, {22, 50}, {20, 50}}));
 }
 
 TEST_CASE("a cut outline is turned so that its side on the border is the second") {

@@ -13,8 +13,11 @@
 #include "decoder/scan/characters.hpp"
 #include "decoder/scan/corrupted_digits.hpp"
 #include "decoder/scan/decode.hpp"
+#include "decoder/scan/decode_part.hpp"
+#include "decoder/scan/decoding.hpp"
 #include "decoder/scan/edge_step.hpp"
 #include "decoder/scan/elastic_scan.hpp"
+#include "decoder/scan/explanation.hpp"
 #include "decoder/scan/imaging_model.hpp"
 #include "decoder/scan/module_equations.hpp"
 #include "decoder/scan/module_light.hpp"
@@ -307,6 +310,69 @@ TEST_CASE("what most digits show alike is noise, in one alone it makes the readi
   const double of_all = odds_of_corrupted(with_waves(clear, 0.1, 0, 11), image);
   CHECK(of_one > 0.01);
   CHECK(of_all < of_one / 1000);
+}
+
+TEST_CASE("a clear profile leaves one way in which its symbol may run") {
+  ImagingModel image;
+  image.blur = 0.4;
+  const ScanProfile clear = profile_of(kDigits, image, 1e-4);
+  const PossibleWays ways = possible_ways(clear, DecodingStart(clear, image).costs);
+  CHECK(ways.up);
+  CHECK_FALSE(ways.down);
+  const ScanProfile reversed = turned(clear);
+  CHECK(reversed.front().at == doctest::Approx(kModuleCount - clear.back().at));
+  const PossibleWays other = possible_ways(reversed, DecodingStart(reversed, image).costs);
+  CHECK_FALSE(other.up);
+  CHECK(other.down);
+}
+
+TEST_CASE("the noise of a part is that of the modules it shows") {
+  std::array<float, kModuleCount> misfits{};
+  ModulesShown shown{};
+  for (std::size_t k = 0; k < misfits.size(); ++k) {
+    shown[k] = k < 40;
+    misfits[k] = shown[k] ? 1.0F : 100.0F;
+  }
+  const VarianceFactors factors = variance_factors_of(misfits, shown);
+  CHECK(factors.common == doctest::Approx(1 / 0.44));
+  // About the last module shown no hidden one counts.
+  CHECK(factors.local[39] > 1);
+  CHECK(factors.local[39] < factors.common);
+  CHECK(variance_factors_of(misfits, all_modules()).common > 10 * factors.common);
+}
+
+TEST_CASE("a part of a symbol says the digits that are certain, and what contradicts a code") {
+  ImagingModel image;
+  image.blur = 0.4;
+  const ScanProfile clear = profile_of(kDigits, image, 1e-4);
+  const std::vector<Digits> book{kDigits, *parse_digits("050806630604")};
+  const DecodeOptions options{{}, book};
+  const auto changed = [&](int digit, const auto& change) {
+    ScanProfile profile = clear;
+    for (ScanBin& bin : profile) {
+      const double into = bin.at - first_module_of_digit(digit);
+      if (into > 2 && into < 4) change(bin);
+    }
+    return decode_part(profile, image, options);
+  };
+  const auto whole = decode_part(clear, image, options);
+  REQUIRE(whole);
+  CHECK(std::ranges::count(whole->certain, true) == 12);
+  CHECK(whole->candidates.size() == 1);
+  // Two modules that nothing shows, and two of mid grey, which may have been anything.
+  const auto hidden = changed(2, [](ScanBin& bin) { bin.variance = kHiddenVariance; });
+  const auto grey = changed(2, [](ScanBin& bin) { bin.darkness = 0.5; });
+  for (const auto& part : {hidden, grey}) {
+    REQUIRE(part);
+    CHECK_FALSE(part->certain[2]);
+    CHECK(std::ranges::count(part->certain, true) >= 10);
+    CHECK(part->candidates.front().digits == kDigits);
+    CHECK(part->decoding.confidence > 1 - 1e-6);
+  }
+  // The same modules of the other colour are no digit of this code.
+  const auto other = changed(2, [](ScanBin& bin) { bin.darkness = 1 - bin.darkness; });
+  REQUIRE(other);
+  CHECK(other->decoding.confidence < 0.99);
 }
 
 TEST_CASE("what nothing is known of may be any digit") {

@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/verify_file.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <utility>
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/negative.hpp"
 #include "decoder/image/upright.hpp"
+#include "decoder/reader/reader.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/exif_jpeg.hpp"
 #include "tests/verify/survey_of_four.hpp"
@@ -69,6 +74,28 @@ TEST_CASE("tags that the border cuts are named by what is in sight, where that f
   // What is in sight fits 000L and 006R.
   CHECK(cut_off(corridor, "corridor_02_left") == std::set<std::string>{""});
   CHECK(cut_off(curved, "corridor_03_left").empty());
+}
+
+TEST_CASE("a tag of which a cable hides a digit is unreadable, and named by the other digits") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const std::filesystem::path file = "surveys/corridor/photos/corridor_03_left.jpg";
+  GrayImage photo = load_gray_image(file).value();
+  const ReadResult clear = read_tags(photo.view());
+  REQUIRE(clear.tags.size() == 1);
+  const PlacedTag* tag = find_tag(survey, clear.tags.front().digits);
+  REQUIRE(tag != nullptr);
+  const Homography map = homography_to(clear.tags.front().corners);
+  for (int y = 0; y < photo.height; ++y) {
+    const auto row = photo.samples.begin() + static_cast<std::ptrdiff_t>(y) * photo.width;
+    std::fill(row + static_cast<int>(map(0.35, 0.5).x), row + static_cast<int>(map(0.4, 0.5).x),
+              25);
+  }
+  const std::string png = encode_gray_image("a.png", photo.view()).value();
+  const VerifiedFile verified = verify_file({survey}, {"a.png", png, ""}).value();
+  const auto found = std::ranges::find(verified.tags, tag->name, &VerifiedTag::tag);
+  REQUIRE(found != verified.tags.end());
+  CHECK(found->status == TagStatus::unreadable);
+  CHECK(found->rule == "covered");
 }
 
 TEST_CASE("of refusals that lie on each other one is kept, that which came nearest to a reading") {
