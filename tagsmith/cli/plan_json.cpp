@@ -146,6 +146,7 @@ std::string plan_json(const PlannedDrive& drive) {
                       {"read", json_of(summary.read)}};
   json["covered_share"] = summary.covered_share;
   json["both_walls_share"] = summary.wall_pair_share;
+  json["confirmed_share"] = summary.confirmed_share;
   json["gaps"] = gaps(summary.gaps);
   json["longest_gap"] = json_of(summary.longest_gap);
   json["accuracy"] = plan.options.accuracy ? accuracy(summary) : Json(nullptr);

@@ -66,6 +66,13 @@ std::string first_reading_text(const PlannedDrive& drive) {
   return text + (summary.unread_tags.size() > kMostListed ? " ...)" : ")");
 }
 
+std::string confirmed_text(const PlanSummary& summary) {
+  return fmt::format(
+      "a second tag, whole or cut by the picture's border, confirms the position along {} of the "
+      "drive; whole tags alone along {}",
+      percent(summary.confirmed_share), percent(summary.covered_share_one_lost));
+}
+
 std::string one_lost_text(const PlannedDrive& drive) {
   const PlanSummary& summary = drive.summary;
   const std::string share = percent(summary.covered_share_one_lost) +
@@ -200,6 +207,7 @@ std::vector<PlanAnswer> plan_answers(const PlannedDrive& drive) {
     }
   }
   answers.push_back({"a tag is first read", first_reading_text(drive)});
+  answers.push_back({"confirmed", confirmed_text(summary)});
   answers.push_back({"one tag lost", one_lost_text(drive)});
   if (summary.one_lost_plane) {
     answers.push_back({"plane, one tag lost", sigma_text(summary.one_lost_plane)});

@@ -230,6 +230,9 @@ class Sweep {
         const VehicleFrame vehicle = vehicle_frame(pose);
         look(vehicle.world_from_vehicle, point.curvature, a, around, scratch);
         count_sights(column, scratch);
+        if (is_confirmed(vehicle.world_from_vehicle, point.curvature, a, around, scratch)) {
+          ++column.confirmed;
+        }
         note_sole_tag(index, first_sole, scratch, result);
         if (stray.is_nominal()) note_uses(column.chainage, scratch, result);
         if (options_.accuracy) expect(column, point, pose, vehicle, stray.is_nominal(), scratch);
@@ -259,6 +262,23 @@ class Sweep {
         }
       }
     }
+  }
+
+  // Whether another tag, whole or in part, confirms what a tag that was read says.
+  bool is_confirmed(const Pose& vehicle, double curvature, std::size_t attitude,
+                    const Surroundings& around, const Scratch& scratch) const {
+    if (scratch.read_tags.size() != 1) return scratch.read_tags.size() > 1;
+    for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
+      const auto& candidates = scratch.candidates[attitude * rig_.cameras.size() + camera];
+      if (candidates.empty()) continue;
+      const CameraStand stand = model_.stand(camera, vehicle, curvature);
+      const auto confirms = [&](std::size_t tag) {
+        return tag != scratch.read_tags.front() &&
+               model_.shows_part(camera, stand, tag, around, moved_[camera]);
+      };
+      if (std::ranges::any_of(candidates, confirms)) return true;
+    }
+    return false;
   }
 
   void count_sights(PlanColumn& column, Scratch& scratch) const {

@@ -82,6 +82,7 @@ struct PlanColumn {
   WallCount read_plain;  // read without the code book
   WallCount read;        // read with the survey as code book
   int least_tags = 0;    // read at the pose that reads fewest
+  int confirmed = 0;     // poses that read a tag and another one, whole or in part
   // Greatest way of the vehicle during the exposure (metres) and speed (metres a second; infinite
   // without an exposure) at which every pose that has a tag standing still still has one.
   double travel = std::numeric_limits<double>::infinity();

@@ -176,6 +176,8 @@ PlanSummary summarize(const DrivePlan& plan) {
       share_of_columns(plan, [&](const PlanColumn& column) { return is_covered(plan, column); });
   summary.wall_pair_share = share_of_columns(
       plan, [&](const PlanColumn& column) { return column.read.both == plan.poses_per_column; });
+  summary.confirmed_share = share_of_columns(
+      plan, [&](const PlanColumn& column) { return column.confirmed == plan.poses_per_column; });
   summary.gaps = stretches(plan, gap_columns(plan));
   const auto longest = std::ranges::max_element(summary.gaps, {}, &Stretch::length);
   if (longest != summary.gaps.end()) summary.longest_gap = *longest;

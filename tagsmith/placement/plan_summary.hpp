@@ -75,8 +75,9 @@ struct PlanSummary {
   double speed_all = travel_all;
   double speed_most = travel_all;
   std::optional<ReadingDistances> first_reading;
-  std::vector<std::size_t> unread_tags;      // not read from anywhere on the nominal drive
-  double covered_share_one_lost = 0;         // of the columns, whichever single tag is lost
+  std::vector<std::size_t> unread_tags;  // not read from anywhere on the nominal drive
+  double covered_share_one_lost = 0;     // of the columns, whichever single tag is lost
+  double confirmed_share = 0;            // of the columns whose poses all read two tags, one whole
   std::vector<CriticalTag> critical_tags;    // the longest first
   std::optional<SigmaRange> one_lost_plane;  // nominal, the tag lost that costs most
   std::optional<PaperSummary> paper;

@@ -66,7 +66,20 @@ double corner_sigma_px(double module_px, double blur_px) {
   return mix(along(row.low), along(row.high), row.share);
 }
 
-BlurLimits::BlurLimits(bool code_book, ReadShare share) : rows_(kCosines + 1), least_(kNever) {
+BlurLimits::BlurLimits(bool code_book, ReadShare share)
+    : BlurLimits(LeastModule([=](double incidence, std::size_t blur) {
+        return tagsmith::detail::least_module_px(code_book, incidence, kBlursPx[blur], share);
+      })) {}
+
+BlurLimits BlurLimits::of_parts() {
+  return BlurLimits(LeastModule([](double incidence, std::size_t blur) {
+    if (!(incidence <= radians(kIncidencesDeg.back()))) return kNever;
+    const Between row = between(kIncidencesDeg, degrees(incidence));
+    return mix(kPartModulePx[row.low][blur], kPartModulePx[row.high][blur], row.share);
+  }));
+}
+
+BlurLimits::BlurLimits(const LeastModule& least_module) : rows_(kCosines + 1), least_(kNever) {
   static_assert(kBlursPx.size() <= std::tuple_size_v<decltype(Row::module_px)>);
   for (int i = 0; i <= kCosines; ++i) {
     Row& row = rows_[static_cast<std::size_t>(i)];
@@ -75,8 +88,7 @@ BlurLimits::BlurLimits(bool code_book, ReadShare share) : rows_(kCosines + 1), l
     // More blur never helps: the table's small ups and downs are the measurement's noise.
     double least = 0;
     for (std::size_t blur = 0; blur < kBlursPx.size(); ++blur) {
-      least = std::max(
-          least, tagsmith::detail::least_module_px(code_book, incidence, kBlursPx[blur], share));
+      least = std::max(least, least_module(incidence, blur));
       row.module_px[blur] = least;
     }
     least_ = std::min(least_, row.module_px.front());

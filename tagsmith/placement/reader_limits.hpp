@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace tagsmith::detail {
@@ -19,6 +21,10 @@ enum class ReadShare { reliable, half };  // 99 %, 50 %
 double least_module_px(bool code_book, double incidence, double blur_px,
                        ReadShare share = ReadShare::reliable);
 
+// Of the feature frame's inner length, what of a tag must be in the picture for a plan to count it
+// as a part that the reader identifies with the code book.
+inline constexpr double kPartInSight = 0.6;
+
 // Standard deviation of a coordinate of a corner of the feature frame, pixels, interpolated.
 double corner_sigma_px(double module_px, double blur_px);
 
@@ -28,6 +34,9 @@ class BlurLimits {
  public:
   explicit BlurLimits(bool code_book, ReadShare share = ReadShare::reliable);
 
+  // Of parts of tags, kPartInSight of which the picture shows from one end on, with the code book.
+  static BlurLimits of_parts();
+
   // Standard deviation in pixels; negative when not even a sharp tag is read. `cosine` is that of
   // the incidence.
   double greatest_blur_px(double cosine, double module_px) const;
@@ -36,6 +45,11 @@ class BlurLimits {
   double least_module_px() const { return least_; }
 
  private:
+  // Least width of a module by the incidence (radians) and the entry of the table's blurs.
+  using LeastModule = std::function<double(double incidence, std::size_t blur)>;
+
+  explicit BlurLimits(const LeastModule& least);
+
   struct Row {
     std::array<double, 16> module_px{};  // least, by the blurs of the table; the rest infinite
   };

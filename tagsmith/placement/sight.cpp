@@ -86,6 +86,21 @@ std::optional<Eigen::Matrix<double, 2, 3>> picture_by_point(const Camera& camera
   return by_point;
 }
 
+// Whether a pixel is so far within the image that a corner of the frame may lie there.
+bool is_inside(const Camera& camera, const Vector2d& pixel) {
+  return pixel.x() >= kBorderPx && pixel.x() <= camera.width - 1 - kBorderPx &&
+         pixel.y() >= kBorderPx && pixel.y() <= camera.height - 1 - kBorderPx;
+}
+
+// Metres that the vehicle may move during the exposure; negative when the plate is not read
+// standing still. An even path of m pixels has a standard deviation of m / sqrt(12).
+double greatest_travel(const PlateSight& sight, const BlurLimits& limits) {
+  const double most = limits.greatest_blur_px(sight.cosine, sight.module_px);
+  const double left = most * most - sight.blur_px * sight.blur_px;
+  if (most < 0 || left < 0) return -1;
+  return std::sqrt(12 * left) / std::max(sight.smear_px, 1e-9);
+}
+
 }  // namespace
 
 double arm_length(const Rig& rig) {
@@ -241,31 +256,30 @@ bool SightModel::may_see(std::size_t camera, const CameraStand& stand, std::size
          inside(lens.bottom, middle.y()) && inside(-lens.top, -middle.y());
 }
 
-bool SightModel::fits_in_image(std::size_t camera, const Vector3d& middle, const Vector3d& right,
-                               const Vector3d& down) const {
+bool SightModel::fits_in_image(std::size_t camera, const InView& view, double from,
+                               double to) const {
   const Camera& lens = rig_->cameras[camera].camera;
-  const double most_x = lens.width - 1 - kBorderPx;
-  const double most_y = lens.height - 1 - kBorderPx;
-  const auto fits = [&](const Vector2d& pixel) {
-    return pixel.x() >= kBorderPx && pixel.x() <= most_x && pixel.y() >= kBorderPx &&
-           pixel.y() <= most_y;
-  };
-  const Vector3d across = half_length_ * right;
-  const Vector3d along = half_height_ * down;
-  if (lenses_[camera].is_pinhole) {
-    for (const Vector3d& edge : {Vector3d(middle + across), Vector3d(middle - across)}) {
-      for (const Vector3d& corner : {Vector3d(edge + along), Vector3d(edge - along)}) {
-        if (corner.z() < kNearest || !fits(pinhole(lens, corner))) return false;
-      }
+  const Vector3d along = half_height_ * view.down;
+  for (const double place : {from, to}) {
+    const Vector3d edge = view.middle + place * half_length_ * view.right;
+    for (const Vector3d& corner : {Vector3d(edge + along), Vector3d(edge - along)}) {
+      if (corner.z() < kNearest || !is_inside(lens, pinhole(lens, corner))) return false;
     }
-    return true;
   }
+  return true;
+}
+
+bool SightModel::fits_in_image(std::size_t camera, const InView& view) const {
+  if (lenses_[camera].is_pinhole) return fits_in_image(camera, view, -1, 1);
+  const Camera& lens = rig_->cameras[camera].camera;
+  const Vector3d across = half_length_ * view.right;
+  const Vector3d along = half_height_ * view.down;
   // Sides bend: their middles, too, must be in the image.
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
       if (x == 0 && y == 0) continue;
-      const std::optional<Vector2d> pixel = project(lens, middle + x * across + y * along);
-      if (!pixel || !fits(*pixel)) return false;
+      const std::optional<Vector2d> pixel = project(lens, view.middle + x * across + y * along);
+      if (!pixel || !is_inside(lens, *pixel)) return false;
     }
   }
   return true;
@@ -293,8 +307,15 @@ bool SightModel::is_behind(const FloorAndRoof& floor_and_roof, const CameraStand
   return false;
 }
 
-std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand& stand,
-                                           std::size_t tag, const Surroundings& around) const {
+bool SightModel::is_hidden(const Surroundings& around, const CameraStand& stand,
+                           std::size_t tag) const {
+  const Plate& plate = plates_[tag];
+  return (around.walls && is_behind(*around.walls, stand, plate)) ||
+         (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate));
+}
+
+std::optional<SightModel::InView> SightModel::in_view(std::size_t camera, const CameraStand& stand,
+                                                      std::size_t tag) const {
   const Plate& plate = plates_[tag];
   const Lens& lens = lenses_[camera];
   const RigCamera& rig_camera = rig_->cameras[camera];
@@ -308,14 +329,11 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
   const auto by_point = picture_by_point(rig_camera.camera, lens.is_pinhole, middle);
   if (!by_point) return std::nullopt;
   const Vector2d module = *by_point * right;
-  PlateSight sight;
   const double px_per_metre = module.norm();
+  InView view{{}, middle, right, rotation * plate.down};
+  PlateSight& sight = view.sight;
   sight.module_px = module_ * px_per_metre;
   if (sight.module_px < book_.least_module_px()) return std::nullopt;
-  if (!fits_in_image(camera, middle, right, rotation * plate.down)) return std::nullopt;
-  if (around.walls && is_behind(*around.walls, stand, plate)) return std::nullopt;
-  if (around.floor_and_roof && is_behind(*around.floor_and_roof, stand, plate)) return std::nullopt;
-
   sight.camera = camera;
   sight.tag = tag;
   sight.distance = way.norm();
@@ -329,16 +347,27 @@ std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand
   }
   const Vector3d motion = -stand.travel - stand.turn.cross(middle);
   sight.smear_px = std::abs((*by_point * motion).dot(module)) / px_per_metre;
-  // An even path of m pixels has a standard deviation of m / sqrt(12).
-  const auto travel = [&](const BlurLimits& limits) {
-    const double most = limits.greatest_blur_px(sight.cosine, sight.module_px);
-    const double left = most * most - sight.blur_px * sight.blur_px;
-    if (most < 0 || left < 0) return -1.0;
-    return std::sqrt(12 * left) / std::max(sight.smear_px, 1e-9);
-  };
-  sight.travel_plain = travel(plain_);
-  sight.travel_book = travel(book_);
+  return view;
+}
+
+std::optional<PlateSight> SightModel::look(std::size_t camera, const CameraStand& stand,
+                                           std::size_t tag, const Surroundings& around) const {
+  const std::optional<InView> view = in_view(camera, stand, tag);
+  if (!view || !fits_in_image(camera, *view) || is_hidden(around, stand, tag)) return std::nullopt;
+  PlateSight sight = view->sight;
+  sight.travel_plain = greatest_travel(sight, plain_);
+  sight.travel_book = greatest_travel(sight, book_);
   return sight;
+}
+
+bool SightModel::shows_part(std::size_t camera, const CameraStand& stand, std::size_t tag,
+                            const Surroundings& around, double moved) const {
+  constexpr double kEnd = 2 * kPartInSight - 1;
+  if (!lenses_[camera].is_pinhole) return false;
+  const std::optional<InView> view = in_view(camera, stand, tag);
+  return view && greatest_travel(view->sight, parts_) >= moved &&
+         (fits_in_image(camera, *view, -1, kEnd) || fits_in_image(camera, *view, -kEnd, 1)) &&
+         !is_hidden(around, stand, tag);
 }
 
 }  // namespace tagsmith::detail

@@ -83,6 +83,12 @@ class SightModel {
   std::optional<PlateSight> look(std::size_t camera, const CameraStand& stand, std::size_t tag,
                                  const Surroundings& around) const;
 
+  // Whether the image's border leaves so much of a plate in sight, from its begin or its end on,
+  // and in the open, that the reader identifies it with the code book while the vehicle moves by so
+  // many metres. Never through a lens that bends straight lines.
+  bool shows_part(std::size_t camera, const CameraStand& stand, std::size_t tag,
+                  const Surroundings& around, double moved) const;
+
   // No plate further from the camera than this can be read, metres; at most kFarthestSight.
   double reach() const { return reach_; }
 
@@ -116,8 +122,19 @@ class SightModel {
   Lens make_lens(const RigCamera& camera) const;
   bool may_be_hidden_between(double low, double high) const;
   double standoff_between(double low, double high) const;
-  bool fits_in_image(std::size_t camera, const Eigen::Vector3d& middle,
-                     const Eigen::Vector3d& right, const Eigen::Vector3d& down) const;
+  // What a camera shows of a plate, wherever the image's border is.
+  struct InView {
+    PlateSight sight;                     // but for the ways of travel
+    Eigen::Vector3d middle, right, down;  // of the plate, in the camera frame
+  };
+
+  std::optional<InView> in_view(std::size_t camera, const CameraStand& stand,
+                                std::size_t tag) const;
+  bool fits_in_image(std::size_t camera, const InView& view) const;
+  // The frame from one place along it to another, half lengths to the right of its middle, by a
+  // lens that bends nothing.
+  bool fits_in_image(std::size_t camera, const InView& view, double from, double to) const;
+  bool is_hidden(const Surroundings& around, const CameraStand& stand, std::size_t tag) const;
   bool is_behind(const TunnelWalls& walls, const CameraStand& stand, const Plate& plate) const;
   bool is_behind(const FloorAndRoof& floor_and_roof, const CameraStand& stand,
                  const Plate& plate) const;
@@ -126,6 +143,7 @@ class SightModel {
   const Rig* rig_;
   BlurLimits plain_;
   BlurLimits book_;
+  BlurLimits parts_ = BlurLimits::of_parts();
   std::vector<Plate> plates_;
   std::vector<Lens> lenses_;
   std::vector<std::size_t> order_;

@@ -2,6 +2,8 @@
 // Measures what the reader manages on simulated tags and writes it as the one table that the
 // planner compiles in: least pixels per module by incidence and blur, and the corners' noise.
 // Usage: bench_reader_limits [TAGS_PER_CELL [FILE]]
+#include "tagsmith/placement/reader_limits.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,11 +18,13 @@
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/crop.hpp"
 #include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 
@@ -53,6 +57,7 @@ struct Conditions {
   double incidence = 0;  // radians
   double blur_px = 0.5;
   bool code_book = false;
+  bool part = false;  // the picture's border cuts it: kPartInSight of the frame is in sight
 };
 
 struct Outcome {
@@ -86,6 +91,29 @@ ScenePlate place(const Camera& camera, const Digits& code, const Conditions& con
                          {pixel, conditions.module_px, way * conditions.incidence, roll});
 }
 
+// The columns up to the place along a frame's middle, from either of its ends, where its part in
+// sight ends; the camera is moved with them.
+GrayView cut(GrayView picture, const PlateTruth& plate, bool keeps_left, Camera& camera) {
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d corner = plate.corners[i].value_or(Eigen::Vector2d::Zero());
+    corners[i] = {corner.x(), corner.y()};
+  }
+  const double share = keeps_left ? kPartInSight : 1 - kPartInSight;
+  const int place = static_cast<int>(std::lround(homography_to(corners)(share, 0.5).x));
+  const bench::Crop crop =
+      keeps_left ? bench::Crop{0, place + 1} : bench::Crop{place, picture.width - place};
+  camera.width = crop.width;
+  camera.cx -= crop.first;
+  return bench::cropped(picture, crop);
+}
+
+bool identifies(const ReadResult& result, const Digits& code) {
+  return std::ranges::any_of(result.parts, [&](const PartReading& part) {
+    return part.candidates.size() == 1 && part.candidates.front().digits == code;
+  });
+}
+
 Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const Digits code = bench::random_code(random);
@@ -101,6 +129,14 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   options.check = CheckDigit::gs1;
   if (conditions.code_book) options.code_book = bench::book_with(code, kBook, random);
   Outcome outcome;
+  if (conditions.part) {
+    Camera known = camera;
+    const GrayView part =
+        cut(picture.image.view(), picture.plates.front(), random() % 2 == 0, known);
+    options.camera = known;
+    outcome.read = identifies(read_tags(part, options), code);
+    return outcome;
+  }
   for (const Reading& reading : read_tags(picture.image.view(), options).tags) {
     if (reading.digits != code) continue;
     outcome.read = true;
@@ -173,7 +209,8 @@ std::string list(const Values& values, const std::function<std::string(double)>&
   return "{" + line + "}";
 }
 
-using Table = std::array<std::array<std::array<double, kBlurs.size()>, kIncidences.size()>, 2>;
+using Rows = std::array<std::array<double, kBlurs.size()>, kIncidences.size()>;
+using Table = std::array<Rows, 2>;
 
 std::string cells(const std::string& name, const Table& table) {
   std::string text =
@@ -186,10 +223,35 @@ std::string cells(const std::string& name, const Table& table) {
   return text + "};\n";
 }
 
+std::string cells(const std::string& name, const Rows& rows) {
+  std::string text =
+      fmt::format("constexpr double {}[{}][{}] = {{\n", name, kIncidences.size(), kBlurs.size());
+  for (const auto& row : rows) text += "    " + list(row, number) + ",\n";
+  return text + "};\n";
+}
+
 struct Limits {
   Table reliable{};
   Table half{};
 };
+
+// Of parts of tags, 99 %.
+Rows measure_parts(int count) {
+  Rows least{};
+  for (std::size_t i = 0; i < kIncidences.size(); ++i) {
+    for (std::size_t b = 0; b < kBlurs.size(); ++b) {
+      Conditions conditions;
+      conditions.incidence = radians(kIncidences[i]);
+      conditions.blur_px = kBlurs[b];
+      conditions.code_book = conditions.part = true;
+      const int step = Ladder(conditions, count).least_step(0.99, -1, kSteps);
+      least[i][b] = step > kSteps ? kNever : module_px_at(step);
+      fmt::print("| part | {} | {} | {:.2f} | |\n", kIncidences[i], kBlurs[b], least[i][b]);
+      std::fflush(stdout);
+    }
+  }
+  return least;
+}
 
 Limits measure_limits(int count) {
   Limits limits;
@@ -256,14 +318,18 @@ int main(int argc, char** argv) {
       "{}"
       "// The same for 50 %.\n"
       "{}"
+      "// Of parts of tags, with code book: [incidence][blur], least px/module of which 99 % are "
+      "identified.\n"
+      "{}"
       "constexpr std::array<double, {}> kSigmaModulesPx{};\n"
       "constexpr std::array<double, {}> kSigmaBlursPx{};\n"
       "// [px/module][blur]: standard deviation of a corner's coordinate, pixels, at 30 degrees.\n"
       "{}",
       count, kIncidences.size(), list(kIncidences, plain), kBlurs.size(), list(kBlurs, plain),
       cells("kReliableModulePx", limits.reliable), cells("kHalfModulePx", limits.half),
-      kSigmaModules.size(), list(kSigmaModules, plain), kSigmaBlurs.size(),
-      list(kSigmaBlurs, plain), measure_corners(count));
+      cells("kPartModulePx", measure_parts(count)), kSigmaModules.size(),
+      list(kSigmaModules, plain), kSigmaBlurs.size(), list(kSigmaBlurs, plain),
+      measure_corners(count));
   const Result<void> written = write_file(file, text);
   if (!written) {
     fmt::print(stderr, "bench_reader_limits: {}\n", written.error().message);

@@ -7,6 +7,7 @@
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/plan_summary.hpp"
+#include "tagsmith/survey/read_survey.hpp"
 #include "tests/placement/corridors.hpp"
 
 using namespace tagsmith::detail;
@@ -157,6 +158,23 @@ TEST_CASE("a tag is indispensable where its loss leaves a pose without any") {
   const PlanSummary after = summarize(planned(without, crawler()));
   CHECK((summary.covered_share - after.covered_share) * 10.05 ==
         doctest::Approx(worst.length).epsilon(0.01));
+}
+
+TEST_CASE("parts of tags confirm positions along more of the drive than whole tags alone") {
+  const Survey survey = load_survey("surveys/curved/survey.yaml").value();
+  const Rig rig = load_rig("surveys/curved/rig.yaml").value();
+  const DrivePlan plan = planned(survey, rig);
+  const PlanSummary summary = summarize(plan);
+  CHECK(summary.confirmed_share > summary.covered_share_one_lost + 0.05);
+  CHECK(summary.confirmed_share <= summary.covered_share);
+  for (const PlanColumn& column : plan.columns) {
+    CHECK(column.confirmed <= column.read.any());
+    if (column.least_tags > 1) CHECK(column.confirmed == plan.poses_per_column);
+  }
+  // A single tag is confirmed by no part of itself.
+  Survey alone = survey;
+  alone.tags.resize(1);
+  CHECK(summarize(planned(alone, rig)).confirmed_share == 0);
 }
 
 TEST_CASE("speed and exposure blur tags away, at the speed that the plan names") {

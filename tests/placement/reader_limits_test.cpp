@@ -41,6 +41,18 @@ TEST_CASE("the greatest blur is the inverse of the least resolution") {
   }
 }
 
+TEST_CASE("a part of a tag takes no less than a whole one") {
+  const BlurLimits parts = BlurLimits::of_parts();
+  const BlurLimits whole(true);
+  CHECK(parts.least_module_px() >= whole.least_module_px());
+  CHECK(parts.least_module_px() < 2);
+  for (const double module_px : {0.8, 1.5, 3.0}) {
+    CHECK(parts.greatest_blur_px(1, module_px) <= whole.greatest_blur_px(1, module_px));
+  }
+  CHECK(parts.greatest_blur_px(1, 4) > 1);
+  CHECK(parts.greatest_blur_px(std::cos(radians(89)), 5) < 0);
+}
+
 TEST_CASE("larger tags bear more blur, and their corners are found better") {
   const BlurLimits limits(false);
   double last = -1;

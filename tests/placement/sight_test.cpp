@@ -68,6 +68,43 @@ TEST_CASE("what is seen, how large and how obliquely is what the simulation show
   check_against_simulation(straight_survey(10, 8), crawler());
 }
 
+TEST_CASE("a part of a plate is what the simulation shows from one end to beyond the middle") {
+  const Survey survey = straight_survey(10, 8);
+  Rig rig = crawler();
+  const SightModel model(survey, rig);
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> either(-1, 1);
+  int parts = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Pose pose = world_from_vehicle({0.5 * either(random), 4 + 4 * either(random), 0.24},
+                                         radians(20) * either(random));
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      const CameraStand stand = model.stand(c, pose, 0);
+      for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
+        if (!model.shows_part(c, stand, tag, {}, 0)) continue;
+        CHECK(model.may_see(c, stand, tag, 0, 0));
+        if (model.look(c, stand, tag, {})) continue;
+        ++parts;
+        const PlateTruth truth = truth_of(survey, rig.cameras[c], pose, tag);
+        const auto is_in = [&](std::size_t corner) {
+          const auto& at = truth.corners[corner];
+          return at && in_image(rig.cameras[c].camera, *at);
+        };
+        CHECK(((is_in(0) && is_in(3)) || (is_in(1) && is_in(2))));
+        CHECK_FALSE((is_in(0) && is_in(1) && is_in(2) && is_in(3) &&
+                     is_inside(rig.cameras[c].camera, truth, kBorderPx)));
+      }
+    }
+  }
+  CHECK(parts > 20);
+  for (RigCamera& camera : rig.cameras) camera.camera.distortion = {-0.2, 0.05, 0.001, -0.001, 0};
+  const SightModel bent(survey, rig);
+  const Pose inside = world_from_vehicle({0, 2, 0.24}, 0);
+  for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
+    CHECK_FALSE(bent.shows_part(0, bent.stand(0, inside, 0), tag, {}, 0));
+  }
+}
+
 TEST_CASE("also through a lens that distorts") {
   Rig rig = crawler();
   for (RigCamera& camera : rig.cameras) camera.camera.distortion = {-0.2, 0.05, 0.001, -0.001, 0};
