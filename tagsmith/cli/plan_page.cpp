@@ -184,7 +184,9 @@ const char* name_of(Service service) {
   switch (service) {
     case Service::both_walls:
       return "both";
-    case Service::one_wall:
+    case Service::confirmed:
+      return "confirmed";
+    case Service::one_tag:
       return "one";
     case Service::some_poses:
       return "some";
@@ -196,8 +198,8 @@ const char* name_of(Service service) {
 
 Json colours() {
   Json all;
-  for (const Service service :
-       {Service::both_walls, Service::one_wall, Service::some_poses, Service::none}) {
+  for (const Service service : {Service::both_walls, Service::confirmed, Service::one_tag,
+                                Service::some_poses, Service::none}) {
     const Colour colour = colour_of(service);
     const auto byte = [](double share) { return static_cast<int>(std::lround(255 * share)); };
     all[name_of(service)] =
@@ -368,6 +370,7 @@ std::string plan_page(const PlannedDrive& drive) {
       "<p id=\"read\" class=\"sub\">Touch the chart to read a place.</p>\n";
   page += "<h2>Tunnel from above</h2>\n" +
           key({{colour("both"), "both walls, every pose"},
+               {colour("confirmed"), "two tags, one at least whole, every pose"},
                {colour("one"), "a tag, every pose"},
                {colour("some"), "some poses have none"},
                {colour("none"), "no tag"},

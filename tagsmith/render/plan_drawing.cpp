@@ -231,7 +231,8 @@ DrawingView profile_view(const DrivePlan& plan, double room) {
 
 Service service_of(const DrivePlan& plan, const PlanColumn& column) {
   if (column.read.both == plan.poses_per_column) return Service::both_walls;
-  if (column.read.any() == plan.poses_per_column) return Service::one_wall;
+  if (column.confirmed == plan.poses_per_column) return Service::confirmed;
+  if (column.read.any() == plan.poses_per_column) return Service::one_tag;
   return column.read.any() > 0 ? Service::some_poses : Service::none;
 }
 
@@ -239,8 +240,10 @@ Colour colour_of(Service service) {
   switch (service) {
     case Service::both_walls:
       return colours::kGreen;
-    case Service::one_wall:
+    case Service::confirmed:
       return {0.45, 0.70, 0.20};
+    case Service::one_tag:
+      return {0.80, 0.80, 0.25};
     case Service::some_poses:
       return colours::kOrange;
     case Service::none:
@@ -295,7 +298,8 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
   legend.new_row = true;
   draw_legend(legend.sketch.layer("legend"),
               {{line_of(Service::both_walls), "tags on both walls, every pose"},
-               {line_of(Service::one_wall), "a tag, every pose"},
+               {line_of(Service::confirmed), "two tags, one at least whole"},
+               {line_of(Service::one_tag), "a tag, every pose"},
                {line_of(Service::some_poses), "some poses have none"},
                {line_of(Service::none), "no tag"}},
               0, room);

@@ -16,7 +16,7 @@
 namespace tagsmith::detail {
 
 // How well the poses of one chainage are served, as one colour.
-enum class Service { both_walls, one_wall, some_poses, none };
+enum class Service { both_walls, confirmed, one_tag, some_poses, none };
 
 Service service_of(const DrivePlan& plan, const PlanColumn& column);
 Colour colour_of(Service service);
