@@ -100,7 +100,7 @@ void draw_legend(SketchLayer& layer, const std::vector<LegendEntry>& entries, do
   for (const auto& [line, text] : entries) {
     layer.add(Polyline{{on_paper(x, y + 0.001), on_paper(x + 0.010, y + 0.001)}, line});
     layer.add(Words{text, on_paper(x + 0.012, y), 0.0018});
-    x += std::min(0.070, room / 4);
+    x += std::min(0.070, room / static_cast<double>(entries.size()));
   }
 }
 
@@ -297,8 +297,8 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
   legend.title = "Position along the center line";
   legend.new_row = true;
   draw_legend(legend.sketch.layer("legend"),
-              {{line_of(Service::both_walls), "tags on both walls, every pose"},
-               {line_of(Service::confirmed), "two tags, one at least whole"},
+              {{line_of(Service::both_walls), "both walls, every pose"},
+               {line_of(Service::confirmed), "two tags, one whole"},
                {line_of(Service::one_tag), "a tag, every pose"},
                {line_of(Service::some_poses), "some poses have none"},
                {line_of(Service::none), "no tag"}},
