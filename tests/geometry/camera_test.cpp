@@ -184,6 +184,35 @@ TEST_CASE("points that a distortion polynomial would fold back have no pixel") {
   CHECK_FALSE(project(camera, {1.5, 0, 1}).has_value());
 }
 
+TEST_CASE("a polynomial that dips without falling is followed to the end") {
+  Camera camera = camera_from_sensor(1280, 960, 3.0, 4.8, 3.6);
+  // The slope 1 + 3 k1 r^2 + 5 k2 r^4 is zero nowhere, or first at the smaller root.
+  camera.distortion = {-0.9, 0.41};
+  CHECK(reach(camera) == doctest::Approx(std::tan(radians(89.9))));
+  CHECK(project(camera, {2, 0, 1}).has_value());
+  for (const double k2 : {0.364, 0.3, 0.1, 0.01, 0.001}) {
+    CAPTURE(k2);
+    camera.distortion = {-0.9, k2};
+    const double root = (2.7 - std::sqrt(2.7 * 2.7 - 20 * k2)) / (10 * k2);
+    CHECK(reach(camera) == doctest::Approx(std::sqrt(root)).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("the derivative does not jump where a series takes its place near the axis") {
+  constexpr unsigned kSeed = 23;
+  CAPTURE(kSeed);
+  std::mt19937 random(kSeed);
+  for (int i = 0; i < 3; ++i) {
+    CAPTURE(i);
+    const Camera camera = any_camera(i, random);
+    const Vector3d inside(0.6 * (1e-3 - 1e-8), 0.8 * (1e-3 - 1e-8), 1);
+    const Vector3d outside(0.6 * (1e-3 + 1e-8), 0.8 * (1e-3 + 1e-8), 1);
+    const auto by_series = project_with_derivative(camera, inside);
+    const auto by_quotient = project_with_derivative(camera, outside);
+    CHECK((by_series->by_point - by_quotient->by_point).norm() < 1e-7 * camera.fx);
+  }
+}
+
 TEST_CASE("a fisheye sees what lies before it up to 89.9 degrees from its axis, and no farther") {
   Camera camera = camera_from_sensor(1280, 960, 1.0, 4.8, 3.6);
   camera.lens = LensModel::fisheye;

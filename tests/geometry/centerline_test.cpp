@@ -110,6 +110,19 @@ TEST_CASE("a place found again has the chainage and offset it was made with") {
   }
 }
 
+TEST_CASE("a place beyond half a turn of a bend is found on the bend") {
+  for (const double curvature : {1.0 / 8, -1.0 / 8}) {
+    const Centerline line(kStart, 0.4, {{8 * radians(300), curvature, 0}});
+    for (double chainage = 1; chainage < line.length(); chainage += 2) {
+      CAPTURE(chainage);
+      const CenterlinePoint point = line.at(chainage);
+      const double inside = curvature > 0 ? 1 : -1;
+      const Eigen::Vector3d place = point.position + inside * right_of(point.heading);
+      CHECK(line.locate(place.head<2>()).chainage == doctest::Approx(chainage).epsilon(1e-9));
+    }
+  }
+}
+
 TEST_CASE("the places where elements meet are found, too") {
   for (const auto& [name, line] : named_lines()) {
     CAPTURE(name);

@@ -34,8 +34,9 @@ TEST_CASE("the arcs of a clothoid follow it within a twentieth of a millimetre")
   struct Case {
     double length, from, to;
   };
-  for (const Case& one : {Case{30, 0, 1.0 / 50}, Case{30, 1.0 / 50, 0}, Case{12, 0, -1.0 / 8},
-                          Case{60, 1.0 / 200, 1.0 / 25}, Case{300, 0, 1.0 / 400}}) {
+  for (const Case& one :
+       {Case{30, 0, 1.0 / 50}, Case{30, 1.0 / 50, 0}, Case{12, 0, -1.0 / 8},
+        Case{60, 1.0 / 200, 1.0 / 25}, Case{300, 0, 1.0 / 400}, Case{1, 0, 1.0 / 1000}}) {
     CAPTURE(one.length);
     CAPTURE(one.to);
     const Centerline line({0, 0, 0}, 0, arcs_of_clothoid(one.length, one.from, one.to, 1));

@@ -147,6 +147,20 @@ TEST_CASE("a point behind the camera is not observed") {
                   .has_value());
 }
 
+TEST_CASE("corners move so that each side lies a pixel further out") {
+  Eigen::Matrix<double, 8, 1> corners;
+  corners << 100, 50, 190, 80, 170, 160, 90, 140;
+  const Eigen::Matrix<double, 8, 1> shift = by_outward_edges(corners);
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    CAPTURE(i);
+    const Eigen::Index next = (i + 1) % 4;
+    const Eigen::Vector2d side = corners.segment<2>(2 * next) - corners.segment<2>(2 * i);
+    const Eigen::Vector2d outward = Eigen::Vector2d(side.y(), -side.x()).normalized();
+    CHECK(outward.dot(shift.segment<2>(2 * i)) == doctest::Approx(1));
+    CHECK(outward.dot(shift.segment<2>(2 * next)) == doctest::Approx(1));
+  }
+}
+
 TEST_CASE("a vehicle's pose goes to its frame and back") {
   const VehiclePose vehicle{{1, -2, 3}, 2.5, -0.2, 0.4};
   const VehiclePose again = vehicle_pose_of(world_from_vehicle(vehicle));

@@ -63,6 +63,9 @@ TEST_CASE("a profile is linear between stations, constant beyond them, and steps
   CHECK(profile.steps(7, 8) == 0);
   CHECK(profile.least(5, 10) == Approx(1.96));
   CHECK(profile.greatest(5, 10) == Approx(3.0));
+  CHECK(profile.scaled(-1).least(5, 10) == Approx(-3.0));
+  CHECK(profile.greatest(4, 6) == Approx(3.0));  // both sides of a step at the end
+  CHECK(profile.least(7, 9) == Approx(2.0));
   CHECK(profile.breaks(2, 9) == std::vector<double>{6});
   CHECK(profile.scaled(-1, 0.5).at(7) == Approx(-2.5));
   CHECK(sum(profile, profile.scaled(-1)).greatest() == Approx(0));
@@ -99,6 +102,13 @@ TEST_CASE("pieces of a side line touch it, and steps stand across it") {
     }
   }
   CHECK(steps == 2);
+}
+
+TEST_CASE("where the last element is a bend, its end is an end of a side line's piece") {
+  const Centerline line({0, 0, 0}, 0, {{10, 1 / 8.0, 0}});
+  const std::vector<SidePoint> points = side_points(line, ChainageProfile(2), 0, 14, 0.001);
+  CHECK(std::ranges::count(points, 10, &SidePoint::chainage) == 1);
+  CHECK(side_points(line, ChainageProfile(2), 0, 8, 0.001).back().chainage == 8);
 }
 
 TEST_CASE("the distance to a wall that changes is the least one, and its derivative its change") {

@@ -82,6 +82,13 @@ TEST_CASE("published check digits") {
   }
 }
 
+TEST_CASE("a sum of whole tens has the check digit zero") {
+  // By gs1 3 (5 + 5), by sum10 5 + 5.
+  for (const CheckDigit scheme : {CheckDigit::sum10, CheckDigit::gs1}) {
+    CHECK(has_check_digit(scheme, *parse_digits("500000000050")));
+  }
+}
+
 TEST_CASE("either check digit finds every single wrong digit") {
   std::mt19937 random(1);
   for (const CheckDigit scheme : {CheckDigit::sum10, CheckDigit::gs1}) {
