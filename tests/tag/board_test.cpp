@@ -151,6 +151,17 @@ TEST_CASE("corners are where the sheet was measured to have them") {
   CHECK(corners[3].y == Approx(0.99 * 0.23));
 }
 
+TEST_CASE("marks stand 8 mm inside, whole millimetres apart") {
+  const auto marks = board_marks(0.2794, 0.2159);  // Letter: 263.4 and 199.9 mm to spare
+  CHECK(marks[0].x == Approx(0.008));
+  CHECK(marks[0].y == Approx(0.008));
+  CHECK(marks[3].x == Approx(0.008 + 0.263));
+  CHECK(marks[3].y == Approx(0.008 + 0.199));
+  const auto distances = drawn_distances(0.2794, 0.2159);
+  CHECK(distances[0] == Approx(0.263));
+  CHECK(distances[1] == Approx(0.199));
+}
+
 TEST_CASE("boards that cannot be printed well are refused, with what could be") {
   BoardRequest request = request_of(0.297, 0.210);
   request.columns = 30;
@@ -167,6 +178,7 @@ TEST_CASE("boards that cannot be printed well are refused, with what could be") 
   const Result<Board> huge = make_board(request_of(12, 0.5));
   REQUIRE_FALSE(huge);
   CHECK(huge.error().message.find("9999 mm") != std::string::npos);
+  CHECK(make_board(request_of(9.999, 0.5)));
   const Result<Board> small = make_board(request_of(0.13, 0.13));
   REQUIRE(small);
   CHECK(small->tags.size() >= 4);

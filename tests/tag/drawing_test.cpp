@@ -197,6 +197,40 @@ TEST_CASE("the label's lines stand below the frame where there is room, else bes
         "000L left  0190 0000 040 4  \u00b7  x 1.900 y 0.000 z 0.400 m  \u00b7  curved");
 }
 
+TEST_CASE("patches end the strip below the frame, and the label ends half a patch before them") {
+  TagTemplate tag = paper_template(false);
+  tag.patch_size = 0.02;
+  const Rectangle strip = strip_below_frame(tag);
+  const TagDrawing drawing = draw_tag(tag, kDigits, text_of("corridor"));
+  REQUIRE(drawing.patches);
+  const auto& [white, black] = *drawing.patches;
+  CHECK(right(black) == Approx(right(strip)));
+  CHECK(black.x == Approx(right(white)));
+  for (const Rectangle& patch : {white, black}) {
+    CHECK(patch.width == Approx(0.02));
+    CHECK(patch.height == Approx(0.02));
+    CHECK(patch.y - strip.y == Approx(bottom(strip) - bottom(patch)));
+  }
+  REQUIRE_FALSE(drawing.label.empty());
+  CHECK(drawing.label[0].x + drawing.label[0].max_width == Approx(white.x - 0.01));
+}
+
+TEST_CASE("patches higher than the strip below the frame, or wider than half of it, are left out") {
+  const auto has_patches = [](TagTemplate tag, double size) {
+    tag.patch_size = size;
+    return draw_tag(tag, kDigits).patches.has_value();
+  };
+  TagTemplate tag = paper_template(false);
+  const double height = strip_below_frame(tag).height;
+  CHECK(has_patches(tag, height));
+  CHECK_FALSE(has_patches(tag, height + 1e-6));
+  CHECK_FALSE(has_patches(tag, 0));
+  tag.plate_height = 0.6;
+  const double quarter = strip_below_frame(tag).width / 4;
+  CHECK(has_patches(tag, quarter - 1e-6));
+  CHECK_FALSE(has_patches(tag, quarter + 1e-6));
+}
+
 TEST_CASE("a plate without room around the frame, or told not to, carries no label") {
   TagTemplate tag = paper_template(false);
   tag.plate_height = 0.168 + 4 * 0.012 + 2 * 0.003;

@@ -95,10 +95,16 @@ TEST_CASE("bars lose what the ink adds, on both sides; the frame's stroke too") 
   CHECK(thinner.bars[3].x == Approx(exact.bars[3].x + 0.0001));
   CHECK(thinner.frame_inner.width == Approx(exact.frame_inner.width + 0.0002));
   CHECK(thinner.frame_outer.width == Approx(exact.frame_outer.width - 0.0002));
+  CHECK(thinner.frame_inner.y == Approx(exact.frame_inner.y - 0.0001));
+  CHECK(thinner.frame_inner.height == Approx(exact.frame_inner.height + 0.0002));
+  CHECK(thinner.frame_outer.height == Approx(exact.frame_outer.height - 0.0002));
 }
 
-TEST_CASE("a module narrower than a dot stays") {
+TEST_CASE("a module narrower than a dot stays, one of a dot and a half becomes a dot") {
   TagTemplate tiny = test::corridor_template();
   tiny.frame_inner_length = 0.005;
   CHECK(module_width(fitted_to_dots(tiny, 72)) == module_width(tiny));
+  const double dot = kMetresPerInch / 72;
+  tiny.frame_inner_length = 113 * 1.5 * dot;
+  CHECK(module_width(fitted_to_dots(tiny, 72)) == Approx(dot));
 }
