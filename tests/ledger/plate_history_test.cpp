@@ -78,6 +78,7 @@ TEST_CASE("a trend states when it is at the limit, and not more than it can tell
   CHECK(slow.action == PlateAction::none);
   CHECK_FALSE(slow.due->expected);
   CHECK(slow.due->not_before == day("2026-09-28"));
+  CHECK(slow.due->parameter == GradeParameter::modulation);  // the first of those due alike
 }
 
 TEST_CASE("a plate that suddenly fails is to be looked at, and one that goes on failing is known") {
@@ -124,6 +125,12 @@ TEST_CASE("a plate that was mended begins anew, and a single bad day is no such 
     CHECK(judge(one_bad).mended.empty());
     CHECK(judge(one_bad).series.size() == 7);
   }
+  std::vector<PlateSighting> one_good;
+  for (std::size_t i = 0; i < 7; ++i) one_good.push_back(good(kDays[i], i == 3 ? 0.8 : 0.45));
+  CHECK(judge(one_good).mended.empty());
+  // The last day has none after it that could speak against it.
+  one_good.erase(one_good.begin() + 4, one_good.end());
+  CHECK(judge(one_good).mended.size() == 1);
 }
 
 TEST_CASE("a fault is open until a later day tells that it is gone") {
@@ -144,6 +151,7 @@ TEST_CASE("a fault is open until a later day tells that it is gone") {
   CHECK(judge({moved, placed, again}).action == PlateAction::rehang);
   CHECK(judge({moved, placed, again}).mended.empty());
   const auto turned = bad(kDays[0], TagStatus::misprinted, "upside-down");
+  CHECK(judge({turned, moved}).reason == "because of moved");  // of equal actions the first rule
   CHECK(judge({turned, good(kDays[1])}).action == PlateAction::rehang);
   PlateSighting upright = good(kDays[1]);
   upright.up_known = true;

@@ -185,6 +185,24 @@ TEST_CASE("a range outside its sensor's limits is no measurement, and is named")
   CHECK(fix.dropped[0].reason.find(", expected ") != std::string::npos);
 }
 
+TEST_CASE("a range that contradicts the only tag leaves no position, whichever is wrong") {
+  const Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 1.0, 0.0);
+  Observation seen = observation_at(site, truth);
+  REQUIRE(!seen.tags.empty());
+  seen.tags.resize(1);
+  const RigRange& range = site.rig.ranges.at(0);
+  const ChainageProfile& wall = wall_of(site.survey.tunnel, range.wall);
+  const double distance =
+      observe_wall(site.survey.tunnel.centerline, wall, truth.position).distance;
+  seen.ranges[range.name] = distance;
+  CHECK(error_of(localize_jointly(seen, {site.survey}, site.rig), site, truth) < 1e-3);
+  seen.ranges[range.name] = distance + 0.4;
+  const Fix fix = localize_jointly(seen, {site.survey}, site.rig);
+  CHECK_FALSE(fix.position_in_grid.has_value());
+  CHECK(fix.reason.find("range and tag contradict each other") == 0);
+}
+
 TEST_CASE("of tags of two surveys the more place the vehicle, and as many make no position") {
   const Site site = site_named("corridor");
   std::vector<Survey> surveys{site.survey, site.survey};
@@ -208,6 +226,11 @@ TEST_CASE("of tags of two surveys the more place the vehicle, and as many make n
   const Fix by_as_many = localize_jointly(seen, surveys, site.rig);
   CHECK_FALSE(by_as_many.position_in_grid.has_value());
   CHECK(by_as_many.reason == "as many tags of survey old as of survey new were seen");
+  // Two surveys without a position do not stand against each other.
+  for (SeenTag& tag : seen.tags) tag.seen_corners->corners.fill({100, 100});
+  const Fix by_none = localize_jointly(seen, surveys, site.rig);
+  CHECK_FALSE(by_none.position_in_grid.has_value());
+  CHECK(by_none.survey == "old");
 }
 
 TEST_CASE("a lone tag that lifts the vehicle off its floor is not believed, two are") {

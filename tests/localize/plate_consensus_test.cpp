@@ -139,6 +139,18 @@ TEST_CASE("a displaced plate is found, and by how much to its standard deviation
   }
 }
 
+TEST_CASE("how sure it is that a plate is off does not depend on one that is off far from it") {
+  CorridorHungByEye one;
+  one.move("000L", {0.02, 0, 0});
+  CorridorHungByEye two = one;
+  two.move("003R", {0, 0.05, 0});
+  const PlateCheck alone = find_consensus(drive(one)).plates[one.index("000L")];
+  const PlateCheck beside = find_consensus(drive(two)).plates[one.index("000L")];
+  CHECK(alone.verdict == HangVerdict::off);
+  CHECK(beside.verdict == HangVerdict::off);
+  CHECK(beside.log_odds == doctest::Approx(alone.log_odds).epsilon(0.05));
+}
+
 TEST_CASE("no row is left out for what one plate explains, however far it is moved") {
   for (const double by : {0.1, 0.13, 0.16, 0.19, 0.22, 0.25, 0.3}) {
     for (const Vector3d& way : {Vector3d(1, 0, 0), Vector3d(0, 0.6, 0.8), Vector3d(0.6, 0, -0.8)}) {
@@ -354,6 +366,19 @@ TEST_CASE("a plate is not surely off when pictures that were not taken together 
   const PlateCheck check = find_consensus(problem).plates[site.index("002R")];
   CHECK(check.verdict == HangVerdict::doubtful);
   CHECK(check.doubt == HangDoubt::row);
+}
+
+TEST_CASE("three plates that another mounting of their camera explains are not accused") {
+  const CorridorHungByEye site;
+  AdjustmentProblem problem = drive(site);
+  std::mt19937_64 random(18);
+  problem.stations[2] = seen_from(site, 1.1, {"002L", "002R", "003R"}, random);
+  Rig other = site.rig;
+  other.cameras[0].vehicle_from_camera.translation += Vector3d(0.05, 0, 0);
+  problem.rig = &other;
+  const Consensus consensus = find_consensus(problem);
+  CHECK(consensus.nothing_fits);
+  for (const PlateCheck& check : consensus.plates) CHECK(check.verdict == HangVerdict::unchecked);
 }
 
 TEST_CASE("another rig, or a template of another size, accuses no plate surely") {

@@ -245,6 +245,9 @@ TEST_CASE("rows before the first fix and after the last are predicted too") {
   for (const std::size_t row : {0U, 9U}) {
     REQUIRE((*smoothed)[row].position_in_grid.has_value());
     CHECK((*smoothed)[row].predicted);
+    const PoseCovariance& pose = (*smoothed)[row].pose_covariance_in_grid.value();
+    CHECK(pose(4, 4) == doctest::Approx(std::pow(radians(2), 2)));
+    CHECK(pose(5, 5) == doctest::Approx(std::pow(radians(2), 2)));
     CHECK(std::abs((*smoothed)[row].position_in_grid->y() - 0.1 * static_cast<double>(row)) < 0.01);
   }
 }
