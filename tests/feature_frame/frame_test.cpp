@@ -68,6 +68,9 @@ TEST_CASE("a homography maps the unit square to the quad and back") {
     }
     const PixelPoint middle = map(0.3, 0.7);
     CHECK(distance(back(middle.x, middle.y), {0.3, 0.7}) < 1e-9);
+    // Of one whose last number is not 1 as well.
+    const PixelPoint again = inverse(back)(0.3, 0.7);
+    CHECK(distance(again, middle) < 1e-9);
   }
 }
 

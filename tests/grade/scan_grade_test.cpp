@@ -137,6 +137,15 @@ TEST_CASE("a narrow quiet zone, a missing bar and no contrast fail") {
   CHECK(grade_scan({}, kAbsolute).grade == 0);
 }
 
+TEST_CASE("the narrower quiet zone counts, on either side") {
+  std::vector<double> profile = profile_of(edges_of(kDigits));
+  profile.resize(profile.size() - kPerModule);
+  const double after = grade_scan(profile, kAbsolute).parameters.quiet_zone;
+  CHECK(after == Approx(8).epsilon(0.01));
+  std::ranges::reverse(profile);
+  CHECK(grade_scan(profile, kAbsolute).parameters.quiet_zone == Approx(after));
+}
+
 TEST_CASE("a black that reflects more than half of the white fails") {
   std::vector<double> profile = profile_of(edges_of(kDigits));
   for (double& reflectance : profile) reflectance = reflectance > 0.5 ? 0.90 : 0.50;

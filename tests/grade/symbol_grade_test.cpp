@@ -83,6 +83,18 @@ TEST_CASE("the parameter to blame is named") {
   CHECK(grade->worst == GradeParameter::defects);
 }
 
+TEST_CASE("a scan is as high as its aperture, not a line of pixels") {
+  Picture picture = picture_of(profile_of(edges_of(kDigits)), 10);
+  const auto width = static_cast<std::size_t>(picture.image.width);
+  for (std::size_t y = 0; y < static_cast<std::size_t>(picture.image.height); ++y) {
+    if (y % 5 > 0) continue;  // a row of five is dim in the quiet zone before the bars
+    for (std::size_t x = 40; x < 70; ++x) picture.image.samples[y * width + x] = sample(0.3);
+  }
+  const auto grade = grade_symbol(picture.image.view(), picture.corners, {});
+  REQUIRE(grade);
+  CHECK(grade->grade == Approx(4));
+}
+
 TEST_CASE("scans that decode differently make grade 0") {
   Picture picture = picture_of(profile_of(edges_of(kDigits)), 10);
   const Picture other = picture_of(profile_of(edges_of(*parse_digits("012345678905"))), 10);

@@ -192,6 +192,9 @@ TEST_CASE("a finding says place, what was found, what is expected and how to men
   CHECK(negative.diagnostics[0].message ==
         "tags.spacing is -2, expected more than 0 and at most 100000 m");
   CHECK(negative.diagnostics[0].column == 12);
+  const SurveyReading without_count = read_text_as_survey(
+      replaced(replaced(right_survey(), "spacing: 0.6", "spacing: -2"), "pairs: 4", "to: 6"));
+  CHECK(without_count.diagnostics.size() == 1);
 }
 
 TEST_CASE("regular tags that share a fault are reported once, with their number") {

@@ -95,6 +95,7 @@ TEST_CASE("brackets and hash signs in text and comments count for nothing") {
   std::string text = replaced(right_survey(), "survey: trial",
                               "survey: \"tri'al [[[[ {{{{ # \"  # " + repeated("[", 100));
   text = replaced(text, "tags:", "# it's " + repeated("{", 100) + "\ntags:");
+  text = replaced(text, "code: {", "code:\t# " + repeated("[", 100) + "\n  {");
   const TemporaryFolder folder;
   const auto reading = read_survey(write_text(folder.path() / "s.yaml", text));
   REQUIRE(reading.has_value());

@@ -212,6 +212,18 @@ TEST_CASE("a plate on a pillar is no plate off its wall, one that faces the rock
   CHECK(count_findings(findings("p: [-2.3, 29.0, 1.4], facing: 180"), "off-wall") == 1);
 }
 
+TEST_CASE("how deep a plate lies in the rock is counted from the wall, not from the stand-off") {
+  const auto findings = [&](const std::string& x) {
+    return reading_of(drive(std::string(kPlain) + "  stand_off: 0.1\n",
+                            "placed:\n  - { tag: 040L, side: left, p: [" + x + ", 29.0, 1.4] }\n"))
+        .diagnostics;
+  };
+  CHECK(count_findings(findings("-1.95"), "off-wall") == 0);
+  CHECK(count_findings(findings("-2.05"), "off-wall") == 1);  // 0.15 m behind the other plates
+  CHECK_FALSE(has_errors(findings("-2.05")));
+  CHECK(has_errors(findings("-2.15")));
+}
+
 TEST_CASE("sections, walls, stand-off, design and attitude change the revision") {
   const auto revision = [&](const std::string& text) { return survey_revision(survey_of(text)); };
   const std::string base = drive(kPlain);
