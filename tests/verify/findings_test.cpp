@@ -151,6 +151,40 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("of several judgements of where a tag hangs that by most places counts, in any order") {
+  const auto judged = [](int stations) {
+    VerifiedTag tag;
+    tag.tag = "000L";
+    tag.hung = HungTag{"000L", HangVerdict::fits, stations, {}, {}, {}, {}, {}};
+    VerifiedFile file{std::to_string(stations) + ".jpg"};
+    file.tags = {tag};
+    return file;
+  };
+  for (const auto& [first, second] : {std::pair(2, 5), std::pair(5, 2)}) {
+    VerifyMerge merged;
+    merge("", judged(first), merged);
+    merge("", judged(second), merged);
+    CHECK(merged.hung.at("000L").stations == 5);
+  }
+}
+
+TEST_CASE("tags that cameras noted on their head are counted, those with another fault are not") {
+  VerifyMerge merged;
+  for (const char* rule : {"upside-down", "mirrored"}) {
+    VerifiedTag tag;
+    tag.tag = "000L";
+    tag.status = TagStatus::misprinted;
+    tag.rule = rule;
+    VerifiedFile file{std::string(rule) + ".jpg"};
+    file.up = UpSource::doubted;
+    file.tags = {tag, tag};
+    if (tag.rule == "mirrored") file.tags.pop_back();
+    merge("", file, merged);
+  }
+  CHECK(merged.noted_up.on_head == 2);
+  CHECK(merged.noted_up.upright == 0);
+}
+
 TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   const Survey survey = survey_of_four();
   VerifiedFile good{"good.jpg"};
@@ -167,6 +201,7 @@ TEST_CASE("the summary counts by status and names the tags that nobody saw") {
   };
   CHECK(merged.files == 2);
   CHECK(merged.files_with_findings == 1);
+  CHECK_FALSE(merged.tags.at("000L").best);  // its print was not graded
   CHECK(count(TagStatus::ok) == 2);
   CHECK(count(TagStatus::duplicate) == 1);
   CHECK(count(TagStatus::misprinted) == 1);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -494,6 +495,25 @@ TEST_CASE("tags that were hung by eye are not accused of being elsewhere, howeve
     }
   }
   CHECK(checked > 100);
+}
+
+TEST_CASE("only photos that were verified against this state of the survey tell where tags hang") {
+  const Corridor corridor;
+  const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
+  VerifiedFile photo = photo_of("001L", corridor.survey);
+  VerifiedFile page = photo;
+  page.file = "page.pdf";
+  page.width = 0;
+  VerifiedFile older = photo;
+  older.file = "older.jpg";
+  older.revision = "another";
+  int taken = 0;
+  const auto files = [&](const std::function<void(const VerifiedFile&)>& each) -> Result<void> {
+    for (const VerifiedFile& file : {photo, page, older, photo}) each(file);
+    return {};
+  };
+  CHECK(for_each_sighted(corridor.survey, setup, files, [&](auto&, auto&) { ++taken; }));
+  CHECK(taken == 1);
 }
 
 TEST_CASE("what was found is written into the files, in place of what was said before") {

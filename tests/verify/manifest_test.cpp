@@ -57,6 +57,23 @@ TEST_CASE("a manifest is read") {
   CHECK(manifest.tags[0].files == std::vector<std::string>{"000L.pdf", "000L.svg"});
 }
 
+TEST_CASE("a page's window and the steps to the next pages are read in metres") {
+  const std::string manifest = R"({"survey": "little", "tags": [], "page_mm": [210, 297],
+    "tiles": {"columns": 3, "rows": 2, "window_mm": [10, 12, 180, 260], "step_mm": [170, 250]}})";
+  const std::optional<TilePlan> plan = manifest_of(manifest.c_str()).tiles;
+  REQUIRE(plan);
+  CHECK(plan->columns == 3);
+  CHECK(plan->rows == 2);
+  CHECK(plan->page_width == doctest::Approx(0.210));
+  CHECK(plan->page_height == doctest::Approx(0.297));
+  CHECK(plan->window.x == doctest::Approx(0.010));
+  CHECK(plan->window.y == doctest::Approx(0.012));
+  CHECK(plan->window.width == doctest::Approx(0.180));
+  CHECK(plan->window.height == doctest::Approx(0.260));
+  CHECK(plan->step_right == doctest::Approx(0.170));
+  CHECK(plan->step_down == doctest::Approx(0.250));
+}
+
 TEST_CASE("no manifest, and one that is something else, are no manifest") {
   const test::TemporaryFolder folder;
   CHECK(!find_manifest(folder.path() / "a.pdf")->has_value());
