@@ -34,9 +34,12 @@ TESTS = {
     "decoder/ledger": ["ledger"],
     "decoder/localize": ["localize", "adjust"],
     "decoder/python": [],
+    "decoder/scan": ["scan_stages"],
     "decoder/verify": ["verify", "adjust"],
     "decoder/calibrate": ["calibrate", "calibrate_command", "board"],
 }
+# The folders of tests that are called otherwise; tests/verify has one that is called scan.
+FOLDERS = {"scan_stages": "scan"}
 
 # Binary operators stand between blanks, template brackets do not: clang-format sees to it.
 SWAPS = {
@@ -127,14 +130,18 @@ def prepare() -> None:
                     "--log-level=WARNING", *launcher], check=True)
 
 
+def folder_of(test: str) -> Path:
+    return Path("tests") / FOLDERS.get(test, test)
+
+
 def tests_of(module: str) -> list[str]:
     names = TESTS.get(module, [Path(module).name])
-    return [name for name in names if (SOURCE / "tests" / name / "CMakeLists.txt").exists()]
+    return [name for name in names if (SOURCE / folder_of(name) / "CMakeLists.txt").exists()]
 
 
 def needs_program(tests: list[str]) -> bool:
     return any("run_tagsmith" in path.read_text()
-               for name in tests for path in (SOURCE / "tests" / name).glob("*.cpp"))
+               for name in tests for path in (SOURCE / folder_of(name)).glob("*.cpp"))
 
 
 def build(tests: list[str]) -> bool:
@@ -143,7 +150,7 @@ def build(tests: list[str]) -> bool:
 
 
 def is_noticed(tests: list[str]) -> bool:
-    return not all(run(str(BUILD / "tests" / name / f"test_{name}"), "--abort-after=1",
+    return not all(run(str(BUILD / folder_of(name) / f"test_{name}"), "--abort-after=1",
                        seconds=TEST_SECONDS) for name in tests)
 
 
