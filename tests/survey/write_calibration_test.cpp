@@ -63,6 +63,17 @@ TEST_CASE("kalibr's file is refused a lens that kalibr does not have") {
   CHECK(refused.error().message.find("opencv or ros") != std::string::npos);
 }
 
+TEST_CASE("the matrices of a file for ROS have the sizes that sensor_msgs gives them") {
+  const std::string text = calibration_text(CalibrationFormat::ros, cameras()[1], notes()).value();
+  for (const char* head : {"camera_matrix:\n   rows: 3\n   cols: 3\n",
+                           "rectification_matrix:\n   rows: 3\n   cols: 3\n",
+                           "projection_matrix:\n   rows: 3\n   cols: 4\n",
+                           "distortion_coefficients:\n   rows: 1\n   cols: 5\n"}) {
+    CAPTURE(std::string(head));
+    CHECK(text.find(head) != std::string::npos);
+  }
+}
+
 TEST_CASE("OpenCV reads its file") {
   const test::TemporaryFolder folder;
   for (const Camera& camera : cameras()) {
