@@ -59,6 +59,7 @@ TEST_CASE("a profile is linear between stations, constant beyond them, and steps
   CHECK(profile.at(99) == Approx(1.8));
   CHECK(profile.slope(3, 5) == Approx(0.05));
   CHECK(profile.slope(5.5, 6.5) == Approx(0.025));  // a step is no slope
+  CHECK(profile.slope(4, 6) == Approx(0.05));       // nor is one at the end
   CHECK(profile.steps(5.5, 6.5) == Approx(0.9));
   CHECK(profile.steps(7, 8) == 0);
   CHECK(profile.least(5, 10) == Approx(1.96));

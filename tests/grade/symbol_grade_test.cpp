@@ -70,6 +70,7 @@ TEST_CASE("references in the picture make reflectances true") {
   REQUIRE(grade);
   CHECK(grade->absolute);
   CHECK(*grade->means[1]->value == Approx(0.8).epsilon(0.02));
+  CHECK(*grade->means[2]->value == Approx(0.1).epsilon(0.02));  // of the black
   CHECK(grade->grade == Approx(4));
 }
 

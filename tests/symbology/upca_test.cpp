@@ -82,6 +82,15 @@ TEST_CASE("published check digits") {
   }
 }
 
+TEST_CASE("check digits go by the names that their schemes are written with") {
+  CHECK(parse_check_digit("sum10") == CheckDigit::sum10);
+  CHECK(parse_check_digit("gs1") == CheckDigit::gs1);
+  CHECK_FALSE(parse_check_digit("GS1"));
+  for (const CheckDigit scheme : {CheckDigit::sum10, CheckDigit::gs1}) {
+    CHECK(parse_check_digit(to_string(scheme)) == scheme);
+  }
+}
+
 TEST_CASE("a sum of whole tens has the check digit zero") {
   // By gs1 3 (5 + 5), by sum10 5 + 5.
   for (const CheckDigit scheme : {CheckDigit::sum10, CheckDigit::gs1}) {

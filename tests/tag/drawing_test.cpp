@@ -215,6 +215,23 @@ TEST_CASE("patches end the strip below the frame, and the label ends half a patc
   CHECK(drawing.label[0].x + drawing.label[0].max_width == Approx(white.x - 0.01));
 }
 
+TEST_CASE("holes are drilled where the template says, and move with the plate") {
+  TagTemplate tag = paper_template(false);
+  tag.qr.size = 0.03;
+  tag.holes = {{0.19, -0.14, 0.006}};
+  const TagDrawing drawing = draw_tag(tag, kDigits);
+  REQUIRE(drawing.holes.size() == 1);
+  CHECK(drawing.holes[0].radius == Approx(0.003));
+  CHECK(drawing.holes[0].centre.x == Approx(0.343 / 2 + 0.19));
+  CHECK(drawing.holes[0].centre.y == Approx(0.168 / 2 + 0.14));
+  const TagDrawing there = moved(drawing, 0.1, 0.2, 2);
+  CHECK(there.holes[0].radius == Approx(0.006));
+  CHECK(there.holes[0].centre.x == Approx(2 * drawing.holes[0].centre.x + 0.1));
+  REQUIRE(there.qr);
+  CHECK(there.qr->box.x == Approx(2 * drawing.qr->box.x + 0.1));
+  CHECK(there.qr->box.y == Approx(2 * drawing.qr->box.y + 0.2));
+}
+
 TEST_CASE("patches higher than the strip below the frame, or wider than half of it, are left out") {
   const auto has_patches = [](TagTemplate tag, double size) {
     tag.patch_size = size;
