@@ -132,6 +132,15 @@ PartOdds part_odds(const CharacterCosts& costs, const Characters& reference,
   return odds;
 }
 
+// Whichever leaves more doubt.
+PartOdds greater_of(PartOdds one, const PartOdds& other) {
+  one.misprints = std::max(one.misprints, other.misprints);
+  for (std::size_t i = 0; i < one.codes.size(); ++i) {
+    one.codes[i] = std::max(one.codes[i], other.codes[i]);
+  }
+  return one;
+}
+
 // Takes the codes that cannot be ruled out for candidates; the others are doubt.
 void list_candidates(const DecodeOptions& options, const PartOdds& odds, PartDecoding& part) {
   for (std::size_t i = 0; i < odds.codes.size(); ++i) {
@@ -192,12 +201,9 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
   for (std::size_t i = 0; i < kDigitCount; ++i) {
     if (judged.verdicts[i] == DigitVerdict::uncertain) part.certain[i] = false;
   }
-  PartOdds odds = part_odds(local, digits, options, seen.digits, part.certain);
-  const PartOdds other = part_odds(common, digits, options, seen.digits, part.certain);
-  decoding.doubt.misprints = std::max(odds.misprints, other.misprints);
-  for (std::size_t i = 0; i < odds.codes.size(); ++i) {
-    odds.codes[i] = std::max(odds.codes[i], other.codes[i]);
-  }
+  const PartOdds odds = greater_of(part_odds(local, digits, options, seen.digits, part.certain),
+                                   part_odds(common, digits, options, seen.digits, part.certain));
+  decoding.doubt.misprints = odds.misprints;
   list_candidates(options, odds, part);
   const auto corrupted =
       system_of(with_common_noise(profile, factors)).odds_of_corrupted_digits(digits);
