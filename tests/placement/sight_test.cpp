@@ -32,33 +32,41 @@ bool is_inside(const Camera& camera, const PlateTruth& truth, double border) {
   });
 }
 
-void check_against_simulation(const Survey& survey, const Rig& rig) {
-  const SightModel model(survey, rig);
+// Calls `look` with each camera's stand at 400 drawn poses, and each tag.
+void from_drawn_poses(const SightModel& model, const auto& look) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> either(-1, 1);
-  int seen = 0;
   for (int i = 0; i < 400; ++i) {
+    CAPTURE(i);
     const Pose pose = world_from_vehicle({0.5 * either(random), 4 + 4 * either(random), 0.24},
                                          radians(20) * either(random));
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    for (std::size_t c = 0; c < model.rig().cameras.size(); ++c) {
       const CameraStand stand = model.stand(c, pose, 0);
-      for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
+      for (std::size_t tag = 0; tag < model.survey().tags.size(); ++tag) {
+        CAPTURE(model.survey().tags[tag].name);
+        look(pose, c, stand, tag);
+      }
+    }
+  }
+}
+
+void check_against_simulation(const Survey& survey, const Rig& rig) {
+  const SightModel model(survey, rig);
+  int seen = 0;
+  from_drawn_poses(
+      model, [&](const Pose& pose, std::size_t c, const CameraStand& stand, std::size_t tag) {
         const auto sight = model.look(c, stand, tag, {});
         const PlateTruth truth = truth_of(survey, rig.cameras[c], pose, tag);
         const bool is_whole = truth.incidence < radians(89) && truth.module_px >= 0.8 &&
                               is_inside(rig.cameras[c].camera, truth, kBorderPx);
-        CAPTURE(i);
-        CAPTURE(survey.tags[tag].name);
         if (is_whole) REQUIRE(sight.has_value());
-        if (!sight) continue;
+        if (!sight) return;
         ++seen;
         CHECK(is_inside(rig.cameras[c].camera, truth, kBorderPx - 1e-6));
         CHECK(sight->module_px == doctest::Approx(truth.module_px).epsilon(1e-4));
         CHECK(std::acos(sight->cosine) == doctest::Approx(truth.incidence).epsilon(1e-6));
         CHECK(model.may_see(c, stand, tag, 0, 0));
-      }
-    }
-  }
+      });
   CHECK(seen > 300);
 }
 
@@ -72,30 +80,21 @@ TEST_CASE("a part of a plate is what the simulation shows from one end to beyond
   const Survey survey = straight_survey(10, 8);
   Rig rig = crawler();
   const SightModel model(survey, rig);
-  std::mt19937_64 random(6);
-  std::uniform_real_distribution<double> either(-1, 1);
   int parts = 0;
-  for (int i = 0; i < 400; ++i) {
-    const Pose pose = world_from_vehicle({0.5 * either(random), 4 + 4 * either(random), 0.24},
-                                         radians(20) * either(random));
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      const CameraStand stand = model.stand(c, pose, 0);
-      for (std::size_t tag = 0; tag < survey.tags.size(); ++tag) {
-        if (!model.shows_part(c, stand, tag, {}, 0)) continue;
-        CHECK(model.may_see(c, stand, tag, 0, 0));
-        if (model.look(c, stand, tag, {})) continue;
-        ++parts;
-        const PlateTruth truth = truth_of(survey, rig.cameras[c], pose, tag);
-        const auto is_in = [&](std::size_t corner) {
-          const auto& at = truth.corners[corner];
-          return at && in_image(rig.cameras[c].camera, *at);
-        };
-        CHECK(((is_in(0) && is_in(3)) || (is_in(1) && is_in(2))));
-        CHECK_FALSE((is_in(0) && is_in(1) && is_in(2) && is_in(3) &&
-                     is_inside(rig.cameras[c].camera, truth, kBorderPx)));
-      }
-    }
-  }
+  from_drawn_poses(model,
+                   [&](const Pose& pose, std::size_t c, const CameraStand& stand, std::size_t tag) {
+                     if (!model.shows_part(c, stand, tag, {}, 0)) return;
+                     CHECK(model.may_see(c, stand, tag, 0, 0));
+                     if (model.look(c, stand, tag, {})) return;
+                     ++parts;
+                     const PlateTruth truth = truth_of(survey, rig.cameras[c], pose, tag);
+                     const auto is_in = [&](std::size_t corner) {
+                       const auto& at = truth.corners[corner];
+                       return at && in_image(rig.cameras[c].camera, *at);
+                     };
+                     CHECK(((is_in(0) && is_in(3)) || (is_in(1) && is_in(2))));
+                     CHECK_FALSE(is_inside(rig.cameras[c].camera, truth, kBorderPx));
+                   });
   CHECK(parts > 20);
   for (RigCamera& camera : rig.cameras) camera.camera.distortion = {-0.2, 0.05, 0.001, -0.001, 0};
   const SightModel bent(survey, rig);

@@ -45,20 +45,25 @@ SeenTag cut_at_right() {
   return tag;
 }
 
+// What is read of a tag in part, which is that of one code of a book, and nothing else.
+PartReading identified_part(const GrayImage& image) {
+  const ReadResult result =
+      read_tags(image.view(), with_book({"000005140404", "019000700401", "050806630604"}));
+  CHECK(result.tags.empty());
+  REQUIRE(result.parts.size() == 1);
+  const PartReading& part = result.parts.front();
+  REQUIRE(part.candidates.size() == 1);
+  CHECK(to_string(part.candidates.front().digits) == "019000700401");
+  CHECK(part.confidence >= kSureWithBook);
+  return part;
+}
+
 }  // namespace
 
 TEST_CASE("a tag that the border cuts is identified by the digits in sight") {
   for (const SeenTag& tag : {cut_at_left(), cut_at_right()}) {
     CAPTURE(tag.view.middle.x);
-    const GrayImage image = tag.image();
-    const ReadResult result =
-        read_tags(image.view(), with_book({"000005140404", "019000700401", "050806630604"}));
-    CHECK(result.tags.empty());
-    REQUIRE(result.parts.size() == 1);
-    const PartReading& part = result.parts.front();
-    REQUIRE(part.candidates.size() == 1);
-    CHECK(to_string(part.candidates.front().digits) == "019000700401");
-    CHECK(part.confidence >= kSureWithBook);
+    const PartReading part = identified_part(tag.image());
     CHECK(part.share > 0.6);
     CHECK(part.share < 0.7);
     CHECK(farthest_apart(part.corners, tag.corners()) < 0.5);
@@ -127,18 +132,11 @@ TEST_CASE("digits that something hides are left open, and the others tell which 
   tag.view.slant = {0.0008, 0.0001};
   tag.covers = {{-16, -60, -10, 60, 0.04}};
   const GrayImage image = tag.image();
-  const ReadResult result =
-      read_tags(image.view(), with_book({"000005140404", "019000700401", "050806630604"}));
-  CHECK(result.tags.empty());
-  REQUIRE(result.parts.size() == 1);
-  const PartReading& part = result.parts.front();
-  REQUIRE(part.candidates.size() == 1);
-  CHECK(to_string(part.candidates.front().digits) == "019000700401");
+  const PartReading part = identified_part(image);
   CHECK_FALSE(part.in_sight[4]);
   CHECK(std::ranges::count(part.in_sight, true) >= 9);
   CHECK(part.share > 0.85);
   CHECK(part.share < 1);
-  CHECK(part.confidence >= kSureWithBook);
   CHECK(part.corner_in_sight == std::array{true, true, true, true});
   CHECK(farthest_apart(part.corners, tag.corners()) < 0.1);
   CHECK(read_tags(image.view()).parts.empty());
