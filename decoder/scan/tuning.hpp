@@ -82,8 +82,8 @@ struct DecodeTuning {
   double noise_prior = 5;     // modules' worth of the common noise
   // Odds from which another code is a candidate of a part of a symbol, and a digit that may be
   // another one is uncertain: what is less likely counts as doubt, of which kSureWithBook leaves
-  // 2e-6.
-  double candidate = 1e-8;
+  // more than twelve digits add up to.
+  double candidate = 1e-7;
 };
 inline constexpr DecodeTuning kDecode;
 
