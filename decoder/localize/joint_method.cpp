@@ -337,7 +337,7 @@ void add_notes(Fix& fix) {
   for (const FittedCorners& seen : fix.corners) {
     if (!seen.used || !seen.is_part) continue;
     fix.notes.push_back(
-        fmt::format("only a part of {} is in the picture of camera {}", seen.tag, seen.camera));
+        fmt::format("only a part of {} is in sight of camera {}", seen.tag, seen.camera));
   }
   if (fix.variance_factor > 1) {
     fix.notes.push_back(
