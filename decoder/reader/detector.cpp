@@ -140,7 +140,9 @@ void Detector::read_covered_parts() {
     if (hypothesis.may_be_covered || hypothesis.source == Source::careful) {
       part_search_.read_covered(image_, *hypothesis.frame, is_read);
     }
-    if (hypothesis.odd_bars) part_search_.note_hidden_end(image_, hypothesis.frame->corners);
+    if (!hypothesis.may_be_covered) {
+      part_search_.note_hidden_end(image_, hypothesis.frame->corners);
+    }
   }
   part_search_.read_beside(image_, is_read);
 }

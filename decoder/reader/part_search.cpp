@@ -22,12 +22,13 @@ Quad beginning_at(const Quad& quad, std::size_t corner) {
   return {quad[corner % 4], quad[(corner + 1) % 4], quad[(corner + 2) % 4], quad[(corner + 3) % 4]};
 }
 
-void add_new(const PyramidLevel& level, const Quad& outline, std::vector<Quad>& outlines) {
-  const Quad in_full = to_full(level, outline);
+// Adds an outline that is not among them yet with the same side 1.
+void add_new(const Quad& outline, double scale, std::vector<Quad>& outlines) {
+  const double tolerance = kPart.border_px * scale;
   const auto same = [&](const Quad& other) {
-    return nearly_equal(other, in_full, kPart.border_px * level.scale);
+    return distance(other[1], outline[1]) < tolerance && nearly_equal(other, outline, tolerance);
   };
-  if (std::ranges::none_of(outlines, same)) outlines.push_back(in_full);
+  if (std::ranges::none_of(outlines, same)) outlines.push_back(outline);
 }
 
 // In pixels of the picture that it is a part of.
@@ -54,7 +55,7 @@ void PartSearch::note_cut(const Outline& outline, const FrameShape& shape) {
   if (options_.code_book.empty()) return;
   const auto cut = cut_by_border(outline.level, outline.quad);
   if (cut && looks_framed(outline.level.image, *cut, shape, kAllButSide1)) {
-    add_new(outline.level, *cut, cut_);
+    add_new(to_full(outline.level, *cut), outline.level.scale, cut_);
   }
 }
 
@@ -64,7 +65,7 @@ void PartSearch::note_hidden_side(const Outline& outline, const FrameShape& shap
   for (std::size_t i = 0; i < 4; ++i) {
     const Quad turned = beginning_at(quad, i);
     if (looks_framed(level.image, turned, shape, kAllButSide1))
-      add_new(level, turned, hidden_sides_);
+      add_new(to_full(level, turned), level.scale, hidden_sides_);
   }
 }
 
@@ -83,8 +84,8 @@ void PartSearch::read_cut(const GrayView& image, const IsRead& is_read) {
 
 void PartSearch::note_hidden_end(const GrayView& image, const Quad& frame) {
   for (const std::size_t first : possible_first_corners(image, frame)) {
-    hidden_sides_.push_back(beginning_at(frame, first));
-    hidden_sides_.push_back(beginning_at(frame, first + 2));
+    add_new(beginning_at(frame, first), 1, hidden_sides_);
+    add_new(beginning_at(frame, first + 2), 1, hidden_sides_);
   }
 }
 
@@ -97,14 +98,18 @@ void PartSearch::read_covered(const GrayView& image, const RefinedFrame& frame,
   if (options_.code_book.empty() || is_read(centre) || has_part_at(centre)) return;
   if (std::ranges::any_of(covered_, same)) return;
   covered_.push_back(frame.corners);
-  if (auto part = detail::read_covered(image, frame, options_)) parts_.push_back(*std::move(part));
+  CoveredReading covered = detail::read_covered(image, frame, options_);
+  if (covered.part) parts_.push_back(*std::move(covered.part));
+  if (covered.is_contradicted) strangers_.push_back(frame.corners);
 }
 
 void PartSearch::read_beside(const GrayView& image, const IsRead& is_read) {
   if (options_.code_book.empty()) return;
   for (const Quad& outline : hidden_sides_) {
     const PixelPoint centre = centre_of(outline);
+    const auto is_there = [&](const Quad& stranger) { return contains(stranger, centre); };
     if (is_read(centre) || has_part_at(centre)) continue;
+    if (std::ranges::any_of(strangers_, is_there)) continue;
     const auto beside = picture_beside(image, outline);
     auto part = beside ? read_part_beside(*beside, options_) : std::nullopt;
     if (part) parts_.push_back(*std::move(part));

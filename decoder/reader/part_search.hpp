@@ -54,6 +54,7 @@ class PartSearch {
   std::size_t read_cuts_ = 0;       // of them, tried so far
   std::vector<Quad> hidden_sides_;  // outlines with something before their side 1
   std::vector<Quad> covered_;       // refused frames that were tried
+  std::vector<Quad> strangers_;     // of them, those whose digits in sight contradict the book
   std::vector<PartReading> parts_;
 };
 

@@ -352,20 +352,23 @@ std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
   return std::nullopt;
 }
 
-std::optional<PartReading> read_covered(const GrayView& image, const RefinedFrame& frame,
-                                        const ReadOptions& options) {
+CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
+                            const ReadOptions& options) {
+  CoveredReading reading;
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto covered = best_in_sight(image, frame, options, added);
-    if (!covered || covered->decoding.decoding.fit.explained < kJudge.worth_light) {
-      return std::nullopt;
-    }
-    if (std::ranges::all_of(covered->decoding.certain, std::identity{})) return std::nullopt;
+    if (!covered || covered->decoding.decoding.fit.explained < kJudge.worth_light) break;
+    // Uncertain digits leave no more doubt than they may; what is left contradicts.
+    reading.is_contradicted |= covered->decoding.decoding.doubt.misprints > kOdds.near_stranger;
+    if (std::ranges::all_of(covered->decoding.certain, std::identity{})) break;
     if (!is_certain(covered->decoding, options)) continue;
     const auto whole =
         reading_where_bars_end(image, covered->symbol, options, ReadingMethod::partly_covered);
-    if (whole) return reading_of(*std::move(covered), *whole);
+    if (!whole) continue;
+    reading.part = reading_of(*std::move(covered), *whole);
+    break;
   }
-  return std::nullopt;
+  return reading;
 }
 
 }  // namespace tagsmith::detail

@@ -18,10 +18,15 @@ namespace tagsmith::detail {
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options);
 
-// Reads what is in sight of a symbol in a whole frame, of which something hides digits. Nothing
-// where what is in sight is not certainly that of a code of the book, or too little of it, or the
-// bars end elsewhere than in this frame.
-std::optional<PartReading> read_covered(const GrayView& image, const RefinedFrame& frame,
-                                        const ReadOptions& options);
+// A symbol in a whole frame, of which something hides digits.
+struct CoveredReading {
+  // Nothing where what is in sight is not certainly that of a code of the book, or too little of
+  // it, or the bars end elsewhere than in this frame.
+  std::optional<PartReading> part{};
+  bool is_contradicted = false;  // a digit in sight is none of the likeliest code's
+};
+
+CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
+                            const ReadOptions& options);
 
 }  // namespace tagsmith::detail

@@ -203,6 +203,22 @@ TEST_CASE("parts are searched with a book, once, and where no tag was read") {
   CHECK(parts_of(likely, nothing) == 1);
 }
 
+TEST_CASE("an outline is noted once for each side that something may hide") {
+  SeenTag tag;
+  tag.covers = {{20, -90, 90, 90, 0.04}};
+  const GrayImage image = tag.image();
+  const Homography map = homography_to(tag.corners());
+  // To the cover's edge, which begins 20 modules right of the middle.
+  const double share = (20 - SeenTag::kLeft) / (2 * -SeenTag::kLeft);
+  const Quad frame{tag.corners()[0], map(share, 0), map(share, 1), tag.corners()[3]};
+  PartSearch search(with_book({"019000700401"}));
+  search.note_hidden_end(image.view(), frame);
+  search.note_hidden_end(image.view(), frame);
+  search.read_beside(image.view(), [](PixelPoint) { return false; });
+  REQUIRE(search.parts().size() == 1);
+  CHECK(digits_in_sight(search.parts().front()).substr(0, 6) == "019000");
+}
+
 TEST_CASE("rows or columns up to what hides a side are a picture of their own") {
   const GrayImage image{100, 80, std::vector<std::uint8_t>(8000)};
   const auto right =
