@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <set>
 #include <string>
@@ -168,7 +169,7 @@ GrayImage with_post(const GrayView& image, const FrameCorners& corners, const be
     for (int x = 0; x < image.width; ++x) {
       const double at = (x - from) / across;
       if (at < 0 || at > 1) continue;
-      const double shade = 0.4 + 0.6 * std::sin(M_PI * at);
+      const double shade = 0.4 + 0.6 * std::sin(std::numbers::pi * at);
       const double noise = std::normal_distribution(0.0, 2.0)(random);
       result.samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                      static_cast<std::size_t>(x)] =
@@ -219,19 +220,6 @@ bool read_folder(const fs::path& folder, bool verbose) {
                   verbose, cut);
       const GrayImage behind = with_post(view, corners, crop, random);
       options.camera = camera_of(item, view, 0);
-      if (std::getenv("DBG")) {
-        fmt::print(stderr,
-                   "POST {} {} share {:.2f} corners {:.0f} {:.0f} to {:.0f} {:.0f} edge {}\n", file,
-                   to_string(code), bench::share_in_sight(there, part.width, part.height),
-                   corners[0].x, corners[0].y, corners[2].x, corners[2].y,
-                   crop.first == 0 ? crop.width : crop.first);
-        if (FILE* f = fopen(("/tmp/tr/post_" + file + ".pgm").c_str(), "wb")) {
-          auto v = behind.view();
-          fprintf(f, "P5 %d %d 255\n", v.width, v.height);
-          for (int y = 0; y < v.height; ++y) fwrite(v.row(y), 1, v.width, f);
-          fclose(f);
-        }
-      }
       count_plate(read_tags(behind.view(), options), code, corners,
                   bench::share_in_sight(there, part.width, part.height), file + " behind a post",
                   verbose, posts);

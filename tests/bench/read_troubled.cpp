@@ -76,14 +76,6 @@ void read_with_book(const mass::Picture& picture, std::uint64_t number, Outcome&
         bench::may_show_digits(picture.kind) && bench::shows_digits_of(part, picture.code);
     outcome.identified = outcome.identified || (right && outcome.is_tag);
     outcome.part_astray = outcome.part_astray || (right && is_astray(part, picture.corners));
-    if (std::getenv("DBG") && right && is_astray(part, picture.corners)) {
-      fprintf(stderr, "ASTRAY %d odd %d %s\n", int(number), int(picture.odd_margins),
-              digits_in_sight(part).c_str());
-      for (int i = 0; i < 4; ++i)
-        fprintf(stderr, "  %.2f %.2f true %.2f %.2f sigma %.3f\n", part.corners[i].x,
-                part.corners[i].y, picture.corners[i].x, picture.corners[i].y,
-                std::sqrt(part.corner_covariance(2 * i, 2 * i)));
-    }
     if (right) continue;
     outcome.wrong = true;
     outcome.story = fmt::format("{} {}: part {} for {}", number, mass::name_of(picture.kind),
@@ -108,17 +100,6 @@ Outcome run_one(mass::Trouble trouble, std::uint64_t number) {
                     mass::name_of(trouble), mass::name_of(picture.kind), to_string(reading.digits),
                     to_string(picture.code), 1 - reading.confidence, picture.module_px);
   }
-  if (std::getenv("DBG")) {
-    fprintf(stderr, "== %s %d module %.2f code %s\n", mass::name_of(trouble), int(number),
-            picture.module_px, to_string(picture.code).c_str());
-    std::string name = fmt::format("/tmp/tr/{}_{}.pgm", int(trouble), number);
-    if (FILE* f = fopen(name.c_str(), "wb")) {
-      auto v = picture.image.view();
-      fprintf(f, "P5 %d %d 255\n", v.width, v.height);
-      for (int y = 0; y < v.height; ++y) fwrite(v.row(y), 1, v.width, f);
-      fclose(f);
-    }
-  }
   read_with_book(picture, number, outcome);
   for (const bench::OtherReader& reader : bench::other_readers()) {
     outcome.others.push_back(outcome.is_tag &&
@@ -142,8 +123,6 @@ void run_cause(mass::Trouble trouble, std::size_t count, std::uint64_t first) {
     book += outcome.with_book ? 1 : 0;
     parts += outcome.identified ? 1 : 0;
     off += outcome.part_astray ? 1 : 0;
-    if (outcome.is_tag && !outcome.with_book && !outcome.identified && std::getenv("DBG"))
-      fmt::print("MISSED {} {}\n", mass::name_of(trouble), &outcome - outcomes.data() + first);
     if (outcome.wrong) fmt::print("WRONG {}\n", outcome.story);
     for (std::size_t r = 0; r < others.size(); ++r) others[r] += outcome.others[r] ? 1 : 0;
   }
