@@ -83,6 +83,7 @@ void PartSearch::read_cut(const GrayView& image, const IsRead& is_read) {
 }
 
 void PartSearch::note_hidden_end(const GrayView& image, const Quad& frame) {
+  if (options_.code_book.empty()) return;
   for (const std::size_t first : possible_first_corners(image, frame)) {
     add_new(beginning_at(frame, first), 1, hidden_sides_);
     add_new(beginning_at(frame, first + 2), 1, hidden_sides_);

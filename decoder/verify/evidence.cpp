@@ -153,13 +153,6 @@ void see_hidden(const PictureReading& read, PictureEvidence& evidence) {
   }
 }
 
-// Whether the picture's border cuts the frame.
-bool leaves_picture(const PartReading& part, const GrayView& image) {
-  return std::ranges::any_of(part.corners, [&](PixelPoint at) {
-    return at.x < 0 || at.y < 0 || at.x > image.width - 1 || at.y > image.height - 1;
-  });
-}
-
 // A tag that was read otherwise stays. What was refused there is given a name, or, where the
 // picture's border cuts it, gives way to the part.
 void see_part(const PartReading& part, PictureEvidence& evidence) {
@@ -179,7 +172,7 @@ void see_part(const PartReading& part, PictureEvidence& evidence) {
   const auto is_refused = [&](const TagEvidence& other) {
     return other.sight == Sight::refused && is_there(other);
   };
-  if (leaves_picture(part, evidence.image)) {
+  if (leaves(part.corners, evidence.image)) {
     std::erase_if(evidence.tags, is_refused);
   } else if (const auto refused = std::ranges::find_if(evidence.tags, is_refused);
              refused != evidence.tags.end()) {
@@ -234,6 +227,16 @@ ReadResult without_repeats(ReadResult result) {
   }
   result.rejected = std::move(kept);
   return result;
+}
+
+bool leaves(const FrameCorners& corners, const GrayView& image, double larger_by) {
+  const auto beyond = [&](double least, double greatest, int pixels) {
+    const double margin = larger_by * (greatest - least);
+    return least - margin < 0 || greatest + margin > pixels - 1;
+  };
+  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
+  const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
+  return beyond(left.x, right.x, image.width) || beyond(top.y, bottom.y, image.height);
 }
 
 std::string name_of(const Survey& survey, const Digits& digits) {

@@ -74,6 +74,10 @@ void see_tags(const PictureReading& read, PictureEvidence& evidence);
 // kept, that which came nearest to a reading.
 ReadResult without_repeats(ReadResult result);
 
+// Whether an outline, were it larger by this share of its size on every side, would leave the
+// picture.
+bool leaves(const FrameCorners& corners, const GrayView& image, double larger_by = 0);
+
 // "000L", or the digits of a stranger.
 std::string name_of(const Survey& survey, const Digits& digits);
 

@@ -75,18 +75,6 @@ Finding wrong_check_digit(const PictureEvidence& evidence, const TagEvidence& se
                       to_string(scheme), nearest, also_right)};
 }
 
-// True when the outline, were it larger by this share of its size on every side, would leave the
-// picture.
-bool leaves(const FrameCorners& corners, const GrayView& image, double larger_by) {
-  const auto beyond = [&](double least, double greatest, int pixels) {
-    const double margin = larger_by * (greatest - least);
-    return least - margin < 0 || greatest + margin > pixels - 1;
-  };
-  const auto [left, right] = std::ranges::minmax(corners, {}, &PixelPoint::x);
-  const auto [top, bottom] = std::ranges::minmax(corners, {}, &PixelPoint::y);
-  return beyond(left.x, right.x, image.width) || beyond(top.y, bottom.y, image.height);
-}
-
 // True when the feature frame around these bars would not be wholly in the photo.
 bool frame_may_leave(const GrayView& photo, const TagTemplate& tag, const FrameCorners& bars) {
   const double module = module_width(tag);
@@ -195,7 +183,7 @@ std::optional<Finding> find_cut_off(const PictureEvidence& evidence, const TagEv
         TagStatus::cut_off, "cut-off",
         "a tag at the picture's edge, not read: " + describe(*seen.refusal) + seen.by_bars};
   }
-  if (seen.sight == Sight::part && leaves(corners, evidence.image, 0)) {
+  if (seen.sight == Sight::part && leaves(corners, evidence.image)) {
     return Finding{TagStatus::cut_off, "cut-off",
                    "a tag at the picture's edge; what is in sight fits " + seen.fits};
   }
