@@ -137,6 +137,7 @@ void Detector::read_covered_parts() {
   const auto is_read = [this](PixelPoint at) { return has_reading_at(at); };
   for (const TagHypothesis& hypothesis : std::views::reverse(hypotheses_)) {
     if (!hypothesis.frame || hypothesis.reading() != nullptr) continue;
+    show_as_seen_by(hypothesis);
     if (hypothesis.may_be_covered || hypothesis.source == Source::careful) {
       part_search_.read_covered(image_, *hypothesis.frame, is_read);
     }
@@ -157,6 +158,7 @@ void Detector::look_at(const RoughFrame& proposed) {
   if (!settled) return pass_over(to_full(level, rough), settled.error());
   const Quad quad = to_full(level, settled->corners);
   if (is_read(quad) || was_proposed(hypotheses_, Source::outline, quad, 0.4)) return;
+  show_as_stored(quad);
   const FrameResult<RefinedFrame> frame =
       refine_frame(image_, quad, lens_for(level, *settled), shape_);
   const bool is_new = frame && !was_fitted(hypotheses_, *frame);
@@ -189,7 +191,20 @@ void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesi
   if (before != nullptr && before->digits != now->digits) {
     plain.outcome = rejection_of(*now->symbol, {RejectionReason::doubtful});
   }
+  plain.halos = sharpening;
   hypothesis = std::move(plain);
+}
+
+// A frame that is none of ours, such as the outline of blurred bars, tells of a wrong mask, and one
+// that is met later must not be looked at through it.
+void Detector::show_as_stored(const Quad& quad) {
+  if (unsharpened_) unsharpened_->restore(quad);
+}
+
+void Detector::show_as_seen_by(const TagHypothesis& hypothesis) {
+  if (!unsharpened_ || !hypothesis.frame) return;
+  show_as_stored(hypothesis.frame->corners);
+  if (hypothesis.halos) unsharpened_->undo(*hypothesis.halos, hypothesis.frame->corners);
 }
 
 std::optional<Reading> Detector::read_in_another_layout(const RefinedFrame& frame,
@@ -269,7 +284,9 @@ void Detector::look_at(const BarRegion& region) {
 
 void Detector::look_at(const RefusedFrame& refused) {
   const RefinedFrame frame = *hypotheses_[refused.hypothesis].frame;
-  if (is_read(frame.corners) || judge_carefully(frame, false)) return;
+  if (is_read(frame.corners)) return;
+  show_as_seen_by(hypotheses_[refused.hypothesis]);
+  if (judge_carefully(frame, false)) return;
   hypotheses_.back().odd_bars = bars_inside(image_, frame.corners);
 }
 
@@ -304,6 +321,7 @@ void Detector::judge_again(std::size_t index, const ReadOptions& named) {
   const bool carefully = hypotheses_[index].source == Source::careful;
   const RefinedFrame frame = *hypotheses_[index].frame;
   if (is_read(frame.corners)) return;
+  show_as_seen_by(hypotheses_[index]);
   auto symbol = carefully ? believed_hypothesis(image_, frame, named, true)
                           : quick_hypothesis(image_, frame, named);
   if (!symbol || (!carefully && objection_to_quick(image_, *symbol, named))) return;

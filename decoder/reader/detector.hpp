@@ -43,6 +43,7 @@ struct TagHypothesis {
   Source source = Source::outline;
   Quad rough{};                         // the frame before its fine fit
   std::optional<RefinedFrame> frame{};  // as it was fitted
+  std::optional<Sharpening> halos{};    // undone in the picture that it was looked at in
   std::optional<LocatedBars> bars{};
   // Read, refused, or not to be told: an attempt that leaves an earlier refusal as it was.
   std::variant<std::monostate, Reading, Rejection> outcome{};
@@ -145,6 +146,12 @@ class Detector {
 
   // Looks again at a hypothesis whose frame shows halos, in the picture without them.
   void look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis);
+
+  // Shows the picture around a frame as it is stored.
+  void show_as_stored(const Quad& quad);
+
+  // Shows it around a hypothesis's frame as that was looked at, without its halos.
+  void show_as_seen_by(const TagHypothesis& hypothesis);
 
   // What the quick profile shows inside a frame.
   TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
