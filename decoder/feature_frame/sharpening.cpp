@@ -146,15 +146,17 @@ Problem problem_of(const GrayView& image, const RefinedFrame& frame, const Frame
   Problem problem;
   Common nominal;
   double blur = 0;
-  for (const FrameSide& side : frame.sides) blur += side.blur_px / 4;
+  for (std::size_t i = 0; i < 4; ++i) blur += frame.shown[i] ? frame.sides[i].blur_px : 0;
+  blur /= static_cast<double>(std::ranges::count(frame.shown, true));
   nominal << std::log(std::max(blur, 0.4)), 0, std::log(kSharpening.usual_px);
   problem.nominal.head<kCommon>() = nominal;
   problem.prior_sigma.head<kCommon>() << 1, 1.5, 0.4;
   for (std::size_t i = 0; i < 4; ++i) {
-    problem.sides[i] = profile_of(image, frame, i, shape);
     const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
-    problem.nominal.segment<kOfSide>(at) = problem.sides[i].guess;
     problem.prior_sigma.segment<kOfSide>(at) << 1, 0.3, 0.5, 0.5, 0.5;
+    if (!frame.shown[i]) continue;  // a side without samples, held by its priors
+    problem.sides[i] = profile_of(image, frame, i, shape);
+    problem.nominal.segment<kOfSide>(at) = problem.sides[i].guess;
   }
   return problem;
 }
@@ -179,6 +181,7 @@ void add_side(const Problem& problem, const SharpenedParameters& p, std::size_t 
               Equations& equations) {
   constexpr double kDelta = 0.01;
   const SideProfile& side = problem.sides[i];
+  if (side.samples.empty()) return;
   const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
   const Common common = p.head<kCommon>();
   const OfSide own = p.segment<kOfSide>(at);
@@ -286,12 +289,24 @@ std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFram
   if (plain_fit(problem).cost - sharp.cost < kSharpening.clear * noise) return std::nullopt;
   const SharpenedParameters& p = sharp.parameters;
   Sharpening sharpening{p[kCommonAmount], std::exp(p[kCommonLogSigma]), 0, 0};
-  for (int i = 0; i < 4; ++i) {
-    const int at = kCommon + i * kOfSide;
-    sharpening.black += ToneCurve::of(image).sample_of(p[at + kSideBlack]) / 4;
-    sharpening.white += ToneCurve::of(image).sample_of(p[at + kSideWhite]) / 4;
+  const ToneCurve& tone = ToneCurve::of(image);
+  const auto shown = static_cast<double>(std::ranges::count(frame.shown, true));
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!frame.shown[i]) continue;
+    const auto at = static_cast<Eigen::Index>(kCommon + i * kOfSide);
+    sharpening.black += tone.sample_of(p[at + kSideBlack]) / shown;
+    sharpening.white += tone.sample_of(p[at + kSideWhite]) / shown;
   }
   return sharpening;
+}
+
+void add_halo_doubt(const Quad& before, RefinedFrame& frame) {
+  double moved = 0;
+  for (std::size_t i = 0; i < 4; ++i) moved += distance(before[i], frame.corners[i]) / 4;
+  const double doubt = kSharpening.doubt * moved;
+  for (FrameSide& side : frame.sides) {
+    side.covariance += Eigen::Matrix2d::Constant(doubt * doubt / kCorner.alike);
+  }
 }
 
 UnsharpenedImage::UnsharpenedImage(const GrayView& image)

@@ -19,9 +19,13 @@ struct Sharpening {
   double white = 255;
 };
 
-// What the sides of a fitted frame show of it; nothing where they show no halos.
+// What the sides of a fitted frame that are in sight show of it; nothing where they show no halos.
 std::optional<Sharpening> sharpening_of(const GrayView& image, const RefinedFrame& frame,
                                         const FrameShape& shape = {});
+
+// Adds to what the sides of a frame may be off by a share of what undoing the sharpening moved its
+// corners by: the mask is not known exactly. `before`: the corners as the stored picture has them.
+void add_halo_doubt(const Quad& before, RefinedFrame& frame);
 
 // A picture as it was before it was sharpened, near the places that were asked for.
 class UnsharpenedImage {

@@ -70,17 +70,6 @@ bool is_passed_over(const Rejection& rejection) {
          rejection.reason == RejectionReason::no_guards;
 }
 
-// The mask is not known exactly: a share of what it moved the corners by is added to what the sides
-// of the frame without it may be off by.
-void add_halo_doubt(const Quad& before, RefinedFrame& frame) {
-  double moved = 0;
-  for (std::size_t i = 0; i < 4; ++i) moved += distance(before[i], frame.corners[i]) / 4;
-  const double doubt = kSharpening.doubt * moved;
-  for (FrameSide& side : frame.sides) {
-    side.covariance += Eigen::Matrix2d::Constant(doubt * doubt / kCorner.alike);
-  }
-}
-
 Rejection fault_of(const Quad& quad, FrameFault fault) {
   Rejection rejection{RejectionReason::frame_fault, quad};
   rejection.fault = fault;

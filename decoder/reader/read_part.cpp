@@ -14,6 +14,7 @@
 
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/refine.hpp"
+#include "decoder/feature_frame/sharpening.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/cut_frame.hpp"
@@ -252,7 +253,7 @@ bool in_picture(const GrayView& image, PixelPoint at) {
   return at.x >= -0.5 && at.y >= -0.5 && at.x <= image.width - 0.5 && at.y <= image.height - 0.5;
 }
 
-PartReading reading_of(const GrayView& image, Part part) {
+PartReading reading_of(const GrayView& image, const Part& part) {
   const Decoding& decoding = part.decoding.decoding;
   const FarSide far = far_side_of(part);
   const double growth_px = decoding.fit.image.growth * part.profile.module_px;
@@ -266,12 +267,34 @@ PartReading reading_of(const GrayView& image, Part part) {
     reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
   }
   reading.corner_covariance = corner_covariance(frame);
-  reading.candidates = std::move(part.decoding.candidates);
+  reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);
   reading.module_px = part.profile.module_px;
   reading.confidence = decoding.confidence;
   return reading;
+}
+
+std::optional<Part> believed_part(const GrayView& image, const Quad& cut,
+                                  const ReadOptions& options) {
+  const Camera camera = camera_for(image, options);
+  if (!is_rectilinear(camera)) return std::nullopt;
+  for (const SymbolLayout& layout : options.layouts) {
+    const auto rough = completed_by_shape(cut, layout.frame, camera);
+    if (!rough) continue;
+    const auto fitted = fit_cut_frame(image, *rough, layout.frame);
+    if (!fitted) continue;
+    const auto whole = completed_by_shape(fitted->corners, layout.frame, camera);
+    if (!whole) continue;
+    RefinedFrame frame = *fitted;
+    frame.corners = *whole;
+    for (const RowsTaken taken : {RowsTaken::agreeing, RowsTaken::all}) {
+      auto part = read_at_any_length(image, frame, layout, taken, options);
+      if (!part) break;
+      if (is_believed(image, *part, options)) return part;
+    }
+  }
+  return std::nullopt;
 }
 
 // A symbol of which something hides digits.
@@ -332,24 +355,16 @@ std::string digits_in_sight(const PartReading& part) {
 // Why: docs/decisions/0025-parts-of-tags.md.
 std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
                                      const ReadOptions& options) {
-  const Camera camera = camera_for(image, options);
-  if (!is_rectilinear(camera)) return std::nullopt;
-  for (const SymbolLayout& layout : options.layouts) {
-    const auto rough = completed_by_shape(cut, layout.frame, camera);
-    if (!rough) continue;
-    const auto fitted = fit_cut_frame(image, *rough, layout.frame);
-    if (!fitted) continue;
-    const auto whole = completed_by_shape(fitted->corners, layout.frame, camera);
-    if (!whole) continue;
-    RefinedFrame frame = *fitted;
-    frame.corners = *whole;
-    for (const RowsTaken taken : {RowsTaken::agreeing, RowsTaken::all}) {
-      auto part = read_at_any_length(image, frame, layout, taken, options);
-      if (!part) break;
-      if (is_believed(image, *part, options)) return reading_of(image, *std::move(part));
-    }
-  }
-  return std::nullopt;
+  const std::optional<Part> part = believed_part(image, cut, options);
+  if (!part) return std::nullopt;
+  const auto halos = sharpening_of(image, part->frame, part->layout.frame);
+  if (!halos) return reading_of(image, *part);
+  UnsharpenedImage plain(image);
+  plain.undo(*halos, cut);
+  std::optional<Part> again = believed_part(plain.view(), cut, options);
+  if (!again) return reading_of(image, *part);
+  add_halo_doubt(part->frame.corners, again->frame);
+  return reading_of(plain.view(), *again);
 }
 
 CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
