@@ -40,14 +40,17 @@ PosteriorOdds doubt_about(const CharacterCosts& costs, const DecodeOptions& opti
   return doubt;
 }
 
-// The share of digits that only look like these: with a single other digit the code would be
-// another scheme's, a misprint or a stranger. Where both schemes hold, neither does with any single
-// other digit: both weigh each place by what has an inverse modulo 10.
+// How much it counts that a digit only looks like this one: as much as a code with another digit
+// there may exist. With a single other digit no code is valid by the same scheme, one in nine is by
+// the other scheme, and the rest are misprints. Where both schemes hold, neither does with any
+// single other digit: both weigh each place by what has an inverse modulo 10.
 double share_of_corrupted(const DecodeOptions& options, const Digits& digits) {
+  constexpr double kOthers = 9;
   if (!options.code_book.empty()) return kOdds.corrupted_stranger;
-  const bool may_be_others = !options.check && !(has_check_digit(CheckDigit::sum10, digits) &&
-                                                 has_check_digit(CheckDigit::gs1, digits));
-  return kOdds.wrong_check + (may_be_others ? 1 : 0);
+  const bool both_hold =
+      has_check_digit(CheckDigit::sum10, digits) && has_check_digit(CheckDigit::gs1, digits);
+  if (options.check || both_hold) return kOdds.wrong_check;
+  return (kOdds.understated + (kOthers - 1) * kOdds.wrong_check) / kOthers;
 }
 
 // What else could be there. When another code is likelier than the one that is read, nothing is

@@ -56,9 +56,10 @@ struct OddsTuning {
   // the sums say. With a book they are right, and for corrupted digits too much.
   double understated = 3;
   // Shares of digits with a reflection or a smear, and of covered ones; the others are never quite
-  // even. Standard deviations of their modules, in contrasts.
-  double uneven = 0.05, corrupted = 0.001;
-  double even_sigma = 0.06, uneven_sigma = 0.15, corrupted_sigma = 0.5;
+  // even. Standard deviations of their modules, in contrasts. Larger shares and deviations take a
+  // single digit of wrong widths in a clean symbol for one that is lit unevenly.
+  double uneven = 0.02, corrupted = 0.001;
+  double even_sigma = 0.03, uneven_sigma = 0.15, corrupted_sigma = 0.5;
   // By what symbols cost, twice the logarithm of the likelihood ratio: beyond, nothing else is
   // possible. Twenty characters at twelve places are exp(36) symbols; when each costs so much more,
   // all of them together are less likely than exp(-44).

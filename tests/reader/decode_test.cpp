@@ -135,6 +135,27 @@ TEST_CASE("a corrupted digit can make a code of the other scheme unless both hol
   CHECK(both > 0);
 }
 
+TEST_CASE("a single digit that is a little off in a clean symbol is doubted") {
+  constexpr double kBlur = 1.1;
+  const Digits code = *parse_digits("019002400404"), other = *parse_digits("019002700404");
+  std::mt19937 random(19);
+  // The code's digit goes so far towards the other's.
+  const auto odds_of = [&](double share) {
+    ScanProfile profile = make_profile(code, {kBlur, 0.004, 0, 0, 3}, random);
+    for (ScanBin& bin : profile) {
+      bin.darkness +=
+          share * (blurred_modules(other, bin.at, kBlur) - blurred_modules(code, bin.at, kBlur));
+    }
+    const auto decoding = decode_profile(profile, start_with(kBlur), {});
+    REQUIRE(decoding);
+    REQUIRE(decoding->digits == code);
+    return decoding->doubt.corrupted_digits;
+  };
+  CHECK(odds_of(0) < 1e-9);
+  CHECK(odds_of(0.15) > 5e-6);
+  CHECK(odds_of(0.25) > 2e-4);
+}
+
 TEST_CASE("a code book decides what the profile alone cannot, and hides nothing") {
   std::mt19937 random(9);
   std::vector<Digits> book;
