@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the reader manages on simulated tags, one degradation at a time: share read, wrong readings
 // and corner errors by pixels per module, incidence, roll, blur, noise, bar growth and tone curve.
-// Usage: bench_read_ladder [TAGS_PER_CELL] [rolls]; with `rolls` small tags by their roll alone.
+// Usage: bench_read_ladder [TAGS_PER_CELL] [rolls]; with `rolls` small tags by their roll alone,
+// and how many of those that were not read a reader could tell that knows the picture exactly.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +17,9 @@
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "decoder/reader/judge.hpp"
 #include "decoder/reader/reader.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
@@ -39,6 +42,7 @@ struct Conditions {
   double motion_px = 0;
   SensorTone tone = SensorTone::srgb;
   std::size_t book = 0;  // codes in the code book; 0 = none
+  bool ask_ideal = false;
 };
 
 struct OtherOutcome {
@@ -50,6 +54,7 @@ struct Outcome {
   std::vector<OtherOutcome> others;  // as bench::other_readers()
   bool read = false;
   bool wrong = false;
+  bool is_told = true;             // where it is asked: by the picture to an ideal reader
   std::array<double, 8> errors{};  // of corner coordinates, pixels
 };
 
@@ -77,6 +82,42 @@ ScenePlate place(const Camera& camera, const Digits& code, const Conditions& con
   plate.finish.white_reflectance = 0.435 + 0.385 * conditions.contrast;
   plate.finish.ink_reflectance = 0.435 - 0.385 * conditions.contrast;
   return plate;
+}
+
+// Squared differences of two pictures over the variance of a pixel.
+double chi_square_between(const GrayImage& a, const GrayImage& b, double variance) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.samples.size(); ++i) {
+    const double off = static_cast<double>(a.samples[i]) - static_cast<double>(b.samples[i]);
+    sum += off * off / variance;
+  }
+  return sum;
+}
+
+// Whether a reader that knows camera, plate and noise exactly could believe the code by the limits
+// of ours: every code with a single other digit, which is a misprint or a stranger, changes the
+// picture by enough.
+bool is_told(const Camera& camera, ScenePlate plate, const Digits& code, ViewOptions view,
+             bool with_book) {
+  const double least =
+      with_book ? 2 * std::log(kOdds.near_stranger / (1 - kSureWithBook))
+                : 2 * std::log(kOdds.understated * kOdds.wrong_check / (1 - kSureInFrame));
+  const double variance = std::pow(view.sensor.noise_sigma, 2) + 1.0 / 12;
+  view.sensor.noise_sigma = 0;
+  const auto picture_of = [&](const Digits& digits) {
+    plate.drawing = draw_tag(test::corridor_template(), digits);
+    return render_view(camera, std::span(&plate, 1), view).image;
+  };
+  const GrayImage as_it_is = picture_of(code);
+  for (std::size_t place = 0; place < kDigitCount; ++place) {
+    Digits other = code;
+    for (std::uint8_t digit = 0; digit < 10; ++digit) {
+      if (digit == code[place]) continue;
+      other[place] = digit;
+      if (chi_square_between(as_it_is, picture_of(other), variance) < least) return false;
+    }
+  }
+  return true;
 }
 
 Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
@@ -109,6 +150,9 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
     outcome.read = true;
     outcome.errors = bench::corner_errors(reading, picture.plates.front());
   }
+  if (conditions.ask_ideal && !outcome.read) {
+    outcome.is_told = is_told(camera, plate, code, view, conditions.book > 0);
+  }
   return outcome;
 }
 
@@ -116,10 +160,11 @@ void run_cell(const std::string& name, const Conditions& conditions, int count) 
   std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
   tbb::parallel_for(std::size_t{0}, outcomes.size(),
                     [&](std::size_t i) { outcomes[i] = run_one(conditions, 1000 + i); });
-  int read = 0, wrong = 0;
+  int read = 0, wrong = 0, untold = 0;
   std::vector<double> errors;
   for (const Outcome& outcome : outcomes) {
     wrong += outcome.wrong ? 1 : 0;
+    untold += outcome.is_told ? 0 : 1;
     if (!outcome.read) continue;
     ++read;
     errors.insert(errors.end(), outcome.errors.begin(), outcome.errors.end());
@@ -127,6 +172,7 @@ void run_cell(const std::string& name, const Conditions& conditions, int count) 
   std::ranges::sort(errors);
   const double median = errors.empty() ? 0 : errors[errors.size() / 2];
   fmt::print("| {} | {:.1f} % | {} | {:.3f} |", name, 100.0 * read / count, wrong, median);
+  if (conditions.ask_ideal) fmt::print(" {:.1f} % |", 100.0 * (count - untold) / count);
   for (std::size_t r = 0; r < bench::other_readers().size(); ++r) {
     int others_read = 0;
     int others_wrong = 0;
@@ -147,12 +193,13 @@ Conditions typical() {
   return conditions;
 }
 
-void print_head(int count) {
+void print_head(int count, bool ask_ideal) {
   fmt::print("| condition ({} tags each) | read | wrong | median corner error, px |", count);
+  if (ask_ideal) fmt::print(" an ideal reader |");
   for (const bench::OtherReader& reader : bench::other_readers()) {
     fmt::print(" {}: read, wrong |", reader.name);
   }
-  fmt::print("\n|---|---|---|---|");
+  fmt::print("\n|---|---|---|---|{}", ask_ideal ? "---|" : "");
   for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
   fmt::print("\n");
 }
@@ -184,6 +231,7 @@ void run_rolls(int count) {
         conditions.roll = radians(roll);
         conditions.blur_px = blur_px;
         conditions.noise = 1.5;
+        conditions.ask_ideal = true;
         if (module_px == 0.4) conditions.book = 200;
         run_cell(fmt::format("roll {} at {} px/module, blur sigma {} px{}", roll, module_px,
                              blur_px, conditions.book > 0 ? ", code book of 200" : ""),
@@ -245,9 +293,12 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: bench_read_ladder [TAGS_PER_CELL] [rolls]\n");
     return 2;
   }
-  print_head(count);
-  run_rolls(count);
-  if (argc > 2) return 0;
+  if (argc > 2) {
+    print_head(count, true);
+    run_rolls(count);
+    return 0;
+  }
+  print_head(count, false);
   run_resolutions(count);
   run_views(count);
   run_spoilt(count);
