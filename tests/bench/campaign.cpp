@@ -2,12 +2,13 @@
 // Looks for wrong readings among pictures that are made to break the reader. Every picture depends
 // on its number alone.
 // Usage: bench_campaign SERIES [COUNT [FIRST [FILE...]]] [--piece K/M | --merge]
-// SERIES: frames (with anything inside, degraded in every way at once, mass_picture.hpp), chains
-// (the same through the chains of phones), troubles (one strong trouble each), halves (cut by the
-// picture's border), photos:FOLDER (photos without a tag).
-// With a file, what is read joins it chunk by chunk, so that a long run can be broken off and gone
-// on with. --piece reads the K-th of M pieces, so that hosts share the work; --merge reads nothing
-// and tables what all the files hold: exit code 1 where pictures are missing. Only what this very
+// SERIES: frames (with anything inside, degraded in every way at once, mass_picture.hpp), misprints
+// (those of them that leave most doubt: one digit of arbitrary widths, nothing given), chains
+// (frames through the chains of phones), troubles (one strong trouble each), halves (cut by the
+// picture's border), hidden (something hides digits), photos:FOLDER (photos without a tag). With a
+// file, what is read joins it chunk by chunk, so that a long run can be broken off and gone on
+// with. --piece reads the K-th of M pieces, so that hosts share the work; --merge reads nothing and
+// tables what all the files hold: exit code 1 where pictures are missing. Only what this very
 // program added counts: chunks of another reader are left out, and said to be.
 #include "tests/bench/campaign.hpp"
 
@@ -43,6 +44,7 @@ namespace {
 Result<Series> series_of(const std::string& name) {
   constexpr std::string_view kPhotos = "photos:";
   if (name == "frames") return frame_series(name, mass::draw);
+  if (name == "misprints") return frame_series(name, mass::draw_misprinted, true);
   if (name == "chains") return frame_series(name, mass::draw_chained);
   if (name == "troubles") {
     return frame_series(name, [](std::uint64_t number) {
@@ -93,7 +95,8 @@ Result<Arguments> parse(std::span<const std::string> words) {
     }
   }
   if (plain.empty())
-    return fail("which series: frames, chains, troubles, halves, hidden, photos:FOLDER?");
+    return fail(
+        "which series: frames, misprints, chains, troubles, halves, hidden, photos:FOLDER?");
   arguments.series = plain[0];
   if (plain.size() > 1 && (!is_number(plain[1], arguments.range.count) || plain[1] == "0")) {
     return fail("'" + plain[1] + "' is no number of pictures");

@@ -15,7 +15,9 @@ namespace tagsmith::detail::bench {
 
 // Frames with anything inside, half of them read with a code book of 400 codes; the stated
 // confidence is compared with what was right.
-Series frame_series(const std::string& name, std::function<mass::Picture(std::uint64_t)> draw);
+// `nothing_given`: read without a book and without a named scheme, not each way in turn.
+Series frame_series(const std::string& name, std::function<mass::Picture(std::uint64_t)> draw,
+                    bool nothing_given = false);
 
 // The same frames cut by the picture's border, read as parts with a book.
 Series half_series();

@@ -66,14 +66,14 @@ struct Outcome {
 // doubt alone is read again without that test, so that doubts above the thresholds are compared
 // too.
 Outcome run_one(std::uint64_t number, const mass::Picture& picture,
-                const std::vector<Digits>& codes) {
+                const std::vector<Digits>& codes, bool nothing_given) {
   constexpr double kLeastConfidence = 0.3;
   std::mt19937_64 random(number ^ 0x9e3779b97f4a7c15ULL);
   Outcome outcome;
   outcome.kind = picture.kind;
-  const bool with_book = random() % 2 == 0;
+  const bool with_book = random() % 2 == 0 && !nothing_given;
   ReadOptions options;
-  if (random() % 2 == 0) options.check = CheckDigit::gs1;
+  if (random() % 2 == 0 && !nothing_given) options.check = CheckDigit::gs1;
   outcome.mode = with_book ? Mode::book : options.check ? Mode::scheme : Mode::either;
   bool known = mass::may_be_read(picture.kind);
   if (with_book) {
@@ -191,9 +191,11 @@ void print_frames(const Sums& sums) {
 
 }  // namespace
 
-Series frame_series(const std::string& name, std::function<mass::Picture(std::uint64_t)> draw) {
-  const auto read = [draw = std::move(draw), codes = code_book()](std::uint64_t number) {
-    return counted(run_one(number, draw(number), codes));
+Series frame_series(const std::string& name, std::function<mass::Picture(std::uint64_t)> draw,
+                    bool nothing_given) {
+  const auto read = [draw = std::move(draw), codes = code_book(),
+                     nothing_given](std::uint64_t number) {
+    return counted(run_one(number, draw(number), codes, nothing_given));
   };
   return {name, read, print_frames};
 }

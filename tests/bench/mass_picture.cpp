@@ -15,10 +15,13 @@ namespace tagsmith::detail::mass {
 
 namespace {
 
-Picture draw_through(const std::optional<CameraChain>& chain, std::uint64_t seed) {
+// Of any kind, or of one.
+Picture draw_through(const std::optional<CameraChain>& chain, std::uint64_t seed,
+                     std::optional<Kind> kind = {}) {
   Random random(seed);
   Picture picture;
   picture.kind = random_kind(random);
+  if (kind) picture.kind = *kind;
   picture.code = random_code_of(picture.kind, random);
   picture.module_px =
       chance(random, 0.85) ? log_uniform(random, 0.3, 1.3) : log_uniform(random, 1.3, 3.0);
@@ -42,6 +45,8 @@ Picture draw_through(const std::optional<CameraChain>& chain, std::uint64_t seed
 }  // namespace
 
 Picture draw(std::uint64_t seed) { return draw_through({}, seed); }
+
+Picture draw_misprinted(std::uint64_t seed) { return draw_through({}, seed, Kind::misshapen); }
 
 Picture draw_chained(std::uint64_t seed) {
   Random random(seed ^ 0x2545f4914f6cdd1dULL);

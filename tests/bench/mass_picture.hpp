@@ -59,6 +59,9 @@ Picture draw(std::uint64_t seed);
 // The same through one of the chains of `simulate --camera-chain`, with other strengths each time.
 Picture draw_chained(std::uint64_t seed);
 
+// As draw(), but every one with a digit of arbitrary widths.
+Picture draw_misprinted(std::uint64_t seed);
+
 // One thing at a time that makes a tag of 1.3 to 4 px a module hard to read, strongly.
 enum class Trouble {
   none,
