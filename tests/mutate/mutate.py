@@ -13,6 +13,7 @@ import io
 import os
 import random
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -147,7 +148,7 @@ def prepare() -> None:
     write_changed(archive.stdout)
     if (BUILD / "CMakeCache.txt").exists():
         return
-    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if run("ccache", "--version") else []
+    launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     subprocess.run(["cmake", "-G", "Ninja", "-S", str(SOURCE), "-B", str(BUILD),
                     "-DCMAKE_BUILD_TYPE=Release", "-DTAGSMITH_UNITY=OFF",
                     "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -finline-small-functions -DNDEBUG",
