@@ -33,4 +33,21 @@ TEST_CASE("seconds since 1970 are a moment where they can be such") {
   CHECK(is_moment(*unix_moment(1774965909)));
 }
 
+TEST_CASE("a moment is a day with a time, and may say how far it is from universal time") {
+  for (const char* text :
+       {"2026-03-31T14:05:09", "2026-03-31T14:05:09Z", "2026-03-31T00:00:00+02:00",
+        "2026-12-31T23:59:60Z", "2026-03-31T23:59:59-09:30", "2026-03-31T14:05:09+14:00"}) {
+    CAPTURE(text);
+    CHECK(is_moment(text));
+  }
+  for (const char* text :
+       {"", "2026-03-31", "2026-03-31T14:05", "2026-02-30T14:05:09", "2026-03-31 14:05:09",
+        "2026-03-31T24:00:00", "2026-03-31T14:60:00", "2026-03-31T14:05:61", "2026-03-31T14:05:09z",
+        "2026-03-31T14:05:09+2", "2026-03-31T14:05:09+15:00", "2026-03-31T14:05:09+02:60",
+        "2026-03-31T14:05:09*02:00"}) {
+    CAPTURE(text);
+    CHECK_FALSE(is_moment(text));
+  }
+}
+
 }  // namespace tagsmith::detail

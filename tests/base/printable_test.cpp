@@ -7,6 +7,45 @@
 
 using namespace tagsmith::detail;
 
+namespace {
+
+// With so many bytes, whether or not that is allowed (RFC 3629, section 3).
+std::string sequence(unsigned code, int length) {
+  if (length == 1) return {static_cast<char>(code)};
+  std::string bytes;
+  for (int i = 1; i < length; ++i, code >>= 6U)
+    bytes.insert(bytes.begin(), static_cast<char>(0x80 | (code & 0x3FU)));
+  const unsigned marks = 0xF00U >> static_cast<unsigned>(length) & 0xFFU;
+  return static_cast<char>(marks | code) + bytes;
+}
+
+int shortest(unsigned code) { return code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4; }
+
+}  // namespace
+
+TEST_CASE("each character of Unicode is one sequence, the shortest, and surrogates are none") {
+  for (unsigned code = 0; code < 0x1FFFFF; code += code < 0x3000 ? 1 : 0x7F) {
+    const bool is_character = code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
+    for (int length = shortest(code); length <= 4; ++length) {
+      const bool expected = is_character && length == shortest(code);
+      const std::size_t found = utf8_length(sequence(code, length) + "a");
+      if (found != (expected ? static_cast<std::size_t>(length) : 0)) FAIL(code, " in ", length);
+    }
+  }
+  for (const unsigned last : {0xD7FFU, 0xE000U, 0xFFFFU, 0x10FFFFU}) {
+    CHECK(utf8_length(sequence(last, shortest(last))) == static_cast<std::size_t>(shortest(last)));
+  }
+  for (const unsigned none : {0xD800U, 0xDFFFU}) CHECK(utf8_length(sequence(none, 3)) == 0);
+  CHECK(utf8_length(sequence(0x110000, 4)) == 0);
+}
+
+TEST_CASE("a page shows the first five hundred characters, whole") {
+  std::string text;
+  for (int i = 0; i < 501; ++i) text += "\u00c4";
+  CHECK(printable_text(text) == text.substr(2));
+  CHECK(printable_text("a\ufffeb\U0001ffffc") == "a b c");
+}
+
 TEST_CASE("a terminal is shown what would move its cursor, colour it or turn its text") {
   const struct {
     const char* name;

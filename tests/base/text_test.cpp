@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tagsmith/base/text.hpp"
+
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tagsmith/base/base64.hpp"
+#include "tagsmith/base/read_line.hpp"
+
+using namespace tagsmith::detail;
+
+TEST_CASE("one letter too many, too few or another is a slip of the pen") {
+  const std::vector<std::string> words{"mount_height", "plate_height", "spacing"};
+  for (const char* slip : {"spacin", "spacingg", "spaching", "sparing", "pacing"}) {
+    CAPTURE(slip);
+    CHECK(nearest_word(slip, words) == "spacing");
+  }
+  CHECK(nearest_word("mount_heigth", words) == "mount_height");
+  CHECK(nearest_word("plateheight", words) == "plate_height");
+  CHECK_FALSE(nearest_word("heading", words));
+  CHECK_FALSE(nearest_word("", words));
+}
+
+TEST_CASE("a third of a word's letters may be slips, of a short word one") {
+  const std::vector<std::string> words{"abcdef", "xy"};
+  CHECK(nearest_word("a__def", words) == "abcdef");
+  CHECK_FALSE(nearest_word("a___ef", words));
+  CHECK(nearest_word("x_", words) == "xy");
+  CHECK_FALSE(nearest_word("__", words));
+}
+
+TEST_CASE("numbers are read whole, as any country writes them in files") {
+  for (const char* text : {"1.5", "+1.5", "15e-1"}) CHECK(parse_number(text) == 1.5);
+  for (const char* text : {"", "+", "1,5", "1.5 m", "0x10", "inf", "nan", "1e999", " 1"}) {
+    CAPTURE(text);
+    CHECK_FALSE(parse_number(text));
+  }
+  CHECK(parse_integer("-2147483648") == -2147483647 - 1);
+  for (const char* text : {"2147483648", "1.0", "", "7 "}) CHECK_FALSE(parse_integer(text));
+}
+
+TEST_CASE("zeros that say nothing are not written") {
+  CHECK(format_number(1.5) == "1.5");
+  CHECK(format_number(300, 0) == "300");
+  CHECK(format_number(300) == "300");
+  CHECK(format_number(-0.0000001) == "0");
+  CHECK(mm_text(0.343) == "343");
+  CHECK(mm_text(0.0002644) == "0.264");
+}
+
+// RFC 4648, section 10.
+TEST_CASE("base64 gives the vectors of its standard") {
+  const struct {
+    const char* bytes;
+    const char* text;
+  } cases[] = {{"", ""},
+               {"f", "Zg=="},
+               {"fo", "Zm8="},
+               {"foo", "Zm9v"},
+               {"foob", "Zm9vYg=="},
+               {"fooba", "Zm9vYmE="},
+               {"foobar", "Zm9vYmFy"}};
+  for (const auto& one : cases) CHECK(base64(one.bytes) == one.text);
+  CHECK(base64("\xfb\xef\xff") == "++//");
+}
+
+TEST_CASE("a stream's lines come one by one, the last without its end too") {
+  std::istringstream stream("first\n\nlast");
+  CHECK(read_line(stream, 100) == "first");
+  CHECK(read_line(stream, 100) == "");
+  CHECK(read_line(stream, 100) == "last");
+  CHECK_FALSE(read_line(stream, 100));
+}
