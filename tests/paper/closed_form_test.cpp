@@ -225,6 +225,18 @@ TEST_CASE("what has no solution says which step has none") {
   CHECK(reason(input) == NoSolution::circles_do_not_meet);
 }
 
+TEST_CASE("two tags in one place, from which all is symmetric, leave no position either") {
+  ClosedFormInput input;
+  input.tunnel_width = 2;
+  input.pair_angle = radians(10);
+  input.wall_distance = 1;
+  input.distance1 = input.distance2 = 1.2;
+  input.p1_in_world = input.p2_in_world = {3, 4, 0.5};
+  const auto position = paper_position(input);
+  REQUIRE_FALSE(position.has_value());
+  CHECK(position.error().reason == NoSolution::circles_do_not_meet);
+}
+
 TEST_CASE("a centimetre of d often leaves no real solution, and then there is no position") {
   ClosedFormInput input;  // the corridor: O 0.16 m below the tags, 0.5 m behind the left one
   input.p1_in_world = {-1.9, 0, 0.4};

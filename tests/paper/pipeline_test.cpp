@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -134,6 +135,49 @@ TEST_CASE("a sample equal to the threshold is white") {
   CHECK(segmentation.threshold == 41);
   CHECK(segmentation.binary.samples.front() == 1);
   CHECK(segmentation.binary.samples.back() == 0);
+}
+
+TEST_CASE("two greys are parted where the darker one ends, however few pixels have them") {
+  for (const int dark : {0, 1, 10, 254}) {
+    CAPTURE(dark);
+    GrayImage image = plain_image(3, 1, 255);
+    image.samples[0] = static_cast<std::uint8_t>(dark);
+    CHECK(otsu_threshold(image.view()) == dark + 1);
+    image.samples[1] = static_cast<std::uint8_t>(dark);
+    CHECK(otsu_threshold(image.view()) == dark + 1);
+  }
+}
+
+TEST_CASE("a picture without rows or columns has no regions") {
+  for (const auto& [width, height] : {std::pair(0, 5), std::pair(5, 0), std::pair(0, 0)}) {
+    const PaperSegmentation segmentation =
+        segment_paper(GrayView{nullptr, width, height, static_cast<std::ptrdiff_t>(width)});
+    CHECK(segmentation.outlines.empty());
+  }
+}
+
+TEST_CASE("a region with holes has its outer outline alone, one within a hole has its own") {
+  GrayImage image = plain_image(100, 100, 10);
+  fill(image, {10, 10, 80, 80}, 1, 0, 0, 200);
+  fill(image, {20, 20, 20, 20}, 1, 0, 0, 10);
+  fill(image, {50, 20, 30, 60}, 1, 0, 0, 10);
+  CHECK(segment_paper(image.view()).outlines.size() == 1);
+  fill(image, {55, 30, 10, 10}, 1, 0, 0, 200);
+  const PaperSegmentation segmentation = segment_paper(image.view());
+  REQUIRE(segmentation.outlines.size() == 2);
+  CHECK(segmentation.outlines[0].area == 79 * 79);
+  CHECK(segmentation.outlines[1].area == 9 * 9);
+}
+
+TEST_CASE("the steepest point from P is the lower left one at the picture's border too") {
+  GrayImage image = plain_image(200, 100, 20);
+  fill(image, {100, 5, 90, 90}, 1, 0, 0, 220);
+  fill(image, {0, 20, 40, 50}, 1, 0, 0, 220);
+  const auto reading = read_paper(segment_paper(image.view()));
+  REQUIRE_FALSE(reading.has_value());
+  REQUIRE(reading.error().corners.has_value());
+  CHECK(reading.error().corners->back().x == 0);
+  CHECK(reading.error().corners->back().y == 69);
 }
 
 TEST_CASE("opening removes specks that hold no 3x3 square, and keeps larger regions") {
