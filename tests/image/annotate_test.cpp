@@ -69,6 +69,34 @@ TEST_CASE("labels stay in the picture, and pictures without loss stay without") 
   CHECK(decode_gray_image("copy", copy->bytes)->width == 120);
 }
 
+TEST_CASE("words are white, whole, on a plate that they fill to some part") {
+  constexpr int kWidth = 1400, kHeight = 700;
+  const GrayImage grey{kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 128)};
+  const std::string png = encode_gray_image("a.png", grey.view()).value();
+  const auto copy = annotate_picture("a.png", png, {}, {"HHHH"});
+  REQUIRE(copy.has_value());
+  const GrayImage image = decode_gray_image("copy", copy->bytes).value();
+  int right = 0, bottom = 0, white = 0, tallest = 0;
+  for (int x = 0; x < kWidth; ++x) {
+    int tall = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      if (image.view().at(x, y) != 128) right = std::max(right, x), bottom = std::max(bottom, y);
+      tall += image.view().at(x, y) > 240;
+    }
+    white += tall;
+    tallest = std::max(tallest, tall);
+  }
+  // A seventieth of the picture's longer side is a capital's height.
+  CHECK(tallest >= 17);
+  CHECK(tallest <= 24);
+  CHECK(right > 4 * 10);
+  CHECK(right < 8 * 25);
+  CHECK(bottom < 60);
+  const double share = white / (static_cast<double>(right + 1) * (bottom + 1));
+  CHECK(share > 0.05);
+  CHECK(share < 0.4);
+}
+
 TEST_CASE("what is no picture has no copy") {
   CHECK(!annotate_picture("a", "", {}).has_value());
   CHECK(!annotate_picture("a", "text", {}).has_value());

@@ -35,6 +35,14 @@ TEST_CASE("a photo that does not say its lens names none") {
   CHECK_FALSE(photo_lens(test::with_lens(kJpeg, "Phone", 0)));
 }
 
+TEST_CASE("what stands behind a directory's entries is none of them") {
+  std::string photo = test::with_orientation(kJpeg, 6);
+  CHECK(exif_orientation(photo) == 6);
+  const std::size_t count = photo.find("\x01\x12") - 1;
+  photo[count] = 0;
+  CHECK_FALSE(exif_orientation(photo));
+}
+
 TEST_CASE("what a camera calls itself is printable, whatever its bytes are") {
   CHECK(photo_lens(test::with_lens(kJpeg, "\x1b[31m\xC3\xA9", 26))->camera == "Maker ?[31m??");
 }

@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "decoder/image/annotate.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/upright.hpp"
 #include "tagsmith/base/file.hpp"
@@ -88,6 +89,20 @@ TEST_CASE(
       CHECK(mean_difference(turn_upright(stored.view(), *orientation), shown) < 2);
     }
   }
+}
+
+TEST_CASE("a marked copy of a HEIC picture keeps its colours") {
+  const test::TemporaryFolder folder;
+  cv::Mat picture(64, 128, CV_8UC3, cv::Scalar(30, 90, 200));
+  const auto copy = annotate_picture("a.heic", heic_of(picture, folder), {});
+  REQUIRE(copy);
+  const std::vector<char> bytes(copy->bytes.begin(), copy->bytes.end());
+  const cv::Mat shown = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  REQUIRE(shown.cols == 128);
+  const auto middle = shown.at<cv::Vec3b>(32, 64);
+  CHECK(std::abs(middle[0] - 30) <= 6);
+  CHECK(std::abs(middle[1] - 90) <= 6);
+  CHECK(std::abs(middle[2] - 200) <= 6);
 }
 
 TEST_CASE("videos are told by how they begin, and no picture is taken for one") {

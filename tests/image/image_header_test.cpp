@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -36,6 +37,25 @@ TEST_CASE("Comments in a PNM header are skipped") {
   REQUIRE(header);
   CHECK(header->width == 12);
   CHECK(header->height == 34);
+}
+
+TEST_CASE("All ten digits count in a PNM header") {
+  const auto header = read_image_header("P2\n12345 67890\n255\n");
+  REQUIRE(header);
+  CHECK(header->width == 12345);
+  CHECK(header->height == 67890);
+}
+
+TEST_CASE(
+    "Bitmaps have a size of two bytes in the oldest header, and rows from the top or bottom") {
+  const auto header_of = [](const std::string& size_and_sides) {
+    const auto header = read_image_header("BM" + std::string(12, '\0') + size_and_sides);
+    return header ? std::pair(header->width, header->height) : std::pair(0U, 0U);
+  };
+  using namespace std::string_literals;
+  CHECK(header_of("\x0C\0\0\0\x80\x02\xE0\x01\x01\0\x18\0"s) == std::pair(640U, 480U));
+  CHECK(header_of("\x28\0\0\0\x80\x02\0\0\xE0\x01\0\0\x01\0\x18\0"s) == std::pair(640U, 480U));
+  CHECK(header_of("\x28\0\0\0\x80\x02\0\0\x20\xFE\xFF\xFF\x01\0\x18\0"s) == std::pair(640U, 480U));
 }
 
 TEST_CASE("A JPEG's thumbnail does not stand in for its end") {

@@ -200,6 +200,31 @@ TEST_CASE("a damaged JPEG is decoded as far as it goes, with a warning in words"
   CHECK(refused.error().message.find("Unsupported JPEG process") != std::string::npos);
 }
 
+TEST_CASE("a JPEG's warning counts what else is odd, if anything") {
+  const std::string jpeg = encode_gray_image("a.jpg", test::ramp(200, 150).view()).value();
+  int alone = 0, with_others = 0;
+  for (std::size_t at = jpeg.size() / 2; at + 2 < jpeg.size(); at += 9) {
+    std::string odd = jpeg;
+    odd[at] = '\xFF';  // begins a marker
+    const auto decoded = decode_image("a.jpg", odd);
+    if (!decoded || decoded->warning.empty()) continue;
+    CHECK(decoded->warning.find("(and 0 more)") == std::string::npos);
+    ++(decoded->warning.ends_with(" more)") ? with_others : alone);
+  }
+  CHECK(alone > 0);
+  CHECK(with_others > 0);
+}
+
+TEST_CASE("a PNG says whether it ends too early or a chunk is too long") {
+  const std::string png = encode_gray_image("a.png", test::ramp(64, 48).view()).value();
+  constexpr std::size_t kEnd = 12;
+  const auto problem = [](const std::string& bytes) {
+    return png_of_pixels(bytes).error().message;
+  };
+  CHECK(problem(png.substr(0, png.size() - kEnd)) == "its last chunk is missing");
+  CHECK(problem(png.substr(0, png.size() - 1)) == "a chunk goes beyond its end");
+}
+
 TEST_CASE("the luma of JPEGs is what OpenCV decodes, grey, colour and progressive") {
   const cv::Mat colour = cv::imread("surveys/corridor/photos/corridor_02_left.jpg");
   cv::Mat grey;
