@@ -33,7 +33,7 @@ TESTS = {
     "tagsmith/survey": ["survey", "exchange"],
     "tagsmith/cli": ["survey", "plan_command", "board_command", "files", "exchange", "print"],
     "tagsmith/paper_plan": ["paper", "placement", "plan_command"],
-    "tagsmith/placement": ["placement", "plan_command"],
+    "tagsmith/placement": ["placement", "simulate", "plan_command"],
     "tagsmith/render": ["render", "print"],
     "decoder/api": ["library"],
     "decoder/cli": ["read", "demo", "ledger", "simulate_command", "adjust", "report",
