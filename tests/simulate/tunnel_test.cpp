@@ -210,6 +210,32 @@ TEST_CASE("The backdrop's depths are those of walls, floor and roof") {
   CHECK(roof == doctest::Approx(-1.75 / roof_ray.y()));
 }
 
+TEST_CASE("The floor is rougher where a pixel shows less of it") {
+  Survey survey;
+  survey.tunnel.left = -3.0;
+  survey.tunnel.right = 3.0;
+  survey.tunnel.height = 3;
+  survey.tunnel.centerline = Centerline({0, 0, 0}, 0, {{60, 0, 0}});
+  const RigCamera camera = forward_camera();
+  const Pose world_from_camera = world_from_vehicle({0, 1, 1.25}, 0) * camera.vehicle_from_camera;
+  const Backdrop backdrop =
+      tunnel_backdrop(survey.tunnel, 0.01, camera.camera, world_from_camera, {}, 1);
+  // Of neighbouring pixels' light, as a share of it, along the row that shows the floor so far
+  // away.
+  const auto roughness = [&](double away) {
+    const Vector2d middle = *project(camera.camera, {0, 1.25, away});
+    const float* row = backdrop.light.row(static_cast<int>(std::lround(middle.y())));
+    double sum = 0, differences = 0;
+    for (int x = camera.camera.width / 2 - 20; x < camera.camera.width / 2 + 20; ++x) {
+      sum += static_cast<double>(row[x]);
+      differences += std::abs(static_cast<double>(row[x + 1] - row[x]));
+    }
+    return differences / sum;
+  };
+  CHECK(roughness(2.5) > 0.02);
+  CHECK(roughness(15) < 0.6 * roughness(2.5));
+}
+
 TEST_CASE("On a grade the floor is met where the center line puts it") {
   Survey survey;
   survey.tunnel.left = -2.0;
