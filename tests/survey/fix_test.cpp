@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mechanical remedies, and findings shown on the text they are about.
+#include <string>
+#include <vector>
+
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -28,6 +31,7 @@ TEST_CASE("remedies are written at their places, several on a line, and nothing 
   CHECK(fixed.text == "a: 1.5  # one, two\nb: { c: 7, dd: x }\n");
   REQUIRE(fixed.lines.size() == 2);
   CHECK(fixed.lines[1].before == "b: { c: '07', d: x }");
+  CHECK(fixed.lines[0].codes == std::vector<std::string>{"rule"});
   CHECK(fixed.lines[1].codes.size() == 2);
 }
 
@@ -85,6 +89,11 @@ TEST_CASE("the excerpt underlines the offending text, in characters") {
   Diagnostic plain = finding(1, 4, "", "");
   plain.fix.reset();
   CHECK(source_excerpt(plain, "a: \"b c\" d\n") == "    1 | a: \"b c\" d\n      |    ^~~~~\n");
+}
+
+TEST_CASE("the excerpt underlines a line's first word too") {
+  CHECK(source_excerpt(finding(1, 1, "wert", "wort"), "wert: 1\n") ==
+        "    1 | wert: 1\n      | ^~~~\n");
 }
 
 TEST_CASE("the excerpt of a long line shows the part around the finding") {
