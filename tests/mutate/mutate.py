@@ -31,7 +31,8 @@ TEST_SECONDS = 600
 TESTS = {
     "tagsmith/base": ["base", "survey", "files"],
     "tagsmith/survey": ["survey", "exchange"],
-    "tagsmith/cli": ["survey", "plan_command", "board_command", "files", "exchange", "print"],
+    "tagsmith/cli": ["survey", "plan_command", "plan_page", "board_command", "files", "commands",
+                     "exchange", "print"],
     "tagsmith/paper_plan": ["paper", "placement", "plan_command"],
     "tagsmith/placement": ["placement", "simulate", "plan_command"],
     "tagsmith/render": ["render", "print"],
@@ -49,9 +50,9 @@ TESTS = {
     "decoder/calibrate": ["calibrate", "board", "printer", "calibrate_command"],
 }
 # The folders of tests that are called otherwise; tests/verify has one that is called scan.
-FOLDERS = {"board_command": "board", "plan_command": "placement", "print": "render",
-           "report": "verify", "scan_stages": "scan", "simulate_command": "simulate",
-           "verify_command": "verify"}
+FOLDERS = {"board_command": "board", "plan_command": "placement", "plan_page": "placement",
+           "print": "render", "report": "verify", "scan_stages": "scan",
+           "simulate_command": "simulate", "verify_command": "verify"}
 
 # Binary operators stand between blanks, template brackets do not: clang-format sees to it.
 SWAPS = {

@@ -54,6 +54,28 @@ TEST_CASE("more is asked, more is paid") {
   CHECK(cheap->chosen.tags <= safe->chosen.tags);
 }
 
+TEST_CASE("the search changes what it may, tells of each by its name, and nothing else") {
+  const Survey survey = straight_survey(10, 8, 0.4);
+  const auto found_with = [&](const Freedom& freedom) {
+    return optimise(survey, crawler(), {survey.tag_template}, {0.05, 0}, CostOrder::tags, freedom,
+                    first_metres())
+        .value();
+  };
+  const Optimisation spacing = found_with({false, false, false, false});
+  REQUIRE(spacing.alternatives.size() == 1);
+  CHECK(spacing.alternatives[0].name == "spacing");
+  const Optimisation height = found_with({true, false, false, false});
+  REQUIRE(height.alternatives.size() == 2);
+  CHECK(height.alternatives[1].name == "height and spacing");
+  for (const Optimisation& found : {spacing, height}) {
+    for (const LayoutReport& report : found.alternatives) {
+      CHECK(report.layout.series.pair_angle == survey.series->pair_angle);
+      CHECK(report.layout.alpha == found.given.layout.alpha);
+    }
+  }
+  CHECK(spacing.chosen.layout.series.mount_height == survey.series->mount_height);
+}
+
 TEST_CASE("what cannot be had is refused in words") {
   const Survey survey = straight_survey(10, 8, 0.4);
   const auto impossible = optimise(survey, crawler(), {}, {1e-6, 0}, CostOrder::tags,
