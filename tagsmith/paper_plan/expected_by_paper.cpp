@@ -140,7 +140,7 @@ PairGeometry geometry_of(const Survey& survey, const Pair& pair, bool tags_are_a
 std::optional<Vector3d> position_from(const PairGeometry& pair, const PairDistances& distances) {
   const PairCircle circle = pair_circle(distances, pair.width, pair.pair_angle);
   const double height_sq = circle.height_difference_sq();
-  if (circle.r_sq < 0 || height_sq < 0) return std::nullopt;
+  if (height_sq < 0) return std::nullopt;
   const double radii = (circle.p1_e - circle.p2_e) * (circle.p1_e + circle.p2_e);
   const double foot = (radii + pair.spacing * pair.spacing) / (2 * pair.spacing);
   const double across_sq = circle.er * circle.er + circle.p1_e * circle.p1_e - foot * foot;
