@@ -69,6 +69,18 @@ TEST_CASE("a survey's drawing names every tag with its code, and its angles and 
   }
 }
 
+TEST_CASE("a drawing tells of regular pairs where there are some") {
+  Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const Rig rig = load_rig("surveys/corridor/rig.yaml").value();
+  const auto tells = [&] {
+    return any_contains(words_of(draw_survey(survey, rig, {.revision = "abc"}).value()),
+                        "Regular pairs");
+  };
+  CHECK(tells());
+  survey.series->pairs = 0;
+  CHECK_FALSE(tells());
+}
+
 TEST_CASE("draw writes the sheets, and nothing when the survey is wrong") {
   const TemporaryFolder folder;
   const std::string base = (folder.path() / "d").string();

@@ -48,6 +48,13 @@ TEST_CASE("a capital letter has the height asked for and stands on its baseline"
   CHECK(box.left >= 0);
 }
 
+TEST_CASE("text is as long as was said, but for the room beside its first and last letter") {
+  const Box box = ink_of(text_of("HHHHHHHHHH"));
+  const double width = text_width("HHHHHHHHHH", 0.008);
+  CHECK(box.right - box.left <= width);
+  CHECK(box.right - box.left > 0.95 * width);
+}
+
 TEST_CASE("text too wide is shrunk to fit, text far too wide ends in an ellipsis") {
   const double natural = ink_of(text_of("HHHHHHHHHH")).right;
   const Box shrunk = ink_of(text_of("HHHHHHHHHH", 0.8 * natural));
