@@ -39,6 +39,14 @@ TEST_CASE("each character of Unicode is one sequence, the shortest, and surrogat
   CHECK(utf8_length(sequence(0x110000, 4)) == 0);
 }
 
+TEST_CASE("a sequence that is cut short is none, whatever stands behind it") {
+  for (const std::string whole : {"\u00c4", "\u20ac", "\U0001f512"}) {
+    for (std::size_t size = 1; size < whole.size(); ++size) {
+      CHECK(utf8_length(std::string_view(whole).substr(0, size)) == 0);
+    }
+  }
+}
+
 TEST_CASE("a page shows the first five hundred characters, whole") {
   std::string text;
   for (int i = 0; i < 501; ++i) text += "\u00c4";

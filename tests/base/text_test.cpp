@@ -29,7 +29,10 @@ TEST_CASE("a third of a word's letters may be slips, of a short word one") {
   const std::vector<std::string> words{"abcdef", "xy"};
   CHECK(nearest_word("a__def", words) == "abcdef");
   CHECK_FALSE(nearest_word("a___ef", words));
-  CHECK(nearest_word("x_", words) == "xy");
+  for (const char* slip : {"x_", "x", "y", "xyz", "zxy"}) {
+    CAPTURE(slip);
+    CHECK(nearest_word(slip, words) == "xy");
+  }
   CHECK_FALSE(nearest_word("__", words));
 }
 
