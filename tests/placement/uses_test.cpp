@@ -5,12 +5,16 @@
 #include <map>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include "tagsmith/geometry/vehicle_stance.hpp"
 #include "tagsmith/placement/drive_plan.hpp"
 #include "tagsmith/placement/layout.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
+#include "tagsmith/placement/sight.hpp"
+#include "tagsmith/placement/tunnel_walls.hpp"
+#include "tagsmith/tag/drawing.hpp"
 #include "tests/placement/corridors.hpp"
 
 using namespace tagsmith::detail;

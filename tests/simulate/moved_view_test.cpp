@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the camera's motion does to walls, and where a plate is put and seen.
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
