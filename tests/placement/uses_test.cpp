@@ -78,7 +78,7 @@ double corner_px_per_radian(const Camera& camera) {
 TEST_CASE("a tag's last view is that of the last place from which it is read, in the best camera") {
   const Survey survey = straight_survey(10, 8);
   PlanOptions options;
-  options.step = 0.31;
+  options.step = 0.06;
   options.accuracy = false;
   for (const Rig& rig : {three_cameras(), looking_back()}) {
     const DrivePlan plan = plan_drive(survey, rig, options).value();
