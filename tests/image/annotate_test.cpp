@@ -97,6 +97,22 @@ TEST_CASE("words are white, whole, on a plate that they fill to some part") {
   CHECK(share < 0.4);
 }
 
+TEST_CASE("a label stands below its mark, or above it where it would not fit, never on it") {
+  const GrayImage white{400, 300, std::vector<std::uint8_t>(400 * 300, 255)};
+  const std::string png = encode_gray_image("a.png", white.view()).value();
+  for (const double top : {20.0, 100.0, 150.0, 195.0}) {
+    CAPTURE(top);
+    const PictureMark mark{{{{100, top}, {300, top}, {300, top + 100}, {100, top + 100}}},
+                           {0, 0, 0},
+                           {"one", "two", "three"}};
+    const GrayImage copy =
+        decode_gray_image("copy", annotate_picture("a.png", png, {mark}).value().bytes).value();
+    for (int y = static_cast<int>(top) + 20; y < static_cast<int>(top) + 90; ++y) {
+      CHECK(copy.view().at(200, y) == 255);
+    }
+  }
+}
+
 TEST_CASE("what is no picture has no copy") {
   CHECK(!annotate_picture("a", "", {}).has_value());
   CHECK(!annotate_picture("a", "text", {}).has_value());

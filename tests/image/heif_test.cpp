@@ -11,9 +11,12 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "decoder/image/annotate.hpp"
+#include "decoder/image/exif.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/image/upright.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tests/image/ramp.hpp"
+#include "tests/support/exif_jpeg.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/turned_heic.hpp"
 
@@ -89,6 +92,18 @@ TEST_CASE(
       CHECK(mean_difference(turn_upright(stored.view(), *orientation), shown) < 2);
     }
   }
+}
+
+TEST_CASE("a HEIC photo says its lens as the JPEG did that it was made of") {
+  const test::TemporaryFolder folder;
+  const std::string base = (folder.path() / "photo").string();
+  const std::string jpeg = encode_gray_image("a.jpg", test::ramp(64, 64).view()).value();
+  REQUIRE(write_file(base + ".jpg", test::with_lens(jpeg, "Phone 7", 26)));
+  REQUIRE(test::run_shell("heif-enc -o '" + base + ".heic' '" + base + ".jpg'").exit_code == 0);
+  const auto lens = photo_lens(read_file(base + ".heic").value());
+  REQUIRE(lens);
+  CHECK(lens->camera == "Maker Phone 7");
+  CHECK(lens->focal_35_mm == 26);
 }
 
 TEST_CASE("a marked copy of a HEIC picture keeps its colours") {

@@ -58,6 +58,24 @@ TEST_CASE(
   CHECK(header_of("\x28\0\0\0\x80\x02\0\0\x20\xFE\xFF\xFF\x01\0\x18\0"s) == std::pair(640U, 480U));
 }
 
+TEST_CASE("A TIFF's sides stand in two or four bytes, the greatest first or last") {
+  using namespace std::string_literals;
+  const std::string greatest_first =
+      "MM\0*\0\0\0\x08\0\x02"
+      "\x01\0\0\x03\0\0\0\x01\x02\x80\0\0"
+      "\x01\x01\0\x04\0\0\0\x01\0\0\x01\xE0"s;
+  const std::string greatest_last =
+      "II*\0\x08\0\0\0\x02\0"
+      "\0\x01\x03\0\x01\0\0\0\x80\x02\xFF\xFF"
+      "\x01\x01\x04\0\x01\0\0\0\xE0\x01\0\0"s;
+  for (const std::string& tiff : {greatest_first, greatest_last}) {
+    const auto header = read_image_header(tiff);
+    REQUIRE(header);
+    CHECK(header->width == 640);
+    CHECK(header->height == 480);
+  }
+}
+
 TEST_CASE("A JPEG's thumbnail does not stand in for its end") {
   std::string bytes = encoded(".jpg");
   bytes.insert(2, std::string("\xFF\xE1\x00\x06\xFF\xD8\xFF\xD9", 8));
