@@ -83,6 +83,19 @@ TEST_CASE("a link stays where it is written through, and one that leads to itsel
   CHECK(fs::is_symlink(loop));
 }
 
+TEST_CASE("as many links are followed as Linux follows, forty") {
+  const TemporaryFolder folder;
+  fs::path last = "file";
+  for (int i = 1; i <= 40; ++i) {
+    const fs::path link = "link" + std::to_string(i);
+    fs::create_symlink(last, folder.path() / link);
+    last = link;
+  }
+  CHECK(write_file(folder.path() / last, "one"));
+  CHECK(contents(folder.path() / "file") == "one");
+  CHECK(fs::is_symlink(folder.path() / last));
+}
+
 TEST_CASE("pipes and devices are not read where a regular file is expected") {
   const auto device = read_regular_file("/dev/null", 100);
   REQUIRE_FALSE(device);
