@@ -31,6 +31,26 @@ TEST_CASE("plan answers what people ask, and says by its exit code whether there
   CHECK(run_tagsmith(kCorridor).exit_code == 1);  // no tags beyond 6 m
 }
 
+TEST_CASE("plan names the tags that are never read, five of many") {
+  const std::string some = run_tagsmith(kCorridor + " --to 5").out;
+  CHECK(some.find("never read from the center line: 2 (000L 000R)\n") != std::string::npos);
+  const std::string many = run_tagsmith(kCorridor + " --from 7 --to 9").out;
+  CHECK(many.find("never read from the center line: 16 (000L 000R 001L 001R 002L ...)\n") !=
+        std::string::npos);
+}
+
+TEST_CASE("--optimise says of each freedom that it was given how far it went, of others nothing") {
+  const std::string plan = kCorridor + " --to 2 --optimise --vary ";
+  const std::string height = run_tagsmith(plan + "height").out;
+  CHECK(height.find("tried       spacing from 0.05 to 20 m") != std::string::npos);
+  CHECK(height.find("height of P in steps of 0.2 m") != std::string::npos);
+  CHECK(height.find("half a pitch apart") == std::string::npos);
+  CHECK(height.find("every template") == std::string::npos);
+  const std::string stagger = run_tagsmith(plan + "stagger").out;
+  CHECK(stagger.find("half a pitch apart") != std::string::npos);
+  CHECK(stagger.find("height of P in steps") == std::string::npos);
+}
+
 TEST_CASE("more jobs than the machine has cores change nothing and are not worth a word") {
   const std::string plan = kCorridor + " --to 1 --json";
   const ProgramOutput many = run_tagsmith(plan + " --jobs 1000");

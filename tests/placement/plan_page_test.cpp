@@ -24,6 +24,13 @@ seen.slopes = [...doc.querySelectorAll('#profile path')].filter(
   path => /L/.test(path.getAttribute('d'))).length;
 seen.cells = [...doc.querySelectorAll('#profile rect')].length;
 seen.tags = doc.querySelectorAll('#map circle').length;
+const dots = [...doc.querySelectorAll('#map circle')].map(
+  dot => ({x: +dot.getAttribute('cx'), y: +dot.getAttribute('cy')}));
+const tags = JSON.parse(doc.getElementById('data').textContent).tags;
+const range = (points, axis) =>
+  Math.max(...points.map(p => p[axis])) - Math.min(...points.map(p => p[axis]));
+seen.across = range(dots, 'x') / range(tags, 'x');
+seen.along = range(dots, 'y') / range(tags, 'y');
 seen.walls = doc.querySelectorAll('#map polyline').length;
 seen.text = doc.body.textContent;
 const box = doc.getElementById('profile').getBoundingClientRect();
@@ -53,11 +60,17 @@ TEST_CASE("the plan's page has its chart and its numbers, fits a phone, and repo
     CHECK(seen["cells"] > 10);
     CHECK(seen["tags"] == 16);
     CHECK(seen["walls"] >= 3);
+    // Pixels a metre: the map is true to scale.
+    const double along = seen["along"];
+    CHECK(along > 20);
+    CHECK(seen["across"].get<double>() == doctest::Approx(along).epsilon(1e-3));
     const std::string text = seen["text"];
     CHECK(text.find("read with the survey") != std::string::npos);
     CHECK(text.find("100.0 %") != std::string::npos);
     const std::string read = seen["read"];
     CHECK_MESSAGE(read.find(" m: center line ") != std::string::npos, read);
+    CHECK_MESSAGE(read.find(" mm") != std::string::npos, read);
+    CHECK_MESSAGE(read.find(" 0.00 mm") == std::string::npos, read);
   }
 }
 
