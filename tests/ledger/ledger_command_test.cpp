@@ -58,6 +58,7 @@ TEST_CASE("photos of several days, verified again and again, are in the ledger o
   CHECK(said["unseen"].size() >= 8);
   const auto words = run_tagsmith("report " + kSurvey + "--ledger " + ledger + " --html " + page);
   CHECK(words.exit_code == 0);
+  CHECK(words.out.find("in no photo with a date: ") != std::string::npos);
   CHECK(read_file(page).value().find("2026-03-15") != std::string::npos);
 }
 
@@ -67,6 +68,7 @@ TEST_CASE("lines give the ledger what the verification gave it") {
   const std::string lines = (folder.path() / "lines.jsonl").string();
   const ProgramOutput verified =
       run_tagsmith("verify --json " + kSurvey + kPhotos + kRig + " --ledger " + direct.string());
+  CHECK(verified.err.find("20 of these say no date") != std::string::npos);
   REQUIRE(write_file(lines, verified.out));
   const std::string reports = "report " + kSurvey + lines + " --ledger " + later.string();
   CHECK(run_tagsmith(reports).exit_code == 0);
