@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/scan/explained.hpp"
+
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/scan/made_profile.hpp"
+
+using namespace tagsmith::detail;
+using namespace tagsmith::detail::test;
+
+TEST_CASE("a profile that is as expected is explained wholly, one of mid grey not at all") {
+  const Digits digits = *parse_digits("019012340400");
+  const ImagingModel image{.blur = 0.4, .white = 0.1, .black = 0.9};
+  ScanProfile profile = profile_of(digits, image, 1, 0.5);
+  const std::vector<double> expected = expected_darkness(image, digits, profile);
+  for (std::size_t i = 0; i < profile.size(); ++i) profile[i].darkness = expected[i];
+  CHECK(explained_by_guards(profile, image, expected) == doctest::Approx(1).epsilon(1e-9));
+  for (const double share : explained_by_digits(profile, image, expected)) CHECK(share == 1);
+  for (ScanBin& bin : profile) bin.darkness = 0.5;
+  CHECK(explained_by_guards(profile, image, expected) == 0);
+}
+
+TEST_CASE("what is off leaves so much of the variation unexplained as its square has of it") {
+  const Digits digits = *parse_digits("019012340400");
+  const ImagingModel image{.blur = 0.4};
+  ScanProfile profile = profile_of(digits, image, 1, 0.5);
+  std::vector<double> expected(profile.size(), 0.2);
+  for (ScanBin& bin : profile) bin.darkness = 0.1;
+  CHECK(explained_by_guards(profile, image, expected) ==
+        doctest::Approx(1 - 0.1 * 0.1 / (0.4 * 0.4)));
+}
