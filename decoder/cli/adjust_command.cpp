@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/adjust_command.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -15,6 +13,7 @@
 
 #include "decoder/cli/adjust_drawing.hpp"
 #include "decoder/cli/adjust_input.hpp"
+#include "decoder/cli/commands.hpp"
 #include "decoder/verify/as_built.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/unified_diff.hpp"
@@ -267,18 +266,13 @@ Command adjust_command() {
       .name = kAdjust,
       .summary = "Find where every tag hangs, by all photos of a drive and some control tags",
       .options = {survey_argument(&options->survey, "The survey"),
-                  {.names = "FILE",
-                   .target = &options->files,
-                   .help =
-                       "Output of `verify --json` (.jsonl), photos, folders of photos, or - for "
-                       "a list of photos on standard input",
-                   .kind = ValueKind::file},
-                  {.names = "--control",
-                   .target = &options->control,
-                   .help = "Tags that hang as surveyed, instead of those with `control: true`",
-                   .placeholder = "TAG,...",
-                   .kind = ValueKind::tag,
-                   .by_commas = true},
+                  argument("FILE", &options->files, ValueKind::file,
+                           "Output of `verify --json` (.jsonl), photos, folders of photos, or - "
+                           "for a list of photos on standard input"),
+                  by_commas(value_option(
+                      "--control", &options->control, "TAG,...",
+                      "Tags that hang as surveyed, instead of those with `control: true`",
+                      ValueKind::tag)),
                   file_option("-o,--output", &options->output,
                               "Survey to write, with the places found and all comments"),
                   file_option("--diff", &options->diff,
@@ -286,18 +280,12 @@ Command adjust_command() {
                   file_option("--drawing", &options->drawing,
                               "Plan to write of how far each tag hangs from its surveyed place: "
                               "FILE.pdf, FILE.svg or FILE.png"),
-                  {.names = "--date",
-                   .target = &options->date,
-                   .help = "Day of the photos, written with the places (default: today)",
-                   .placeholder = "YYYY-MM-DD"},
+                  value_option("--date", &options->date, "YYYY-MM-DD",
+                               "Day of the photos, written with the places (default: today)"),
                   json_flag(options->json, "One JSON object a tag, then the summary"),
                   jobs_option(options->jobs, "Photos read at once")},
       .notes = kAdjustNotes,
-      .run =
-          [options] {
-            const Result<int> code = run(*options);
-            return code ? *code : report_failure(kAdjust, code.error());
-          },
+      .run = [options] { return run(*options); },
   };
   for (CommandOption& option : hanging_options(options->hanging)) {
     if (option.names == "--tolerance") continue;

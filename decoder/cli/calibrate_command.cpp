@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/calibrate_command.hpp"
-
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "decoder/cli/calibrate_board.hpp"
 #include "decoder/cli/calibrate_mounting.hpp"
+#include "decoder/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 
 namespace tagsmith::detail {
@@ -32,56 +31,43 @@ struct CalibrateOptions {
 };
 
 std::vector<CommandOption> board_options(BoardCalibrationOptions& options) {
-  return {{.names = "PHOTO",
-           .target = &options.photos,
-           .help = "Photos of boards by one camera, folders of them, or - for a list of files on "
-                   "standard input",
-           .kind = ValueKind::picture},
-          {.names = "--board",
-           .target = &options.boards,
-           .help = "A board's file, as `tagsmith board` wrote it and you completed it; several "
+  return {
+      argument("PHOTO", &options.photos, ValueKind::picture,
+               "Photos of boards by one camera, folders of them, or - for a list of files on "
+               "standard input"),
+      value_option("--board", &options.boards, "BOARD.yaml",
+                   "A board's file, as `tagsmith board` wrote it and you completed it; several "
                    "boards must differ in their serials",
-           .placeholder = "BOARD.yaml",
-           .kind = ValueKind::file},
-          {.names = "--format",
-           .target = &options.format,
-           .help = "Of the camera's file: opencv (FileStorage), ros (camera_info) or kalibr "
-                   "(camchain)",
-           .shows_default = true,
-           .choices = {"opencv", "ros", "kalibr"}},
-          {.names = "--camera",
-           .target = &options.camera,
-           .help = "The camera's name, in the rig and in files of ros and kalibr (default: camera)",
-           .placeholder = "NAME"},
-          file_option("--html", &options.html,
-                      "A page: verdict, coverage, residuals, distortion, photos"),
-          file_option("--drawing", &options.drawing,
-                      "The same pictures as a sheet: FILE.pdf, FILE.svg or FILE.png")};
+                   ValueKind::file),
+      with_default(choice_option(
+          "--format", &options.format, {"opencv", "ros", "kalibr"},
+          "Of the camera's file: opencv (FileStorage), ros (camera_info) or kalibr (camchain)")),
+      value_option(
+          "--camera", &options.camera, "NAME",
+          "The camera's name, in the rig and in files of ros and kalibr (default: camera)"),
+      file_option("--html", &options.html,
+                  "A page: verdict, coverage, residuals, distortion, photos"),
+      file_option("--drawing", &options.drawing,
+                  "The same pictures as a sheet: FILE.pdf, FILE.svg or FILE.png")};
 }
 
 std::vector<CommandOption> calibrate_options(CalibrateOptions& options) {
   std::vector<CommandOption> all = board_options(options.board);
   const std::vector<std::string> of_boards{"--board", "--format", "--camera", "--html",
                                            "--drawing"};
-  all.push_back({.names = "--survey",
-                 .target = &options.survey,
-                 .help = "The survey whose tags the drive passes",
-                 .placeholder = "SURVEY",
-                 .kind = ValueKind::survey,
-                 .needs = {"--rig", "--run"},
-                 .excludes = of_boards});
-  all.push_back({.names = "--run",
-                 .target = &options.run,
-                 .help = "The drive: pictures and ranges, row by row",
-                 .placeholder = "RUN.csv",
-                 .kind = ValueKind::table,
-                 .needs = {"--survey"}});
+  all.push_back(excluding(
+      of_boards, needing({"--rig", "--run"}, value_option("--survey", &options.survey, "SURVEY",
+                                                          "The survey whose tags the drive passes",
+                                                          ValueKind::survey))));
+  all.push_back(needing(
+      {"--survey"}, value_option("--run", &options.run, "RUN.csv",
+                                 "The drive: pictures and ranges, row by row", ValueKind::table)));
   all.push_back(rig_option(&options.board.rig,
                            "With photos: takes the camera's file and its sigmas over, comments "
                            "kept. With a drive: the cameras as they are known"));
-  all.push_back(file_option("-o,--output", &options.board.output,
-                            "With photos: the camera's file. With a drive: the rig with its "
-                            "cameras' mounting"));
+  all.push_back(file_option(
+      "-o,--output", &options.board.output,
+      "With photos: the camera's file. With a drive: the rig with its cameras' mounting"));
   all.push_back(
       json_flag(options.board.json, "One JSON object a photo or camera, then the summary"));
   all.push_back(jobs_option(options.board.jobs, "Photos read at once"));
@@ -105,11 +91,7 @@ Command calibrate_command() {
       .summary = "A camera's lens from photos of boards, or a rig's mounting from a drive",
       .options = calibrate_options(*options),
       .notes = kCalibrateNotes,
-      .run =
-          [options] {
-            const Result<int> code = run(*options);
-            return code ? *code : report_failure("calibrate", code.error());
-          },
+      .run = [options] { return run(*options); },
   };
 }
 

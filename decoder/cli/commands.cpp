@@ -1,24 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/commands.hpp"
 
-#include "decoder/cli/adjust_command.hpp"
-#include "decoder/cli/calibrate_command.hpp"
-#include "decoder/cli/demo_command.hpp"
-#include "decoder/cli/localize_command.hpp"
-#include "decoder/cli/printer_command.hpp"
-#include "decoder/cli/read_command.hpp"
-#include "decoder/cli/report_command.hpp"
-#include "decoder/cli/simulate_command.hpp"
-#include "decoder/cli/verify_command.hpp"
 #include "decoder/verify/proof.hpp"
-#include "tagsmith/cli/board_command.hpp"
-#include "tagsmith/cli/diff_command.hpp"
-#include "tagsmith/cli/draw_command.hpp"
-#include "tagsmith/cli/export_command.hpp"
-#include "tagsmith/cli/new_command.hpp"
-#include "tagsmith/cli/plan_command.hpp"
-#include "tagsmith/cli/print_command.hpp"
-#include "tagsmith/cli/validate_command.hpp"
+#include "tagsmith/cli/commands.hpp"
 
 namespace tagsmith::detail {
 

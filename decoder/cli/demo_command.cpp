@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/demo_command.hpp"
-
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "decoder/cli/commands.hpp"
 #include "decoder/localize/fix.hpp"
 #include "decoder/localize/joint_method.hpp"
 #include "decoder/localize/observation.hpp"
@@ -347,12 +346,8 @@ Command demo_command() {
       .name = "demo",
       .summary =
           "The whole loop on the corridor of Xu et al. (2017): print, verify, read, localize",
-      .options = {{.names = "-o,--output",
-                   .target = &options->output,
-                   .help = "Folder for the files; made if missing",
-                   .placeholder = "DIR",
-                   .kind = ValueKind::folder,
-                   .shows_default = true},
+      .options = {with_default(folder_option("-o,--output", &options->output,
+                                             "Folder for the files; made if missing")),
                   jobs_option(options->jobs, "Files read at once")},
       .notes =
           "Exit: 0 all went well, 1 a print or a photo has a finding, 2 the files could not be "

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/localize_command.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "decoder/calibrate/rig_suspicion.hpp"
+#include "decoder/cli/commands.hpp"
 #include "decoder/cli/fix_files.hpp"
 #include "decoder/cli/fix_json.hpp"
 #include "decoder/cli/follow.hpp"
@@ -493,74 +492,47 @@ Command localize_command() {
   return {
       .name = kLocalize,
       .summary = "The vehicle's position at each measurement of a run, from what its cameras saw",
-      .options = {{.names = "SURVEY",
-                   .target = &options->surveys,
-                   .help = "Survey files of the tunnel (survey.yaml)",
-                   .kind = ValueKind::survey},
-                  required(rig_option(&options->rig,
-                                      "The vehicle's cameras and range sensors (rig.yaml)")),
-                  {.names = "--run",
-                   .target = &options->run,
-                   .help = "The measurements: images or distances, and ranges",
-                   .placeholder = "RUN.csv",
-                   .kind = ValueKind::table},
-                  {.names = "--method",
-                   .target = &options->method,
-                   .help = "joint: one fit to all tags, ranges and the rig's priors; paper: closed "
-                           "form from a tag on each wall and the range to the left wall; both: "
-                           "compares",
-                   .shows_default = true,
-                   .choices = {"joint", "paper", "both"}},
-                  {.names = "--reader",
-                   .target = &options->reader,
-                   .help = "What reads the images: this program's reader, or the paper's published "
-                           "pipeline",
-                   .shows_default = true,
-                   .choices = {"tagsmith", "paper"}},
-                  json_flag(options->json, "One JSON object a line, the summary last"),
-                  {.names = "--explain",
-                   .target = &options->explain,
-                   .help = "What survey, pixels, ranges and calibration contribute to each sigma"},
-                  folder_option("--residuals", &options->pictures,
-                                "Draw each measurement's residuals: seen against fitted corners"),
-                  {.names = "--unsurveyed",
-                   .target = &options->unsurveyed,
-                   .help = "Use tags that are not in the survey too, at their coded positions"},
-                  {.names = "--template",
-                   .target = &options->own_template,
-                   .help = "Without a survey: the tags' template; they hang where their digits say",
-                   .placeholder = "NAME"},
-                  {.names = "--width",
-                   .target = &options->width,
-                   .help = "Without a survey: width of the straight tunnel, m; its right wall is "
-                           "at x = 0",
-                   .placeholder = "M",
-                   .least = 0.1,
-                   .greatest = 100},
-                  {.names = "--confirmed",
-                   .target = &options->confirmed,
-                   .help = "No position where a wrong plate would go unnoticed: by one tag alone, "
-                           "unless the motion (--smooth, --follow) by other tags agrees"},
-                  {.names = "--follow",
-                   .target = &options->follow,
-                   .help = "Read measurements as JSON lines from standard input and answer each at "
-                           "once"},
-                  {.names = "-o,--output,--csv",
-                   .target = &options->csv,
-                   .help = "Write the positions to this table too",
-                   .placeholder = "FIXES.csv",
-                   .kind = ValueKind::file},
-                  {.names = "--smooth",
-                   .target = &options->smooth,
-                   .help = "Fit a motion of steady velocity to the run, fill its gaps; needs the "
-                           "column time"},
-                  file_option("--tum", &options->tum,
-                              "Write the trajectory (TUM format); needs the run's column time"),
-                  file_option(
-                      "--drawing", &options->drawing,
-                      "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg "
-                      "or .png"),
-                  jobs_option(options->jobs, "Images read at the same time")},
+      .options =
+          {argument("SURVEY", &options->surveys, ValueKind::survey,
+                    "Survey files of the tunnel (survey.yaml)"),
+           required(
+               rig_option(&options->rig, "The vehicle's cameras and range sensors (rig.yaml)")),
+           value_option("--run", &options->run, "RUN.csv",
+                        "The measurements: images or distances, and ranges", ValueKind::table),
+           with_default(choice_option(
+               "--method", &options->method, {"joint", "paper", "both"},
+               "joint: one fit to all tags, ranges and the rig's priors; paper: closed form from a "
+               "tag on each wall and the range to the left wall; both: compares")),
+           with_default(choice_option(
+               "--reader", &options->reader, {"tagsmith", "paper"},
+               "What reads the images: this program's reader, or the paper's published pipeline")),
+           json_flag(options->json, "One JSON object a line, the summary last"),
+           flag("--explain", &options->explain,
+                "What survey, pixels, ranges and calibration contribute to each sigma"),
+           folder_option("--residuals", &options->pictures,
+                         "Draw each measurement's residuals: seen against fitted corners"),
+           flag("--unsurveyed", &options->unsurveyed,
+                "Use tags that are not in the survey too, at their coded positions"),
+           value_option("--template", &options->own_template, "NAME",
+                        "Without a survey: the tags' template; they hang where their digits say"),
+           number_option(
+               "--width", &options->width, "M", 0.1, 100,
+               "Without a survey: width of the straight tunnel, m; its right wall is at x = 0"),
+           flag("--confirmed", &options->confirmed,
+                "No position where a wrong plate would go unnoticed: by one tag alone, unless the "
+                "motion (--smooth, --follow) by other tags agrees"),
+           flag("--follow", &options->follow,
+                "Read measurements as JSON lines from standard input and answer each at once"),
+           value_option("-o,--output,--csv", &options->csv, "FIXES.csv",
+                        "Write the positions to this table too", ValueKind::file),
+           flag("--smooth", &options->smooth,
+                "Fit a motion of steady velocity to the run, fill its gaps; needs the column time"),
+           file_option("--tum", &options->tum,
+                       "Write the trajectory (TUM format); needs the run's column time"),
+           file_option(
+               "--drawing", &options->drawing,
+               "Draw the run in the tunnel's plan, with ellipses and errors: .pdf, .svg or .png"),
+           jobs_option(options->jobs, "Images read at the same time")},
       .notes =
           "Positions are in the survey's grid, metres. Exit code 0: every measurement located; 1: "
           "some have no position, each with its reason; 2: a survey, rig or run could not be "

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/printer_command.hpp"
-
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/calibrate/measure_printer.hpp"
+#include "decoder/cli/commands.hpp"
 #include "decoder/image/load.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
@@ -34,7 +33,7 @@ struct PrinterOptions {
   bool json = false;
 };
 
-Result<void> write_sheet(const PrinterOptions& options) {
+Result<int> write_sheet(const PrinterOptions& options) {
   if (!has_glyphs("0")) return fail("no font on this machine: install fonts-dejavu-core");
   if (sheet_format_of(options.output) != SheetFormat::pdf) {
     return fail("--output " + options.output + ": a test sheet is a PDF, expected NAME.pdf");
@@ -50,14 +49,14 @@ Result<void> write_sheet(const PrinterOptions& options) {
     files.reads(options.profile, "--profile");
   }
   files.writes(options.output, "--output");
-  if (auto usable = files.check(); !usable) return usable;
+  if (auto usable = files.check(); !usable) return tl::unexpected(usable.error());
   const Result<Sheet> sheet = printer_sheet(*paper, profile);
   if (!sheet) return fail(sheet.error().message);
   const auto drawn = render_sheets({&*sheet, 1}, options.output);
   if (!drawn) return fail(drawn.error().message);
-  if (auto written = publish_files(*drawn); !written) return written;
+  if (auto written = publish_files(*drawn); !written) return tl::unexpected(written.error());
   to_stdout("{}\n", options.output);
-  return {};
+  return kExitOk;
 }
 
 void report(const PrinterMeasurement& found, const PrinterOptions& options) {
@@ -93,7 +92,7 @@ std::string profile_name(std::string text) {
   return text.substr(0, 100);
 }
 
-Result<void> measure(const PrinterOptions& options) {
+Result<int> measure(const PrinterOptions& options) {
   if (options.dots_per_inch == 0) {
     return fail("--dpi is missing: the resolution that " + options.scan + " was scanned with");
   }
@@ -107,7 +106,7 @@ Result<void> measure(const PrinterOptions& options) {
   CommandFiles files;
   files.reads(options.scan, "the scan");
   files.writes(options.output, "--output");
-  if (auto usable = files.check(); !usable) return usable;
+  if (auto usable = files.check(); !usable) return tl::unexpected(usable.error());
   const Result<GrayImage> scan = load_gray_image(options.scan);
   if (!scan) return fail(scan.error().message);
   Result<PrinterMeasurement> found =
@@ -115,9 +114,9 @@ Result<void> measure(const PrinterOptions& options) {
   if (!found) return fail(found.error().message);
   found->profile.name = profile_name(output.stem().string());
   const std::vector<SheetFile> profile{{output, printer_profile_text(found->profile)}};
-  if (auto written = publish_files(profile); !written) return written;
+  if (auto written = publish_files(profile); !written) return tl::unexpected(written.error());
   report(*found, options);
-  return {};
+  return kExitOk;
 }
 
 }  // namespace
@@ -127,22 +126,14 @@ Command printer_command() {
   return {
       .name = "printer",
       .summary = "A printer's test sheet, and its profile from a scan of that sheet",
-      .options = {{.names = "SCAN",
-                   .target = &options->scan,
-                   .help = "Scan of the printed sheet; without it the sheet is written",
-                   .kind = ValueKind::file},
+      .options = {argument("SCAN", &options->scan, ValueKind::file,
+                           "Scan of the printed sheet; without it the sheet is written"),
                   required(file_option("-o,--output", &options->output,
                                        "The sheet, NAME.pdf; or of a scan the profile, NAME.yaml")),
-                  {.names = "--dpi",
-                   .target = &options->dots_per_inch,
-                   .help = "The scan's resolution, dots per inch",
-                   .placeholder = "DPI",
-                   .least = 50,
-                   .greatest = 10'000},
-                  {.names = "--paper",
-                   .target = &options->paper,
-                   .help = "Of the sheet: A4, Letter or larger (default: A4)",
-                   .placeholder = "PAPER"},
+                  number_option("--dpi", &options->dots_per_inch, "DPI", 50, 10'000,
+                                "The scan's resolution, dots per inch"),
+                  value_option("--paper", &options->paper, "PAPER",
+                               "Of the sheet: A4, Letter or larger (default: A4)"),
                   file_option("--profile", &options->profile,
                               "Of the sheet: takes away what this profile says, as a check"),
                   json_flag(options->json, "Of a scan: one JSON object")},
@@ -155,11 +146,7 @@ Command printer_command() {
           "  tagsmith printer -o out/printer-test.pdf\n"
           "  tagsmith printer scan.png --dpi 600 -o out/office.yaml",
       .run =
-          [options] {
-            const Result<void> done =
-                options->scan.empty() ? write_sheet(*options) : measure(*options);
-            return done ? kExitOk : report_failure("printer", done.error());
-          },
+          [options] { return options->scan.empty() ? write_sheet(*options) : measure(*options); },
   };
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/read_command.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -11,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include "decoder/cli/commands.hpp"
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/json.hpp"
 #include "decoder/image/load.hpp"
@@ -237,39 +236,26 @@ Command read_command() {
   return {
       .name = "read",
       .summary = "Decode the tags in pictures; needs no survey",
-      .options = {{.names = "IMAGE",
-                   .target = &options->images,
-                   .help = "Pictures, folders of pictures, or - for a list of files on standard "
-                           "input",
-                   .kind = ValueKind::picture,
-                   .required = true},
-                  {.names = "--survey",
-                   .target = &options->surveys,
-                   .help = "Read only the codes of this survey; reaches smaller tags",
-                   .placeholder = "SURVEY",
-                   .kind = ValueKind::survey},
-                  {.names = "--check",
-                   .target = &options->check,
-                   .help = "Check digit that a tag must have (default: either)",
-                   .choices = {"sum10", "gs1"}},
-                  {.names = "--white-on-black",
-                   .target = &options->white_on_black,
-                   .help = "The plates are white on black (a survey's template says so itself)"},
-                  {.names = "--reader",
-                   .target = &options->reader,
-                   .help = "tagsmith, or paper: the published pipeline, literally, for comparison",
-                   .shows_default = true,
-                   .choices = {"tagsmith", "paper"}},
-                  {.names = "--frameless",
-                   .target = &options->frameless,
-                   .help = "Read symbols without a feature frame: fallback (where a picture has no "
-                           "tag with one), always, or never",
-                   .shows_default = true,
-                   .choices = {"fallback", "always", "never"}},
-                  folder_option(
-                      "--explain", &options->explain,
-                      "Folder for a drawing of each picture: frames, corners, scan lines, "
-                      "digits with their margins, what was refused and why"),
+      .options = {required(argument(
+                      "IMAGE", &options->images, ValueKind::picture,
+                      "Pictures, folders of pictures, or - for a list of files on standard input")),
+                  value_option("--survey", &options->surveys, "SURVEY",
+                               "Read only the codes of this survey; reaches smaller tags",
+                               ValueKind::survey),
+                  choice_option("--check", &options->check, {"sum10", "gs1"},
+                                "Check digit that a tag must have (default: either)"),
+                  flag("--white-on-black", &options->white_on_black,
+                       "The plates are white on black (a survey's template says so itself)"),
+                  with_default(choice_option(
+                      "--reader", &options->reader, {"tagsmith", "paper"},
+                      "tagsmith, or paper: the published pipeline, literally, for comparison")),
+                  with_default(choice_option(
+                      "--frameless", &options->frameless, {"fallback", "always", "never"},
+                      "Read symbols without a feature frame: fallback (where a picture has no tag "
+                      "with one), always, or never")),
+                  folder_option("--explain", &options->explain,
+                                "Folder for a drawing of each picture: frames, corners, scan "
+                                "lines, digits with their margins, what was refused and why"),
                   json_flag(options->json, "One JSON object an image"),
                   jobs_option(options->jobs, "Pictures read at once")},
       .notes = kReadNotes,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/report_command.hpp"
-
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -10,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "decoder/cli/commands.hpp"
 #include "decoder/cli/report_files.hpp"
 #include "decoder/cli/report_ledger.hpp"
 #include "decoder/cli/verify_hanging.hpp"
@@ -156,20 +155,14 @@ Command report_command() {
       .name = "report",
       .summary = "Merge what verify runs found into one report",
       .options = {survey_argument(&options->survey, "The survey"),
-                  {.names = "FILE.jsonl",
-                   .target = &options->files,
-                   .help = "Output of `verify --json`",
-                   .kind = ValueKind::json_lines},
+                  argument("FILE.jsonl", &options->files, ValueKind::json_lines,
+                           "Output of `verify --json`"),
                   ledger_option(options->ledger,
                                 "Report what this file has of all photos; FILE.jsonl are entered "
                                 "in it before"),
                   json_flag(options->json, "Print the summary as one JSON object")},
       .notes = kReportNotes,
-      .run =
-          [options] {
-            const Result<int> code = run(*options);
-            return code ? *code : report_failure("report", code.error());
-          },
+      .run = [options] { return run(*options); },
   };
   std::ranges::move(report_options(options->report), std::back_inserter(command.options));
   std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));

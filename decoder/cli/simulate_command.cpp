@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/simulate_command.hpp"
-
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -18,6 +16,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "decoder/cli/commands.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/simulate/develop.hpp"
 #include "decoder/simulate/noise.hpp"
@@ -452,54 +451,22 @@ int run_simulate(const SimulateOptions& options) {
 }
 
 std::vector<CommandOption> camera_options(SimulateOptions& options) {
-  return {{.names = "--blur",
-           .target = &options.blur_px,
-           .help = "Standard deviation of the lens's blur, pixels",
-           .placeholder = "PX",
-           .shows_default = true,
-           .least = 0,
-           .greatest = 20},
-          {.names = "--noise",
-           .target = &options.noise,
-           .help = "Standard deviation of the noise at middle grey",
-           .placeholder = "LEVELS",
-           .shows_default = true,
-           .least = 0,
-           .greatest = 100},
-          {.names = "--linear",
-           .target = &options.linear,
-           .help = "Grey levels in proportion to light (default: sRGB)"},
-          {.names = "--camera-chain",
-           .target = &options.chain,
-           .help = "What the cameras do to a picture before they store it",
-           .shows_default = true,
-           .choices = {"none", "mild", "strong", "night"}},
-          {.names = "--rolling-shutter",
-           .target = &options.rolling_px,
-           .help = "Way of the picture to the right while a chain's camera reads its rows",
-           .placeholder = "PX",
-           .shows_default = true,
-           .least = -100,
-           .greatest = 100},
-          {.names = "--seed",
-           .target = &options.seed,
-           .help = "Of the noise and of the walls' texture",
-           .placeholder = "N",
-           .shows_default = true,
-           .least = 0,
-           .greatest = 1e15},
-          {.names = "--format",
-           .target = &options.format,
-           .help = "Image format",
-           .shows_default = true,
-           .choices = {"png", "jpg"}},
-          {.names = "--quality",
-           .target = &options.quality,
-           .help = "JPEG quality, 1 to 100",
-           .placeholder = "N",
-           .shows_default = true,
-           .least = 1,
-           .greatest = 100}};
+  return {with_default(number_option("--blur", &options.blur_px, "PX", 0, 20,
+                                     "Standard deviation of the lens's blur, pixels")),
+          with_default(number_option("--noise", &options.noise, "LEVELS", 0, 100,
+                                     "Standard deviation of the noise at middle grey")),
+          flag("--linear", &options.linear, "Grey levels in proportion to light (default: sRGB)"),
+          with_default(choice_option("--camera-chain", &options.chain,
+                                     {"none", "mild", "strong", "night"},
+                                     "What the cameras do to a picture before they store it")),
+          with_default(number_option(
+              "--rolling-shutter", &options.rolling_px, "PX", -100, 100,
+              "Way of the picture to the right while a chain's camera reads its rows")),
+          with_default(number_option("--seed", &options.seed, "N", 0, 1e15,
+                                     "Of the noise and of the walls' texture")),
+          with_default(choice_option("--format", &options.format, {"png", "jpg"}, "Image format")),
+          with_default(
+              number_option("--quality", &options.quality, "N", 1, 100, "JPEG quality, 1 to 100"))};
 }
 
 }  // namespace
@@ -512,17 +479,12 @@ Command simulate_command() {
       .options = {survey_argument(&options->survey, "The tunnel and its tags (survey.yaml)"),
                   required(rig_option(&options->rig,
                                       "The vehicle's cameras and range sensors (rig.yaml)")),
-                  {.names = "--run",
-                   .target = &options->run,
-                   .help = "True positions: id, truth_x, truth_y, truth_z, ...",
-                   .placeholder = "RUN.csv",
-                   .kind = ValueKind::table,
-                   .required = true},
+                  required(value_option("--run", &options->run, "RUN.csv",
+                                        "True positions: id, truth_x, truth_y, truth_z, ...",
+                                        ValueKind::table)),
                   required(folder_option("-o,--output", &options->folder,
                                          "Folder for the images, run.csv and truth.json")),
-                  {.names = "--force",
-                   .target = &options->force,
-                   .help = "Write into a folder that is not empty"},
+                  flag("--force", &options->force, "Write into a folder that is not empty"),
                   json_flag(options->json, "One JSON object an image, the summary last"),
                   jobs_option(options->jobs, "Images made at the same time")},
       .notes =

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "decoder/cli/verify_command.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <fcntl.h>
@@ -18,6 +16,7 @@
 #include <fmt/ranges.h>
 #include <sys/stat.h>
 
+#include "decoder/cli/commands.hpp"
 #include "decoder/cli/file_list.hpp"
 #include "decoder/cli/report_files.hpp"
 #include "decoder/cli/report_ledger.hpp"
@@ -486,50 +485,34 @@ Command verify_command() {
   Command command{
       .name = "verify",
       .summary = "Check print files and photos against the survey",
-      .options = {survey_argument(&options->survey, "The survey"),
-                  {.names = "FILE",
-                   .target = &options->files,
-                   .help = "Pictures, PDFs, SVGs, folders of them, or - for a list of files on "
-                           "standard input",
-                   .kind = ValueKind::file},
-                  {.names = "--also",
-                   .target = &options->also,
-                   .help = "Another survey, whose tags are named when they turn up here",
-                   .placeholder = "SURVEY",
-                   .kind = ValueKind::survey},
-                  {.names = "--resume",
-                   .target = &options->resume,
-                   .help = "Skip files whose content an earlier --json run verified against this "
-                           "survey",
-                   .placeholder = "FILE.jsonl",
-                   .kind = ValueKind::json_lines},
-                  ledger_option(options->ledger,
-                                "Add what the photos show of each plate to this history, for "
-                                "`report --ledger`"),
-                  folder_option("--crops", &options->crops,
-                                "Folder for a picture of every faulty tag"),
-                  folder_option(
-                      "--annotate", &options->annotate,
-                      "Folder for a copy of every photo with its tags outlined and named"),
-                  {.names = "--complete",
-                   .target = &options->complete,
-                   .help = "Tags of the survey that no file shows are wrong too"},
-                  json_flag(options->json, "One JSON object a file, then the summary"),
-                  {.names = "--dpi",
-                   .target = &options->scan_dpi,
-                   .help = "Pictures are flat scans of prints with so many dots per inch, not "
-                           "photos: their printed size is checked, too",
-                   .placeholder = "DPI",
-                   .least = 10,
-                   .greatest = 10'000,
-                   .excludes = {"--rig"}},
-                  jobs_option(options->jobs, "Files read at once")},
+      .options =
+          {survey_argument(&options->survey, "The survey"),
+           argument(
+               "FILE", &options->files, ValueKind::file,
+               "Pictures, PDFs, SVGs, folders of them, or - for a list of files on standard input"),
+           value_option("--also", &options->also, "SURVEY",
+                        "Another survey, whose tags are named when they turn up here",
+                        ValueKind::survey),
+           value_option(
+               "--resume", &options->resume, "FILE.jsonl",
+               "Skip files whose content an earlier --json run verified against this survey",
+               ValueKind::json_lines),
+           ledger_option(options->ledger,
+                         "Add what the photos show of each plate to this history, for "
+                         "`report --ledger`"),
+           folder_option("--crops", &options->crops, "Folder for a picture of every faulty tag"),
+           folder_option("--annotate", &options->annotate,
+                         "Folder for a copy of every photo with its tags outlined and named"),
+           flag("--complete", &options->complete,
+                "Tags of the survey that no file shows are wrong too"),
+           json_flag(options->json, "One JSON object a file, then the summary"),
+           excluding({"--rig"},
+                     number_option("--dpi", &options->scan_dpi, "DPI", 10, 10'000,
+                                   "Pictures are flat scans of prints with so many dots per inch, "
+                                   "not photos: their printed size is checked, too")),
+           jobs_option(options->jobs, "Files read at once")},
       .notes = kVerifyNotes,
-      .run =
-          [options] {
-            const Result<int> code = run(*options);
-            return code ? *code : report_failure("verify", code.error());
-          },
+      .run = [options] { return run(*options); },
   };
   std::ranges::move(report_options(options->report), std::back_inserter(command.options));
   std::ranges::move(hanging_options(options->hanging), std::back_inserter(command.options));

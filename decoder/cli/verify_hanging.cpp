@@ -68,27 +68,18 @@ std::vector<CommandOption> hanging_options(HangingOptions& options) {
   return {
       rig_option(&options.rig,
                  "The cameras that took the photos: tells where tags hang that are seen together"),
-      {.names = "--camera",
-       .target = &options.camera,
-       .help = "The rig's camera that took all photos, each by itself (default: the one whose "
-               "name stands in the file's name)",
-       .placeholder = "NAME",
-       .needs = {"--rig"}},
-      {.names = "--run",
-       .target = &options.run,
-       .help = "Run file that says which camera took which photo, and which were taken "
-               "together; without FILE its photos are verified",
-       .placeholder = "RUN.csv",
-       .kind = ValueKind::table,
-       .needs = {"--rig"},
-       .excludes = {"--camera"}},
-      {.names = "--tolerance",
-       .target = &options.tolerance_mm,
-       .help = "Farthest that a corner of a tag's frame may be from its place, in mm",
-       .placeholder = "MM",
-       .shows_default = true,
-       .least = 0.1,
-       .greatest = 1000}};
+      needing({"--rig"}, value_option("--camera", &options.camera, "NAME",
+                                      "The rig's camera that took all photos, each by itself "
+                                      "(default: the one whose name stands in the file's name)")),
+      excluding({"--camera"},
+                needing({"--rig"},
+                        value_option("--run", &options.run, "RUN.csv",
+                                     "Run file that says which camera took which photo, and which "
+                                     "were taken together; without FILE its photos are verified",
+                                     ValueKind::table))),
+      with_default(
+          number_option("--tolerance", &options.tolerance_mm, "MM", 0.1, 1000,
+                        "Farthest that a corner of a tag's frame may be from its place, in mm"))};
 }
 
 Result<std::optional<LoadedHanging>> load_hanging(const HangingOptions& options,

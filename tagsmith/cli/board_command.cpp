@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/board_command.hpp"
-
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -14,6 +12,7 @@
 
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/render/board_page.hpp"
@@ -148,7 +147,7 @@ void report(const Board& board, const BoardOptions& options) {
       board.grid.columns, board.grid.rows, module_width(board.tag) * 1e3, file);
 }
 
-Result<void> make(const BoardOptions& options) {
+Result<int> make(const BoardOptions& options) {
   if (!sheet_format_of(options.output)) {
     return fail("--output " + options.output + ": expected a name that ends in .pdf, .svg or .png");
   }
@@ -157,7 +156,7 @@ Result<void> make(const BoardOptions& options) {
   if (!sheet) return fail(sheet.error().message);
   const Result<Board> board = board_of(options, *sheet);
   if (!board) return fail(board.error().message);
-  if (auto usable = check_files(options); !usable) return usable;
+  if (auto usable = check_files(options); !usable) return tl::unexpected(usable.error());
   const std::string text = board_file_text(*board);
   const Result<bool> needs_file = needs_board_file(board_file_of(options), text);
   if (!needs_file) return fail(needs_file.error().message);
@@ -165,50 +164,34 @@ Result<void> make(const BoardOptions& options) {
   if (!bytes) return fail(bytes.error().message);
   std::vector<SheetFile> files{{options.output, std::move(*bytes)}};
   if (*needs_file) files.push_back({board_file_of(options), text});
-  if (auto written = publish_files(files); !written) return written;
+  if (auto written = publish_files(files); !written) return tl::unexpected(written.error());
   report(*board, options);
-  return {};
+  return kExitOk;
 }
 
 std::vector<CommandOption> board_options(BoardOptions& options) {
-  return {required(file_option("-o,--output", &options.output,
-                               "FILE.pdf, FILE.svg or FILE.png; the board's file is FILE.yaml")),
-          {.names = "--paper",
-           .target = &options.paper,
-           .help = "A4, A3, A2, A1, A0, Letter, Tabloid or WIDTHxHEIGHT in mm, laid across "
-                   "(default: A4)",
-           .placeholder = "PAPER"},
-          {.names = "--plate",
-           .target = &options.plate,
-           .help = "A plate that is printed on, in mm, as it lies: 600x400, or 400x600 upright",
-           .placeholder = "WIDTHxHEIGHT",
-           .excludes = {"--paper"}},
-          {.names = "--columns",
-           .target = &options.columns,
-           .help = "Tags side by side: more are smaller; rows follow (default: the fewest that "
-                   "make 16 tags or more)",
-           .placeholder = "N",
-           .least = 1,
-           .greatest = 1000},
-          {.names = "--serial",
-           .target = &options.serial,
-           .help = "Tells boards apart that one picture shows: a different one for each (default: "
-                   "0)",
-           .placeholder = "N",
-           .least = 0,
-           .greatest = kMostBoardSerial},
-          {.names = "--name",
-           .target = &options.name,
-           .help = "Of the board, on the sheet and in its file (default: the output's)",
-           .placeholder = "TEXT"},
-          {.names = "--dpi",
-           .target = &options.dots_per_inch,
-           .help = "The printer's dots per inch: a module is a whole number of dots; also the "
-                   "resolution of PNG (default: 300)",
-           .placeholder = "DPI",
-           .least = 50,
-           .greatest = 10'000},
-          json_flag(options.json, "One JSON object")};
+  return {
+      required(file_option("-o,--output", &options.output,
+                           "FILE.pdf, FILE.svg or FILE.png; the board's file is FILE.yaml")),
+      value_option(
+          "--paper", &options.paper, "PAPER",
+          "A4, A3, A2, A1, A0, Letter, Tabloid or WIDTHxHEIGHT in mm, laid across (default: A4)"),
+      excluding({"--paper"},
+                value_option(
+                    "--plate", &options.plate, "WIDTHxHEIGHT",
+                    "A plate that is printed on, in mm, as it lies: 600x400, or 400x600 upright")),
+      number_option("--columns", &options.columns, "N", 1, 1000,
+                    "Tags side by side: more are smaller; rows follow (default: the fewest that "
+                    "make 16 tags or more)"),
+      number_option(
+          "--serial", &options.serial, "N", 0, kMostBoardSerial,
+          "Tells boards apart that one picture shows: a different one for each (default: 0)"),
+      value_option("--name", &options.name, "TEXT",
+                   "Of the board, on the sheet and in its file (default: the output's)"),
+      number_option("--dpi", &options.dots_per_inch, "DPI", 50, 10'000,
+                    "The printer's dots per inch: a module is a whole number of dots; also the "
+                    "resolution of PNG (default: 300)"),
+      json_flag(options.json, "One JSON object")};
 }
 
 }  // namespace
@@ -227,11 +210,7 @@ Command board_command() {
           "Example:\n"
           "  tagsmith board -o board.pdf\n"
           "  tagsmith board -o wall.pdf --plate 1200x800 --serial 1",
-      .run =
-          [options] {
-            const Result<void> made = make(*options);
-            return made ? kExitOk : report_failure("board", made.error());
-          },
+      .run = [options] { return make(*options); },
   };
 }
 

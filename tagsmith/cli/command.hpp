@@ -68,13 +68,14 @@ struct CommandOption {
   std::vector<std::string> all_names() const;  // {"-o", "--output"}
 };
 
-// A subcommand, and what runs when it was chosen. `run` returns the exit code.
+// A subcommand, and what runs when it was chosen: `run` returns the exit code, or what kept it from
+// its work, which the program reports.
 struct Command {
   std::string name;
   std::string summary;
   std::vector<CommandOption> options;
   std::string notes;  // below the options; indented lines stay as they are, others are wrapped
-  std::function<int()> run;
+  std::function<Result<int>()> run;
 };
 
 // Prints `tagsmith COMMAND: message` to standard error, further lines of the message indented;

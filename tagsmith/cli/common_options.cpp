@@ -3,52 +3,88 @@
 
 namespace tagsmith::detail {
 
+CommandOption flag(const std::string& names, const ValueTarget& target, const std::string& help) {
+  return {.names = names, .target = target, .help = help};
+}
+
+CommandOption value_option(const std::string& names, const ValueTarget& target,
+                           const std::string& placeholder, const std::string& help,
+                           ValueKind kind) {
+  return {.names = names, .target = target, .help = help, .placeholder = placeholder, .kind = kind};
+}
+
+CommandOption number_option(const std::string& names, const ValueTarget& target,
+                            const std::string& placeholder, double least, double greatest,
+                            const std::string& help) {
+  CommandOption option = value_option(names, target, placeholder, help);
+  option.least = least;
+  option.greatest = greatest;
+  return option;
+}
+
+CommandOption choice_option(const std::string& names, const ValueTarget& target,
+                            const std::vector<std::string>& choices, const std::string& help) {
+  return {.names = names, .target = target, .help = help, .choices = choices};
+}
+
+CommandOption argument(const std::string& name, const ValueTarget& target, ValueKind kind,
+                       const std::string& help) {
+  return {.names = name, .target = target, .help = help, .kind = kind};
+}
+
 CommandOption required(CommandOption option) {
   option.required = true;
   return option;
 }
 
-CommandOption jobs_option(int& jobs, const std::string& what) {
-  return {.names = "--jobs",
-          .target = &jobs,
-          .help = what + " (default 0: as many as there are cores)",
-          .placeholder = "N",
-          .least = 0,
-          .greatest = 1024};
+CommandOption with_default(CommandOption option) {
+  option.shows_default = true;
+  return option;
 }
 
-CommandOption json_flag(bool& json, const std::string& help) {
-  return {.names = "--json", .target = &json, .help = help};
+CommandOption by_commas(CommandOption option) {
+  option.by_commas = true;
+  return option;
 }
+
+CommandOption odd(CommandOption option) {
+  option.odd = true;
+  return option;
+}
+
+CommandOption needing(const std::vector<std::string>& others, CommandOption option) {
+  option.needs = others;
+  return option;
+}
+
+CommandOption excluding(const std::vector<std::string>& others, CommandOption option) {
+  option.excludes = others;
+  return option;
+}
+
+CommandOption jobs_option(int& jobs, const std::string& what) {
+  return number_option("--jobs", &jobs, "N", 0, 1024,
+                       what + " (default 0: as many as there are cores)");
+}
+
+CommandOption json_flag(bool& json, const std::string& help) { return flag("--json", &json, help); }
 
 CommandOption survey_argument(const ValueTarget& target, const std::string& help) {
-  return required({.names = "SURVEY", .target = target, .help = help, .kind = ValueKind::survey});
+  return required(argument("SURVEY", target, ValueKind::survey, help));
 }
 
 CommandOption rig_option(const ValueTarget& target, const std::string& help) {
-  return {.names = "--rig",
-          .target = target,
-          .help = help,
-          .placeholder = "RIG",
-          .kind = ValueKind::rig};
+  return value_option("--rig", target, "RIG", help, ValueKind::rig);
 }
 
 CommandOption folder_option(const std::string& names, const ValueTarget& target,
                             const std::string& help) {
-  return {.names = names,
-          .target = target,
-          .help = help,
-          .placeholder = "DIR",
-          .kind = ValueKind::folder};
+  return value_option(names, target, "DIR", help, ValueKind::folder);
 }
 
 CommandOption file_option(const std::string& names, const ValueTarget& target,
                           const std::string& help) {
-  return {.names = names,
-          .target = target,
-          .help = help,
-          .placeholder = "FILE",
-          .kind = ValueKind::file};
+  return value_option(names, target, "FILE", help, ValueKind::file);
 }
 
 std::vector<std::string> drawing_papers() { return {"a3", "a4", "letter"}; }

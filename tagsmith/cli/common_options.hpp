@@ -10,8 +10,31 @@
 
 namespace tagsmith::detail {
 
-// The option, which must be given.
+// An option without a value, and one whose value the help calls by its placeholder.
+CommandOption flag(const std::string& names, const ValueTarget& target, const std::string& help);
+CommandOption value_option(const std::string& names, const ValueTarget& target,
+                           const std::string& placeholder, const std::string& help,
+                           ValueKind kind = ValueKind::text);
+
+// An option whose value is a number between two, or one of some words.
+CommandOption number_option(const std::string& names, const ValueTarget& target,
+                            const std::string& placeholder, double least, double greatest,
+                            const std::string& help);
+CommandOption choice_option(const std::string& names, const ValueTarget& target,
+                            const std::vector<std::string>& choices, const std::string& help);
+
+// A positional argument.
+CommandOption argument(const std::string& name, const ValueTarget& target, ValueKind kind,
+                       const std::string& help);
+
+// The option, which must be given; which is shown with the value that its target has now; whose
+// values may be separated by commas; whose number is odd; which needs or excludes others.
 CommandOption required(CommandOption option);
+CommandOption with_default(CommandOption option);
+CommandOption by_commas(CommandOption option);
+CommandOption odd(CommandOption option);
+CommandOption needing(const std::vector<std::string>& others, CommandOption option);
+CommandOption excluding(const std::vector<std::string>& others, CommandOption option);
 
 // --jobs of a command that works on several things at once; `what` says on which. 0 means as many
 // as there are cores.

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/diff_command.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
@@ -80,16 +79,10 @@ Command diff_command() {
   return {
       .name = "diff",
       .summary = "What to print, reprint, move and remove when a survey changes",
-      .options = {{.names = "OLD",
-                   .target = &options->before,
-                   .help = "The survey as the plates were made",
-                   .kind = ValueKind::survey,
-                   .required = true},
-                  {.names = "NEW",
-                   .target = &options->after,
-                   .help = "The survey as it is now",
-                   .kind = ValueKind::survey,
-                   .required = true},
+      .options = {required(argument("OLD", &options->before, ValueKind::survey,
+                                    "The survey as the plates were made")),
+                  required(argument("NEW", &options->after, ValueKind::survey,
+                                    "The survey as it is now")),
                   json_flag(options->json, "One JSON object a tag that differs, then the summary")},
       .notes =
           "A line a tag: what to do, its name, why. `tagsmith print NEW --only FILE` prints what "

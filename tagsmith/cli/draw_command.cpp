@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/draw_command.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
@@ -13,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/staged_files.hpp"
@@ -60,7 +59,7 @@ Result<std::vector<Sheet>> all_sheets(const std::vector<Survey>& surveys,
   return all;
 }
 
-Result<void> draw(const DrawOptions& options) {
+Result<int> draw(const DrawOptions& options) {
   if (!sheet_format_of(options.output)) {
     return fail("--output " + options.output + ": expected a name that ends in .pdf, .svg or .png");
   }
@@ -78,8 +77,9 @@ Result<void> draw(const DrawOptions& options) {
   if (!sheets) return fail(sheets.error().message);
   const auto files = render_sheets(*sheets, options.output);
   if (!files) return fail(files.error().message);
-  if (auto usable = check_files(*surveys, rig, *files); !usable) return usable;
-  if (auto written = publish_files(*files); !written) return written;
+  if (auto usable = check_files(*surveys, rig, *files); !usable)
+    return tl::unexpected(usable.error());
+  if (auto written = publish_files(*files); !written) return tl::unexpected(written.error());
   for (const SheetFile& file : *files) to_stdout("{}\n", file.path.string());
   for (const Survey& survey : *surveys) {
     if (survey.tags.size() <= kMostListedTags) continue;
@@ -88,7 +88,7 @@ Result<void> draw(const DrawOptions& options) {
         "tags.csv\n",
         survey.tags.size(), survey.file.string());
   }
-  return {};
+  return kExitOk;
 }
 
 }  // namespace
@@ -104,10 +104,8 @@ Command draw_command() {
                   required(file_option(
                       "-o,--output", &options->output,
                       "FILE.pdf, or FILE.svg or FILE.png: several sheets are FILE-1, FILE-2 ...")),
-                  {.names = "--paper",
-                   .target = &options->paper,
-                   .help = "Paper, landscape (default: a3)",
-                   .choices = drawing_papers()}},
+                  choice_option("--paper", &options->paper, drawing_papers(),
+                                "Paper, landscape (default: a3)")},
       .notes =
           "Compare the drawing with the tunnel before anything is printed. It is to scale: print "
           "it at 100 %. The plan is never mirrored; a grid whose x grows to the left shows so in "
@@ -115,11 +113,7 @@ Command draw_command() {
           "Example:\n"
           "  tagsmith draw surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml \\\n"
           "    -o out/corridor.pdf",
-      .run =
-          [options] {
-            const Result<void> drawn = draw(*options);
-            return drawn ? kExitOk : report_failure("draw", drawn.error());
-          },
+      .run = [options] { return draw(*options); },
   };
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/export_command.hpp"
-
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -11,6 +9,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/tag_list.hpp"
@@ -57,7 +56,7 @@ Result<std::string> render(const Survey& survey, const std::string& format) {
   return format == "dxf" ? render_dxf(survey) : tags_csv(survey);
 }
 
-Result<void> run_export(const ExportOptions& options) {
+Result<int> run_export(const ExportOptions& options) {
   const Result<std::string> format = format_of(options);
   if (!format) return fail(format.error().message);
   const Result<Survey> survey = load_survey(options.survey);
@@ -66,14 +65,14 @@ Result<void> run_export(const ExportOptions& options) {
   if (!bytes) return fail(bytes.error().message);
   if (options.output == "-") {
     bytes_to_stdout(*bytes);
-    return {};
+    return kExitOk;
   }
   CommandFiles files;
   files.reads(*survey);
   files.writes(options.output, "--output");
-  if (auto usable = files.check(); !usable) return usable;
+  if (auto usable = files.check(); !usable) return tl::unexpected(usable.error());
   if (auto written = publish_files({{options.output, *bytes}}); !written) {
-    return written;
+    return tl::unexpected(written.error());
   }
   to_stderr("{} tags in {}\n", survey->tags.size(), options.output);
   if (*format == "geojson" && survey->grid.epsg == 0) {
@@ -81,7 +80,7 @@ Result<void> run_export(const ExportOptions& options) {
         "the survey does not name its grid (grid: {{ crs: EPSG:25832 }}): many programs will "
         "take the coordinates for degrees\n");
   }
-  return {};
+  return kExitOk;
 }
 
 }  // namespace
@@ -92,15 +91,13 @@ Command export_command() {
       .name = "export",
       .summary = "A survey's tags for CAD, GIS, instruments and other programs",
       .options = {survey_argument(&options->survey, "Survey file (YAML)"),
-                  required(file_option(
-                      "-o,--output", &options->output,
-                      "FILE.csv, .json, .geojson, .gpkg, .landxml (or .xml), .gsi, .wpilib.json "
-                      "or .dxf; - for standard output")),
-                  {.names = "--format",
-                   .target = &options->format,
-                   .help = "What is written (default: by the file's name; csv for -)",
-                   .choices = {"csv", "json", "geojson", "gpkg", "landxml", "gsi", "wpilib",
-                               "dxf"}}},
+                  required(file_option("-o,--output", &options->output,
+                                       "FILE.csv, .json, .geojson, .gpkg, .landxml (or .xml), "
+                                       ".gsi, .wpilib.json or .dxf; - for standard output")),
+                  choice_option(
+                      "--format", &options->format,
+                      {"csv", "json", "geojson", "gpkg", "landxml", "gsi", "wpilib", "dxf"},
+                      "What is written (default: by the file's name; csv for -)")},
       .notes =
           "The CSV goes back by `tagsmith new NAME --from FILE --order own`. All are in the grid; "
           "only the WPILib field layout is in the right-handed frame that WPILib wants. GeoJSON, "
@@ -108,11 +105,7 @@ Command export_command() {
           "Example:\n"
           "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.csv\n"
           "  tagsmith export surveys/corridor/survey.yaml -o out/corridor.dxf",
-      .run =
-          [options] {
-            const Result<void> done = run_export(*options);
-            return done ? kExitOk : report_failure("export", done.error());
-          },
+      .run = [options] { return run_export(*options); },
   };
 }
 

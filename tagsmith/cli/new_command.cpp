@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/new_command.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
@@ -421,103 +420,65 @@ double unit_named(const std::string& unit) {
 // The layout to propose, and how it is written.
 std::vector<CommandOption> layout_options(NewOptions& options) {
   return {
-      {.names = "--height",
-       .target = &options.height,
-       .help = "For lists without tags: propose a layout with P so many metres above the floor",
-       .placeholder = "M",
-       .least = 0,
-       .greatest = 100,
-       .needs = {"--spacing"}},
-      {.names = "--spacing",
-       .target = &options.spacing,
-       .help = "Of the layout: metres of clear gap between neighbouring plates of one wall",
-       .placeholder = "M",
-       .least = 0.001,
-       .greatest = 100'000,
-       .needs = {"--height"}},
-      {.names = "--first",
-       .target = &options.first,
-       .help = "Of the layout: chainage of the first left P (default: where the points begin)",
-       .placeholder = "M",
-       .needs = {"--height"}},
-      {.names = "--to",
-       .target = &options.to,
-       .help = "Of the layout: chainage up to which a left P may lie (default: where they end)",
-       .placeholder = "M",
-       .needs = {"--height"}},
-      {.names = "--split",
-       .target = &options.split,
-       .help = "Write several surveys where one code cannot say all positions to a centimetre"}};
+      needing(
+          {"--spacing"},
+          number_option(
+              "--height", &options.height, "M", 0, 100,
+              "For lists without tags: propose a layout with P so many metres above the floor")),
+      needing({"--height"},
+              number_option(
+                  "--spacing", &options.spacing, "M", 0.001, 100'000,
+                  "Of the layout: metres of clear gap between neighbouring plates of one wall")),
+      needing({"--height"},
+              value_option(
+                  "--first", &options.first, "M",
+                  "Of the layout: chainage of the first left P (default: where the points begin)")),
+      needing(
+          {"--height"},
+          value_option(
+              "--to", &options.to, "M",
+              "Of the layout: chainage up to which a left P may lie (default: where they end)")),
+      flag("--split", &options.split,
+           "Write several surveys where one code cannot say all positions to a centimetre")};
 }
 
 // How the points are listed.
 std::vector<CommandOption> list_options(NewOptions& options) {
   return {
-      {.names = "--order",
-       .target = &options.list.order,
-       .help = "Columns of a table: P point, E east (x), N north (y), Z, D description, - "
-               "skipped, as PENZD; or own: a list of `tagsmith export`",
-       .placeholder = "ORDER"},
-      {.names = "--header",
-       .target = &options.list.header,
-       .help = "The list's first line names its columns"},
-      {.names = "--ignore",
-       .target = &options.list.ignore,
-       .help = "Leave points with these descriptions out, or alignments of these names",
-       .placeholder = "D,...",
-       .by_commas = true},
-      {.names = "--units",
-       .target =
-           [&options](const std::string& unit) { options.list.metres_per_unit = unit_named(unit); },
-       .help = "Of the list: m, ft (0.3048 m), us-ft (1200/3937 m) or mm (default: what the file "
-               "says, else m)",
-       .choices = {"m", "ft", "us-ft", "mm"}}};
+      value_option("--order", &options.list.order, "ORDER",
+                   "Columns of a table: P point, E east (x), N north (y), Z, D description, - "
+                   "skipped, as PENZD; or own: a list of `tagsmith export`"),
+      flag("--header", &options.list.header, "The list's first line names its columns"),
+      by_commas(
+          value_option("--ignore", &options.list.ignore, "D,...",
+                       "Leave points with these descriptions out, or alignments of these names")),
+      choice_option(
+          "--units",
+          [&options](const std::string& unit) { options.list.metres_per_unit = unit_named(unit); },
+          {"m", "ft", "us-ft", "mm"},
+          "Of the list: m, ft (0.3048 m), us-ft (1200/3937 m) or mm (default: what the file says, "
+          "else m)")};
 }
 
 // The options that shape a draft from points.
 std::vector<CommandOption> draft_options(NewOptions& options) {
   const std::vector<CommandOption> fit{
-      {.names = "--template",
-       .target = &options.template_name,
-       .help = "Plate (default: tag-400x300)",
-       .placeholder = "NAME"},
-      {.names = "--x-axis",
-       .target = &options.x_axis,
-       .help = "right (default) or left of +y seen from above, where the grid's x grows",
-       .choices = {"right", "left"}},
-      {.names = "--check-digit",
-       .target = &options.check_digit,
-       .help = "gs1 (default) or sum10",
-       .choices = {"gs1", "sum10"}},
-      {.names = "--tolerance",
-       .target = &options.tolerance_mm,
-       .help = "How far a point may be off, millimetres (default: 30)",
-       .placeholder = "MM",
-       .least = 0.1,
-       .greatest = 10'000},
-      {.names = "--mount-height",
-       .target = &options.mount_height,
-       .help = "Metres of P above the floor, for lists without floor points",
-       .placeholder = "M",
-       .least = 0,
-       .greatest = 100},
-      {.names = "--width",
-       .target = &options.width,
-       .help = "Metres between the walls, for lists without wall points: an alignment alone",
-       .placeholder = "M",
-       .least = 0.1,
-       .greatest = 1000},
-      {.names = "--tunnel-height",
-       .target = &options.tunnel_height,
-       .help = "Metres of the roof above the floor, for lists without roof points",
-       .placeholder = "M",
-       .least = 0.1,
-       .greatest = 1000},
-      {.names = "--walls",
-       .target = &options.walls,
-       .help = "parallel (default): one width for all; measured: walls and roof run through "
-               "their points, the center line through CL",
-       .choices = {"parallel", "measured"}}};
+      value_option("--template", &options.template_name, "NAME", "Plate (default: tag-400x300)"),
+      choice_option("--x-axis", &options.x_axis, {"right", "left"},
+                    "right (default) or left of +y seen from above, where the grid's x grows"),
+      choice_option("--check-digit", &options.check_digit, {"gs1", "sum10"},
+                    "gs1 (default) or sum10"),
+      number_option("--tolerance", &options.tolerance_mm, "MM", 0.1, 10'000,
+                    "How far a point may be off, millimetres (default: 30)"),
+      number_option("--mount-height", &options.mount_height, "M", 0, 100,
+                    "Metres of P above the floor, for lists without floor points"),
+      number_option("--width", &options.width, "M", 0.1, 1000,
+                    "Metres between the walls, for lists without wall points: an alignment alone"),
+      number_option("--tunnel-height", &options.tunnel_height, "M", 0.1, 1000,
+                    "Metres of the roof above the floor, for lists without roof points"),
+      choice_option("--walls", &options.walls, {"parallel", "measured"},
+                    "parallel (default): one width for all; measured: walls and roof run through "
+                    "their points, the center line through CL")};
   std::vector<CommandOption> draft = list_options(options);
   draft.insert(draft.end(), fit.begin(), fit.end());
   std::ranges::move(layout_options(options), std::back_inserter(draft));
@@ -533,17 +494,13 @@ Command new_command() {
   Command command{
       .name = "new",
       .summary = "Survey and rig files to edit, or a survey from surveyed points",
-      .options = {{.names = "NAME",
-                   .target = &options->name,
-                   .help = "Folder to make; the survey has its name",
-                   .kind = ValueKind::folder,
-                   .required = true},
-                  {.names = "--from",
-                   .target = &options->points,
-                   .help = "Draft the survey from these points: a table (CSV), LandXML, Leica "
-                           "GSI, RW5 or DXF",
-                   .placeholder = "FILE",
-                   .kind = ValueKind::table}},
+      .options =
+          {required(argument("NAME", &options->name, ValueKind::folder,
+                             "Folder to make; the survey has its name")),
+           value_option(
+               "--from", &options->points, "FILE",
+               "Draft the survey from these points: a table (CSV), LandXML, Leica GSI, RW5 or DXF",
+               ValueKind::table)},
       .notes =
           "Descriptions of points, by their first word: TL TR a tag's P on the left or right wall "
           "(or its name, as 000L), WL WR the wall in the plates' plane, CL the center line on the "
@@ -554,11 +511,7 @@ Command new_command() {
           "Example:\n"
           "  tagsmith new drift-7\n"
           "  tagsmith new drift-8 --from points.csv --order PENZD --tunnel-height 2.8",
-      .run =
-          [options] {
-            const Result<int> done = run_new(*options);
-            return done ? *done : report_failure("new", done.error());
-          },
+      .run = [options] { return run_new(*options); },
   };
   std::ranges::move(draft_options(*options), std::back_inserter(command.options));
   return command;

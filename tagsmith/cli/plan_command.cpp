@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/plan_command.hpp"
-
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +13,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/plan_optimise.hpp"
@@ -137,8 +136,7 @@ Result<void> write_files(const PlannedDrive& drive, const Subject& subject,
   return publish_files(files);
 }
 
-// True when every pose has a position.
-Result<bool> plan(const PlanCommandOptions& options) {
+Result<int> plan(const PlanCommandOptions& options) {
   const Result<Subject> subject = load(options);
   if (!subject) return fail(subject.error().message);
   PlanOptions with_paper = options.plan;
@@ -158,90 +156,50 @@ Result<bool> plan(const PlanCommandOptions& options) {
   }
   to_stdout("{}",
             Lines{options.json ? as_json(drive, *subject) : as_text(drive, *subject, options)});
-  return summary.gaps.empty();
+  return summary.gaps.empty() ? kExitOk : kExitFindings;
 }
 
 constexpr double kFarthestChainage = 1e6;  // metres before or behind the center line's start
 
 std::vector<CommandOption> drive_options(PlanOptions& options) {
-  return {{.names = "--from",
-           .target = &options.from,
-           .help = "Chainage of the plan's start, m (default: 0)",
-           .placeholder = "M",
-           .least = -kFarthestChainage,
-           .greatest = kFarthestChainage},
-          {.names = "--to",
-           .target = &options.to,
-           .help = "Chainage of its end, m (default: the center line's end)",
-           .placeholder = "M",
-           .least = -kFarthestChainage,
-           .greatest = kFarthestChainage},
-          {.names = "--step",
-           .target = &options.step,
-           .help = "Step of the chainage, m (default: 0.05)",
-           .placeholder = "M",
-           .least = 1e-4,
-           .greatest = 1000},
-          {.names = "--offsets",
-           .target = &options.lateral_offsets,
-           .help = "Lateral offsets over the envelope, odd (default: 5)",
-           .placeholder = "N",
-           .least = 1,
-           .greatest = 101,
-           .odd = true},
-          {.names = "--headings",
-           .target = &options.headings,
-           .help = "Headings over the envelope, odd (default: 5)",
-           .placeholder = "N",
-           .least = 1,
-           .greatest = 101,
-           .odd = true},
-          {.names = "--speed",
-           .target = &options.speed,
-           .help = "Speed in m/s instead of the envelope's",
-           .placeholder = "M/S",
-           .least = 0,
-           .greatest = 100},
-          {.names = "--corner-sigma",
-           .target = &options.corner_sigma_px,
-           .help = "Standard deviation of a corner's coordinate, pixels (default: as measured)",
-           .placeholder = "PX",
-           .least = 1e-4,
-           .greatest = 100},
-          jobs_option(options.jobs, "Cores to use at most")};
+  return {
+      number_option("--from", &options.from, "M", -kFarthestChainage, kFarthestChainage,
+                    "Chainage of the plan's start, m (default: 0)"),
+      number_option("--to", &options.to, "M", -kFarthestChainage, kFarthestChainage,
+                    "Chainage of its end, m (default: the center line's end)"),
+      number_option("--step", &options.step, "M", 1e-4, 1000,
+                    "Step of the chainage, m (default: 0.05)"),
+      odd(number_option("--offsets", &options.lateral_offsets, "N", 1, 101,
+                        "Lateral offsets over the envelope, odd (default: 5)")),
+      odd(number_option("--headings", &options.headings, "N", 1, 101,
+                        "Headings over the envelope, odd (default: 5)")),
+      number_option("--speed", &options.speed, "M/S", 0, 100,
+                    "Speed in m/s instead of the envelope's"),
+      number_option("--corner-sigma", &options.corner_sigma_px, "PX", 1e-4, 100,
+                    "Standard deviation of a corner's coordinate, pixels (default: as measured)"),
+      jobs_option(options.jobs, "Cores to use at most")};
 }
 
 std::vector<CommandOption> optimise_options(OptimiseOptions& options) {
-  return {{.names = "--plane-sigma",
-           .target = [&options](double mm) { options.requirement.plane_sigma = mm / 1000; },
-           .help = "Greatest sigma in the plane at any pose, mm (default: 20)",
-           .placeholder = "MM",
-           .least = 1e-3,
-           .greatest = 1e5,
-           .needs = {"--optimise"}},
-          {.names = "--tags-lost",
-           .target = &options.requirement.tags_lost,
-           .help = "Tags that may be unreadable, 0 or 1 (default: 0)",
-           .placeholder = "N",
-           .least = 0,
-           .greatest = 1,
-           .needs = {"--optimise"}},
-          {.names = "--least",
-           .target =
-               [&options](const std::string& what) {
-                 options.order = what == "plate" ? CostOrder::plate : CostOrder::tags;
-               },
-           .help = "tags: fewest tags, that is the widest spacing; plate: smallest plate "
-                   "(default: tags)",
-           .choices = {"tags", "plate"},
-           .needs = {"--optimise"}},
-          {.names = "--vary",
-           .target = &options.vary,
-           .help = "What may change besides the spacing (default: all of "
-                   "height,plate,stagger,alpha; none: nothing else)",
-           .by_commas = true,
-           .choices = {"height", "plate", "stagger", "alpha", "none"},
-           .needs = {"--optimise"}}};
+  std::vector<CommandOption> all{
+      number_option(
+          "--plane-sigma", [&options](double mm) { options.requirement.plane_sigma = mm / 1000; },
+          "MM", 1e-3, 1e5, "Greatest sigma in the plane at any pose, mm (default: 20)"),
+      number_option("--tags-lost", &options.requirement.tags_lost, "N", 0, 1,
+                    "Tags that may be unreadable, 0 or 1 (default: 0)"),
+      choice_option(
+          "--least",
+          [&options](const std::string& what) {
+            options.order = what == "plate" ? CostOrder::plate : CostOrder::tags;
+          },
+          {"tags", "plate"},
+          "tags: fewest tags, that is the widest spacing; plate: smallest plate (default: tags)"),
+      by_commas(choice_option("--vary", &options.vary,
+                              {"height", "plate", "stagger", "alpha", "none"},
+                              "What may change besides the spacing (default: all of "
+                              "height,plate,stagger,alpha; none: nothing else)"))};
+  for (CommandOption& option : all) option.needs = {"--optimise"};
+  return all;
 }
 
 }  // namespace
@@ -253,34 +211,26 @@ Command plan_command() {
       .summary =
           "What the cameras will see along the drive, and how well the vehicle will know "
           "its place",
-      .options = {survey_argument(&options->survey, "Survey file (YAML)"),
-                  required(rig_option(&options->rig,
-                                      "Rig file (YAML); vehicle.envelope says how far it strays")),
-                  folder_option("-o,--output", &options->folder,
-                                "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
-                                "--optimise, the chosen survey; made if missing"),
-                  {.names = "--paper",
-                   .target = &options->paper,
-                   .help = "Paper of plan.pdf and plan.svg, landscape (default: a3)",
-                   .choices = drawing_papers(),
-                   .needs = {"--output"}},
-                  json_flag(options->json, "One JSON object instead of the report"),
-                  {.names = "--optimise",
-                   .target = &options->optimise,
-                   .help = "Look for the cheapest layout that keeps the promise below; -o writes "
-                           "its survey"}},
+      .options =
+          {survey_argument(&options->survey, "Survey file (YAML)"),
+           required(rig_option(&options->rig,
+                               "Rig file (YAML); vehicle.envelope says how far it strays")),
+           folder_option("-o,--output", &options->folder,
+                         "Folder for plan.pdf, plan.svg, plan.html, plan.json and, with "
+                         "--optimise, the chosen survey; made if missing"),
+           needing({"--output"},
+                   choice_option("--paper", &options->paper, drawing_papers(),
+                                 "Paper of plan.pdf and plan.svg, landscape (default: a3)")),
+           json_flag(options->json, "One JSON object instead of the report"),
+           flag("--optimise", &options->optimise,
+                "Look for the cheapest layout that keeps the promise below; -o writes its survey")},
       .notes =
           "Exit code: 0 every pose has a position, 1 some have none, 2 a file cannot be read.\n\n"
           "Example:\n"
           "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5\n"
           "  tagsmith plan surveys/corridor/survey.yaml --rig surveys/corridor/rig.yaml --to 5 \\\n"
           "    --optimise --plane-sigma 5 --tags-lost 1 -o out/better",
-      .run =
-          [options] {
-            const Result<bool> covered = plan(*options);
-            if (!covered) return report_failure(kName, covered.error());
-            return *covered ? kExitOk : kExitFindings;
-          },
+      .run = [options] { return plan(*options); },
   };
   std::ranges::move(optimise_options(options->optimisation), std::back_inserter(command.options));
   std::ranges::move(drive_options(options->plan), std::back_inserter(command.options));

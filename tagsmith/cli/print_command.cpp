@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/print_command.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -17,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/text.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
@@ -232,116 +231,78 @@ Result<int> print(const PrintOptions& options, const ProvePages& prove) {
 // An option in millimetres whose value is kept in metres.
 CommandOption length_option(const std::string& name, double& metres, const std::string& text,
                             double least, double greatest) {
-  return {.names = name,
-          .target = [&metres](double millimetres) { metres = millimetres / 1000; },
-          .help = text,
-          .placeholder = "MM",
-          .least = least,
-          .greatest = greatest};
+  return number_option(
+      name, [&metres](double millimetres) { metres = millimetres / 1000; }, "MM", least, greatest,
+      text);
 }
 
 std::vector<CommandOption> choice_options(PrintOptions& options) {
-  return {{.names = "--format",
-           .target = &options.formats,
-           .help = "Separated by commas; both = pdf,svg (default: both)",
-           .by_commas = true,
-           .choices = {"pdf", "svg", "png", "both"}},
-          {.names = "--tags",
-           .target = &options.tags,
-           .help = "Only these tags, by name, separated by commas",
-           .placeholder = "NAME,...",
-           .kind = ValueKind::tag,
-           .by_commas = true},
-          {.names = "--only",
-           .target = &options.only,
-           .help = "Only the tags that this file names, one a line; the output of `tagsmith diff` "
-                   "will do; - for standard input",
-           .placeholder = "FILE",
-           .kind = ValueKind::file,
-           .excludes = {"--tags"}},
-          {.names = "--single",
-           .target = &options.style.single,
-           .help = "All pages in one PDF, tags.pdf"}};
+  return {
+      by_commas(choice_option("--format", &options.formats, {"pdf", "svg", "png", "both"},
+                              "Separated by commas; both = pdf,svg (default: both)")),
+      by_commas(value_option("--tags", &options.tags, "NAME,...",
+                             "Only these tags, by name, separated by commas", ValueKind::tag)),
+      excluding({"--tags"}, file_option("--only", &options.only,
+                                        "Only the tags that this file names, one a line; the "
+                                        "output of `tagsmith diff` will do; - for standard input")),
+      flag("--single", &options.style.single, "All pages in one PDF, tags.pdf")};
 }
 
 std::vector<CommandOption> paper_options(PrintOptions& options) {
-  return {{.names = "--paper",
-           .target = &options.paper,
-           .help = "A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in mm: as many "
-                   "plates a page as it holds (default: the page is one plate with its margin)",
-           .placeholder = "PAPER"},
-          {.names = "--tile",
-           .target = &options.style.tiled,
-           .help = "Plates in pieces on several sheets of the paper, with an assembly sheet"},
-          length_option("--overlap", options.style.overlap,
-                        "Of neighbouring tiles, mm (default: 10)", 5, 50),
-          length_option("--bleed", options.style.bleed,
-                        "How far crop marks and bleed box stand off the plate, mm (default: 3)", 0,
-                        20)};
+  return {
+      value_option("--paper", &options.paper, "PAPER",
+                   "A4, A3, A2, A1, A0, Letter, Tabloid, WIDTHxHEIGHT or roll:WIDTH in mm: as many "
+                   "plates a page as it holds (default: the page is one plate with its margin)"),
+      flag("--tile", &options.style.tiled,
+           "Plates in pieces on several sheets of the paper, with an assembly sheet"),
+      length_option("--overlap", options.style.overlap, "Of neighbouring tiles, mm (default: 10)",
+                    5, 50),
+      length_option("--bleed", options.style.bleed,
+                    "How far crop marks and bleed box stand off the plate, mm (default: 3)", 0,
+                    20)};
 }
 
 std::vector<CommandOption> printer_options(PrintOptions& options) {
   return {
-      {.names = "--dpi",
-       .target = &options.style.dots_per_inch,
-       .help = "The printer's dots per inch: every edge stands on a whole dot; also the "
-               "resolution of PNG and of the proof (default: the template's dots_per_inch, "
-               "else 300 for those)",
-       .placeholder = "DPI",
-       .least = 50,
-       .greatest = 10'000},
+      number_option(
+          "--dpi", &options.style.dots_per_inch, "DPI", 50, 10'000,
+          "The printer's dots per inch: every edge stands on a whole dot; also the resolution of "
+          "PNG and of the proof (default: the template's dots_per_inch, else 300 for those)"),
       length_option("--bar-adjust", options.style.bar_adjustment,
                     "Added to the width of every bar and of the frame, mm; -0.1 takes away "
                     "what the ink adds (default: 0)",
                     -10, 10),
-      {.names = "--profile",
-       .target = &options.profile,
-       .help = "Printer's profile, from `tagsmith printer`: takes the growth of its bars away, "
-               "and in PDF files its scale",
-       .placeholder = "FILE",
-       .kind = ValueKind::file,
-       .excludes = {"--bar-adjust"}},
-      {.names = "--pdf-x",
-       .target = &options.press,
-       .help = "PDF files of tags as PDF/X-4 for the press and paper of this ICC profile, which "
-               "the print shop gives",
-       .placeholder = "FILE",
-       .kind = ValueKind::file},
-      {.names = "--outline-text",
-       .target = &options.style.outline_text,
-       .help = "Text in PDF files of tags as outlines in place of letters of a font"},
-      {.names = "--proof",
-       .target = &options.proof,
-       .help = "Draw the files as pixels, read them, and write nothing unless digits, sizes "
-               "and corners are the survey's"}};
+      excluding({"--bar-adjust"},
+                file_option("--profile", &options.profile,
+                            "Printer's profile, from `tagsmith printer`: takes the growth of its "
+                            "bars away, and in PDF files its scale")),
+      file_option("--pdf-x", &options.press,
+                  "PDF files of tags as PDF/X-4 for the press and paper of this ICC profile, which "
+                  "the print shop gives"),
+      flag("--outline-text", &options.style.outline_text,
+           "Text in PDF files of tags as outlines in place of letters of a font"),
+      flag("--proof", &options.proof,
+           "Draw the files as pixels, read them, and write nothing unless digits, sizes and "
+           "corners are the survey's")};
 }
 
 std::vector<CommandOption> installer_options(PrintOptions& options) {
-  return {{.names = "--no-setting-out",
-           .target = &options.no_setting_out,
-           .help = "Without the installer's setting-out.csv and setting-out.pdf"},
-          {.names = "--order",
-           .target = &options.style.order,
-           .help = "With order.pdf for the sign maker (counts, sizes, material), and the contours "
-                   "of each page as DXF"},
-          {.names = "--zip",
-           .target = &options.zip,
-           .help = "All of it, the order too, in this ZIP as well",
-           .placeholder = "FILE",
-           .kind = ValueKind::file},
-          {.names = "--setting-out-paper",
-           .target = &options.setting_out_paper,
-           .help = "Of setting-out.pdf: its drawing on this paper, its table on Letter or else A4 "
-                   "(default: a3)",
-           .choices = drawing_papers()},
+  return {flag("--no-setting-out", &options.no_setting_out,
+               "Without the installer's setting-out.csv and setting-out.pdf"),
+          flag("--order", &options.style.order,
+               "With order.pdf for the sign maker (counts, sizes, material), and the contours of "
+               "each page as DXF"),
+          file_option("--zip", &options.zip, "All of it, the order too, in this ZIP as well"),
+          choice_option("--setting-out-paper", &options.setting_out_paper, drawing_papers(),
+                        "Of setting-out.pdf: its drawing on this paper, its table on Letter or "
+                        "else A4 (default: a3)"),
           length_option("--tolerance", options.style.tolerance,
                         "How far P may hang from its place, mm, for the setting-out list (default: "
                         "twice the survey's sigma, at least 5)",
                         0.1, 1000),
-          {.names = "--point-order",
-           .target = &options.point_order,
-           .help = "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)",
-           .choices = {"PENZD", "PNEZD"}}};
+          choice_option(
+              "--point-order", &options.point_order, {"PENZD", "PNEZD"},
+              "Columns of setting-out.csv: PENZD (x before y, default) or PNEZD (y before x)")};
 }
 
 }  // namespace
@@ -367,11 +328,7 @@ Command print_command(const ProvePages& prove) {
           "pdf\n"
           "  tagsmith print surveys/corridor/survey.yaml -o out/spares --format pdf --tags "
           "000L,003R",
-      .run =
-          [options, prove] {
-            const Result<int> printed = print(*options, prove);
-            return printed ? *printed : report_failure("print", printed.error());
-          },
+      .run = [options, prove] { return print(*options, prove); },
   };
   for (const auto& group : {choice_options(*options), paper_options(*options),
                             printer_options(*options), installer_options(*options)}) {

@@ -66,7 +66,8 @@ int run_command(const Command& command, const Words& arguments) {
     return kExitFailure;
   }
   if (*asked == Asked::help) return show(command_help(command, terminal_columns()));
-  return command.run();
+  const Result<int> code = command.run();
+  return code ? *code : report_failure(command.name, code.error());
 }
 
 int answer(const std::vector<Command>& commands, const ProgramVersion& version,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tagsmith/cli/validate_command.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
@@ -14,6 +12,7 @@
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/apply_fixes.hpp"
+#include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
@@ -251,30 +250,21 @@ Command validate_command() {
   return {
       .name = "validate",
       .summary = "Every problem of surveys, rigs and templates in one go, and how to mend it",
-      .options = {{.names = "SURVEY",
-                   .target = &options->surveys,
-                   .help = "Survey files (YAML); several are checked against each other too",
-                   .kind = ValueKind::survey},
-                  rig_option(&options->rigs,
-                             "Rig file to check as well, and whether its cameras can see the "
-                             "surveys' tags"),
-                  {.names = "--template",
-                   .target = &options->templates,
-                   .help = "Template file to check as well",
-                   .placeholder = "FILE",
-                   .kind = ValueKind::tag_template},
-                  {.names = "--fix",
-                   .target = &options->fix,
-                   .help = "Write the mechanical remedies into the files (misspelt keys, decimal "
-                           "commas, quotes), show them, and report what is left"},
-                  {.names = "--explain",
-                   .target = &options->explain,
-                   .help = "What the rule RULE is about, and why",
-                   .placeholder = "RULE"},
-                  {.names = "--rules",
-                   .target = &options->list_rules,
-                   .help = "All rules, as a table"},
-                  json_flag(options->json, "One JSON object a line for each finding")},
+      .options =
+          {argument("SURVEY", &options->surveys, ValueKind::survey,
+                    "Survey files (YAML); several are checked against each other too"),
+           rig_option(
+               &options->rigs,
+               "Rig file to check as well, and whether its cameras can see the surveys' tags"),
+           value_option("--template", &options->templates, "FILE", "Template file to check as well",
+                        ValueKind::tag_template),
+           flag("--fix", &options->fix,
+                "Write the mechanical remedies into the files (misspelt keys, decimal commas, "
+                "quotes), show them, and report what is left"),
+           value_option("--explain", &options->explain, "RULE",
+                        "What the rule RULE is about, and why"),
+           flag("--rules", &options->list_rules, "All rules, as a table"),
+           json_flag(options->json, "One JSON object a line for each finding")},
       .notes =
           "A comment `# tagsmith: allow RULE: REASON` on or above a line silences a warning. "
           "Exit code: 0 no errors, 1 errors found, 2 a file cannot be read.\n\n"
