@@ -47,9 +47,7 @@ void bind_findings(py::module_& module) {
       .def_readonly("column", &FileFinding::column)
       .def_readonly("message", &FileFinding::message)
       .def_readonly("remedy", &FileFinding::remedy)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "FileFinding", {"rule", "severity", "file", "line", "message"});
-      });
+      .def("__repr__", shows("FileFinding", {"rule", "severity", "file", "line", "message"}));
 }
 
 void bind_verified(py::module_& module) {
@@ -59,13 +57,10 @@ void bind_verified(py::module_& module) {
       .def_property_readonly("status", [](const VerifiedTag& one) { return to_string(one.status); })
       .def_readonly("rule", &VerifiedTag::rule)
       .def_readonly("message", &VerifiedTag::message)
-      .def_property_readonly("corners",
-                             [](const VerifiedTag& one) { return array_of(one.corners); })
+      .def_property_readonly("corners", as_array(&VerifiedTag::corners))
       .def_readonly("page", &VerifiedTag::page)
       .def_readonly("grade", &VerifiedTag::grade)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "VerifiedTag", {"tag", "status", "message", "grade"});
-      });
+      .def("__repr__", shows("VerifiedTag", {"tag", "status", "message", "grade"}));
   py::class_<VerifiedFile>(module, "VerifiedFile", "What verify() says of one file.")
       .def_readonly("file", &VerifiedFile::file)
       .def_readonly("tags", &VerifiedFile::tags)
@@ -74,9 +69,7 @@ void bind_verified(py::module_& module) {
       .def_readonly("readable", &VerifiedFile::readable)
       .def_readonly("stale", &VerifiedFile::stale)
       .def_property_readonly("is_ok", &VerifiedFile::is_ok)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "VerifiedFile", {"file", "is_ok", "tags", "findings"});
-      });
+      .def("__repr__", shows("VerifiedFile", {"file", "is_ok", "tags", "findings"}));
 }
 
 }  // namespace

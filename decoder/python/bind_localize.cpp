@@ -67,36 +67,28 @@ void bind_fix_parts(py::module_& module) {
       .def_readonly("heading", &Attitude::heading)
       .def_readonly("pitch", &Attitude::pitch)
       .def_readonly("roll", &Attitude::roll)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Attitude", {"heading", "pitch", "roll"});
-      });
+      .def("__repr__", shows("Attitude", {"heading", "pitch", "roll"}));
   py::class_<Dropped>(module, "Dropped", "A tag or range that contradicts the position.")
       .def_readonly("name", &Dropped::name)
       .def_readonly("camera", &Dropped::camera)
       .def_readonly("reason", &Dropped::reason)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Dropped", {"name", "camera", "reason"});
-      });
+      .def("__repr__", shows("Dropped", {"name", "camera", "reason"}));
   py::class_<Unchecked>(module, "Unchecked", "A mistake that would go unnoticed.")
       .def_readonly("kind", &Unchecked::kind)
       .def_readonly("name", &Unchecked::name)
       .def_readonly("metres", &Unchecked::metres)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Unchecked", {"kind", "name", "metres"});
-      });
+      .def("__repr__", shows("Unchecked", {"kind", "name", "metres"}));
 }
 
 void bind_fix(py::module_& module) {
   py::class_<Fix>(module, "Fix", "The vehicle's centre O at one measurement, in the survey's grid.")
       .def_readonly("id", &Fix::id)
-      .def_property_readonly(
-          "position", [](const Fix& fix) { return array_of(fix.position); },
-          "x, y, z in metres; None = there is none, and `reason` says why.")
-      .def_property_readonly("covariance", [](const Fix& fix) { return array_of(fix.covariance); })
+      .def_property_readonly("position", as_array(&Fix::position),
+                             "x, y, z in metres; None = there is none, and `reason` says why.")
+      .def_property_readonly("covariance", as_array(&Fix::covariance))
       .def_readonly("attitude", &Fix::attitude)
-      .def_property_readonly(
-          "pose_covariance", [](const Fix& fix) { return array_of(fix.pose_covariance); },
-          "6 x 6: x, y, z, heading, pitch, roll.")
+      .def_property_readonly("pose_covariance", as_array(&Fix::pose_covariance),
+                             "6 x 6: x, y, z, heading, pitch, roll.")
       .def_readonly("reason", &Fix::reason)
       .def_readonly("survey", &Fix::survey)
       .def_readonly("tags", &Fix::tags)
@@ -107,9 +99,7 @@ void bind_fix(py::module_& module) {
       .def_readonly("degrees_of_freedom", &Fix::degrees_of_freedom)
       .def_readonly("unchecked", &Fix::unchecked)
       .def_readonly("notes", &Fix::notes)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Fix", {"id", "position", "tags", "confirmations", "reason"});
-      });
+      .def("__repr__", shows("Fix", {"id", "position", "tags", "confirmations", "reason"}));
 }
 
 }  // namespace

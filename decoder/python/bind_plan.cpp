@@ -15,29 +15,21 @@ void bind_plan_parts(py::module_& module) {
       .def_readonly("both", &WallShares::both)
       .def_readonly("one", &WallShares::one)
       .def_readonly("none", &WallShares::none)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "WallShares", {"both", "one", "none"});
-      });
+      .def("__repr__", shows("WallShares", {"both", "one", "none"}));
   py::class_<Stretch>(module, "Stretch", "A part of the drive, chainages.")
       .def_readonly("start", &Stretch::from)
       .def_readonly("end", &Stretch::to)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Stretch", {"start", "end"});
-      });
+      .def("__repr__", shows("Stretch", {"start", "end"}));
   py::class_<SigmaRange>(module, "SigmaRange", "Standard deviations over the poses.")
       .def_readonly("median", &SigmaRange::median)
       .def_readonly("high", &SigmaRange::high)
       .def_readonly("worst", &SigmaRange::worst)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "SigmaRange", {"median", "high", "worst"});
-      });
+      .def("__repr__", shows("SigmaRange", {"median", "high", "worst"}));
   py::class_<CriticalTag>(module, "CriticalTag", "A tag that some poses cannot do without.")
       .def_readonly("tag", &CriticalTag::tag)
       .def_readonly("length", &CriticalTag::length)
       .def_readonly("longest_gap", &CriticalTag::longest_gap)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "CriticalTag", {"tag", "length"});
-      });
+      .def("__repr__", shows("CriticalTag", {"tag", "length"}));
 }
 
 PlanSummary plan_drive(const Survey& survey, const Rig& rig, std::optional<double> start,
@@ -67,9 +59,8 @@ void bind_plan(py::module_& module) {
       .def_readonly("unread_tags", &PlanSummary::unread_tags)
       .def_readonly("covered_share_one_lost", &PlanSummary::covered_share_one_lost)
       .def_readonly("critical_tags", &PlanSummary::critical_tags)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "PlanSummary", {"covered_share", "gaps", "plane_sigma", "unread_tags"});
-      });
+      .def("__repr__",
+           shows("PlanSummary", {"covered_share", "gaps", "plane_sigma", "unread_tags"}));
   const PlanOptions usual;
   module.def("plan", &plan_drive, py::arg("survey"), py::arg("rig"), py::kw_only(),
              py::arg("start") = py::none(), py::arg("end") = py::none(),

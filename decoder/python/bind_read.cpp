@@ -49,37 +49,30 @@ void bind_tags(py::module_& module) {
       .def_readonly("digits", &Tag::digits)
       .def_readonly("sum10_holds", &Tag::sum10_holds)
       .def_readonly("gs1_holds", &Tag::gs1_holds)
-      .def_property_readonly(
-          "position", [](const Tag& tag) { return array_of(tag.position); },
-          "That the digits say; metres of the grid.")
+      .def_property_readonly("position", as_array(&Tag::position),
+                             "That the digits say; metres of the grid.")
       .def_readonly("survey", &Tag::survey, "That has the tag; empty = none does.")
       .def_readonly("name", &Tag::name)
-      .def_property_readonly(
-          "corners", [](const Tag& tag) { return array_of(tag.corners); },
-          "P, F, lower right, Q of the feature frame: 4 x 2 pixels.")
-      .def_property_readonly(
-          "corner_covariance", [](const Tag& tag) { return array_of(tag.corner_covariance); },
-          "8 x 8, pixels squared; None = not estimated.")
+      .def_property_readonly("corners", as_array(&Tag::corners),
+                             "P, F, lower right, Q of the feature frame: 4 x 2 pixels.")
+      .def_property_readonly("corner_covariance", as_array(&Tag::corner_covariance),
+                             "8 x 8, pixels squared; None = not estimated.")
       .def_readonly("module_px", &Tag::module_px)
       .def_readonly("confidence", &Tag::confidence)
       .def_property_readonly("method", [](const Tag& tag) { return to_string(tag.method); })
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Tag", {"digits", "name", "survey", "corners", "module_px", "method"});
-      });
+      .def("__repr__",
+           shows("Tag", {"digits", "name", "survey", "corners", "module_px", "method"}));
   py::class_<FramelessTag>(module, "FramelessTag", "A symbol without a frame: nothing to measure.")
       .def_readonly("digits", &FramelessTag::digits)
       .def_readonly("sum10_holds", &FramelessTag::sum10_holds)
       .def_readonly("gs1_holds", &FramelessTag::gs1_holds)
-      .def_property_readonly("position",
-                             [](const FramelessTag& tag) { return array_of(tag.position); })
+      .def_property_readonly("position", as_array(&FramelessTag::position))
       .def_readonly("survey", &FramelessTag::survey)
       .def_readonly("name", &FramelessTag::name)
-      .def_property_readonly("bars", [](const FramelessTag& tag) { return array_of(tag.bars); })
+      .def_property_readonly("bars", as_array(&FramelessTag::bars))
       .def_readonly("module_px", &FramelessTag::module_px)
       .def_readonly("confidence", &FramelessTag::confidence)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "FramelessTag", {"digits", "name", "survey", "bars"});
-      });
+      .def("__repr__", shows("FramelessTag", {"digits", "name", "survey", "bars"}));
 }
 
 void bind_results(py::module_& module) {
@@ -87,19 +80,15 @@ void bind_results(py::module_& module) {
       .def_property_readonly("reason", [](const Refusal& one) { return to_string(one.reason); })
       .def_readonly("text", &Refusal::text)
       .def_readonly("has_frame", &Refusal::has_frame)
-      .def_property_readonly("corners", [](const Refusal& one) { return array_of(one.corners); })
+      .def_property_readonly("corners", as_array(&Refusal::corners))
       .def_readonly("measured", &Refusal::measured)
       .def_readonly("limit", &Refusal::limit)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Refusal", {"reason", "text"});
-      });
+      .def("__repr__", shows("Refusal", {"reason", "text"}));
   py::class_<ReadResult>(module, "ReadResult", "What was read in a picture, and what was refused.")
       .def_readonly("tags", &ReadResult::tags)
       .def_readonly("frameless", &ReadResult::frameless)
       .def_readonly("refusals", &ReadResult::refusals)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "ReadResult", {"tags", "frameless", "refusals"});
-      });
+      .def("__repr__", shows("ReadResult", {"tags", "frameless", "refusals"}));
 }
 
 void bind_grade(py::module_& module) {
@@ -107,16 +96,12 @@ void bind_grade(py::module_& module) {
       .def_readonly("name", &GradeParameter::name)
       .def_readonly("grade", &GradeParameter::grade)
       .def_readonly("value", &GradeParameter::value)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "GradeParameter", {"name", "grade", "value"});
-      });
+      .def("__repr__", shows("GradeParameter", {"name", "grade", "value"}));
   py::class_<Grade>(module, "Grade", "Print quality in the manner of ISO/IEC 15416.")
       .def_readonly("grade", &Grade::grade)
       .def_readonly("worst", &Grade::worst)
       .def_readonly("parameters", &Grade::parameters)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Grade", {"grade", "worst"});
-      });
+      .def("__repr__", shows("Grade", {"grade", "worst"}));
   module.def(
       "grade",
       [](const py::object& image, const py::object& corners, const py::object& plate) {

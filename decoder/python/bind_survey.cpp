@@ -14,24 +14,6 @@ namespace py = pybind11;
 namespace tagsmith::python {
 namespace {
 
-py::object array_of(const Rectangle& rectangle) {
-  const std::array<double, 4> sides{rectangle.x, rectangle.y, rectangle.width, rectangle.height};
-  return py::array_t<double>(4, sides.data());
-}
-
-py::object array_of(const std::vector<Rectangle>& rectangles) {
-  py::array_t<double> array({static_cast<py::ssize_t>(rectangles.size()), py::ssize_t{4}});
-  auto cells = array.mutable_unchecked<2>();
-  for (std::size_t i = 0; i < rectangles.size(); ++i) {
-    const auto row = static_cast<py::ssize_t>(i);
-    cells(row, 0) = rectangles[i].x;
-    cells(row, 1) = rectangles[i].y;
-    cells(row, 2) = rectangles[i].width;
-    cells(row, 3) = rectangles[i].height;
-  }
-  return std::move(array);
-}
-
 void bind_plate(py::module_& module) {
   py::class_<PlateTemplate>(module, "PlateTemplate", "A plate's dimensions, metres.")
       .def_readonly("name", &PlateTemplate::name)
@@ -41,22 +23,16 @@ void bind_plate(py::module_& module) {
       .def_readonly("frame_inner_height", &PlateTemplate::frame_inner_height)
       .def_readonly("frame_stroke", &PlateTemplate::frame_stroke)
       .def_readonly("white_on_black", &PlateTemplate::white_on_black)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "PlateTemplate", {"name", "plate_length", "plate_height"});
-      });
+      .def("__repr__", shows("PlateTemplate", {"name", "plate_length", "plate_height"}));
   py::class_<TagDrawing>(module, "TagDrawing",
                          "What is printed, in metres from corner P: x to the right, y down. "
                          "Rectangles are x, y, width, height.")
-      .def_property_readonly("plate", [](const TagDrawing& tag) { return array_of(tag.plate); })
-      .def_property_readonly("frame_outer",
-                             [](const TagDrawing& tag) { return array_of(tag.frame_outer); })
-      .def_property_readonly("frame_inner",
-                             [](const TagDrawing& tag) { return array_of(tag.frame_inner); })
-      .def_property_readonly("bars", [](const TagDrawing& tag) { return array_of(tag.bars); })
+      .def_property_readonly("plate", as_array(&TagDrawing::plate))
+      .def_property_readonly("frame_outer", as_array(&TagDrawing::frame_outer))
+      .def_property_readonly("frame_inner", as_array(&TagDrawing::frame_inner))
+      .def_property_readonly("bars", as_array(&TagDrawing::bars))
       .def_readonly("module", &TagDrawing::module)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "TagDrawing", {"plate", "module"});
-      });
+      .def("__repr__", shows("TagDrawing", {"plate", "module"}));
   module.def(
       "draw_tag",
       [](const std::string& digits, const py::object& plate) {
@@ -72,17 +48,12 @@ void bind_survey_class(py::module_& module) {
       .def_readonly("name", &SurveyTag::name)
       .def_readonly("digits", &SurveyTag::digits)
       .def_property_readonly("side", [](const SurveyTag& tag) { return to_string(tag.side); })
-      .def_property_readonly("corner_p",
-                             [](const SurveyTag& tag) { return python::array_of(tag.corner_p); })
-      .def_property_readonly(
-          "coded_position",
-          [](const SurveyTag& tag) { return python::array_of(tag.coded_position); })
+      .def_property_readonly("corner_p", as_array(&SurveyTag::corner_p))
+      .def_property_readonly("coded_position", as_array(&SurveyTag::coded_position))
       .def_readonly("chainage", &SurveyTag::chainage)
       .def_readonly("sigma", &SurveyTag::sigma)
       .def_readonly("surveyed", &SurveyTag::surveyed)
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "SurveyTag", {"name", "digits", "side", "corner_p"});
-      });
+      .def("__repr__", shows("SurveyTag", {"name", "digits", "side", "corner_p"}));
   py::class_<Survey>(module, "Survey", "A surveyed tunnel and the tags in it; immutable.")
       .def_static("load", &load_survey, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
                   "Reads a survey file (YAML); Error lists all that is wrong with it.")
@@ -111,9 +82,7 @@ void bind_rig(py::module_& module) {
                              [](const CameraModel& model) {
                                return model.lens == LensModel::fisheye ? "fisheye" : "perspective";
                              })
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "CameraModel", {"width", "height", "fx", "fy", "cx", "cy", "lens"});
-      });
+      .def("__repr__", shows("CameraModel", {"width", "height", "fx", "fy", "cx", "cy", "lens"}));
   py::class_<RigCamera>(module, "RigCamera", "A camera of a rig.")
       .def_readonly("name", &RigCamera::name)
       .def_readonly("model", &RigCamera::model)
@@ -127,9 +96,7 @@ void bind_rig(py::module_& module) {
                              [](const RigCamera& camera) {
                                return python::array_of(camera.vehicle_from_camera.translation);
                              })
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "RigCamera", {"name", "model"});
-      });
+      .def("__repr__", shows("RigCamera", {"name", "model"}));
   py::class_<Rig>(module, "Rig", "A vehicle's cameras and range sensors; immutable.")
       .def_static("load", &load_rig, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
                   "Reads a rig file (YAML); Error lists all that is wrong with it.")
@@ -143,9 +110,7 @@ void bind_rig(py::module_& module) {
                                }
                                return names;
                              })
-      .def("__repr__", [](const py::object& self) {
-        return shown(self, "Rig", {"name", "ranges"});
-      });
+      .def("__repr__", shows("Rig", {"name", "ranges"}));
 }
 
 }  // namespace

@@ -129,6 +129,24 @@ py::object array_of(const Corners& corners) {
   return std::move(array);
 }
 
+py::object array_of(const Rectangle& rectangle) {
+  const std::array<double, 4> sides{rectangle.x, rectangle.y, rectangle.width, rectangle.height};
+  return py::array_t<double>(4, sides.data());
+}
+
+py::object array_of(const std::vector<Rectangle>& rectangles) {
+  py::array_t<double> array({static_cast<py::ssize_t>(rectangles.size()), py::ssize_t{4}});
+  auto cells = array.mutable_unchecked<2>();
+  for (std::size_t i = 0; i < rectangles.size(); ++i) {
+    const auto row = static_cast<py::ssize_t>(i);
+    cells(row, 0) = rectangles[i].x;
+    cells(row, 1) = rectangles[i].y;
+    cells(row, 2) = rectangles[i].width;
+    cells(row, 3) = rectangles[i].height;
+  }
+  return std::move(array);
+}
+
 py::object array_of(const std::optional<Vector3>& vector) {
   if (!vector) return py::none();
   return array_of(*vector);
@@ -140,16 +158,17 @@ py::object array_of(const std::optional<Matrix<8>>& matrix) { return square_arra
 
 std::string to_string(Side side) { return side == Side::left ? "left" : "right"; }
 
-std::string shown(const py::object& value, const std::string& type,
-                  const std::vector<std::string>& attributes) {
-  std::string text = type + "(";
-  for (const std::string& name : attributes) {
-    if (text.back() != '(') text += ", ";
-    py::object attribute = value.attr(name.c_str());
-    if (py::isinstance<py::array>(attribute)) attribute = attribute.attr("tolist")();
-    text += name + "=" + std::string(py::repr(attribute));
-  }
-  return text + ")";
+Shown shows(const std::string& type, const std::vector<std::string>& attributes) {
+  return [type, attributes](const py::object& self) {
+    std::string text = type + "(";
+    for (const std::string& name : attributes) {
+      if (text.back() != '(') text += ", ";
+      py::object attribute = self.attr(name.c_str());
+      if (py::isinstance<py::array>(attribute)) attribute = attribute.attr("tolist")();
+      text += name + "=" + std::string(py::repr(attribute));
+    }
+    return text + ")";
+  };
 }
 
 }  // namespace tagsmith::python

@@ -2,6 +2,7 @@
 // What the parts of the Python module share: numpy arrays, and how values show themselves.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,15 +49,23 @@ CornerCovariance covariance_from(const pybind11::handle& covariance);
 
 pybind11::object array_of(const Vector3& vector);
 pybind11::object array_of(const Corners& corners);
+pybind11::object array_of(const Rectangle& rectangle);  // x, y, width, height
+pybind11::object array_of(const std::vector<Rectangle>& rectangles);
 pybind11::object array_of(const std::optional<Vector3>& vector);
 pybind11::object array_of(const std::optional<Matrix<3>>& matrix);
 pybind11::object array_of(const std::optional<Matrix<6>>& matrix);
 pybind11::object array_of(const std::optional<Matrix<8>>& matrix);
 
+// Reads this member of a value as an array.
+template <class Type, class Member>
+auto as_array(Member Type::*member) {
+  return [member](const Type& value) { return array_of(value.*member); };
+}
+
 std::string to_string(Side side);
 
-// "Tag(digits='019000000404', name='000L')": these attributes of a value.
-std::string shown(const pybind11::object& value, const std::string& type,
-                  const std::vector<std::string>& attributes);
+// How values show themselves by these attributes: "Tag(digits='019000000404', name='000L')".
+using Shown = std::function<std::string(const pybind11::object& self)>;
+Shown shows(const std::string& type, const std::vector<std::string>& attributes);
 
 }  // namespace tagsmith::python
