@@ -43,13 +43,11 @@ double magnification(const Survey& survey, const AsBuiltSurvey& found) {
 // On the tunnel's side of the wall: the tag's name is on the other.
 void add_height(SketchLayer& layer, const Vector2d& at, Side wall, const AsBuiltTag& tag) {
   const bool is_above = wall == Side::left;  // the drive runs to the right
-  Words words;
-  words.text = fmt::format("{:+.1f}", std::round(1e4 * tag.shift.z()) / 10 + 0.0);
-  words.at = {at, {0, is_above ? -0.003 : 0.003}};
-  words.align = TextAlign::centre;
-  words.level = is_above ? TextLevel::top : TextLevel::baseline;
-  words.colour = colour_of(tag);
-  layer.add(std::move(words));
+  layer.add(Words{.text = fmt::format("{:+.1f}", std::round(1e4 * tag.shift.z()) / 10 + 0.0),
+                  .at = {at, {0, is_above ? -0.003 : 0.003}},
+                  .align = TextAlign::centre,
+                  .level = is_above ? TextLevel::top : TextLevel::baseline,
+                  .colour = colour_of(tag)});
 }
 
 void add_tag(Sketch& sketch, const PlanStrip& strip, const PlacedTag& surveyed,
@@ -74,7 +72,7 @@ DrawingView summary_view(const AsBuiltSurvey& found) {
   const auto count = [&](AsBuiltStatus status) {
     return std::ranges::count(found.tags, status, &AsBuiltTag::status);
   };
-  const std::string lines[] = {
+  const std::vector<std::string> lines{
       fmt::format("{} tags adjusted (blue), {} control tags (green), {} contradicted (red), {} not "
                   "determined (ring)",
                   count(AsBuiltStatus::adjusted), count(AsBuiltStatus::control),
@@ -86,15 +84,7 @@ DrawingView summary_view(const AsBuiltSurvey& found) {
   DrawingView view;
   view.title = "As built";
   view.new_row = true;
-  double y = 0;
-  for (const std::string& line : lines) {
-    Words words;
-    words.text = line;
-    words.at = {Vector2d(0, 0), Vector2d(0, y)};
-    words.height = 0.0025;
-    view.sketch.layer("summary").add(std::move(words));
-    y -= 0.006;
-  }
+  add_lines(view.sketch.layer("summary"), lines, 0, colours::kBlack, 0.0025, 0.006);
   return view;
 }
 

@@ -2,7 +2,6 @@
 #include "decoder/cli/calibrate_drawing.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -27,13 +26,7 @@ constexpr Colour kDeepBlue{0.05, 0.20, 0.50};
 
 Words words_at(std::string text, const Vector2d& at, TextAlign align = TextAlign::left,
                TextLevel level = TextLevel::baseline) {
-  Words words;
-  words.text = std::move(text);
-  words.at = at;
-  words.height = kWordsHeight;
-  words.align = align;
-  words.level = level;
-  return words;
+  return {.text = std::move(text), .at = at, .align = align, .level = level};
 }
 
 Area box(const Vector2d& from, const Vector2d& to, const Colour& fill) {
@@ -396,12 +389,7 @@ DrawingView summary_view(const BoardCalibration& result) {
   SketchLayer& layer = view.sketch.layer("summary");
   double y = 0;
   const auto add = [&](const std::string& text, const Colour& colour) {
-    for (const std::string& line : lines_of(text, kWidth, kWordsHeight)) {
-      Words words = words_at(line, {0, y});
-      words.colour = colour;
-      layer.add(std::move(words));
-      y -= kWordsLine;
-    }
+    y = add_lines(layer, lines_of(text, kWidth, kWordsHeight), y, colour);
   };
   for (const std::string& fact : calibration_facts(result)) add(fact, colours::kBlack);
   std::string numbers;

@@ -36,12 +36,10 @@ Ellipse ellipse95(const Eigen::Vector2d& centre, const Eigen::Matrix2d& covarian
   const PrincipalAxes axes = principal_axes(covariance);
   const Eigen::Vector2d sigmas = axes.values.cwiseMax(0).cwiseSqrt();
   const Eigen::Vector2d first = axes.vectors.col(0);
-  Ellipse ellipse;
-  ellipse.at = centre;
-  ellipse.semi_axes = factor * kEllipse95 * sigmas;
-  ellipse.angle = std::atan2(first.y(), first.x());
-  ellipse.line = {colours::kBlue, kNarrow, {}};
-  return ellipse;
+  return {.at = centre,
+          .semi_axes = factor * kEllipse95 * sigmas,
+          .angle = std::atan2(first.y(), first.x()),
+          .line = {colours::kBlue, kNarrow, {}}};
 }
 
 }  // namespace tagsmith::detail

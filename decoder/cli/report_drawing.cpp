@@ -13,8 +13,6 @@
 #include "decoder/cli/report_map.hpp"
 #include "decoder/image/load.hpp"
 #include "decoder/verify/verify_rules.hpp"
-#include "tagsmith/base/printable.hpp"
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sheet_layout.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/tunnel_plan.hpp"
@@ -23,33 +21,9 @@
 namespace tagsmith::detail {
 namespace {
 
-using Eigen::Vector2d;
-
 constexpr std::size_t kMostShownFaults = 400;
 constexpr std::size_t kMostStretches = 12;
 constexpr std::size_t kMostDrawnNotes = 6;
-
-SketchPoint on_paper(double x, double y) { return {Vector2d(0, 0), Vector2d(x, y)}; }
-
-Words words_at(std::string text, double x, double y, const Colour& colour = colours::kBlack,
-               double height = kWordsHeight) {
-  Words words;
-  words.text = std::move(text);
-  words.at = on_paper(x, y);
-  words.height = height;
-  words.colour = colour;
-  return words;
-}
-
-// Lines below each other; returns the place of the next.
-double add_lines(SketchLayer& layer, const std::vector<std::string>& lines, double y,
-                 const Colour& colour) {
-  for (const std::string& line : lines) {
-    layer.add(words_at(line, 0, y, colour));
-    y -= kWordsLine;
-  }
-  return y;
-}
 
 DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   const Completeness covered = completeness_of(survey, merged);
@@ -69,8 +43,9 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
                                      {"unseen", covered.tags - covered.seen, "not seen"}}};
   for (const Count& count : counts) {
     add_status_mark(layer, on_paper(0.002, y + 0.0012), count.status);
-    layer.add(words_at(fmt::format("{} tags {}", count.count, count.words), 0.006, y,
-                       colours::kBlack, 0.0025));
+    layer.add(Words{.text = fmt::format("{} tags {}", count.count, count.words),
+                    .at = on_paper(0.006, y),
+                    .height = 0.0025});
     y -= 0.0055;
   }
   std::vector<std::string> lines = completeness_words(covered, kMostStretches);
@@ -84,8 +59,9 @@ DrawingView summary_view(const Survey& survey, const VerifyMerge& merged) {
   for (const std::string& line : unchecked_and_notes_words(covered, merged, kMostDrawnNotes)) {
     lines.push_back(line);
   }
-  for (const std::string& line : lines)
-    y = add_lines(layer, lines_of(line, 0.17, kWordsHeight), y, colours::kBlack);
+  for (const std::string& line : lines) {
+    y = add_lines(layer, lines_of(line, 0.17, kWordsHeight), y);
+  }
   return view;
 }
 
@@ -95,14 +71,12 @@ std::optional<Picture> picture_of(const FaultRecord& fault, double width, double
   Result<GrayImage> image = decode_gray_image("crop", fault.picture.jpeg);
   if (!image) return std::nullopt;
   const double scale = std::min(width / image->width, height / image->height);
-  Picture picture;
-  picture.width = scale * image->width;
-  picture.height = scale * image->height;
-  picture.columns = image->width;
-  picture.rows = image->height;
-  picture.samples = std::move(image->samples);
-  picture.jpeg = fault.picture.jpeg;
-  return picture;
+  return Picture{.width = scale * image->width,
+                 .height = scale * image->height,
+                 .columns = image->width,
+                 .rows = image->height,
+                 .samples = std::move(image->samples),
+                 .jpeg = fault.picture.jpeg};
 }
 
 // A card: picture, where, what is wrong, what to do.
@@ -132,67 +106,44 @@ DrawingView fault_view(const FaultRecord& fault, std::size_t number) {
   }
   y = add_lines(layer, lines_of(fault.message, kWidth, kWordsHeight), y, colours::kRed);
   if (const VerifyRule* rule = find_verify_rule(fault.rule)) {
-    add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kWordsHeight), y, colours::kBlack);
+    add_lines(layer, lines_of(std::string(rule->remedy), kWidth, kWordsHeight), y);
   }
   return view;
 }
 
-struct Column {
-  const char* title;
-  double at;  // metres on paper from the table's left edge
-};
+constexpr std::array<ViewColumn, 8> kColumns{{{"tag", 0.0},
+                                              {"status", 0.018},
+                                              {"chainage", 0.032},
+                                              {"seen", 0.048},
+                                              {"faults", 0.057},
+                                              {"best", 0.068},
+                                              {"worst", 0.077},
+                                              {"blame", 0.087}}};
 
-constexpr std::array<Column, 8> kColumns{{{"tag", 0.0},
-                                          {"status", 0.018},
-                                          {"chainage", 0.032},
-                                          {"seen", 0.048},
-                                          {"faults", 0.057},
-                                          {"best", 0.068},
-                                          {"worst", 0.077},
-                                          {"blame", 0.087}}};
-
-void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double y,
-             const Colour& colour) {
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!cells[i].empty()) layer.add(words_at(cells[i], kColumns[i].at, y, colour, 0.0016));
-  }
-}
-
-std::array<std::string, 8> cells_of(const PlacedTag& tag, const TagRecord& record) {
+std::vector<std::string> cells_of(const PlacedTag& tag, const TagRecord& record) {
   const auto grade = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.1f}", *value) : std::string("-");
   };
-  return {tag.name,
-          status_of(record),
-          fmt::format("{:.2f}", tag.chainage),
-          std::to_string(record.seen),
-          std::to_string(record.faults),
-          grade(record.best),
-          grade(record.worst),
-          record.blame};
+  std::vector<std::string> cells{tag.name,
+                                 status_of(record),
+                                 fmt::format("{:.2f}", tag.chainage),
+                                 std::to_string(record.seen),
+                                 std::to_string(record.faults),
+                                 grade(record.best),
+                                 grade(record.worst)};
+  if (!record.blame.empty()) cells.push_back(record.blame);
+  return cells;
 }
 
 std::vector<DrawingView> tag_tables(const Survey& survey, const VerifyMerge& merged, Paper paper) {
-  const auto rows = static_cast<std::size_t>((drawing_area(paper).y() - 0.012) / kWordsLine) - 1;
-  std::vector<DrawingView> views;
-  for (std::size_t first = 0; first < survey.tags.size(); first += rows) {
-    const std::size_t end = std::min(survey.tags.size(), first + rows);
-    DrawingView view;
-    view.title = "Tags " + survey.tags[first].name + " to " + survey.tags[end - 1].name;
-    view.scale = 1;
-    SketchLayer& layer = view.sketch.layer("table");
-    std::array<std::string, 8> titles;
-    std::ranges::transform(kColumns, titles.begin(), &Column::title);
-    add_row(layer, titles, 0, colours::kGrey);
-    for (std::size_t i = first; i < end; ++i) {
-      const TagRecord record = record_of(merged, survey.tags[i].name);
-      add_row(layer, cells_of(survey.tags[i], record),
-              -kWordsLine * static_cast<double>(i - first + 1),
-              status_of(record) == "ok" ? colours::kBlack : status_colour(status_of(record)));
-    }
-    views.push_back(std::move(view));
+  std::vector<ViewRow> rows;
+  for (const PlacedTag& tag : survey.tags) {
+    const TagRecord record = record_of(merged, tag.name);
+    const std::string status = status_of(record);
+    rows.push_back(
+        {cells_of(tag, record), status == "ok" ? colours::kBlack : status_colour(status)});
   }
-  return views;
+  return table_views(kColumns, TextAlign::left, kWordsLine, rows, paper);
 }
 
 DrawingPart fault_part(const VerifyMerge& merged, Paper paper) {

@@ -94,12 +94,10 @@ void add_mark(Sketch& sketch, const PlanStrip& strip, const Mark& mark, double f
     sketch.layer("fixes").add(Dot{shown, 0.0005, colours::kBlue});
   }
   if (!named) return;
-  Words name;
-  name.text = mark.fix ? mark.id : mark.id + ": no position";
-  name.at = {origin, {0, -0.0035}};
-  name.align = TextAlign::centre;
-  name.colour = mark.fix ? colours::kBlack : colours::kRed;
-  sketch.layer("run").add(std::move(name));
+  sketch.layer("run").add(Words{.text = mark.fix ? mark.id : mark.id + ": no position",
+                                .at = {origin, {0, -0.0035}},
+                                .align = TextAlign::centre,
+                                .colour = mark.fix ? colours::kBlack : colours::kRed});
 }
 
 void add_track(Sketch& sketch, const PlanStrip& strip, const std::vector<const Mark*>& marks) {
@@ -145,16 +143,9 @@ std::vector<DrawingView> plan_views(const Survey& survey, const std::vector<Mark
 constexpr double kChartWidth = 0.15;
 constexpr double kChartHeight = 0.05;
 
-SketchPoint on_chart(double x, double y) { return {Vector2d(0, 0), Vector2d(x, y)}; }
-
 Words chart_words(std::string text, double x, double y, TextAlign align,
                   TextLevel level = TextLevel::middle) {
-  Words words;
-  words.text = std::move(text);
-  words.at = on_chart(x, y);
-  words.align = align;
-  words.level = level;
-  return words;
+  return {.text = std::move(text), .at = on_paper(x, y), .align = align, .level = level};
 }
 
 void add_axes(SketchLayer& layer, double top_mm) {
@@ -162,18 +153,18 @@ void add_axes(SketchLayer& layer, double top_mm) {
   const LineStyle grid{colours::kPale, kExtraNarrow, {}};
   for (const int quarter : {1, 2, 3, 4}) {
     const double y = kChartHeight * quarter / 4;
-    layer.add(Polyline{{on_chart(0, y), on_chart(kChartWidth, y)}, grid, false});
+    layer.add(Polyline{{on_paper(0, y), on_paper(kChartWidth, y)}, grid, false});
     layer.add(chart_words(fmt::format("{:g}", top_mm * quarter / 4), -0.0015, y, TextAlign::right));
   }
   layer.add(chart_words("0", -0.0015, 0, TextAlign::right));
   layer.add(chart_words("mm", -0.0015, kChartHeight + 0.005, TextAlign::right));
   layer.add(Polyline{
-      {on_chart(0, kChartHeight), on_chart(0, 0), on_chart(kChartWidth, 0)}, frame, false});
+      {on_paper(0, kChartHeight), on_paper(0, 0), on_paper(kChartWidth, 0)}, frame, false});
 }
 
 void add_bar(SketchLayer& layer, double x, double width, double height, const Colour& colour) {
   layer.add(Area{
-      {on_chart(x, 0), on_chart(x + width, 0), on_chart(x + width, height), on_chart(x, height)},
+      {on_paper(x, 0), on_paper(x + width, 0), on_paper(x + width, height), on_paper(x, height)},
       colour});
 }
 
@@ -241,14 +232,8 @@ DrawingView summary_view(const Survey& survey, const Run& run, const std::vector
   lines.emplace_back("green: truth; blue: positions and their 95 % ellipses; red: errors");
   DrawingView view;
   view.title = "Run";
-  double y = 0;
-  for (const std::string& line : lines) {
-    if (line.empty()) continue;
-    Words words = chart_words(line, 0, y, TextAlign::left, TextLevel::baseline);
-    words.height = 0.0025;
-    view.sketch.layer("summary").add(std::move(words));
-    y -= 0.006;
-  }
+  std::erase(lines, "");
+  add_lines(view.sketch.layer("summary"), lines, 0, colours::kBlack, 0.0025, 0.006);
   return view;
 }
 

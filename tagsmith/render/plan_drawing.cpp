@@ -2,7 +2,6 @@
 #include "tagsmith/render/plan_drawing.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -95,7 +94,6 @@ struct LegendEntry {
 // Lines with what they mean, beside each other; `y`: of their words, metres on paper.
 void draw_legend(SketchLayer& layer, const std::vector<LegendEntry>& entries, double y,
                  double room) {
-  const auto on_paper = [](double x, double at_y) { return SketchPoint({0, 0}, {x, at_y}); };
   double x = 0;
   for (const auto& [line, text] : entries) {
     layer.add(Polyline{{on_paper(x, y + 0.001), on_paper(x + 0.010, y + 0.001)}, line});
@@ -115,7 +113,7 @@ struct ProfileAxes {
   SketchPoint at(double chainage, double sigma) const {
     const double x = length * (chainage - from) / (to - from);
     const double above = std::clamp(std::log10(sigma / least), 0.0, static_cast<double>(decades));
-    return SketchPoint({0, 0}, {x, kProfileHeight * above / decades});
+    return on_paper(x, kProfileHeight * above / decades);
   }
 };
 
@@ -305,18 +303,14 @@ Result<std::vector<Sheet>> draw_plan(const Survey& survey, const Rig& rig, const
               0, room);
   views.push_back(std::move(legend));
   views.push_back(profile_view(plan, room));
-  TitleBlock block;
-  block.title = "Plan of the drive " + survey.name;
-  block.subject = "What the cameras of " + rig.name + " read, and the expected accuracy";
-  block.fields = {
-      {"Chainage", fmt::format("{:.2f} to {:.2f} m", plan.columns.front().chainage,
-                               plan.columns.back().chainage)},
-      {"Tags", fmt::format("{}", survey.tags.size())},
-      {"Speed", plan.speed > 0 ? format_number(plan.speed, 2) + " m/s" : "standing still"}};
-  DrawingStyle style;
-  style.paper = paper;
-  style.coarsest_scale = coarsest_plan_scale(survey);
-  return lay_out_sheets(block, views, style);
+  const TitleBlock block{
+      "Plan of the drive " + survey.name,
+      "What the cameras of " + rig.name + " read, and the expected accuracy",
+      {{"Chainage", fmt::format("{:.2f} to {:.2f} m", plan.columns.front().chainage,
+                                plan.columns.back().chainage)},
+       {"Tags", fmt::format("{}", survey.tags.size())},
+       {"Speed", plan.speed > 0 ? format_number(plan.speed, 2) + " m/s" : "standing still"}}};
+  return lay_out_sheets(block, views, {paper, coarsest_plan_scale(survey)});
 }
 
 }  // namespace tagsmith::detail

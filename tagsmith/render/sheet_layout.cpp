@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <Eigen/Geometry>
 
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/render/sketch_on_paper.hpp"
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/render/title_block.hpp"
@@ -206,6 +204,36 @@ Sheet make_sheet(const TitleBlock& block, Paper paper, SheetViews& views, double
 }
 
 }  // namespace
+
+std::vector<DrawingView> table_views(std::span<const ViewColumn> columns, TextAlign align,
+                                     double step, std::span<const ViewRow> rows, Paper paper) {
+  constexpr double kCellHeight = 0.0016;
+  const auto most = static_cast<std::size_t>((drawing_area(paper).y() - 0.012) / step) - 1;
+  std::vector<DrawingView> views;
+  for (; !rows.empty(); rows = rows.subspan(std::min(most, rows.size()))) {
+    const auto here = rows.first(std::min(most, rows.size()));
+    DrawingView view;
+    view.title = "Tags " + here.front().cells[0] + " to " + here.back().cells[0];
+    view.scale = 1;
+    SketchLayer& layer = view.sketch.layer("table");
+    const auto add = [&](const std::string& text, std::size_t column, std::size_t row,
+                         const Colour& colour) {
+      layer.add(Words{.text = text,
+                      .at = on_paper(columns[column].at, -step * static_cast<double>(row)),
+                      .height = kCellHeight,
+                      .align = align,
+                      .colour = colour});
+    };
+    for (std::size_t i = 0; i < columns.size(); ++i) add(columns[i].title, i, 0, colours::kGrey);
+    for (std::size_t row = 0; row < here.size(); ++row) {
+      for (std::size_t i = 0; i < here[row].cells.size(); ++i) {
+        add(here[row].cells[i], i, row + 1, here[row].colour);
+      }
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
 
 double round_scale(double denominator) {
   constexpr double kTolerance = 1 + 1e-9;

@@ -33,6 +33,16 @@ struct DrawingView {
   bool new_row = false;           // begins a row
 };
 
+// A table of tags, whose first cell is a tag's name.
+struct ViewColumn {
+  const char* title;
+  double at;  // metres on paper from the table's left edge: where text begins, or ends
+};
+struct ViewRow {
+  std::vector<std::string> cells;  // of the first columns, or of all
+  Colour colour{};
+};
+
 struct DrawingStyle {
   Paper paper = Paper::a3;
   // Denominator of the least scale at which the sketches can be read. The drawing has the greatest
@@ -43,6 +53,10 @@ struct DrawingStyle {
 
 // The room for views on a sheet, metres on paper.
 Eigen::Vector2d drawing_area(Paper paper);
+
+// The table in as many views as the sheet's height makes of it, rows `step` apart.
+std::vector<DrawingView> table_views(std::span<const ViewColumn> columns, TextAlign align,
+                                     double step, std::span<const ViewRow> rows, Paper paper);
 
 // The greatest round scale not above 1:denominator: 1, 2, 2.5 or 5 times a power of ten (ISO 5455,
 // and 1:25, 1:250 as mines use them).

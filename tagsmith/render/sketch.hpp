@@ -61,6 +61,9 @@ struct SketchPoint {
   Eigen::Vector2d paper = Eigen::Vector2d::Zero();
 };
 
+// A place that does not move with the scale, metres on paper.
+inline SketchPoint on_paper(double x, double y) { return {{0, 0}, {x, y}}; }
+
 // A line through points: SketchPoint in a sketch, a place on paper in a sheet.
 template <class Point>
 struct LineThrough {
@@ -154,6 +157,12 @@ struct SketchLayer {
     items.emplace_back(std::move(item));
   }
 };
+
+// Adds lines of words below each other, the first `y` metres on paper above the origin, each `step`
+// below the one before; returns where the next would be.
+double add_lines(SketchLayer& layer, const std::vector<std::string>& lines, double y,
+                 const Colour& colour = colours::kBlack, double height = kWordsHeight,
+                 double step = kWordsLine);
 
 // x to the right and y up.
 struct Sketch {

@@ -153,42 +153,16 @@ void add_rig_words(std::vector<std::string>& lines, const Rig& rig) {
   }
 }
 
-Sketch text_block(const std::vector<std::string>& lines) {
-  Sketch sketch;
-  double down = 0;
-  for (const std::string& line : lines) {
-    sketch.layer("notes").add(Words{.text = line, .at = {{0, 0}, {0, -down}}});
-    down += kRow;
-  }
-  return sketch;
-}
+constexpr std::array<ViewColumn, 8> kColumns{{{"tag", 0.011},
+                                              {"digits", 0.039},
+                                              {"x", 0.057},
+                                              {"y", 0.075},
+                                              {"z", 0.089},
+                                              {"chainage", 0.104},
+                                              {"height", 0.115},
+                                              {"", 0.118}}};  // right ends
 
-struct ViewColumn {
-  const char* title;
-  double right_end;  // metres on paper from the table's left edge; text ends there
-};
-
-constexpr std::array<ViewColumn, 8> kViewColumns{{{"tag", 0.011},
-                                                  {"digits", 0.039},
-                                                  {"x", 0.057},
-                                                  {"y", 0.075},
-                                                  {"z", 0.089},
-                                                  {"chainage", 0.104},
-                                                  {"height", 0.115},
-                                                  {"", 0.118}}};
-
-void add_row(SketchLayer& layer, const std::array<std::string, 8>& cells, double down,
-             const Colour& colour) {
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    layer.add(Words{.text = cells[i],
-                    .at = {{0, 0}, {kViewColumns[i].right_end, -down}},
-                    .height = 0.0016,
-                    .align = TextAlign::right,
-                    .colour = colour});
-  }
-}
-
-std::array<std::string, 8> cells_of(const Survey& survey, const PlacedTag& tag) {
+std::vector<std::string> cells_of(const Survey& survey, const PlacedTag& tag) {
   return {tag.name,
           grouped_digits(survey.code, tag.digits),
           to_millimetre(tag.p_in_grid.x()),
@@ -210,31 +184,16 @@ DrawingView survey_notes(const Survey& survey, const std::optional<Rig>& rig) {
   if (rig) add_rig_words(lines, *rig);
   DrawingView view;
   view.title = "What the file says";
-  view.sketch = text_block(lines);
+  add_lines(view.sketch.layer("notes"), lines, 0, colours::kBlack, kWordsHeight, kRow);
   view.scale = 1;
   return view;
 }
 
 std::vector<DrawingView> tag_tables(const Survey& survey, Paper paper) {
-  const double room = drawing_area(paper).y() - 0.012;
-  const auto rows = static_cast<std::size_t>(room / kRow) - 1;
-  std::vector<DrawingView> views;
-  for (std::size_t i = 0; i < survey.tags.size(); i += rows) {
-    const std::size_t end = std::min(survey.tags.size(), i + rows);
-    DrawingView view;
-    view.title = "Tags " + survey.tags[i].name + " to " + survey.tags[end - 1].name +
-                 (i == 0 ? "; position of P in the grid, * as built" : "");
-    view.scale = 1;
-    SketchLayer& layer = view.sketch.layer("table");
-    std::array<std::string, 8> titles;
-    std::ranges::transform(kViewColumns, titles.begin(), &ViewColumn::title);
-    add_row(layer, titles, 0, colours::kGrey);
-    for (std::size_t row = i; row < end; ++row) {
-      add_row(layer, cells_of(survey, survey.tags[row]), kRow * static_cast<double>(row - i + 1),
-              colours::kBlack);
-    }
-    views.push_back(std::move(view));
-  }
+  std::vector<ViewRow> rows;
+  for (const PlacedTag& tag : survey.tags) rows.push_back({cells_of(survey, tag)});
+  std::vector<DrawingView> views = table_views(kColumns, TextAlign::right, kRow, rows, paper);
+  if (!views.empty()) views.front().title += "; position of P in the grid, * as built";
   return views;
 }
 

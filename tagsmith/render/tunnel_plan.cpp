@@ -184,14 +184,12 @@ Words name_of(const Survey& survey, const PlanStrip& strip, const PlacedTag& tag
   const double angle = std::atan2(outward.y(), outward.x());
   // Read from the right rather than turned over by a bend of the wall.
   const bool upside_down = angle > radians(105) || angle <= radians(-75);
-  Words words;
-  words.text = tag.name;
-  words.at = {middle, outward * kNameClear};
-  words.height = kTagNameHeight;
-  words.angle = upside_down ? angle + std::numbers::pi : angle;
-  words.align = upside_down ? TextAlign::right : TextAlign::left;
-  words.level = TextLevel::middle;
-  return words;
+  return {.text = tag.name,
+          .at = {middle, outward * kNameClear},
+          .height = kTagNameHeight,
+          .angle = upside_down ? angle + std::numbers::pi : angle,
+          .align = upside_down ? TextAlign::right : TextAlign::left,
+          .level = TextLevel::middle};
 }
 
 // The gap that a tenth of the gaps between neighbours on one wall are shorter than; infinity
