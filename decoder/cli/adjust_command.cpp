@@ -136,10 +136,9 @@ Json tag_json(const Survey& survey, const AsBuiltTag& tag) {
 
 void print_json(const Survey& survey, const AsBuiltSurvey& found) {
   for (const AsBuiltTag& tag : found.tags) to_stdout("{}\n", json_text(tag_json(survey, tag)));
-  Json left_out = Json::array();
-  for (const LeftOutSighting& out : found.left_out) {
-    left_out.push_back({{"station", out.station}, {"tag", out.tag}});
-  }
+  const auto left_out = [](const LeftOutSighting& out) -> Json {
+    return {{"station", out.station}, {"tag", out.tag}};
+  };
   Json summary{{"adjusted", count_of(found, AsBuiltStatus::adjusted)},
                {"control", count_of(found, AsBuiltStatus::control)},
                {"contradicted", count_of(found, AsBuiltStatus::contradicted)},
@@ -147,7 +146,7 @@ void print_json(const Survey& survey, const AsBuiltSurvey& found) {
                {"not_seen", not_seen(survey, found)},
                {"stations", found.stations},
                {"sightings", found.sightings},
-               {"left_out", std::move(left_out)},
+               {"left_out", json_list(found.left_out, left_out)},
                {"chi_square", found.chi_square},
                {"degrees_of_freedom", found.degrees_of_freedom},
                {"sigma_factor", found.sigma_factor}};

@@ -97,15 +97,13 @@ Json covariance_json(const CameraCalibration& calibration) {
 }
 
 Json forms_json(const CameraCalibration& calibration) {
-  Json forms = Json::array();
-  for (const TriedForm& tried : calibration.tried) {
-    forms.push_back({{"form", to_string(tried.form)},
-                     {"parameters", tried.form.parameters()},
-                     {"chi_square", measured(tried.chi_square)},
-                     {"bic", measured(tried.bic)},
-                     {"weight", measured(tried.weight)}});
-  }
-  return forms;
+  return json_list(calibration.tried, [](const TriedForm& tried) -> Json {
+    return {{"form", to_string(tried.form)},
+            {"parameters", tried.form.parameters()},
+            {"chi_square", measured(tried.chi_square)},
+            {"bic", measured(tried.bic)},
+            {"weight", measured(tried.weight)}};
+  });
 }
 
 Json cells_json(const RayGrid& grid) {

@@ -139,20 +139,19 @@ void print_json(const MountingFit& fit, const Input& input) {
   for (std::size_t c = 0; c < fit.cameras.size(); ++c) {
     to_stdout("{}\n", json_text(camera_json(fit.cameras[c], input.rig.cameras[c])));
   }
-  Json ranges = Json::array();
-  for (const FittedRange& range : fit.ranges) {
-    ranges.push_back({{"range", range.name},
-                      {"offset", range.offset},
-                      {"sigma", range.sigma},
-                      {"rows", range.rows}});
-  }
+  const auto range_json = [](const FittedRange& range) -> Json {
+    return {{"range", range.name},
+            {"offset", range.offset},
+            {"sigma", range.sigma},
+            {"rows", range.rows}};
+  };
   to_stdout("{}\n", json_text({{"summary",
                                 {{"rows", input.run.measurements.size()},
                                  {"rows_used", fit.rows},
                                  {"chi_square", fit.chi_square},
                                  {"degrees_of_freedom", fit.degrees_of_freedom},
                                  {"sigma_factor", fit.sigma_factor},
-                                 {"ranges", std::move(ranges)}}}}));
+                                 {"ranges", json_list(fit.ranges, range_json)}}}}));
 }
 
 // --- the rig that is written ---

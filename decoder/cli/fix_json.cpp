@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/fix_json.hpp"
 
-#include <cmath>
-#include <optional>
-
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/cli/json_text.hpp"
@@ -39,23 +36,19 @@ void add_attitude(Json& line, const Fix& fix) {
 }
 
 Json dropped_json(const Fix& fix) {
-  Json all = Json::array();
-  for (const Dropped& dropped : fix.dropped) {
-    all.push_back({{"name", dropped.name},
-                   {"camera", json_or_null(dropped.camera)},
-                   {"reason", dropped.reason}});
-  }
-  return all;
+  return json_list(fix.dropped, [](const Dropped& dropped) -> Json {
+    return {{"name", dropped.name},
+            {"camera", json_or_null(dropped.camera)},
+            {"reason", dropped.reason}};
+  });
 }
 
 Json unchecked_json(const Fix& fix) {
-  Json all = Json::array();
-  for (const Unchecked& unchecked : fix.unchecked) {
-    all.push_back({{"kind", to_string(unchecked.kind)},
-                   {"name", json_or_null(unchecked.name)},
-                   {"metres", unchecked.metres > 0 ? Json(unchecked.metres) : Json()}});
-  }
-  return all;
+  return json_list(fix.unchecked, [](const Unchecked& unchecked) -> Json {
+    return {{"kind", to_string(unchecked.kind)},
+            {"name", json_or_null(unchecked.name)},
+            {"metres", unchecked.metres > 0 ? Json(unchecked.metres) : Json()}};
+  });
 }
 
 // Standard deviations, metres.
@@ -82,9 +75,6 @@ Json residuals_json(const Fix& fix) {
   }
   return all;
 }
-
-// Ids and file names come from files and may not be UTF-8.
-std::string text_of(const Json& line) { return json_text(line); }
 
 Json summary_values(const FixSummary& summary) {
   Json values{
@@ -154,7 +144,7 @@ std::string fix_json_line(const Fix& fix, const Measurement& measurement, bool e
     line["error_plane"] = error->plane;
     line["error_z"] = error->height;
   }
-  return text_of(line);
+  return json_text(line);
 }
 
 std::string summary_json_line(std::span<const FixSummary> summaries,
@@ -172,7 +162,7 @@ std::string summary_json_line(std::span<const FixSummary> summaries,
                                    {"rows", tag.rows.size()}});
   }
   if (summaries.size() > 1) values["paper"] = summary_values(summaries[1]);
-  return text_of({{"summary", std::move(values)}});
+  return json_text({{"summary", std::move(values)}});
 }
 
 }  // namespace tagsmith::detail

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/cli/json.hpp"
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/cli/json_text.hpp"
@@ -12,12 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Rounded so that the shortest text of the number has that many decimals.
-double with_decimals(double value, int decimals) {
-  const double scale = std::pow(10.0, decimals);
-  return std::round(value * scale) / scale;
-}
-
 std::string check_digit_name(bool sum10_holds, bool gs1_holds) {
   if (sum10_holds && gs1_holds) return "both";
   if (sum10_holds) return "sum10";
@@ -25,11 +17,9 @@ std::string check_digit_name(bool sum10_holds, bool gs1_holds) {
 }
 
 Json to_json(const FrameCorners& corners) {
-  Json list = Json::array();
-  for (const PixelPoint& corner : corners) {
-    list.push_back({with_decimals(corner.x, 3), with_decimals(corner.y, 3)});
-  }
-  return list;
+  return json_list(corners, [](const PixelPoint& corner) -> Json {
+    return {with_decimals(corner.x, 3), with_decimals(corner.y, 3)};
+  });
 }
 
 Json to_json(const Reading& reading, const std::vector<Survey>& surveys) {
@@ -54,12 +44,11 @@ Json to_json(const FramelessReading& reading, const std::vector<Survey>& surveys
 }
 
 Json to_json(const PartReading& part) {
-  Json candidates = Json::array();
-  for (const PartCandidate& candidate : part.candidates) {
-    candidates.push_back({{"digits", to_string(candidate.digits)}, {"odds", candidate.odds}});
-  }
+  const auto candidate_json = [](const PartCandidate& candidate) -> Json {
+    return {{"digits", to_string(candidate.digits)}, {"odds", candidate.odds}};
+  };
   return {{"digits_in_sight", digits_in_sight(part)},
-          {"candidates", candidates},
+          {"candidates", json_list(part.candidates, candidate_json)},
           {"share", with_decimals(part.share, 3)},
           {"corners", to_json(part.corners)},
           {"corners_in_sight", part.corner_in_sight},
@@ -107,8 +96,8 @@ std::string to_json_line(const ImageReadings& readings, const std::vector<Survey
                {"height", readings.height},
                {"tags", tags}};
   if (!readings.result.parts.empty()) {
-    line["parts"] = Json::array();
-    for (const PartReading& part : readings.result.parts) line["parts"].push_back(to_json(part));
+    line["parts"] =
+        json_list(readings.result.parts, [](const auto& part) { return to_json(part); });
   }
   line["rejected"] = rejected;
   line["time_ms"] = with_decimals(readings.time_ms, 3);

@@ -2,8 +2,6 @@
 #include "decoder/cli/report_ledger.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,7 +36,7 @@ std::string shell_word(const std::string& text) {
   return word + "'";
 }
 
-double rounded(double value) { return std::round(1e4 * value) / 1e4; }
+double rounded(double value) { return with_decimals(value, 4); }
 
 Json to_json(const std::optional<Day>& day) { return day ? Json(to_text(*day)) : Json(); }
 
@@ -71,6 +69,13 @@ Json to_json(const MendedFault& fault) {
           {"in_order", to_text(fault.in_order)}};
 }
 
+Json to_json(const PlateState& plate);
+
+template <class Items>
+Json list_of(const Items& items) {
+  return json_list(items, [](const auto& item) { return to_json(item); });
+}
+
 Json to_json(const PlateState& plate) {
   Json object{{"tag", plate.tag}, {"action", to_string(plate.action)}};
   if (!plate.reason.empty()) object["reason"] = plate.reason;
@@ -79,14 +84,10 @@ Json to_json(const PlateState& plate) {
   object["photos"] = plate.photos;
   object["undated"] = plate.undated;
   if (plate.offset_mm) {
-    Json offset = Json::array();
-    for (const double value : *plate.offset_mm) offset.push_back(rounded(value));
-    object["offset_mm"] = std::move(offset);
+    object["offset_mm"] = json_list(*plate.offset_mm, rounded);
   }
   object["due"] = plate.due ? to_json(*plate.due) : Json();
-  Json series = Json::array();
-  for (const PlateQuality& day : plate.series) series.push_back(to_json(day));
-  object["series"] = std::move(series);
+  object["series"] = list_of(plate.series);
   return object;
 }
 
@@ -105,12 +106,8 @@ std::string report_line(const Survey& survey, const LedgerReport& report) {
       object[to_string(action)] = plates_to(action, survey, report);
     }
   }
-  Json mended = Json::array();
-  for (const MendedFault& fault : report.mended) mended.push_back(to_json(fault));
-  object["mended"] = std::move(mended);
-  Json plates = Json::array();
-  for (const PlateState& plate : report.plates) plates.push_back(to_json(plate));
-  object["plates"] = std::move(plates);
+  object["mended"] = list_of(report.mended);
+  object["plates"] = list_of(report.plates);
   return json_text({{"ledger", object}});
 }
 

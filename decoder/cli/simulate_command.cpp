@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -227,18 +226,17 @@ Json distortion_json(const Camera& camera) {
 // x_camera = R x_grid + t.
 Json camera_json(const Grid& grid, const Camera& camera, const Pose& world_from_camera) {
   const Pose camera_from_world = inverse(world_from_camera);
-  Json rotation = Json::array();
-  for (int row = 0; row < 3; ++row) {
+  const auto rotation_row = [&](int row) {
     const Eigen::Vector3d in_world = camera_from_world.rotation.row(row).transpose();
-    rotation.push_back(number_list(grid_from_world(grid, in_world)));
-  }
+    return number_list(grid_from_world(grid, in_world));
+  };
   return {{"fx", camera.fx},
           {"fy", camera.fy},
           {"cx", camera.cx},
           {"cy", camera.cy},
           {"model", camera.lens == LensModel::fisheye ? "fisheye" : "perspective"},
           {"distortion", distortion_json(camera)},
-          {"R", rotation},
+          {"R", json_list(std::array{0, 1, 2}, rotation_row)},
           {"t", number_list(camera_from_world.translation)},
           {"position_grid", number_list(grid_from_world(grid, world_from_camera.translation))}};
 }
@@ -355,8 +353,7 @@ void print_line(const Json& line) { to_stdout("{}\n", json_text(line)); }
 
 void print_json(const Json& truths, const fs::path& folder) {
   for (const Json& shot : truths) {
-    Json tags = Json::array();
-    for (const Json& plate : shot["plates"]) tags.push_back(plate["tag"]);
+    Json tags = json_list(shot["plates"], [](const Json& plate) { return plate["tag"]; });
     print_line({{"file", shot["file"]},
                 {"id", shot["id"]},
                 {"camera", shot["camera_name"]},

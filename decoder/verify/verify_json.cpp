@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "decoder/verify/verify_rules.hpp"
@@ -27,11 +26,6 @@ using Json = nlohmann::ordered_json;
 using nlohmann::json;
 
 // --- writing ---
-
-double with_decimals(double value, int decimals) {
-  const double scale = std::pow(10.0, decimals);
-  return std::round(value * scale) / scale;
-}
 
 // Rounded to that many digits.
 double with_digits(double value, int digits) {
@@ -67,9 +61,7 @@ Json hanging_of(const HungTag& hung) {
   const bool measured = hung.verdict != HangVerdict::unchecked && hung.offset.sigma.norm() > 0;
   if (!measured) return object;
   const auto triple = [](const Eigen::Vector3d& values, double unit, int decimals) {
-    Json list = Json::array();
-    for (const double value : values) list.push_back(with_decimals(unit * value, decimals));
-    return list;
+    return json_list(values, [&](double value) { return with_decimals(unit * value, decimals); });
   };
   object["offset_mm"] = triple(hung.offset.value, 1e3, 2);
   object["offset_sigma_mm"] = triple(hung.offset.sigma, 1e3, 2);
@@ -91,11 +83,9 @@ Json to_json(const std::vector<HungTag>& tags) {
 }
 
 Json to_json(const FrameCorners& corners) {
-  Json list = Json::array();
-  for (const PixelPoint& corner : corners) {
-    list.push_back({with_decimals(corner.x, 3), with_decimals(corner.y, 3)});
-  }
-  return list;
+  return json_list(corners, [](const PixelPoint& corner) -> Json {
+    return {with_decimals(corner.x, 3), with_decimals(corner.y, 3)};
+  });
 }
 
 // The lower half, row by row. The digits leave what a fit needs of it.
@@ -166,11 +156,9 @@ Json to_json(const VerifiedFile& file) {
 void add_hanging(const std::optional<HungTags>& hung, Json& summary) {
   if (!hung) return;
   summary["hanging"] = to_json(hung->tags);
-  Json unplaced = Json::array();
-  for (const UnplacedTags& photos : hung->unplaced) {
-    unplaced.push_back({{"station", photos.station}, {"tags", to_json(photos.tags)}});
-  }
-  summary["hanging_unplaced"] = std::move(unplaced);
+  summary["hanging_unplaced"] = json_list(hung->unplaced, [](const UnplacedTags& photos) -> Json {
+    return {{"station", photos.station}, {"tags", to_json(photos.tags)}};
+  });
   summary["hanging_notes"] = hung->notes;
   summary["assumed"] = hung->assumed;
 }
@@ -188,8 +176,6 @@ Json unseen_json(const UnseenStretch& stretch) {
 
 void add_completeness(const Survey& survey, const VerifyMerge& merged, Json& summary) {
   const Completeness covered = completeness_of(survey, merged);
-  Json unseen = Json::array();
-  for (const UnseenStretch& stretch : covered.unseen) unseen.push_back(unseen_json(stretch));
   Json tags = Json::array();
   for (const PlacedTag& tag : survey.tags) {
     const TagRecord record = record_of(merged, tag.name);
@@ -221,17 +207,16 @@ void add_completeness(const Survey& survey, const VerifyMerge& merged, Json& sum
       {"upright_unchecked", covered.upright_unchecked},
       {"placement_checked", covered.placement_checked},
       {"placement_unchecked", covered.placement_unchecked},
-      {"unseen", unseen},
+      {"unseen", json_list(covered.unseen, unseen_json)},
       {"by_tag", tags}};
   summary["placement"] = placement_checked(covered);
   if (!covered.another_drive.empty()) summary["another_drive"] = covered.another_drive;
 }
 
 Json notes_json(const VerifyMerge& merged) {
-  Json notes = Json::array();
-  for (const NoteRecord& note : merged.notes) {
-    notes.push_back({{"file", note.file}, {"note", note.note}});
-  }
+  Json notes = json_list(merged.notes, [](const NoteRecord& note) -> Json {
+    return {{"file", note.file}, {"note", note.note}};
+  });
   if (const std::string up = noted_up_in_words(merged.noted_up); !up.empty()) {
     notes.push_back({{"file", nullptr}, {"note", up}});
   }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/cli/commands.hpp"
@@ -36,7 +34,7 @@ void print_json(const std::vector<TagDifference>& differences) {
   for (const TagDifference& difference : differences) {
     to_stdout("{}\n", json_text({{"tag", difference.tag},
                                  {"change", to_string(difference.change)},
-                                 {"distance", std::round(difference.distance * 1e6) / 1e6},
+                                 {"distance", with_decimals(difference.distance, 6)},
                                  {"reason", difference.reason}}));
   }
   to_stdout("{}\n", json_text({{"summary",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/json_text.hpp"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 namespace tagsmith::detail {
@@ -9,10 +11,13 @@ std::string json_text(const nlohmann::ordered_json& value, int indent) {
   return value.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+double with_decimals(double value, int decimals) {
+  const double scale = std::pow(10.0, decimals);
+  return std::round(value * scale) / scale;
+}
+
 nlohmann::ordered_json number_list(std::span<const double> values) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const double value : values) list.push_back(value);
-  return list;
+  return json_list(values, [](double value) { return value; });
 }
 
 nlohmann::json parse_json(std::string_view text) {

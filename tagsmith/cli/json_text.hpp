@@ -15,6 +15,17 @@ namespace tagsmith::detail {
 // On one line, or with this many spaces a level. Bytes that are no UTF-8 become U+FFFD.
 std::string json_text(const nlohmann::ordered_json& value, int indent = -1);
 
+// Rounded so that the shortest text of the number has at most that many decimals.
+double with_decimals(double value, int decimals);
+
+// What `json_of` makes of each item, as a list.
+template <class Items, class JsonOf, class Json = nlohmann::ordered_json>
+Json json_list(const Items& items, const JsonOf& json_of) {
+  Json list = Json::array();
+  for (const auto& item : items) list.push_back(json_of(item));
+  return list;
+}
+
 // The numbers as a list.
 nlohmann::ordered_json number_list(std::span<const double> values);
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <functional>
 #include <span>
 
 #include <nlohmann/json.hpp>
@@ -20,7 +19,7 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 
 // To the micrometre: profiles are long.
 Json rounded(double value) {
-  return std::isfinite(value) ? Json(std::round(value * 1e6) / 1e6) : Json(nullptr);
+  return std::isfinite(value) ? Json(with_decimals(value, 6)) : Json(nullptr);
 }
 
 Json json_of(const WallShare& share) {
@@ -45,12 +44,6 @@ Json json_of(const std::optional<T>& value) {
 Json json_in_degrees(const std::optional<SigmaRange>& range) {
   if (!range) return nullptr;
   return json_of(SigmaRange{degrees(range->median), degrees(range->high), degrees(range->worst)});
-}
-
-Json gaps(const std::vector<Stretch>& stretches) {
-  Json list = Json::array();
-  for (const Stretch& stretch : stretches) list.push_back(json_of(stretch));
-  return list;
 }
 
 Json accuracy(const PlanSummary& summary) {
@@ -104,11 +97,7 @@ Json tags(const PlannedDrive& drive) {
 }
 
 Json profile_json(const DrivePlan& plan) {
-  const auto list = [&](const std::function<Json(const PlanColumn&)>& value) {
-    Json values = Json::array();
-    for (const PlanColumn& column : plan.columns) values.push_back(value(column));
-    return values;
-  };
+  const auto list = [&](const auto& value) { return json_list(plan.columns, value); };
   return {{"chainage", list([](const auto& c) { return rounded(c.chainage); })},
           {"read_both", list([](const auto& c) { return Json(c.read.both); })},
           {"read_one", list([](const auto& c) { return Json(c.read.one); })},
@@ -147,7 +136,7 @@ std::string plan_json(const PlannedDrive& drive) {
   json["covered_share"] = summary.covered_share;
   json["both_walls_share"] = summary.wall_pair_share;
   json["confirmed_share"] = summary.confirmed_share;
-  json["gaps"] = gaps(summary.gaps);
+  json["gaps"] = json_list(summary.gaps, [](const Stretch& gap) { return json_of(gap); });
   json["longest_gap"] = json_of(summary.longest_gap);
   json["accuracy"] = plan.options.accuracy ? accuracy(summary) : Json(nullptr);
   json["paper"] = paper(summary.paper);

@@ -10,7 +10,6 @@
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/json_text.hpp"
-#include "tagsmith/render/text.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -27,8 +26,6 @@ Json rounded_point(const Eigen::Vector3d& point) {
 
 Json tag_json(const PrintedTag& printed, const std::string& folder) {
   const PlacedTag& tag = *printed.tag;
-  Json files = Json::array();
-  for (const std::string& file : printed.files) files.push_back(folder + file);
   return {{"tag", tag.name},
           {"side", to_string(tag.side)},
           {"digits", to_string(tag.digits)},
@@ -36,7 +33,7 @@ Json tag_json(const PrintedTag& printed, const std::string& folder) {
           {"coded_position", rounded_point(tag.coded_in_grid)},
           {"rounding", rounded_point(tag.coded_in_grid - tag.p_in_grid)},
           {"chainage", to_micrometre(tag.chainage)},
-          {"files", files}};
+          {"files", json_list(printed.files, [&](const auto& file) { return folder + file; })}};
 }
 
 void append_point(std::vector<std::string>& fields, const Eigen::Vector3d& point) {
@@ -56,19 +53,17 @@ Json tiles_json(const TilePlan& plan) {
 }
 
 Json proofs_json(const std::vector<TagProof>& proofs) {
-  Json list = Json::array();
-  for (const TagProof& proof : proofs) {
-    list.push_back({{"tag", proof.tag},
-                    {"file", proof.file},
-                    {"dots_per_inch", std::round(proof.dots_per_inch * 100) / 100},
-                    {"digits", proof.digits},
-                    {"length_error_mm", mm(proof.length_error)},
-                    {"height_error_mm", mm(proof.height_error)},
-                    {"corner_error_mm", mm(proof.corner_error)},
-                    {"zbar", proof.zbar},
-                    {"problem", proof.problem}});
-  }
-  return list;
+  return json_list(proofs, [](const TagProof& proof) -> Json {
+    return {{"tag", proof.tag},
+            {"file", proof.file},
+            {"dots_per_inch", with_decimals(proof.dots_per_inch, 2)},
+            {"digits", proof.digits},
+            {"length_error_mm", mm(proof.length_error)},
+            {"height_error_mm", mm(proof.height_error)},
+            {"corner_error_mm", mm(proof.corner_error)},
+            {"zbar", proof.zbar},
+            {"problem", proof.problem}};
+  });
 }
 
 Json roll_json(const RollUse& roll) {
@@ -103,8 +98,7 @@ std::vector<PrintedTag> printed_tags(const PrintJob& job) {
 std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) {
   const TagTemplate& tag = job.printed;
   const Page page = pages_of(job, job.units.front()).back();
-  Json tags = Json::array();
-  for (const PrintedTag& item : record.tags) tags.push_back(tag_json(item, {}));
+  const auto one_tag = [](const PrintedTag& item) { return tag_json(item, {}); };
   Json manifest{
       {"survey", job.survey->name},
       {"survey_file", job.survey->file.string()},
@@ -123,7 +117,7 @@ std::string print_manifest_json(const PrintJob& job, const PrintRecord& record) 
       {"bar_adjustment_mm", mm(job.style.bar_adjustment)},
       {"material", tag.material},
       {"paper", job.style.paper ? job.style.paper->name : ""},
-      {"tags", tags},
+      {"tags", json_list(record.tags, one_tag)},
       {"documents", record.documents},
       {"sha256", record.sha256}};
   if (job.tiles) manifest["tiles"] = tiles_json(*job.tiles);

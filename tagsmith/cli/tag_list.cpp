@@ -84,22 +84,18 @@ Json element_json(const CenterlineElement& element) {
 
 // As the survey's key `walls` has them: chainage, distance from the center line.
 Json stations_json(const ChainageProfile& offset) {
-  Json stations = Json::array();
-  for (const ProfileStation& station : offset.stations()) {
-    stations.push_back({micrometre(station.chainage), micrometre(std::abs(station.value))});
-  }
-  return stations;
+  return json_list(offset.stations(), [](const ProfileStation& station) -> Json {
+    return {micrometre(station.chainage), micrometre(std::abs(station.value))};
+  });
 }
 
 // The center line as straight pieces that miss it by at most a millimetre.
 Json line_json(const Survey& survey) {
   constexpr double kSag = 0.001;
   const Centerline& line = survey.tunnel.centerline;
-  Json points = Json::array();
-  for (const SidePoint& point : side_points(line, 0.0, 0, line.length(), kSag)) {
-    points.push_back(point_json(grid_from_world(survey.grid, point.position)));
-  }
-  return points;
+  return json_list(side_points(line, 0.0, 0, line.length(), kSag), [&](const SidePoint& point) {
+    return point_json(grid_from_world(survey.grid, point.position));
+  });
 }
 
 Json feature_json(const char* type, Json coordinates, Json properties) {
@@ -129,26 +125,21 @@ Json grid_json(const Survey& survey) {
 
 Json tunnel_json(const Survey& survey) {
   const CenterlinePoint start = survey.tunnel.centerline.at(0);
-  Json elements = Json::array();
-  for (const CenterlineElement& element : survey.tunnel.centerline.elements()) {
-    elements.push_back(element_json(element));
-  }
   const Tunnel& tunnel = survey.tunnel;
   Json json{{"width", micrometre(width_at(tunnel, 0))},
             {"height", micrometre(tunnel.height.at(0))},
             {"centerline",
              {{"start", point_json(grid_from_world(survey.grid, start.position))},
               {"heading", degrees(grid_heading_from_world(survey.grid, start.heading))},
-              {"elements", elements}}}};
+              {"elements", json_list(survey.tunnel.centerline.elements(), element_json)}}}};
   if (!is_plain(tunnel) || tunnel.left.at(0) != -tunnel.right.at(0) || tunnel.stand_off != 0) {
     json["stand_off"] = micrometre(tunnel.stand_off);
     json["walls"] = {{"left", stations_json(rock_of(tunnel, Side::left))},
                      {"right", stations_json(rock_of(tunnel, Side::right))}};
-    json["sections"] = Json::array();
-    for (const ProfileStation& station : tunnel.height.stations()) {
-      json["sections"].push_back(
-          {{"at", micrometre(station.chainage)}, {"height", micrometre(station.value)}});
-    }
+    json["sections"] =
+        json_list(tunnel.height.stations(), [](const ProfileStation& station) -> Json {
+          return {{"at", micrometre(station.chainage)}, {"height", micrometre(station.value)}};
+        });
   }
   return json;
 }
@@ -202,8 +193,7 @@ std::string tags_csv(const Survey& survey) {
 
 std::string tags_json(const Survey& survey) {
   const TagTemplate& plate = survey.tag_template;
-  Json tags = Json::array();
-  for (const PlacedTag& tag : survey.tags) tags.push_back(tag_json(survey, tag));
+  const auto one_tag = [&](const PlacedTag& tag) { return tag_json(survey, tag); };
   const PositionCode& code = survey.code;
   return dump({{"survey", survey.name},
                {"revision", survey_revision(survey)},
@@ -219,7 +209,7 @@ std::string tags_json(const Survey& survey) {
                  {"digits", code.digit_counts},
                  {"resolution", code.resolution},
                  {"origin", code.origin}}},
-               {"tags", tags}});
+               {"tags", json_list(survey.tags, one_tag)}});
 }
 
 std::string tags_geojson(const Survey& survey) {
