@@ -118,10 +118,7 @@ Result<void> write_to_edit(const NewOptions& options) {
 Result<TagTemplate> named_template(const std::string& name, const fs::path& folder) {
   const auto path = find_template(name, folder);
   if (!path) return fail("no template `" + name + "`; own templates: " + own_templates());
-  const Result<TemplateReading> reading = read_template(*path);
-  if (!reading) return tl::unexpected(reading.error());
-  if (!reading->tag) return fail(to_string(reading->diagnostics, true));
-  return *reading->tag;
+  return load_template(*path);
 }
 
 TunnelFitOptions fit_options(const NewOptions& options) {
@@ -254,8 +251,8 @@ Json part_json(const NewOptions& options, const Drafted& drafted, std::size_t in
   const DraftPart& part = drafted.parts[index];
   return {{"file", (fs::path(options.name) / file_name(drafted, index)).string()},
           {"survey", part.draft.name},
-          {"from", std::round(part.from * 1e6) / 1e6},
-          {"to", std::round(part.to * 1e6) / 1e6},
+          {"from", with_decimals(part.from, 6)},
+          {"to", with_decimals(part.to, 6)},
           {"tags", tag_positions(part.draft).size()},
           {"resolution", part.draft.code.resolution[0]}};
 }
@@ -263,7 +260,7 @@ Json part_json(const NewOptions& options, const Drafted& drafted, std::size_t in
 void print_json(const NewOptions& options, const Drafted& drafted) {
   const SurveyDraft& draft = drafted.whole;
   const auto length = [](const std::optional<double>& value) {
-    return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);
+    return value ? Json(with_decimals(*value, 6)) : Json(nullptr);
   };
   for (std::size_t i = 0; i < draft.points.size(); ++i) {
     const PointResidual& residual = draft.fit.residuals[i];

@@ -33,8 +33,7 @@ void add_templates(const fs::path& folder, Templates& templates) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() != ".yaml" || !entry.is_regular_file(error)) continue;
-    const Result<TemplateReading> reading = read_template(entry.path());
-    if (reading && reading->tag) templates.emplace(entry.path(), *reading->tag);
+    if (const auto tag = load_template(entry.path())) templates.emplace(entry.path(), *tag);
   }
 }
 

@@ -7,9 +7,8 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/allowances.hpp"
-#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/read_tag_geometry.hpp"
+#include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith::detail {
@@ -198,25 +197,18 @@ Board read_root(const YamlNode& root, FindingLog& log) {
 }  // namespace
 
 Result<BoardReading> read_board(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  FindingLog log(path.string());
-  BoardReading reading;
-  const std::optional<YamlNode> root = parse_yaml(*text, log);
-  if (root && !is_other_kind(*root, "board", log)) {
-    reading.board = read_root(*root, log);
-    reading.board->file = path;
-  }
-  if (log.has_errors()) reading.board.reset();
-  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
-  return reading;
+  return read_file(path).map([&](const std::string& text) {
+    return read_yaml_file(path, text, "board", &BoardReading::board,
+                          [&](const YamlNode& root, FindingLog& log) {
+                            Board board = read_root(root, log);
+                            board.file = path;
+                            return board;
+                          });
+  });
 }
 
 Result<Board> load_board(const fs::path& path) {
-  Result<BoardReading> reading = read_board(path);
-  if (!reading) return tl::unexpected(reading.error());
-  if (!reading->board) return fail(to_string(reading->diagnostics, true));
-  return std::move(*reading->board);
+  return value_without_errors(read_board(path), &BoardReading::board);
 }
 
 }  // namespace tagsmith::detail

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 #include <set>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,11 +10,10 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/allowances.hpp"
 #include "tagsmith/survey/assumptions.hpp"
-#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/read_intrinsics.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith::detail {
@@ -261,28 +259,17 @@ Rig read_rig_tree(const YamlNode& root, const fs::path& path, FindingLog& log) {
 }  // namespace
 
 RigReading read_rig_text(const fs::path& path, std::string_view text) {
-  FindingLog log(path.string());
-  RigReading reading;
-  const std::optional<YamlNode> root = parse_yaml(text, log);
-  if (root && !is_other_kind(*root, "rig", log)) {
-    reading.rig = read_rig_tree(*root, path, log);
-  }
-  if (log.has_errors()) reading.rig.reset();
-  reading.diagnostics = without_allowed(log.sorted(), text, path.string());
-  return reading;
+  return read_yaml_file(
+      path, text, "rig", &RigReading::rig,
+      [&](const YamlNode& root, FindingLog& log) { return read_rig_tree(root, path, log); });
 }
 
 Result<RigReading> read_rig(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return read_rig_text(path, *text);
+  return read_file(path).map([&](const std::string& text) { return read_rig_text(path, text); });
 }
 
 Result<Rig> load_rig(const fs::path& path) {
-  Result<RigReading> reading = read_rig(path);
-  if (!reading) return tl::unexpected(reading.error());
-  if (!reading->rig) return fail(to_string(reading->diagnostics, true));
-  return std::move(*reading->rig);
+  return value_without_errors(read_rig(path), &RigReading::rig);
 }
 
 }  // namespace tagsmith::detail

@@ -14,13 +14,13 @@
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_tags.hpp"
 #include "tagsmith/survey/exchanged_codes.hpp"
-#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/lint_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"
 #include "tagsmith/survey/read_placed.hpp"
 #include "tagsmith/survey/read_room.hpp"
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/read_tunnel.hpp"
+#include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 
 namespace tagsmith::detail {
@@ -312,28 +312,17 @@ std::optional<Survey> read_survey_tree(const YamlNode& root, const fs::path& pat
 }  // namespace
 
 SurveyReading read_survey_text(const fs::path& path, std::string_view text) {
-  FindingLog log(path.string());
-  SurveyReading reading;
-  const std::optional<YamlNode> root = parse_yaml(text, log);
-  if (root && !is_other_kind(*root, "survey", log)) {
-    reading.survey = read_survey_tree(*root, path, log);
-  }
-  if (log.has_errors()) reading.survey.reset();
-  reading.diagnostics = without_allowed(log.sorted(), text, path.string());
-  return reading;
+  return read_yaml_file(
+      path, text, "survey", &SurveyReading::survey,
+      [&](const YamlNode& root, FindingLog& log) { return read_survey_tree(root, path, log); });
 }
 
 Result<SurveyReading> read_survey(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  return read_survey_text(path, *text);
+  return read_file(path).map([&](const std::string& text) { return read_survey_text(path, text); });
 }
 
 Result<Survey> load_survey(const fs::path& path) {
-  Result<SurveyReading> reading = read_survey(path);
-  if (!reading) return tl::unexpected(reading.error());
-  if (!reading->survey) return fail(to_string(reading->diagnostics, true));
-  return std::move(*reading->survey);
+  return value_without_errors(read_survey(path), &SurveyReading::survey);
 }
 
 Result<std::vector<Survey>> load_surveys(const std::vector<fs::path>& paths) {

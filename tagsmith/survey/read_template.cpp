@@ -7,14 +7,12 @@
 #include <dlfcn.h>
 #include <link.h>
 #include <system_error>
-#include <utility>
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/survey/allowances.hpp"
-#include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/read_plate_parts.hpp"
 #include "tagsmith/survey/read_tag_geometry.hpp"
+#include "tagsmith/survey/yaml_file.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
@@ -99,18 +97,18 @@ std::optional<fs::path> file_if_there(const fs::path& path) {
 }  // namespace
 
 Result<TemplateReading> read_template(const fs::path& path) {
-  const Result<std::string> text = read_file(path);
-  if (!text) return tl::unexpected(text.error());
-  FindingLog log(path.string());
-  TemplateReading reading;
-  const std::optional<YamlNode> root = parse_yaml(*text, log);
-  if (root && !is_other_kind(*root, "tag", log)) {
-    reading.tag = read_tag(*root, path, log);
-    if (reading.tag) reading.tag->file = path;
-  }
-  if (log.has_errors()) reading.tag.reset();
-  reading.diagnostics = without_allowed(log.sorted(), *text, path.string());
-  return reading;
+  return read_file(path).map([&](const std::string& text) {
+    return read_yaml_file(path, text, "tag", &TemplateReading::tag,
+                          [&](const YamlNode& root, FindingLog& log) {
+                            std::optional<TagTemplate> tag = read_tag(root, path, log);
+                            if (tag) tag->file = path;
+                            return tag;
+                          });
+  });
+}
+
+Result<TagTemplate> load_template(const fs::path& path) {
+  return value_without_errors(read_template(path), &TemplateReading::tag);
 }
 
 std::optional<fs::path> find_template(const std::string& name, const fs::path& survey_folder) {

@@ -21,6 +21,9 @@ struct TemplateReading {
 // Fails only when the file cannot be read at all.
 Result<TemplateReading> read_template(const std::filesystem::path& path);
 
+// The template of a file without errors; fails with all of its findings.
+Result<TagTemplate> load_template(const std::filesystem::path& path);
+
 // The file that a survey means by `name`: a path (absolute, or relative to the survey's folder), or
 // NAME.yaml beside the survey, or NAME.yaml among the tool's own templates. Nothing when none
 // exists.
