@@ -22,7 +22,8 @@ struct PlacesOnLine {
 // What sample_bilinear() gives at each place, to the last bit. All lie in the image.
 void sample_line(const GrayView& image, const PlacesOnLine& places, std::span<double> levels);
 
-// What sample_inside() gives at each place, all of which must be inside as it asks for.
+// The same in floats, faster, of places that are all inside the image and not on its last row or
+// column.
 void sample_line_inside(const GrayView& image, const PlacesOnLine& places, std::span<float> levels);
 
 }  // namespace tagsmith::detail

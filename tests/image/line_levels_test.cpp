@@ -10,6 +10,22 @@
 #include "decoder/image/bilinear.hpp"
 
 namespace tagsmith::detail::test {
+namespace {
+
+// The grey level between pixels in floats, at a place that is not on the last row or column.
+float sample_inside(const GrayView& image, PixelPoint at) {
+  const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
+  const float fx = static_cast<float>(at.x) - static_cast<float>(x);
+  const float fy = static_cast<float>(at.y) - static_cast<float>(y);
+  const std::uint8_t* upper = image.row(y) + x;
+  const std::uint8_t* lower = upper + image.stride;
+  const auto level = [](std::uint8_t sample) { return static_cast<float>(sample); };
+  const float above = level(upper[0]) + fx * (level(upper[1]) - level(upper[0]));
+  const float below = level(lower[0]) + fx * (level(lower[1]) - level(lower[0]));
+  return above + fy * (below - above);
+}
+
+}  // namespace
 
 TEST_CASE("levels along a line are those of the places one by one, to the last bit") {
   std::mt19937 draw(7);
