@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <set>
-#include <utility>
 
 #include <Eigen/LU>
 #include <tagsmith/rig.hpp>

@@ -7,7 +7,6 @@
 #include <tagsmith/survey.hpp>
 
 #include "decoder/api/data.hpp"
-#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/survey/assumptions.hpp"
 #include "tagsmith/survey/check_tags.hpp"
 #include "tagsmith/survey/place_tags.hpp"

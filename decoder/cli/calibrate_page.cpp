@@ -2,8 +2,6 @@
 #include "decoder/cli/calibrate_page.hpp"
 
 #include <cmath>
-#include <set>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -2,7 +2,6 @@
 #include "decoder/cli/calibrate_result.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 

@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <optional>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "tagsmith/base/csv.hpp"

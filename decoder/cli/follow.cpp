@@ -2,7 +2,6 @@
 #include "decoder/cli/follow.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <deque>
 #include <iostream>

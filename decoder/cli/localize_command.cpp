@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -11,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "decoder/calibrate/rig_suspicion.hpp"
@@ -31,7 +29,6 @@
 #include "decoder/paper/pipeline.hpp"
 #include "decoder/paper/published.hpp"
 #include "decoder/reader/reader.hpp"
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"

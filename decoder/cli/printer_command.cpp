@@ -14,7 +14,6 @@
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
-#include "tagsmith/cli/staged_files.hpp"
 #include "tagsmith/render/printer_sheet.hpp"
 #include "tagsmith/render/sheet_files.hpp"
 #include "tagsmith/render/text.hpp"

@@ -11,7 +11,6 @@
 
 #include "decoder/image/tone_curve.hpp"
 #include "tagsmith/base/wide.hpp"
-#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -2,7 +2,6 @@
 #include "decoder/image/exif.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 

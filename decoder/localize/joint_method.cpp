@@ -2,7 +2,6 @@
 #include "decoder/localize/joint_method.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>

@@ -3,7 +3,6 @@
 // of all tags in all cameras, the ranges, and how the vehicle usually stands.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "decoder/localize/fix.hpp"

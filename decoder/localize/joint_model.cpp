@@ -2,7 +2,6 @@
 #include "decoder/localize/joint_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

@@ -2,7 +2,6 @@
 #include "decoder/localize/motion.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "tagsmith/geometry/angle.hpp"

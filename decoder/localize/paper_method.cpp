@@ -10,7 +10,6 @@
 #include <utility>
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "decoder/localize/outside_tunnel.hpp"

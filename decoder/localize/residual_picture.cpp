@@ -2,7 +2,6 @@
 #include "decoder/localize/residual_picture.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

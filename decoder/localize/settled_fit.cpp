@@ -2,7 +2,6 @@
 #include "decoder/localize/settled_fit.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "tagsmith/base/chi_square.hpp"
 #include "tagsmith/geometry/angle.hpp"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <ranges>
 #include <span>
 #include <utility>
 

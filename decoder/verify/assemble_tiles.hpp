@@ -2,7 +2,6 @@
 // Plates that were printed in pieces, put together again as the assembly sheet says.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "decoder/verify/rasterize.hpp"

@@ -12,7 +12,7 @@
 
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/pixel.hpp"
-#include "decoder/reader/judge.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "decoder/verify/diagnose.hpp"
 #include "decoder/verify/frame_bow.hpp"
 #include "decoder/verify/hanging.hpp"

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/line_levels.hpp"
 #include "decoder/image/pixel.hpp"
 #include "tagsmith/geometry/covariance.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/grade_tags.hpp"
 
-#include <cmath>
-
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/image/nearest.hpp"
 #include "decoder/image/tone_curve.hpp"

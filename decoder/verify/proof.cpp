@@ -17,7 +17,6 @@
 #include "decoder/reader/survey_options.hpp"
 #include "decoder/verify/child_process.hpp"
 #include "decoder/verify/rasterize.hpp"
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 

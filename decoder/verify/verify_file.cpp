@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/command.hpp"
 
-#include <fmt/core.h>
-
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/console.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/command_help.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 #include <type_traits>
 #include <unistd.h>

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 
 namespace tagsmith::detail {

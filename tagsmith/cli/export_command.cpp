@@ -5,9 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"

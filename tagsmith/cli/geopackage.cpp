@@ -8,7 +8,6 @@
 #include <limits>
 #include <memory>
 #include <sqlite3.h>
-#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -6,7 +6,6 @@
 #include <unistd.h>
 #include <utility>
 
-#include <fmt/core.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_pipeline.h>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/commands.hpp"
 #include "tagsmith/cli/common_options.hpp"

@@ -2,7 +2,6 @@
 // The part of `tagsmith plan` that looks for a better layout and writes it down.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

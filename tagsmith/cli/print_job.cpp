@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,7 +19,6 @@
 #include "tagsmith/render/qr_symbol.hpp"
 #include "tagsmith/render/svg.hpp"
 #include "tagsmith/render/tag_text.hpp"
-#include "tagsmith/render/text.hpp"
 #include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {

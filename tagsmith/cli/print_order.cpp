@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/print_order.hpp"
 
-#include <cmath>
 #include <set>
 #include <utility>
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/survey/survey.hpp"

@@ -3,7 +3,6 @@
 // own derivatives predict, before anything is measured.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <span>
 

@@ -10,9 +10,7 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/layout_search.hpp"
-#include "tagsmith/survey/place_tags.hpp"
 
 namespace tagsmith::detail {
 namespace {

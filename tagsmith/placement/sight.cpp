@@ -2,7 +2,6 @@
 #include "tagsmith/placement/sight.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/render/cut_file.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>

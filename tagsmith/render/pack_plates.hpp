@@ -2,7 +2,6 @@
 // Plates beside and below each other on a strip of paper, as close as they go.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 

@@ -15,7 +15,6 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/printable.hpp"
-#include "tagsmith/base/text.hpp"
 
 namespace tagsmith::detail {
 namespace {

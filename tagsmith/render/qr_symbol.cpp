@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "tagsmith/base/text.hpp"
-
 namespace tagsmith::detail {
 namespace {
 

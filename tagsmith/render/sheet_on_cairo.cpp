@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <string>
 #include <tuple>
-#include <utility>
 
 #include "tagsmith/render/text.hpp"
 #include "tagsmith/tag/template.hpp"

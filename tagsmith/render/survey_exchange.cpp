@@ -9,7 +9,6 @@
 
 #include "tagsmith/base/printable.hpp"
 #include "tagsmith/base/text.hpp"
-#include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/geometry/clothoid.hpp"
 
 namespace tagsmith::detail {

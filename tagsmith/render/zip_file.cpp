@@ -6,8 +6,6 @@
 #include <optional>
 #include <zlib.h>
 
-#include <fmt/format.h>
-
 #include "tagsmith/base/file.hpp"
 
 namespace tagsmith::detail {

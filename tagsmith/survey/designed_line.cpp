@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/survey/designed_line.hpp"
 
-#include <utility>
-
 #include "tagsmith/geometry/clothoid.hpp"
 
 namespace tagsmith::detail {

@@ -16,7 +16,7 @@
 #include "tagsmith/survey/finding_log.hpp"
 #include "tagsmith/survey/length_units.hpp"
 #include "tagsmith/survey/point_formats.hpp"
-#include "tagsmith/survey/read_tunnel.hpp"
+#include "tagsmith/survey/tunnel_limits.hpp"
 
 namespace tagsmith::detail {
 namespace {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/camera_limits.hpp"

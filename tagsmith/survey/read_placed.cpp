@@ -3,12 +3,11 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "tagsmith/base/date.hpp"
 #include "tagsmith/geometry/angle.hpp"
-#include "tagsmith/survey/read_tunnel.hpp"
+#include "tagsmith/survey/tunnel_limits.hpp"
 
 namespace tagsmith::detail {
 namespace {

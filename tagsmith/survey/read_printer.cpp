@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/file_kind.hpp"
 #include "tagsmith/survey/yaml_reader.hpp"
 

@@ -3,7 +3,6 @@
 // Internal to tagsmith/survey. A null node means that its absence was logged: readers stay silent.
 #pragma once
 
-#include <array>
 #include <limits>
 #include <optional>
 #include <string>

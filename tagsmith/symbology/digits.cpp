@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/symbology/digits.hpp"
 
-#include <numeric>
-
 namespace tagsmith::detail {
 
 std::optional<Digits> parse_digits(std::string_view text) {

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <optional>
-#include <string>
 
 #include "tagsmith/symbology/digits.hpp"
 
