@@ -6,7 +6,6 @@
 #include <deque>
 #include <iostream>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,14 +13,12 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/cli/fix_json.hpp"
-#include "decoder/localize/live_track.hpp"
 #include "decoder/verify/set_aside.hpp"
 #include "tagsmith/base/read_line.hpp"
 #include "tagsmith/base/result.hpp"
 #include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/console.hpp"
 #include "tagsmith/cli/json_text.hpp"
-#include "tagsmith/survey/run.hpp"
 
 namespace tagsmith::detail {
 namespace {

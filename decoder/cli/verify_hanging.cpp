@@ -11,7 +11,6 @@
 #include "decoder/image/heif.hpp"
 #include "decoder/verify/lens_cameras.hpp"
 #include "tagsmith/base/file.hpp"
-#include "tagsmith/cli/command.hpp"
 #include "tagsmith/cli/command_files.hpp"
 #include "tagsmith/cli/common_options.hpp"
 #include "tagsmith/cli/console.hpp"

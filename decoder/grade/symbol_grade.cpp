@@ -2,7 +2,6 @@
 #include "decoder/grade/symbol_grade.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <dlfcn.h>
 #include <memory>
-#include <string>
 
 #include <libheif/heif.h>
 

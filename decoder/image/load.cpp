@@ -4,7 +4,6 @@
 #include <cstring>
 #include <new>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -14,7 +13,6 @@
 #include "decoder/image/codecs.hpp"
 #include "decoder/image/heif.hpp"
 #include "decoder/image/image_header.hpp"
-#include "decoder/image/jpeg.hpp"
 #include "decoder/image/png_chunks.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/regular_file.hpp"

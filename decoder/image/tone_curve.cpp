@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/image/tone_curve.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace tagsmith::detail {

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "decoder/localize/joint_method.hpp"
-#include "decoder/localize/observation.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/symbol_layout.hpp"
 #include "tagsmith/geometry/camera.hpp"

@@ -6,10 +6,8 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <string>
 #include <utility>
 
-#include "decoder/localize/plate_search.hpp"
 #include "tagsmith/geometry/angle.hpp"
 
 namespace tagsmith::detail {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,8 +15,6 @@
 #include "tagsmith/geometry/covariance.hpp"
 
 namespace tagsmith::detail {
-
-using Eigen::Vector3d;
 
 std::string unlikely_stance(const JointProblem& problem, const JointFit& fit, double gate) {
   const auto row = fit.rows.vehicle_begin;

@@ -15,7 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 
 // How large a gross mistake may be.
 constexpr double kShift = 1.0;   // metres, of a plate, a camera, a wall

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -16,7 +15,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kFar = 1e6;  // metres of depth where there is nothing

@@ -7,7 +7,6 @@
 #include <iterator>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <set>
 #include <string_view>
 

@@ -2,7 +2,6 @@
 #include "decoder/verify/manifest.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

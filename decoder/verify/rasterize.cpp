@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <regex>
-#include <string>
 
 #include <fmt/format.h>
 

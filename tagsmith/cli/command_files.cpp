@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tagsmith/cli/command_files.hpp"
 
-#include <map>
 #include <set>
 #include <system_error>
 

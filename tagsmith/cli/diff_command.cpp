@@ -24,8 +24,6 @@ struct DiffOptions {
   bool json = false;
 };
 
-using Json = nlohmann::ordered_json;
-
 auto count_of(const std::vector<TagDifference>& differences, TagChange change) {
   return std::ranges::count(differences, change, &TagDifference::change);
 }

@@ -12,7 +12,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <span>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>

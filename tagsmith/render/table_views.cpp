@@ -19,8 +19,6 @@
 namespace tagsmith::detail {
 namespace {
 
-using Eigen::Vector2d;
-
 constexpr double kRow = 0.0034;
 
 std::string element_text(const CenterlineElement& element) {
