@@ -9,7 +9,7 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/schemas/schema_judge.hpp"
 #include "tests/support/contents.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;

@@ -8,7 +8,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_board.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;

@@ -12,7 +12,7 @@
 #include "tagsmith/survey/rig.hpp"
 #include "tests/calibrate_command/board_photo_files.hpp"
 #include "tests/schemas/schema_judge.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;

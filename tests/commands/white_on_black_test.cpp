@@ -9,13 +9,14 @@
 #include <nlohmann/json.hpp>
 
 #include "tagsmith/base/file.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using nlohmann::json;
 using tagsmith::detail::read_file;
 using tagsmith::detail::write_file;
 using tagsmith::detail::test::json_lines;
+using tagsmith::detail::test::parsed_json;
 using tagsmith::detail::test::ProgramOutput;
 using tagsmith::detail::test::run_tagsmith;
 using tagsmith::detail::test::TemporaryFolder;
@@ -50,7 +51,7 @@ struct Corridor {
 
 // Of the corners that are read, against the truth of the simulation, pixels.
 double root_mean_square(const Corridor& corridor) {
-  const json truth = json::parse(*read_file(corridor.photos + "/truth.json"));
+  const json truth = parsed_json(*read_file(corridor.photos + "/truth.json"));
   double sum = 0;
   int count = 0;
   for (const json& image : truth.at("images")) {

@@ -12,6 +12,7 @@
 
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {
@@ -60,7 +61,7 @@ TEST_CASE("the demo prints, verifies, reads and localizes, and tells it all") {
   }
   const std::vector<std::string> lines = split(*read_file(folder / "photos.jsonl"), '\n');
   REQUIRE(lines.size() == 22);  // 20 photos, the summary, and nothing after the last line's end
-  const auto summary = nlohmann::json::parse(lines[20])["summary"];
+  const auto summary = parsed_json(lines[20])["summary"];
   CHECK(summary["unknown"] == 0);
   CHECK(summary["missing"] == nlohmann::json{"004L", "004R"});  // no point looks at pair 4
 

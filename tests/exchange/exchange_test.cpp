@@ -23,6 +23,7 @@
 #include "tagsmith/survey/point_list.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -155,7 +156,7 @@ TEST_CASE("an assumed sigma is exported as none, and drawn as assumed") {
   const fs::path file = folder.path() / "unstated.yaml";
   write_text(file, unstated);
   const Survey survey = load_survey(file).value();
-  CHECK(nlohmann::json::parse(tags_json(survey))["assumed"] ==
+  CHECK(parsed_json(tags_json(survey))["assumed"] ==
         nlohmann::json::array({"survey curved states no sigma: 3 mm assumed"}));
   const fs::path csv = folder.path() / "tags.csv";
   write_text(csv, tags_csv(survey));
@@ -285,7 +286,7 @@ TEST_CASE("exports carry walls, stand-off and attitudes") {
   const TemporaryFolder folder;
   write_text(folder.path() / "real.yaml", kRealSurvey);
   const Survey survey = load_survey(folder.path() / "real.yaml").value();
-  const auto json = nlohmann::json::parse(tags_json(survey));
+  const auto json = parsed_json(tags_json(survey));
   CHECK(json["tunnel"]["stand_off"] == 0.03);
   CHECK(json["tunnel"]["walls"]["left"].size() == 5);
   CHECK(json["tunnel"]["walls"]["right"][2] == nlohmann::json::array({24.0, 3.6}));
@@ -294,7 +295,7 @@ TEST_CASE("exports carry walls, stand-off and attitudes") {
     if (tag["tag"] == "003R") CHECK(tag["tilt_deg"].get<double>() == Approx(3));
     if (tag["tag"] == "900L") CHECK(tag["facing_deg"].get<double>() == Approx(215));
   }
-  const auto layout = nlohmann::json::parse(field_layout_json(survey));
+  const auto layout = parsed_json(field_layout_json(survey));
   const auto& turn = layout["tags"][7]["pose"]["rotation"]["quaternion"];  // 003R
   const Eigen::Quaterniond q(turn["W"].get<double>(), turn["X"].get<double>(),
                              turn["Y"].get<double>(), turn["Z"].get<double>());
@@ -410,7 +411,7 @@ TEST_CASE("walls without tags become a layout that validate, plan and print acce
   const ProgramOutput plan =
       run_tagsmith("plan " + quoted(file) + " --rig surveys/corridor/rig.yaml --json");
   CHECK(plan.exit_code < 2);  // 1: the corridor's crawler does not see all of it
-  CHECK(nlohmann::json::parse(plan.out).is_object());
+  CHECK(parsed_json(plan.out).is_object());
   for (const std::string& command :
        {"draw " + quoted(file) + " -o " + quoted(folder.path() / "drawing.pdf"),
         "print " + quoted(file) + " --tags 000L,023R -o " + quoted(folder.path() / "print")}) {
@@ -521,7 +522,7 @@ TEST_CASE("a drive of 1.2 km is coded coarsely and says so, or is split") {
   const ProgramOutput split = draft(folder.path(), csv, arguments + " --split");
   REQUIRE_MESSAGE(split.exit_code == 0, split.err);
   const auto last = split.out.rfind('\n', split.out.size() - 2);
-  const auto summary = nlohmann::json::parse(split.out.substr(last + 1))["summary"];
+  const auto summary = parsed_json(split.out.substr(last + 1))["summary"];
   std::vector<fs::path> files;
   std::size_t tags = 0;
   double reached = 0;
@@ -553,14 +554,14 @@ TEST_CASE("a drive of 1.2 km is coded coarsely and says so, or is split") {
 
 TEST_CASE("JSON says survey, code, tunnel and each tag, the field layout its poses") {
   const Survey survey = load_survey("surveys/curved/survey.yaml").value();
-  const auto json = nlohmann::json::parse(tags_json(survey));
+  const auto json = parsed_json(tags_json(survey));
   CHECK(json["survey"] == "curved");
   CHECK(json["tags"].size() == 12);
   CHECK(json["tags"][0]["digits"] == "001001920601");
   CHECK(json["tags"][0]["facing_deg"].get<double>() == Approx(90));
   CHECK(json["tunnel"]["centerline"]["elements"][1]["arc"] == 8);
 
-  const auto layout = nlohmann::json::parse(field_layout_json(survey));
+  const auto layout = parsed_json(field_layout_json(survey));
   for (const auto& tag : layout["tags"]) {
     const PlacedTag& placed = survey.tags[tag["ID"].get<std::size_t>()];
     const auto& turn = tag["pose"]["rotation"]["quaternion"];

@@ -14,6 +14,7 @@
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/exchange/drift_points.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -288,7 +289,7 @@ TEST_CASE("an alignment of lines, clothoids and arcs becomes the center line as 
       draft(folder.path(), landxml(xml + cg_points(walls), metre), arguments);
   REQUIRE_MESSAGE(made.exit_code == 0, made.err);
   const auto last = made.out.rfind('\n', made.out.size() - 2);
-  const auto summary = nlohmann::json::parse(made.out.substr(last + 1))["summary"];
+  const auto summary = parsed_json(made.out.substr(last + 1))["summary"];
   CHECK(summary["alignment_off"].get<double>() < 1e-4);
   CHECK(summary["width"].get<double>() == Approx(4).epsilon(2e-5));
   CHECK(summary["length"].get<double>() == Approx(70).epsilon(1e-6));

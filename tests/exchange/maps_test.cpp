@@ -18,6 +18,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace fs = std::filesystem;
@@ -129,7 +130,7 @@ TEST_CASE("grid.crs is a grid in metres, to the east and north") {
 
 TEST_CASE("GeoJSON has every tag where it is surveyed, and the grid's name") {
   const auto made = exported(kMapped, "tags.geojson");
-  const auto json = nlohmann::json::parse(read_file(made->file).value());
+  const auto json = parsed_json(read_file(made->file).value());
   CHECK(json["type"] == "FeatureCollection");
   CHECK(json["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::25832");
   REQUIRE(json["features"].size() == made->survey.tags.size() + 1);
@@ -146,8 +147,8 @@ TEST_CASE("GeoJSON has every tag where it is surveyed, and the grid's name") {
   const auto& line = json["features"].back();
   CHECK(line["geometry"]["type"] == "LineString");
   CHECK(line["geometry"]["coordinates"].size() > 10);
-  CHECK(nlohmann::json::parse(read_file(exported(without_crs(), "a.geojson")->file).value())["crs"]
-            .is_null());
+  CHECK(
+      parsed_json(read_file(exported(without_crs(), "a.geojson")->file).value())["crs"].is_null());
 }
 
 TEST_CASE("a GeoPackage has what the standard requires, with points in space") {

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 
 #include "tagsmith/base/file.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 #include "tests/support/turned_heic.hpp"
 

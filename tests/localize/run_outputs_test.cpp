@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/localize/runs.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using nlohmann::json;
@@ -20,6 +21,7 @@ using tagsmith::detail::test::count_lines;
 using tagsmith::detail::test::file_with;
 using tagsmith::detail::test::json_lines;
 using tagsmith::detail::test::on_survey;
+using tagsmith::detail::test::parsed_json;
 using tagsmith::detail::test::ProgramOutput;
 using tagsmith::detail::test::run_tagsmith;
 using tagsmith::detail::test::TemporaryFolder;
@@ -62,7 +64,7 @@ TEST_CASE("calibrated cameras, one a fisheye: what is simulated is read and loca
       run_tagsmith("simulate " + survey + "/places.csv' -o '" + at + "/out'");
   CAPTURE(simulated.err);
   REQUIRE(simulated.exit_code == 0);
-  const json truth = json::parse(contents(folder.path() / "out/truth.json"));
+  const json truth = parsed_json(contents(folder.path() / "out/truth.json"));
   CHECK(truth.at("images").at(0).at("camera").at("model") == "fisheye");
   CHECK(truth.at("images").at(0).at("camera").at("distortion").size() == 4);
   CHECK(truth.at("images").at(1).at("camera").at("distortion").size() == 5);

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "tests/support/contents.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 
 namespace tagsmith::detail::test {
 

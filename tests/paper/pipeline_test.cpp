@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <random>
 #include <string>
 #include <utility>
@@ -17,7 +16,9 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/survey.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/support/contents.hpp"
 #include "tests/support/corridor_template.hpp"
+#include "tests/support/json.hpp"
 
 using namespace tagsmith::detail;
 
@@ -298,7 +299,7 @@ TEST_CASE("the reader refuses a wrong check digit and unknown digits") {
 // whole symbol fails where perspective makes near modules wider than far ones.
 TEST_CASE("the corridor photos: right frames in about 14 of 20, digits in about 9, none wrong") {
   const std::string folder = "surveys/corridor/photos/";
-  const nlohmann::json truth = nlohmann::json::parse(std::ifstream(folder + "truth.json"));
+  const nlohmann::json truth = test::parsed_json(test::contents(folder + "truth.json"));
   const auto survey = load_survey("surveys/corridor/survey.yaml");
   REQUIRE(survey.has_value());
   int right_frames = 0;

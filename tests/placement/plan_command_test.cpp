@@ -9,6 +9,7 @@
 
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/contents.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -60,7 +61,7 @@ TEST_CASE("more jobs than the machine has cores change nothing and are not worth
 
 TEST_CASE("plan --json is one object with the documented fields") {
   const ProgramOutput output = run_tagsmith(kCorridor + " --to 5 --speed 1 --json");
-  const auto json = nlohmann::json::parse(output.out);
+  const auto json = parsed_json(output.out);
   for (const char* field : {"survey",
                             "rig",
                             "from",
@@ -118,7 +119,7 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
   const std::string files = "plan " + without("survey.yaml", "  sigma: 0.002") + " --rig " +
                             without("rig.yaml", ", sigma: 0 ") + " --from 2 --to 2.2 --json";
   const ProgramOutput output = run_tagsmith(files);
-  const auto json = nlohmann::json::parse(output.out);
+  const auto json = parsed_json(output.out);
   const std::string survey = "survey corridor states no sigma: 3 mm assumed";
   const std::string rig =
       "rig crawler states no sigma of camera left, right: edge 0.1 pixels, position 5 mm, angle "
@@ -129,8 +130,8 @@ TEST_CASE("plan says once what survey and rig leave unsaid, and promises less fo
   CHECK(json["accuracy"]["plane"]["median"] > 0.003);
   const ProgramOutput stated = run_tagsmith(kCorridor + " --from 2 --to 2.2 --json");
   CHECK(stated.err.empty());
-  CHECK(nlohmann::json::parse(stated.out)["assumed"].empty());
-  CHECK(nlohmann::json::parse(stated.out)["accuracy"]["plane"]["median"] < 0.0021);
+  CHECK(parsed_json(stated.out)["assumed"].empty());
+  CHECK(parsed_json(stated.out)["accuracy"]["plane"]["median"] < 0.0021);
 }
 
 TEST_CASE("plan -o writes drawings and a page that needs no network") {
@@ -143,7 +144,7 @@ TEST_CASE("plan -o writes drawings and a page that needs no network") {
   CHECK(page.find("</html>") != std::string::npos);
   CHECK(page.find("src=") == std::string::npos);
   CHECK(page.find("href=") == std::string::npos);
-  CHECK(nlohmann::json::parse(contents(folder.path() / "plan.json")).contains("profile"));
+  CHECK(parsed_json(contents(folder.path() / "plan.json")).contains("profile"));
 }
 
 TEST_CASE("the plan's drawing fits the paper that is asked for") {
@@ -191,7 +192,7 @@ TEST_CASE("--optimise writes a valid survey that needs no more tags, comments an
   const ProgramOutput output = run_tagsmith(
       kCorridor + " --to 5 --optimise --tags-lost 1 --json -o " + folder.path().string());
   REQUIRE_MESSAGE(output.exit_code == 0, output.err);
-  const auto json = nlohmann::json::parse(output.out);
+  const auto json = parsed_json(output.out);
   const int tags = json["optimisation"]["chosen"]["tags"].get<int>();
   CHECK(tags <= 16);
   const Result<Survey> written = load_survey(folder.path() / "survey.yaml");

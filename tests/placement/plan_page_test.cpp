@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/browser.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {
@@ -51,7 +52,7 @@ TEST_CASE("the plan's page has its chart and its numbers, fits a phone, and repo
   for (const int width : {390, 1280}) {
     CAPTURE(width);
     const PageVisit visit = visit_page(folder.path() / "plan.html", width, 844, kLook);
-    const json seen = json::parse(visit.result);
+    const json seen = parsed_json(visit.result);
     CHECK_MESSAGE(visit.console.empty(), visit.console.front());
     CHECK(seen["overflow"] <= 0);
     CHECK(seen["profile"] > 0.7 * std::min(width, 1100));

@@ -18,6 +18,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_printer.hpp"
 #include "tagsmith/survey/read_survey.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -112,7 +113,7 @@ TEST_CASE("a printer is measured from a scan; what its profile says is gone from
   const ProgramOutput output =
       run_tagsmith(fmt::format("printer {} --dpi 400 -o {} --json", scan, profile));
   REQUIRE_MESSAGE(output.exit_code == 0, output.err);
-  const json found = json::parse(output.out);
+  const json found = parsed_json(output.out);
   const double growth = printer.growth_dots * mm_per_dot();  // 0.127 mm
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double scale = axis == 0 ? printer.scale_right : printer.scale_down;

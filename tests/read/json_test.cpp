@@ -4,11 +4,13 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/json.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
 namespace tagsmith::detail {
 
 using nlohmann::json;
+using test::parsed_json;
 using test::reading_of;
 using test::survey_of_four;
 
@@ -51,8 +53,7 @@ TEST_CASE("a position is coded as the survey that has the tag says, else in cent
 
 TEST_CASE("a file name that is no UTF-8 still gives a line of JSON") {
   const ImageReadings readings{"\xff\xfe.jpg", 1, 1, {}, 0};
-  CHECK(json::parse(to_json_line(readings, {}), nullptr, false)["image"] ==
-        "\xef\xbf\xbd\xef\xbf\xbd.jpg");
+  CHECK(parsed_json(to_json_line(readings, {}))["image"] == "\xef\xbf\xbd\xef\xbf\xbd.jpg");
 }
 
 }  // namespace tagsmith::detail

@@ -12,7 +12,7 @@
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/support/bar_picture.hpp"
 #include "tests/support/contents.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {

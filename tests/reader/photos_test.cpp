@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,8 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/support/contents.hpp"
+#include "tests/support/json.hpp"
 
 using namespace tagsmith::detail;
 namespace fs = std::filesystem;
@@ -53,7 +54,7 @@ void compare(const ReadResult& result, const nlohmann::json& plates, double leas
 }
 
 Tally read_folder(const fs::path& folder, double least_module_px) {
-  const auto truth = nlohmann::json::parse(std::ifstream(folder / "truth.json"));
+  const auto truth = test::parsed_json(test::contents(folder / "truth.json"));
   Tally tally;
   ReadOptions options;
   options.check = parse_check_digit(truth.at("check").get<std::string>());

@@ -13,6 +13,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tagsmith/render/zip_file.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -78,7 +79,7 @@ TEST_CASE("a ZIP for the shop holds all files, is read by others and the same ev
     CHECK(read_file(entry.path()).value() == read_file(unpacked / entry.path().filename()).value());
   }
   CHECK(files == 7);
-  const json manifest = json::parse(read_file(out / "manifest.json").value());
+  const json manifest = parsed_json(read_file(out / "manifest.json").value());
   CHECK(manifest["sha256"]["sheet-001-cut.dxf"] ==
         sha256(read_file(out / "sheet-001-cut.dxf").value()));
   const std::string first = sha256(read_file(zip).value());
@@ -100,7 +101,7 @@ TEST_CASE("the cut file has each plate's outline and holes where the page has th
   REQUIRE(run_tagsmith("print " + survey + " -o " + out.string() +
                        " --paper roll:1000 --format pdf --order")
               .exit_code == 0);
-  const json manifest = json::parse(read_file(out / "manifest.json").value());
+  const json manifest = parsed_json(read_file(out / "manifest.json").value());
   int outlines = 0;
   int circles = 0;
   int arcs = 0;

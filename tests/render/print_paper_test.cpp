@@ -10,6 +10,7 @@
 #include "tagsmith/base/checksum.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/render/print_command.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 json manifest_in(const fs::path& folder) {
-  return json::parse(read_file(folder / "manifest.json").value());
+  return parsed_json(read_file(folder / "manifest.json").value());
 }
 
 // The corridor with standard check digits, so that zbar is asked, and another template.

@@ -11,6 +11,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/base/text.hpp"
 #include "tests/render/print_command.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
@@ -58,7 +59,7 @@ TEST_CASE("the corridor prints 16 tags, each a PDF and an SVG, and two manifests
 TEST_CASE("the manifest says what was printed") {
   const TemporaryFolder folder;
   REQUIRE(print(kCorridor, folder.path()).exit_code == 0);
-  const json manifest = json::parse(read_file(folder.path() / "manifest.json").value());
+  const json manifest = parsed_json(read_file(folder.path() / "manifest.json").value());
   CHECK(manifest["survey"] == "corridor");
   CHECK(manifest["template"] == "tag-400x300");
   CHECK(manifest["check_digit"] == "sum10");
@@ -147,9 +148,9 @@ TEST_CASE("--json prints an object a tag and a summary") {
   const ProgramOutput output = print(kCorridor, folder.path(), "--json --tags 000L,000R");
   const std::vector<std::string> lines = split(trim(output.out), '\n');
   REQUIRE(lines.size() == 3);
-  CHECK(json::parse(lines[0])["tag"] == "000L");
-  CHECK(fs::exists(json::parse(lines[0])["files"][0].get<std::string>()));
-  CHECK(json::parse(lines[2])["summary"]["count"] == 2);
+  CHECK(parsed_json(lines[0])["tag"] == "000L");
+  CHECK(fs::exists(parsed_json(lines[0])["files"][0].get<std::string>()));
+  CHECK(parsed_json(lines[2])["summary"]["count"] == 2);
 }
 
 TEST_CASE("wrong use says what is wrong and writes nothing") {
@@ -234,7 +235,7 @@ TEST_CASE("names in any script and paths that need quoting stay whole in the man
   const ProgramOutput output = print(path, folder, "--tags 000L");
   CAPTURE(output.err);
   REQUIRE(output.exit_code == 0);
-  const json manifest = json::parse(read_file(folder / "manifest.json").value());
+  const json manifest = parsed_json(read_file(folder / "manifest.json").value());
   CHECK(manifest["survey"] == name);
   CHECK(manifest["survey_file"] == path);
   const std::string csv = read_file(folder / "manifest.csv").value();

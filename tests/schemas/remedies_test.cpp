@@ -12,10 +12,12 @@
 #include "decoder/verify/verify_rules.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/rules.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 using namespace tagsmith::detail;
 using nlohmann::json;
+using tagsmith::detail::test::parsed_json;
 using tagsmith::detail::test::run_tagsmith;
 
 namespace {
@@ -69,7 +71,7 @@ TEST_CASE("every key of a file that a remedy names is in a schema") {
   for (const char* name : {"survey", "rig", "template", "board"}) {
     const auto text = read_file("docs/schemas/" + std::string(name) + ".schema.json");
     REQUIRE(text.has_value());
-    schemas.push_back(json::parse(*text));
+    schemas.push_back(parsed_json(*text));
   }
   const std::regex key(
       R"(\b(tags|code|tunnel|grid|symbol|label|vehicle|plate|feature_frame|cameras|ranges)\.([a-z_]+))");

@@ -9,6 +9,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tagsmith/cli/apply_fixes.hpp"
 #include "tagsmith/cli/source_excerpt.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
@@ -79,7 +80,7 @@ TEST_CASE("each remedy that validate offers in JSON leads to a right file") {
         std::string::npos);
   const ProgramOutput fixed = run_tagsmith("validate --fix --json '" + path + "'");
   CHECK(fixed.exit_code == 0);
-  CHECK(nlohmann::json::parse(fixed.out)["fixed"][0] == "unknown-key");
+  CHECK(parsed_json(fixed.out)["fixed"][0] == "unknown-key");
   CHECK(*read_file(path) == right_survey());
 }
 

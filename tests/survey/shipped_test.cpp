@@ -19,6 +19,8 @@
 #include "tagsmith/survey/read_template.hpp"
 #include "tagsmith/survey/rig.hpp"
 #include "tagsmith/survey/run.hpp"
+#include "tests/support/contents.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
@@ -36,11 +38,7 @@ std::vector<fs::path> files_named(const fs::path& folder, const std::string& nam
   return files;
 }
 
-nlohmann::json read_json(const fs::path& path) {
-  std::ifstream stream(path);
-  REQUIRE(stream.good());
-  return nlohmann::json::parse(stream);
-}
+nlohmann::json read_json(const fs::path& path) { return test::parsed_json(test::contents(path)); }
 
 Eigen::Vector3d vector_of(const nlohmann::json& numbers) {
   return {numbers[0].get<double>(), numbers[1].get<double>(), numbers[2].get<double>()};

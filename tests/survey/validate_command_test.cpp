@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 #include "tests/survey/files.hpp"
 
@@ -47,7 +47,7 @@ TEST_CASE("validate --rig names the tags that no camera of the rig can see") {
   std::string line;
   int unseen = 0;
   while (std::getline(lines, line)) {
-    const auto finding = nlohmann::json::parse(line);
+    const auto finding = parsed_json(line);
     if (finding["code"] != "unseen-tag") continue;
     ++unseen;
     const std::string message = finding["message"];
@@ -157,7 +157,7 @@ TEST_CASE("validate --json prints the documented fields, one object a line") {
   std::string line;
   int count = 0;
   while (std::getline(lines, line)) {
-    const auto finding = nlohmann::json::parse(line);
+    const auto finding = parsed_json(line);
     CHECK(finding["file"] == survey);
     CHECK(finding["line"] == 19);
     CHECK(finding["column"].is_number_integer());

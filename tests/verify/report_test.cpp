@@ -14,6 +14,7 @@
 #include "tagsmith/base/file.hpp"
 #include "tests/support/browser.hpp"
 #include "tests/support/exif_jpeg.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {
@@ -49,7 +50,7 @@ json last_line(const std::string& lines) {
   std::istringstream stream(lines);
   std::string last;
   for (std::string line; std::getline(stream, line);) last = line;
-  return json::parse(last);
+  return parsed_json(last);
 }
 
 }  // namespace
@@ -96,7 +97,7 @@ seen.status = doc.getElementById('shown').textContent;
 return seen;
 )js");
   CAPTURE(visit.result);
-  const json seen = json::parse(visit.result);
+  const json seen = parsed_json(visit.result);
   CHECK(seen["overflow"] <= 0);
   CHECK(seen["faults"] == 2);
   CHECK(seen["tags"] == 16);
@@ -198,7 +199,7 @@ TEST_CASE("a photo in which no tag was read is shown in the report, small and up
       run_tagsmith("verify --json " + kSurvey + quoted("wall.jpg") + " --crops" + quoted("crops") +
                    " --html" + quoted("direct.html"));
   CHECK(direct.exit_code == 1);
-  const json line = json::parse(direct.out.substr(0, direct.out.find('\n')));
+  const json line = parsed_json(direct.out.substr(0, direct.out.find('\n')));
   CHECK(line["rules"] == json::array({"no-tag"}));
   const GrayImage shown = load_gray_image(line["picture"].get<std::string>()).value();
   CHECK(std::pair(shown.width, shown.height) == std::pair(300, 400));

@@ -15,6 +15,7 @@
 #include "decoder/image/negative.hpp"
 #include "decoder/image/upright.hpp"
 #include "tagsmith/base/file.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {
@@ -35,7 +36,7 @@ void print_into(const fs::path& folder, const std::string& options) {
 json verified(const fs::path& file, const std::string& options = "") {
   const ProgramOutput output =
       run_tagsmith("verify --json " + kSurvey + " '" + file.string() + "' " + options);
-  return json::parse(output.out.substr(0, output.out.find('\n')));
+  return parsed_json(output.out.substr(0, output.out.find('\n')));
 }
 
 std::string rule_of(const json& line) {

@@ -20,7 +20,7 @@
 #include "decoder/image/upright.hpp"
 #include "tagsmith/base/file.hpp"
 #include "tests/support/exif_jpeg.hpp"
-#include "tests/support/json_lines.hpp"
+#include "tests/support/json.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {
@@ -270,7 +270,7 @@ TEST_CASE("a print from an older survey is found through its manifest") {
   const TemporaryFolder folder;
   print_into(folder.path(), "--tags 003L");
   const fs::path manifest = folder.path() / "manifest.json";
-  json changed = json::parse(*read_file(manifest));
+  json changed = parsed_json(*read_file(manifest));
   changed["tags"][0]["digits"] = "019000000404";
   REQUIRE(write_file(manifest, changed.dump()).has_value());
   const ProgramOutput output =

@@ -6,6 +6,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/json.hpp"
+
 namespace tagsmith::detail {
 namespace {
 
@@ -64,7 +66,7 @@ TEST_CASE("lines of verify") {
   VerifiedTag& bad = file.tags.emplace_back();
   static_cast<Finding&>(bad) = {TagStatus::unreadable, "too-small", "too small"};
   bad.page = 2;
-  const json line = json::parse(to_json_line(file));
+  const json line = test::parsed_json(to_json_line(file));
   CHECK(line["file"] == "a.pdf");
   CHECK(line["pages"] == 2);
   CHECK(line["findings"] == json{"page 2: unreadable: too small"});
@@ -90,7 +92,7 @@ TEST_CASE("a line that is read back says the same again") {
 }
 
 TEST_CASE("what is no line of verify is none") {
-  json line = json::parse(to_json_line(photo()));
+  json line = test::parsed_json(to_json_line(photo()));
   for (const char* key : {"file", "tags"}) {
     json other = line;
     other.erase(key);
