@@ -102,16 +102,20 @@ TEST_CASE("Halos move no corners, and the covariance holds what is left of them"
 
 // At this size the outline of the bars themselves is met first, and tells of a mask of its own.
 TEST_CASE("The mask that a wrong outline tells of is not undone around the frame") {
+  int plain = 0;
   std::vector<double> errors;
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
     const Seen seen = seen_through(camera_chain("strong"), 0.8, 1000 + seed);
     for (const Reading& tag : seen.tags) {
       REQUIRE(tag.digits == seen.code);
+      plain += tag.symbol->frame.was_sharpened ? 0 : 1;
       for (const double error : bench::corner_errors(tag, seen.truth)) errors.push_back(error);
     }
   }
-  CHECK(errors.size() >= 8 * 12);
-  CHECK(median(errors) < 0.025);
+  REQUIRE(errors.size() >= 8 * 12);
+  std::ranges::sort(errors);
+  CHECK(errors[errors.size() * 9 / 10] < 0.04);  // else 0.05
+  CHECK(plain == 0);                             // else 2
 }
 
 // With the halos left in, the median is 0.12 px.
