@@ -192,8 +192,9 @@ void Detector::show_as_stored(const Quad& quad) {
 
 void Detector::show_as_seen_by(const TagHypothesis& hypothesis) {
   if (!unsharpened_ || !hypothesis.frame) return;
-  show_as_stored(hypothesis.frame->corners);
-  if (hypothesis.halos) unsharpened_->undo(*hypothesis.halos, hypothesis.frame->corners);
+  const Quad& corners = hypothesis.frame->corners;
+  if (!hypothesis.halos) return show_as_stored(corners);
+  unsharpened_->undo(*hypothesis.halos, corners);
 }
 
 std::optional<Reading> Detector::read_in_another_layout(const RefinedFrame& frame,

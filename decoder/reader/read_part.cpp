@@ -275,6 +275,7 @@ PartReading reading_of(const GrayView& image, const Part& part) {
   return reading;
 }
 
+// The part in a picture as it is.
 std::optional<Part> believed_part(const GrayView& image, const Quad& cut,
                                   const ReadOptions& options) {
   const Camera camera = camera_for(image, options);
