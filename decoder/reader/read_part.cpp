@@ -181,12 +181,33 @@ std::vector<double> likely_lengths(const SymbolProfile& profile, const SymbolLay
   return lengths;
 }
 
+// How many of the plates that look like a part with so many digits in sight are strangers.
+double alike_strangers(std::ptrdiff_t digits, const ReadOptions& options) {
+  return kOdds.strangers * static_cast<double>(options.code_book.size()) /
+         std::pow(10, static_cast<double>(digits));
+}
+
+// Whether a profile reaches over as many digits as are believed, were the symbol so many times as
+// long as the frame says.
+bool shows_enough(const ScanProfile& profile, double by, const SymbolLayout& layout,
+                  const ReadOptions& options) {
+  if (profile.empty()) return false;
+  const double quiet = layout.quiet_zone_modules;
+  const double end = (profile.back().at + quiet) / by - quiet;
+  int digits = 0;
+  while (digits < kDigitCount && first_module_of_digit(digits) + kModulesPerDigit <= end) ++digits;
+  return alike_strangers(digits, options) < kPart.most_alike;
+}
+
 // The part at the length at which the bars are explained best.
 std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame& frame,
                                        const SymbolLayout& layout, RowsTaken taken,
                                        const ReadOptions& options) {
   const SymbolProfile profile = profile_of(RobustProfile(image, frame, layout), taken);
   const int most = options.camera ? kPart.steps : kPart.steps_unknown;
+  if (!shows_enough(profile.bins, std::exp(-kPart.step * most), layout, options)) {
+    return std::nullopt;
+  }
   std::optional<PartDecoding> best;
   double length = 1;
   for (const double by : likely_lengths(profile, layout, most)) {
@@ -237,10 +258,8 @@ bool is_crossed(const GrayView& image, const Part& part) {
 
 // Whether what is in sight is certain, and so much that few strangers look alike.
 bool is_certain(const PartDecoding& part, const ReadOptions& options) {
-  const auto digits = std::ranges::count(part.certain, true);
-  const double alike = kOdds.strangers * static_cast<double>(options.code_book.size()) /
-                       std::pow(10, static_cast<double>(digits));
-  return alike < kPart.most_alike && !objection_to(part.decoding, options);
+  return alike_strangers(std::ranges::count(part.certain, true), options) < kPart.most_alike &&
+         !objection_to(part.decoding, options);
 }
 
 bool is_believed(const GrayView& image, const Part& part, const ReadOptions& options) {
@@ -291,7 +310,7 @@ std::optional<Part> believed_part(const GrayView& image, const Quad& cut,
     frame.corners = *whole;
     for (const RowsTaken taken : {RowsTaken::agreeing, RowsTaken::all}) {
       auto part = read_at_any_length(image, frame, layout, taken, options);
-      if (!part) break;
+      if (!part || !shows_enough(part->profile.bins, 1, layout, options)) break;
       if (is_believed(image, *part, options)) return part;
     }
   }
@@ -362,8 +381,8 @@ std::optional<PartReading> read_part(const GrayView& image, const Quad& cut,
   if (!halos) return reading_of(image, *part);
   UnsharpenedImage plain(image);
   plain.undo(*halos, cut);
-  std::optional<Part> again = believed_part(plain.view(), cut, options);
-  if (!again) return reading_of(image, *part);
+  auto again = read_anew(plain.view(), part->frame.corners, part->layout, part->taken, options);
+  if (!again || !is_believed(plain.view(), *again, options)) return reading_of(image, *part);
   add_halo_doubt(part->frame.corners, again->frame);
   return reading_of(plain.view(), *again);
 }

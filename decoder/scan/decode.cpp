@@ -117,7 +117,7 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Decodin
 std::optional<Decoding> decode_profile(const ScanProfile& profile, const ImagingModel& start,
                                        const DecodeOptions& options) {
   if (profile.size() < kDecode.least_places) return std::nullopt;
-  if (guards_in(profile, start) < kDecode.least_guards) return std::nullopt;
+  if (!shows_guards(profile, start)) return std::nullopt;
   const DecodingStart from(profile, start);
   const PossibleWays ways = possible_ways(profile, from.costs);
   std::optional<Decoding> best;

@@ -252,7 +252,7 @@ std::optional<PartDecoding> decode_part_upright(const ScanProfile& all, const Im
 std::optional<PartDecoding> decode_part(const ScanProfile& profile, const ImagingModel& start,
                                         const DecodeOptions& options) {
   if (profile.size() < kDecode.least_places || options.code_book.empty()) return std::nullopt;
-  if (guards_in(profile, start) < kDecode.least_guards) return std::nullopt;
+  if (!shows_guards(profile, start)) return std::nullopt;
   const PossibleWays ways = possible_ways(profile, DecodingStart(profile, start).costs);
   std::optional<PartDecoding> best;
   if (ways.up) best = decode_part_upright(profile, start, options);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "decoder/scan/symbol_edges.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -72,6 +73,12 @@ double guards_in(const ScanProfile& profile, const ImagingModel& image) {
   ScanProfile known;
   std::ranges::copy_if(profile, std::back_inserter(known), is_known, &ScanBin::at);
   return explained_by_guards(known, image, expected_darkness(image, {}, known));
+}
+
+bool shows_guards(const ScanProfile& profile, ImagingModel image) {
+  if (guards_in(profile, image) >= kDecode.least_guards) return true;
+  image.blur *= kDecode.smoothed;
+  return guards_in(profile, image) >= kDecode.least_guards;
 }
 
 std::array<double, kDigitCount> explained_by_digits(const ScanProfile& profile,

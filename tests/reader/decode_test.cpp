@@ -99,6 +99,20 @@ TEST_CASE("profiles are decoded under blur, noise and small misplacement") {
   }
 }
 
+TEST_CASE("bars that are blurred three times as much as the frame's sides are decoded") {
+  std::mt19937 random(31);
+  const double of_sides = 0.3;
+  for (int i = 0; i < 5; ++i) {
+    const Digits digits = random_code(random, CheckDigit::gs1);
+    CAPTURE(to_string(digits));
+    const ScanProfile profile = make_profile(digits, {3 * of_sides, 0.005, 0, 0, 4}, random);
+    const auto decoding = decode_profile(profile, start_with(of_sides), {});
+    REQUIRE(decoding.has_value());
+    CHECK(to_string(decoding->digits) == to_string(digits));
+    CHECK(decoding->fit.image.blur == doctest::Approx(3 * of_sides).epsilon(0.05));
+  }
+}
+
 TEST_CASE("a symbol whose check digit fails is never certain") {
   std::mt19937 random(8);
   for (int i = 0; i < 20; ++i) {

@@ -31,3 +31,19 @@ TEST_CASE("what is off leaves so much of the variation unexplained as its square
   CHECK(explained_by_guards(profile, image, expected) ==
         doctest::Approx(1 - 0.1 * 0.1 / (0.4 * 0.4)));
 }
+
+TEST_CASE("guard patterns show where bars are blurred more than the frame, and in no even light") {
+  const Digits digits = *parse_digits("019012340400");
+  for (const double blur : {0.3, 0.6, 0.9}) {
+    CAPTURE(blur);
+    CHECK(shows_guards(profile_of(digits, {.blur = blur}), {.blur = 0.3}));
+  }
+  for (const double even : {0.0, 1.0}) {
+    CAPTURE(even);
+    ScanProfile plain = profile_of(digits, {.blur = 0.3});
+    for (ScanBin& bin : plain) {
+      if (bin.at > 0 && bin.at < kModuleCount) bin.darkness = even;
+    }
+    CHECK_FALSE(shows_guards(plain, {.blur = 0.3}));
+  }
+}
