@@ -39,8 +39,9 @@ std::array<double, kDigitCount> explained_by_digits(const ScanProfile& profile,
 // that such a picture of them explains.
 double guards_in(const ScanProfile& profile, const ImagingModel& image);
 
-// Whether they explain as much of it as is asked before any adjustment. A camera that takes noise
-// away blurs narrow bars more than the frame's sides, by which the picture's blur is known.
+// Whether they explain as much of it as is asked before any adjustment, by this picture or by one
+// that is blurrier by the standard deviation that the fit allows. A camera that takes noise away
+// blurs narrow bars more than the frame's sides, by which the picture's blur is known.
 bool shows_guards(const ScanProfile& profile, ImagingModel image);
 
 }  // namespace tagsmith::detail

@@ -71,7 +71,6 @@ inline constexpr OddsTuning kOdds;
 struct DecodeTuning {
   std::size_t least_places = 40;
   double least_guards = 0.35;  // of the guard patterns, explained before any adjustment
-  double smoothed = 2;         // times the frame's blur: the bars' where noise was taken away
   int rounds = 4;              // of digits and image in turn
   double clean = 0.985;        // explained: nothing to set aside
   int cleanings = 3;           // rounds of setting aside what the digits cannot explain
