@@ -444,8 +444,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     SideFit fit = alike ? describe(solutions[i], lines[i])
                         : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
     if (sight.was_sharpened) {
-      fit.side.covariance *=
-          std::max(1.0, correlation_factor(samples[i], solutions[i], lines[i]) / kCorner.alike);
+      fit.side.covariance *= correlation_factor(samples[i], solutions[i], lines[i]);
     }
     lines[i] = fit.line;
     result.frame.sides[i] = fit.side;
