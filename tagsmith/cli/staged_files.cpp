@@ -130,12 +130,6 @@ void remove_abandoned(const fs::path& folder) {
   }
 }
 
-void remove_traces(const fs::path& staging, const std::vector<fs::path>& made_folders) {
-  std::error_code ignored;
-  if (!staging.empty()) fs::remove_all(staging, ignored);
-  for (const fs::path& made : made_folders) fs::remove(made, ignored);  // only when empty
-}
-
 // What stands, and is no folder, where the folder or one that it lies in should be.
 std::optional<fs::path> file_in_the_way(fs::path folder) {
   for (; folder.has_relative_path(); folder = folder.parent_path()) {
@@ -146,68 +140,83 @@ std::optional<fs::path> file_in_the_way(fs::path folder) {
   return std::nullopt;
 }
 
-// Threads that had begun to write a file may still make it, and its folder.
-void remove_while_written(const fs::path& staging, const std::vector<fs::path>& made_folders) {
-  constexpr int kAttempts = 5;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    remove_traces(staging, made_folders);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  remove_traces(staging, made_folders);
-}
-
 }  // namespace
 
-Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
-  std::error_code error;
-  StagedFiles files;
-  files.folder_ = (folder / "").parent_path();  // without a trailing slash
-  files.made_folders_ = missing_folders(files.folder_);
-  fs::create_directories(files.folder_, error);
-  if (error || !fs::is_directory(files.folder_)) {
-    const auto file = file_in_the_way(files.folder_);
-    if (file) return fail(file->string() + ": is a file, expected a folder");
-    return fail(folder.string() + ": cannot be made: " + error.message());
+void StagedFiles::Made::remove() const {
+  std::error_code ignored;
+  if (!staging.empty()) fs::remove_all(staging, ignored);
+  for (const fs::path& made : folders) fs::remove(made, ignored);  // only when empty
+}
+
+// Threads that had begun to write a file may still make it, and its folder.
+void StagedFiles::Made::remove_while_written() const {
+  constexpr int kAttempts = 5;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    remove();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  remove_abandoned(files.folder_);
+  remove();
+}
+
+Result<void> StagedFiles::make_folders() {
+  const auto whole = InterruptGuard::hold_off();
+  std::error_code error;
+  made_->folders = missing_folders(folder_);
+  fs::create_directories(folder_, error);
+  if (!error && fs::is_directory(folder_)) return {};
+  const auto file = file_in_the_way(folder_);
+  if (file) return fail(file->string() + ": is a file, expected a folder");
+  return fail(folder_.string() + ": cannot be made: " + error.message());
+}
+
+bool StagedFiles::make_staging() {
   constexpr int kAttempts =
       10;  // another process may take the folder for abandoned before its lock
+  const auto whole = InterruptGuard::hold_off();
+  std::error_code ignored;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::string pattern = (files.folder_ / kStagingPrefix).string() + "XXXXXX";
+    std::string pattern = (folder_ / kStagingPrefix).string() + "XXXXXX";
     if (mkdtemp(pattern.data()) == nullptr) break;
-    files.staging_ = pattern;
-    files.lock_ = lock_folder(files.staging_);
-    if (files.lock_ >= 0 && fs::exists(files.staging_, error)) {
-      files.guard_ = InterruptGuard(
-          [staging = files.staging_, made = files.made_folders_, flag = files.interrupted_] {
-            flag->store(true);
-            remove_while_written(staging, made);
-          });
-      return files;
-    }
-    if (files.lock_ >= 0) ::close(std::exchange(files.lock_, -1));
+    made_->staging = pattern;
+    lock_ = lock_folder(made_->staging);
+    if (lock_ >= 0 && fs::exists(made_->staging, ignored)) return true;
+    if (lock_ >= 0) ::close(std::exchange(lock_, -1));
   }
+  return false;
+}
+
+Result<StagedFiles> StagedFiles::begin(const fs::path& folder) {
+  StagedFiles files;
+  files.folder_ = (folder / "").parent_path();  // without a trailing slash
+  // Before anything is made that an interrupt would leave.
+  files.guard_ = InterruptGuard([made = files.made_] {
+    made->is_interrupted = true;
+    made->remove_while_written();
+  });
+  if (auto there = files.make_folders(); !there) return tl::unexpected(there.error());
+  remove_abandoned(files.folder_);
+  if (files.make_staging()) return files;
   return fail(folder.string() +
               ": no file can be written there: " + std::generic_category().message(errno));
 }
 
 StagedFiles::~StagedFiles() {
-  remove_traces(staging_, made_folders_);
+  if (made_) made_->remove();
   if (lock_ >= 0) ::close(lock_);
 }
 
 Result<void> StagedFiles::add(const fs::path& name, std::string_view bytes) const {
-  if (!*interrupted_ && write_file(staging_ / name, bytes)) return {};
+  if (!made_->is_interrupted && write_file(made_->staging / name, bytes)) return {};
   return fail((folder_ / name).string() + ": cannot be written, is the disk full?");
 }
 
 Result<void> StagedFiles::publish() {
   // Before interrupts are held off: a pipe waits for its reader.
-  if (auto written = write_streams(folder_, staging_); !written) return written;
+  if (auto written = write_streams(folder_, made_->staging); !written) return written;
   const auto whole = InterruptGuard::hold_off();
   std::error_code error;
   std::vector<Move> moves;
-  for (const fs::path& file : files_in(staging_, error)) {
+  for (const fs::path& file : files_in(made_->staging, error)) {
     const Result<Move> move = move_to(behind_links(folder_ / file.filename()), file);
     if (!move) {
       undo(moves);
@@ -220,7 +229,7 @@ Result<void> StagedFiles::publish() {
     return fail(folder_.string() + ": cannot be written: " + error.message());
   }
   for (const Move& move : moves) fs::remove(move.replaced, error);
-  made_folders_.clear();
+  made_->folders.clear();
   return {};
 }
 

@@ -26,10 +26,8 @@ class StagedFiles {
   ~StagedFiles();
   StagedFiles(StagedFiles&& other) noexcept
       : folder_(std::move(other.folder_)),
-        staging_(std::exchange(other.staging_, {})),
         lock_(std::exchange(other.lock_, -1)),
-        made_folders_(std::exchange(other.made_folders_, {})),
-        interrupted_(std::move(other.interrupted_)),
+        made_(std::exchange(other.made_, nullptr)),
         guard_(std::move(other.guard_)) {}
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -39,20 +37,32 @@ class StagedFiles {
   Result<void> add(const std::filesystem::path& name, std::string_view bytes) const;
 
   // Where a file stands until it is published.
-  std::filesystem::path staged(const std::filesystem::path& name) const { return staging_ / name; }
+  std::filesystem::path staged(const std::filesystem::path& name) const {
+    return made_->staging / name;
+  }
 
   // Replaces files of the same names. Of a link what it leads to is replaced; what goes to a stream
   // (is_stream) is written first, and cannot be taken back.
   Result<void> publish();
 
  private:
+  // What an interrupt removes. Changed while interrupts are held off.
+  struct Made {
+    std::filesystem::path staging;
+    std::vector<std::filesystem::path> folders;  // innermost first
+    std::atomic<bool> is_interrupted = false;
+
+    void remove() const;
+    void remove_while_written() const;
+  };
+
   StagedFiles() = default;
+  Result<void> make_folders();
+  bool make_staging();
 
   std::filesystem::path folder_;
-  std::filesystem::path staging_;
-  int lock_ = -1;  // descriptor of staging_, locked for as long as its process lives
-  std::vector<std::filesystem::path> made_folders_;  // innermost first
-  std::shared_ptr<std::atomic<bool>> interrupted_ = std::make_shared<std::atomic<bool>>(false);
+  int lock_ = -1;  // descriptor of the staging folder, locked for as long as its process lives
+  std::shared_ptr<Made> made_ = std::make_shared<Made>();
   InterruptGuard guard_;
 };
 

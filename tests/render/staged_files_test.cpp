@@ -89,6 +89,20 @@ TEST_CASE("an interrupt leaves nothing, not even the folders, and ends the proce
   }
 }
 
+TEST_CASE("an interrupt while the folders are made leaves none of them") {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  for (int k = 0; k < 30; ++k) {
+    const double seconds = 0.015 + 0.001 * k;
+    CAPTURE(seconds);
+    run_shell("timeout -s INT " + std::to_string(seconds) +
+              " \"$TAGSMITH_PROGRAM\" print surveys/corridor/survey.yaml -o '" +
+              (folder / "out/print").string() + "'");
+    CHECK((entries(folder) == 0 || fs::exists(folder / "out/print/manifest.json")));
+    fs::remove_all(folder / "out");
+  }
+}
+
 TEST_CASE("what a killed process left is removed, what a living one gathers is not") {
   const TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
