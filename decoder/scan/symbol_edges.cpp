@@ -61,7 +61,7 @@ void SymbolEdges::visit(const ScanPlaces& places, const Visit& visit_place) cons
 std::vector<float> SymbolEdges::shares_at(const ScanPlaces& places) const {
   std::vector<float> shares(places.size());
   visit(places, [&](std::size_t i, std::size_t first, std::size_t last, const EdgeStep& step) {
-    float share = first % 2 == 0 ? 0 : 1;
+    float share = first % 2 == 0 ? 0.0F : 1.0F;
     for (std::size_t k = first; k < last; ++k) {
       const float integral = step(places.at[i] - actual_[k]).integral;
       share += k % 2 == 0 ? integral : -integral;
@@ -75,7 +75,7 @@ std::vector<BarShare> SymbolEdges::with_derivatives_at(const ScanPlaces& places)
   std::vector<BarShare> shares(places.size());
   visit(places, [&](std::size_t i, std::size_t first, std::size_t last, const EdgeStep& step) {
     BarShare bars;
-    bars.share = first % 2 == 0 ? 0 : 1;
+    bars.share = first % 2 == 0 ? 0.0F : 1.0F;
     for (std::size_t k = first; k < last; ++k) {
       const StepValue value = step(places.at[i] - actual_[k]);
       const float sign = k % 2 == 0 ? 1.0F : -1.0F;
