@@ -10,6 +10,7 @@
 #include "decoder/image/bilinear.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/scan/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -126,7 +127,8 @@ float level_of(const Pattern& pattern, const WindowLight& row) {
 }
 
 bool has_contrast(const Pattern& pattern) {
-  return pattern.white - pattern.black > kBarEnds.least_contrast * pattern.white;
+  return static_cast<double>(pattern.white - pattern.black) >
+         kSymbolFit.least_contrast * static_cast<double>(pattern.white);
 }
 
 // Where a window's bars end between two heights; nothing where that does not show.

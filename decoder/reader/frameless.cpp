@@ -83,7 +83,7 @@ ScanProfile merged_profile(const std::vector<ReadLine>& lines) {
     double sum = 0;
     double count = 0;
     for (const float value : values) {
-      if (std::abs(value - median) > kFrameless.odd) continue;
+      if (std::abs(value - median) > kProfile.odd) continue;
       sum += value;
       ++count;
     }

@@ -13,6 +13,7 @@
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode.hpp"
+#include "decoder/scan/tuning.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -57,8 +58,8 @@ std::optional<Objection> objection_to(const Decoding& decoding, const ReadOption
   if (fit.explained < kJudge.explained) {
     return Objection{element_widths, fit.explained, kJudge.explained};
   }
-  if (decoding.worst_digit < kJudge.digit) {
-    return Objection{element_widths, decoding.worst_digit, kJudge.digit};
+  if (decoding.worst_digit < kDecode.hopeless) {
+    return Objection{element_widths, decoding.worst_digit, kDecode.hopeless};
   }
   if (fit.kept < kJudge.least_kept) return Objection{covered, fit.kept, kJudge.least_kept};
   if (std::abs(fit.image.growth) > kJudge.most_growth) {

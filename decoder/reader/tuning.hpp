@@ -75,7 +75,6 @@ inline constexpr OccluderTuning kOccluder;
 
 // Where bars end. Why: docs/decisions/0005-hidden-frame-sides.md.
 struct BarEndsTuning {
-  float least_contrast = 0.05F;  // of the white
   double step_px = 0.5;
   std::size_t rows = 9;  // amid the bars, of which each place's middle one counts
   std::size_t quick_rows = 3;
@@ -164,7 +163,6 @@ inline constexpr SearchTuning kSearch;
 // Why: docs/decisions/0003-confidence-and-its-border.md.
 struct JudgeTuning {
   double explained = 0.9;  // of the profile
-  double digit = 0.75;     // of the digit of which least is explained
   double guards = 0.8;     // of the guard patterns
   // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
   // nothing is known.
@@ -208,7 +206,6 @@ struct FramelessTuning {
   double guards = 0.7;
   double together = 0.9;        // confidence by the lines' mean
   double most_blur = 1.5;       // modules
-  float odd = 0.2F;             // of the contrast off the lines' median
   double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
   double model_error = 0.03;    // of the contrast
   double most_of_a_line = 30;   // what one line can say against a digit: it may be dirty

@@ -38,8 +38,8 @@ struct SymbolFitTuning {
   // profile leaves open, and forbid what would turn one digit into another.
   std::array<double, 8> prior_sigma{0.7, 0.5, 0.006, 0.3, 0.35, 0.3, 0.3, 0.2};
   int most_steps = 12;
-  double settled = 1e-3;  // change of the cost
-  double least_contrast = 0.05;
+  double settled = 1e-3;         // change of the cost
+  double least_contrast = 0.05;  // of the white
 };
 inline constexpr SymbolFitTuning kSymbolFit;
 
@@ -77,7 +77,7 @@ struct DecodeTuning {
   double odd = 0.12;           // of the contrast: what is set aside, beside the noise
   double odd_sigmas = 3.5;
   double agreement = 0.85;    // of the bars' height: places where more of it agrees are kept
-  double hopeless = 0.75;     // explained: so little of it that nothing would be believed
+  double hopeless = 0.75;     // explained, of a symbol or a digit: no more of it is not believed
   double least_noise = 0.15;  // variance factor
   int noise_reach = 4;        // modules to either side that tell a module's own noise
   double noise_prior = 5;     // modules' worth of the common noise
