@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "decoder/cli/commands.hpp"
 #include "decoder/localize/fix.hpp"

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tagsmith/base/csv.hpp"
 #include "tagsmith/geometry/angle.hpp"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "decoder/calibrate/rig_suspicion.hpp"
 #include "decoder/cli/commands.hpp"

@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "decoder/localize/outside_tunnel.hpp"
 #include "decoder/paper/closed_form.hpp"

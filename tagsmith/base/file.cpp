@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tagsmith/base/stream.hpp"
 #include "tagsmith/base/text.hpp"

@@ -191,6 +191,13 @@ struct Drafted {
   std::vector<Diagnostic> warnings;
 };
 
+Result<std::vector<DraftPart>> parts_of(const NewOptions& options, const SurveyDraft& draft) {
+  if (options.split) return split_draft(draft);
+  std::vector<DraftPart> whole;
+  whole.push_back({draft, 0, draft.fit.tunnel.centerline.length()});
+  return whole;
+}
+
 Result<Drafted> make_draft(const NewOptions& options) {
   Drafted drafted;
   Result<PointList> list = read_points(options, drafted.warnings);
@@ -220,9 +227,7 @@ Result<Drafted> make_draft(const NewOptions& options) {
   if (auto tags = complete_tags(options, list->survey, draft); !tags) {
     return fail(options.points + ": " + tags.error().message);
   }
-  Result<std::vector<DraftPart>> parts =
-      options.split ? split_draft(draft)
-                    : std::vector{DraftPart{draft, 0, draft.fit.tunnel.centerline.length()}};
+  Result<std::vector<DraftPart>> parts = parts_of(options, draft);
   if (!parts) return fail(options.points + ": " + parts.error().message);
   drafted.parts = std::move(*parts);
   return drafted;

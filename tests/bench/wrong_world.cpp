@@ -20,6 +20,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "decoder/localize/joint_method.hpp"
 #include "tagsmith/geometry/angle.hpp"
