@@ -54,7 +54,7 @@ std::optional<double> steepest_fall(const GrayView& image, const SideLine& side,
     const double before = fall_at(best - 1);
     const double after = fall_at(best + 1);
     const double curvature = 2 * fall - before - after;
-    if (curvature > 0) shift = std::clamp((after - before) / (2 * curvature), -0.5, 0.5);
+    if (curvature > 0) shift = (after - before) / (2 * curvature);
   }
   return kStep * (best - half + shift);
 }

@@ -72,7 +72,7 @@ void find_slopes(const SymbolRows& rows, CommonDarkness& common) {
   common.slope.assign(rows.bins, 0);
   std::vector<std::size_t> known;
   for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-    if (common.known[bin] && rows.middles[bin] >= 0) known.push_back(bin);
+    if (common.known[bin]) known.push_back(bin);
   }
   for (std::size_t i = 1; i + 1 < known.size(); ++i) {
     const float run = rows.middles[known[i + 1]] - rows.middles[known[i - 1]];

@@ -74,7 +74,7 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
     const Agreed& at = agreed[bin];
     if (rows.middles[bin] < 0) continue;
     const double place = rows.module_of(static_cast<double>(rows.middles[bin]));
-    if (at.weight == 0 || at.shown < kProfile.least_shown) {
+    if (at.shown < kProfile.least_shown) {
       profile.push_back({place, 0.5, kHiddenVariance, 1});
       continue;
     }
