@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // `tagsmith adjust` as its users run it, on the shipped corridor.
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <regex>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -59,6 +63,29 @@ json line_of(const std::string& text, const std::string& tag) {
   return {};
 }
 
+// The places across the sheet of a path's points, millimetres.
+std::vector<double> numbers_across(const std::string& path) {
+  static const std::regex kPoint("[ML](-?[0-9.]+) -?[0-9.]+");
+  std::vector<double> numbers;
+  for (std::sregex_iterator at(path.begin(), path.end(), kPoint), end; at != end; ++at) {
+    numbers.push_back(std::stod((*at)[1]));
+  }
+  return numbers;
+}
+
+// The paths of a layer of a drawing.
+std::vector<std::string> paths_of(const std::string& svg, const std::string& layer) {
+  const std::size_t begin = svg.find("id=\"" + layer + "\"");
+  REQUIRE(begin != std::string::npos);
+  const std::string group = svg.substr(begin, svg.find("</g>", begin) - begin);
+  static const std::regex kPath(" d=\"([^\"]*)\"");
+  std::vector<std::string> paths;
+  for (std::sregex_iterator at(group.begin(), group.end(), kPath), end; at != end; ++at) {
+    paths.push_back((*at)[1]);
+  }
+  return paths;
+}
+
 }  // namespace
 
 TEST_CASE("a run puts a tag in its place, in a survey that keeps its comments") {
@@ -100,6 +127,28 @@ TEST_CASE("the changes alone make the survey that is written, and a drawing show
   const std::string svg = contents(drawing);
   CHECK(has(svg, "id=\"moved\""));
   CHECK((has(svg, ">-30.") || has(svg, ">-29.")));  // 002L, millimetres below its surveyed place
+}
+
+TEST_CASE("a drawing says by how much its ellipses are magnified against the plan") {
+  const MovedCorridor corridor;
+  const std::string drawing = corridor.output + ".svg";
+  const ProgramOutput output =
+      corridor.run(kRun + " --json -o " + corridor.output + " --drawing " + drawing);
+  const std::string svg = contents(drawing);
+  std::smatch told;
+  REQUIRE(std::regex_search(svg, told, std::regex("magnified ([0-9.]+) times")));
+  // 001L and 002L were surveyed 0.8 m apart along the drive; an arrow is a line and its head.
+  const std::vector<std::string> arrows = paths_of(svg, "moved");
+  REQUIRE(arrows.size() > 4);
+  const double per_metre =
+      (numbers_across(arrows[4]).front() - numbers_across(arrows[0]).front()) / 0.8;
+  REQUIRE(per_metre > 0);
+  const std::vector<double> ellipse = numbers_across(paths_of(svg, "ellipses").front());
+  const auto [least, most] = std::ranges::minmax(ellipse);
+  const double sigma = line_of(output.out, "001L")["sigma"][1].get<double>();
+  // Of two dimensions 95 % lie within 2.448 standard deviations.
+  const double magnified = (most - least) / (2 * 2.448 * sigma * per_metre);
+  CHECK(magnified == doctest::Approx(std::stod(told[1])).epsilon(0.02));
 }
 
 TEST_CASE("lines of verify take the place of the photos") {

@@ -2,7 +2,9 @@
 #include "decoder/feature_frame/edge_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include <doctest/doctest.h>
@@ -89,6 +91,26 @@ TEST_CASE("each pixel near a side is taken once, but for those at its ends") {
   }
   // 3 pixels inwards, 4.5 outwards, over the side less what its neighbours' edges reach.
   CHECK(taken == doctest::Approx(7.5 * (100 - 2 * 3.6)).epsilon(0.02));
+}
+
+TEST_CASE("samples are means over a quarter of the side each") {
+  const SideLine side = side_at(0.35, 3);
+  const GrayImage image = image_of(side);
+  std::array<int, 4> samples{};
+  std::array<double, 4> pixels{};
+  for (const EdgeSample& sample : edge_samples(image.view(), side)) {
+    const double along = static_cast<double>(sample.along);
+    const auto quarter = static_cast<std::size_t>(2 * (along + 1));
+    ++samples.at(quarter);
+    pixels.at(quarter) += static_cast<double>(sample.weight);
+    // The outer quarters lack the side's ends.
+    CHECK(std::abs(along - (static_cast<double>(quarter) / 2 - 0.75)) < 0.16);
+  }
+  for (std::size_t quarter = 0; quarter < 4; ++quarter) {
+    CAPTURE(quarter);
+    CHECK(std::abs(samples[quarter] - samples[3 - quarter]) <= 2);
+    CHECK(pixels[quarter] == doctest::Approx(pixels[3 - quarter]).epsilon(0.1));
+  }
 }
 
 TEST_CASE("a thick stroke is seen on its inner part alone") {

@@ -34,6 +34,15 @@ TEST_CASE("a frame that shows all around has no fault") {
   CHECK(farthest_apart(refined->corners, tag.corners()) < 0.05);
 }
 
+TEST_CASE("a side of which one end is hidden is settled by what shows of it") {
+  SeenTag tag;
+  // Two fifths of the left side and of the right one are painted over, at the lower end.
+  tag.covers = {{-70, 7, -55, 40, tag.white}, {55, 7, 70, 40, tag.white}};
+  const auto coarse = fit_frame_coarsely(tag.image().view(), widened(tag.corners(), 1.2));
+  REQUIRE(coarse);
+  CHECK(farthest_apart(coarse->corners, tag.corners()) < 1);
+}
+
 TEST_CASE("an outline of which a side shows no edge is faulted for that") {
   SeenTag tag;
   tag.covers = {{-70, -40, -55, 40, tag.white}};  // the left side is painted over

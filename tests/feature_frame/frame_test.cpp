@@ -9,6 +9,7 @@
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/regions.hpp"
+#include "decoder/feature_frame/tile_threshold.hpp"
 #include "decoder/image/tone_curve.hpp"
 
 using namespace tagsmith::detail;
@@ -115,6 +116,86 @@ TEST_CASE("the white inside of a frame is one region apart from the plate around
   CHECK(inside->top > 0);
   CHECK(inside->right < kWidth - 1);
   CHECK(inside->bottom < kHeight - 1);
+}
+
+TEST_CASE("an upright rectangle has the hull of its four corners, whatever stands beside it") {
+  GrayImage image{96, 72, std::vector<std::uint8_t>(96 * 72, 230)};
+  for (int y = 20; y < 50; ++y) {
+    for (int x = 24; x < 70; ++x) image.samples[static_cast<std::size_t>(96 * y + x)] = 30;
+  }
+  const auto regions = find_regions(image.view());
+  const auto dark = std::ranges::find(regions, false, &Region::white);
+  REQUIRE(dark != regions.end());
+  CHECK(dark->hull.size() == 4);
+  CHECK(area_of(dark->hull) == (69 - 24) * (49 - 20));
+}
+
+TEST_CASE("plain rows below a dark band belong to the white under it, not to that above it") {
+  constexpr int kColumns = 80, kRows = 120;
+  GrayImage image{kColumns, kRows, std::vector<std::uint8_t>(kColumns * kRows, 230)};
+  std::fill(image.samples.begin() + 20 * kColumns, image.samples.begin() + 28 * kColumns,
+            std::uint8_t{30});
+  const auto regions = find_regions(image.view());
+  REQUIRE(regions.size() == 2);
+  CHECK(regions[0].white);
+  CHECK(regions[0].top == 0);
+  CHECK(regions[0].bottom == 19);
+  CHECK(regions[1].white);
+  CHECK(regions[1].top == 28);
+  CHECK(regions[1].bottom == kRows - 1);
+}
+
+TEST_CASE("the tiles of a picture reach to its last column and row and no farther") {
+  for (const int size : {31, 32, 33, 39, 40}) {
+    CAPTURE(size);
+    const auto pixels = static_cast<std::size_t>(size * size);
+    const GrayImage image{size, size, std::vector<std::uint8_t>(pixels, 128)};
+    const TileExtremes extremes = tile_extremes(image.view());
+    const int tiles = static_cast<int>(std::ceil(size / 8.0));
+    CHECK(extremes.columns == tiles);
+    CHECK(extremes.rows == tiles);
+    CHECK(extremes.low == std::vector<std::uint8_t>(static_cast<std::size_t>(tiles * tiles), 128));
+  }
+}
+
+TEST_CASE("noise that is alike in neighbouring pixels makes the sides of a sharpened frame vary") {
+  // The stroke is so thick that its outer edge is not looked at, sharpened or not.
+  const Quad corners{PixelPoint{50, 40}, {150, 40}, {150, 90}, {50, 90}};
+  const GrayImage plain = draw_frame(50, 40, 150, 90, 14);
+  std::mt19937 random(3);
+  std::normal_distribution<double> draw(0, 12);
+  std::vector<double> fine(plain.samples.size());
+  for (double& level : fine) level = draw(random);
+  // By how much the fit says that a side varies more when undone sharpening has left such noise.
+  const auto factor_of = [&](int reach) {
+    GrayImage image = plain;
+    for (int y = reach; y < kHeight - reach; ++y) {
+      for (int x = reach; x < kWidth - reach; ++x) {
+        double sum = 0;
+        for (int j = -reach; j <= reach; ++j) {
+          for (int i = -reach; i <= reach; ++i) {
+            sum += fine[static_cast<std::size_t>((y + j) * kWidth + x + i)];
+          }
+        }
+        std::uint8_t& sample = image.samples[static_cast<std::size_t>(y * kWidth + x)];
+        sample = static_cast<std::uint8_t>(
+            std::clamp(std::lround(sample + sum / (2 * reach + 1)), 0L, 255L));
+      }
+    }
+    const auto stored = refine_frame(image.view(), corners);
+    const auto sharpened = refine_frame(image.view(), corners, {}, {}, true);
+    REQUIRE(stored);
+    REQUIRE(sharpened);
+    double factor = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      factor += sharpened->sides[i].covariance.trace() / stored->sides[i].covariance.trace() / 4;
+    }
+    return factor;
+  };
+  const double of_fine = factor_of(0), of_coarse = factor_of(4);
+  CHECK(of_fine >= 1);
+  CHECK(of_fine < 1.3);
+  CHECK(of_coarse > 1.3);
 }
 
 TEST_CASE("refined corners are exact to a fiftieth of a pixel whatever their fraction") {

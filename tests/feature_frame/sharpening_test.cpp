@@ -119,5 +119,25 @@ TEST_CASE("What was clipped is taken for black, not for the grey that clipping l
   CHECK(off(by_black) < 0.8 * off(without));
 }
 
+TEST_CASE("The more undoing moves the corners, the less certain is where each side is as a whole") {
+  RefinedFrame frame;
+  frame.corners = kInner;
+  const auto added_by = [&](double moved_px) {
+    RefinedFrame doubtful = frame;
+    for (PixelPoint& corner : doubtful.corners) corner.y += moved_px;
+    add_halo_doubt(kInner, doubtful);
+    for (const FrameSide& side : doubtful.sides) {
+      CHECK(side.covariance == doubtful.sides[0].covariance);
+    }
+    return doubtful.sides[0].covariance;
+  };
+  const Eigen::Matrix2d one = added_by(1), two = added_by(2);
+  CHECK(added_by(0) == Eigen::Matrix2d::Zero());
+  CHECK(one(0, 0) > 0);
+  CHECK(one(0, 1) == one(0, 0));  // both ends by the same
+  CHECK(one(1, 1) == one(0, 0));
+  CHECK((two - 4 * one).norm() < 1e-12);
+}
+
 }  // namespace
 }  // namespace tagsmith::detail

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/ledger/ledger_report.hpp"
 
+#include <regex>
+#include <string>
+#include <vector>
+
 #include <doctest/doctest.h>
 
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/ledger/ledger_file.hpp"
+#include "tests/support/contents.hpp"
 #include "tests/support/program.hpp"
 
 namespace tagsmith::detail {
@@ -23,6 +28,20 @@ VerifiedFile photo_of_wall(const Survey& survey, int day, const std::string& wit
     seen.module_px = 3;
   }
   return file;
+}
+
+// How far to the right the days of each plate are drawn on a page.
+std::vector<std::vector<double>> places_of_days(const std::string& page) {
+  const std::regex line("class=\"line\" d=\"([^\"]*)\""), point("[ML]([-a-z0-9.]+) [-0-9.]+");
+  std::vector<std::vector<double>> plates;
+  for (std::sregex_iterator at(page.begin(), page.end(), line), end; at != end; ++at) {
+    const std::string points = (*at)[1];
+    std::vector<double>& places = plates.emplace_back();
+    for (std::sregex_iterator day(points.begin(), points.end(), point); day != end; ++day) {
+      places.push_back(std::stod((*day)[1]));
+    }
+  }
+  return plates;
 }
 
 }  // namespace
@@ -72,6 +91,33 @@ TEST_CASE("when most plates lose light at once the camera is blamed, not when fe
     CHECK(report.losing_light == falling);
     CHECK(report.blames_camera() == (falling > 4));
     CHECK(plates_to(PlateAction::plan, survey, report).size() == falling);
+  }
+}
+
+TEST_CASE("the page draws the days as far apart as they are") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  const std::string database = (folder.path() / "a.db").string();
+  const std::string page = (folder.path() / "page.html").string();
+  {
+    Ledger ledger = Ledger::open_to_write(database).value();
+    for (const int day : {1, 6, 21}) {
+      VerifiedFile photo = photo_of_wall(survey, day, "");
+      for (VerifiedTag& tag : photo.tags) {
+        tag.module_px = 6;
+        tag.grade = SymbolGrade{3, GradeParameter::modulation, false};
+      }
+      REQUIRE(ledger.enter(survey.name, std::array{photo}));
+    }
+  }
+  const test::ProgramOutput output = test::run_tagsmith(
+      "report surveys/corridor/survey.yaml --ledger " + database + " --html " + page);
+  CHECK(output.exit_code == 0);
+  const auto plates = places_of_days(test::contents(page));
+  REQUIRE(plates.size() == 8);
+  // From the left margin of 4 in a picture 132 wide to the right one; a quarter of the time is 31.
+  for (const std::vector<double>& places : plates) {
+    CHECK(places == std::vector<double>{4, 35, 128});
   }
 }
 

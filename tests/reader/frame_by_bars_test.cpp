@@ -122,6 +122,22 @@ TEST_CASE("around a symbol that was read the frame is fitted to a tenth of a pix
   }
 }
 
+TEST_CASE("an upper or lower edge off where the bars' ends put the frame is something else's") {
+  for (const bool above : {true, false}) {
+    CAPTURE(above);
+    SeenTag tag = bars_seen_aslant();
+    // A rod along the side, whose edge is 3.5 pixels inside the frame's own: more than the bars'
+    // ends may be off by, which is two pixels here.
+    const double inside = 3.5 / tag.view.module_px;
+    tag.covers = {above ? PlaneCover{-80, SeenTag::kTop - 6, 80, SeenTag::kTop + inside, 0.05}
+                        : PlaneCover{-80, tag.bottom() - inside, 80, tag.bottom() + 6, 0.05}};
+    const auto frame = fitted(tag, tag.corners());
+    REQUIRE(frame);
+    CHECK(frame->shown == std::array<bool, 4>{!above, true, above, true});
+    CHECK(farthest_apart(frame->corners, tag.corners()) < 1);
+  }
+}
+
 TEST_CASE("a side that is not where the symbol has it is something else's") {
   // A cable with a clear edge inside the frame's own, by modules: farther off than the picture at
   // half its size tells, and nearer.

@@ -255,6 +255,25 @@ TEST_CASE("a cut outline is turned so that its side on the border is the second"
   CHECK_FALSE(cut_by_border(level, Quad{PixelPoint{0, 0}, {50, 0}, {51, 60}, {0, 61}}));
 }
 
+TEST_CASE("a side lies on a border that is less than three pixels away, whichever border it is") {
+  const GrayImage image{100, 80, std::vector<std::uint8_t>(8000)};
+  const PyramidLevel level{image.view()};
+  for (const double away : {2.9, 3.1}) {
+    CAPTURE(away);
+    // The outermost pixels have their centres at 0, and at 99 or 79.
+    const double left = away, right = 99 - away, top = away, bottom = 79 - away;
+    const std::array<Quad, 4> quads{{{{{left, 20}, {50, 20}, {50, 60}, {left, 60}}},
+                                     {{{50, 20}, {right, 20}, {right, 60}, {50, 60}}},
+                                     {{{20, top}, {70, top}, {70, 40}, {20, 40}}},
+                                     {{{20, 40}, {70, 40}, {70, bottom}, {20, bottom}}}}};
+    for (const Quad& quad : quads) {
+      CAPTURE(centre_of(quad).x);
+      CAPTURE(centre_of(quad).y);
+      CHECK(cut_by_border(level, quad).has_value() == (away < 3));
+    }
+  }
+}
+
 TEST_CASE("three sides, the proportions and the camera say where the far side is") {
   Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
   const FrameShape shape;

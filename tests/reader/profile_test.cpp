@@ -64,6 +64,39 @@ TEST_CASE("a symbol's rows hold each pixel of the bars once, at its place") {
   }
 }
 
+TEST_CASE("every bin of a large symbol holds pixels, those at both ends too") {
+  const SymbolRows rows = rows_of(DrawnSymbol(kDrawnDigits, 8), RowHeight::fine);
+  REQUIRE(rows.middles.size() == rows.bins);
+  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+    CAPTURE(bin);
+    CHECK(rows.middles[bin] >= static_cast<float>(bin));
+    CHECK(rows.middles[bin] <= static_cast<float>(bin + 1));
+  }
+}
+
+TEST_CASE("the slope of the common darkness is its change by the places of the bins' pixels") {
+  // At four pixels a module two of three bins hold a column of pixels, at eight all do.
+  for (const int module_px : {4, 8}) {
+    CAPTURE(module_px);
+    const SymbolRows rows = rows_of(DrawnSymbol(kDrawnDigits, module_px), RowHeight::fine);
+    CommonDarkness common{std::vector<float>(rows.bins), std::vector<bool>(rows.bins), {}};
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+      common.known[bin] = rows.middles[bin] >= 0;
+      common.darkness[bin] = 0.3F - 0.02F * rows.middles[bin];
+    }
+    find_slopes(rows, common);
+    std::size_t sloping = 0;
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+      if (common.slope[bin] == 0) continue;
+      ++sloping;
+      CHECK(common.slope[bin] == doctest::Approx(-0.02).epsilon(1e-3));
+    }
+    // All that hold pixels but the outermost two.
+    const auto held = std::ranges::count_if(rows.middles, [](float at) { return at >= 0; });
+    CHECK(sloping + 2 == static_cast<std::size_t>(held));
+  }
+}
+
 TEST_CASE("coarse rows are few, and take fewer pixels of a large frame") {
   const DrawnSymbol small(kDrawnDigits, 1), large(kDrawnDigits, 8);
   CHECK(rows_of(small, RowHeight::coarse).rows == 8);
