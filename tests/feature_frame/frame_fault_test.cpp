@@ -38,9 +38,14 @@ TEST_CASE("a side of which one end is hidden is settled by what shows of it") {
   SeenTag tag;
   // Two fifths of the left side and of the right one are painted over, at the lower end.
   tag.covers = {{-70, 7, -55, 40, tag.white}, {55, 7, 70, 40, tag.white}};
-  const auto coarse = fit_frame_coarsely(tag.image().view(), widened(tag.corners(), 1.2));
+  const GrayImage image = tag.image();
+  const auto coarse = fit_frame_coarsely(image.view(), widened(tag.corners(), 1.2));
   REQUIRE(coarse);
   CHECK(farthest_apart(coarse->corners, tag.corners()) < 1);
+  const auto settled = settle_shown_sides(image.view(), widened(tag.corners(), 1.2));
+  REQUIRE(settled);
+  CHECK(settled->shown == std::array<bool, 4>{true, true, true, true});
+  CHECK(farthest_apart(settled->quad, tag.corners()) < 1);
 }
 
 TEST_CASE("an outline of which a side shows no edge is faulted for that") {

@@ -90,6 +90,18 @@ TEST_CASE("a quad holds what is between its sides, and is the same quad in any t
   }
 }
 
+TEST_CASE("a quad that turns back, or runs the other way round, is not convex") {
+  const Quad quad{PixelPoint{10, 10}, {60, 14}, {58, 40}, {8, 42}};
+  CHECK(is_convex(quad));
+  CHECK_FALSE(is_convex(Quad{quad[3], quad[2], quad[1], quad[0]}));
+  for (std::size_t i = 0; i < 4; ++i) {
+    CAPTURE(i);
+    Quad dented = quad;
+    dented[i] = 0.6 * quad[(i + 2) % 4] + 0.4 * quad[i];
+    CHECK_FALSE(is_convex(dented));
+  }
+}
+
 TEST_CASE("the quad around a rounded hull keeps its four sides") {
   const std::vector<PixelPoint> points{{12, 10}, {90, 12}, {99, 20}, {98, 60},
                                        {90, 69}, {15, 70}, {10, 64}, {10, 15}};
@@ -128,6 +140,24 @@ TEST_CASE("an upright rectangle has the hull of its four corners, whatever stand
   REQUIRE(dark != regions.end());
   CHECK(dark->hull.size() == 4);
   CHECK(area_of(dark->hull) == (69 - 24) * (49 - 20));
+}
+
+TEST_CASE(
+    "what is dark far to the right of a wide picture is where it is, and nothing else is dark") {
+  constexpr int kColumns = 200, kRows = 80;
+  GrayImage image{kColumns, kRows, std::vector<std::uint8_t>(kColumns * kRows, 230)};
+  for (int y = 20; y < 50; ++y) {
+    for (int x = 140; x < 180; ++x) {
+      image.samples[static_cast<std::size_t>(kColumns * y + x)] = 30;
+    }
+  }
+  const auto regions = find_regions(image.view());
+  REQUIRE(std::ranges::count(regions, false, &Region::white) == 1);
+  const auto dark = std::ranges::find(regions, false, &Region::white);
+  CHECK(dark->left == 140);
+  CHECK(dark->right == 179);
+  CHECK(dark->top == 20);
+  CHECK(dark->bottom == 49);
 }
 
 TEST_CASE("plain rows below a dark band belong to the white under it, not to that above it") {

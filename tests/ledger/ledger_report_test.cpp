@@ -110,14 +110,40 @@ TEST_CASE("the page draws the days as far apart as they are") {
       REQUIRE(ledger.enter(survey.name, std::array{photo}));
     }
   }
-  const test::ProgramOutput output = test::run_tagsmith(
-      "report surveys/corridor/survey.yaml --ledger " + database + " --html " + page);
-  CHECK(output.exit_code == 0);
+  const std::string command =
+      "report surveys/corridor/survey.yaml --ledger " + database + " --html " + page;
+  CHECK(test::run_tagsmith(command).exit_code == 0);
   const auto plates = places_of_days(test::contents(page));
   REQUIRE(plates.size() == 8);
   // From the left margin of 4 in a picture 132 wide to the right one; a quarter of the time is 31.
   for (const std::vector<double>& places : plates) {
     CHECK(places == std::vector<double>{4, 35, 128});
+  }
+}
+
+TEST_CASE("the page says how many photos have no date, if any") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  const test::TemporaryFolder folder;
+  const std::string database = (folder.path() / "a.db").string();
+  const std::string page = (folder.path() / "page.html").string();
+  const std::regex undated("class=\"known\">([0-9]+) ");
+  for (const int count : {0, 2}) {
+    CAPTURE(count);
+    {
+      Ledger ledger = Ledger::open_to_write(database).value();
+      REQUIRE(ledger.enter(survey.name, std::array{photo_of_wall(survey, 1, "")}));
+      for (int i = 0; i < count; ++i) {
+        VerifiedFile photo = photo_of_wall(survey, 2 + i, "");
+        photo.taken.clear();
+        REQUIRE(ledger.enter(survey.name, std::array{photo}));
+      }
+    }
+    test::run_tagsmith("report surveys/corridor/survey.yaml --ledger " + database + " --html " +
+                       page);
+    const std::string shown = test::contents(page);
+    std::smatch told;
+    REQUIRE(std::regex_search(shown, told, undated) == (count > 0));
+    if (count > 0) CHECK(std::stoi(told[1]) == count);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -43,6 +44,22 @@ TEST_CASE("a folder of photos is read in order, one JSON object an image") {
       CHECK(tag["digits"].get<std::string>().size() == 12);
       CHECK(tag["position"][2] == 0.4);
       CHECK(tag["corners"].size() == 4);
+    }
+  }
+}
+
+TEST_CASE("the position that a tag codes is told in words by its three coordinates") {
+  const ProgramOutput output = run_tagsmith("read " + kPhotos + "/corridor_02_right.jpg");
+  const std::vector<json> lines =
+      json_lines(run_tagsmith("read --json " + kPhotos + "/corridor_02_right.jpg").out);
+  REQUIRE(lines.size() == 1);
+  for (const json& tag : lines[0]["tags"]) {
+    const std::string digits = tag["digits"];
+    const std::regex words(digits + "  x (-?[0-9.]+) y (-?[0-9.]+) z (-?[0-9.]+) ");
+    std::smatch told;
+    REQUIRE(std::regex_search(output.out, told, words));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      CHECK(std::stod(told[axis + 1]) == tag["position"][axis].get<double>());
     }
   }
 }
