@@ -121,6 +121,8 @@ TEST_CASE("a corner of the picture where no board was is named when its rays are
   REQUIRE(uncovered != nullptr);
   CHECK(std::ranges::find(uncovered->cells, std::size_t{11}) != uncovered->cells.end());
   CHECK(uncovered->message.find("lower right") != std::string::npos);
+  const std::string first = "the " + std::string(cell_name(uncovered->cells.front()));
+  CHECK(uncovered->message.find(first) != std::string::npos);
   check_honest(result, test::kWideCamera);
 }
 

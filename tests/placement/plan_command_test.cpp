@@ -24,9 +24,9 @@ const std::string kCorridor = "plan surveys/corridor/survey.yaml --rig surveys/c
 TEST_CASE("plan answers what people ask, and says by its exit code whether there are gaps") {
   const ProgramOutput covered = run_tagsmith(kCorridor + " --to 5");
   CHECK(covered.exit_code == 0);
-  for (const char* question :
-       {"gaps", "position, plane", "worst stretch", "a tag is first read", "one tag lost",
-        "fastest speed", "exposure needed", "the paper's method"}) {
+  for (const char* question : {"gaps", "position, plane", "position, height", "\nheading  ",
+                               "worst stretch", "a tag is first read", "one tag lost",
+                               "fastest speed", "exposure needed", "the paper's method"}) {
     CHECK_MESSAGE(covered.out.find(question) != std::string::npos, question);
   }
   CHECK(run_tagsmith(kCorridor).exit_code == 1);  // no tags beyond 6 m

@@ -151,6 +151,14 @@ TEST_CASE("--json prints an object a tag and a summary") {
   CHECK(parsed_json(lines[0])["tag"] == "000L");
   CHECK(fs::exists(parsed_json(lines[0])["files"][0].get<std::string>()));
   CHECK(parsed_json(lines[2])["summary"]["count"] == 2);
+  // Those of a tag are in its own line.
+  const auto others = parsed_json(lines[2])["summary"]["files"];
+  CHECK(others.size() >= 2);
+  for (const auto& file : others) {
+    const std::string name = fs::path(file.get<std::string>()).filename();
+    CHECK(name != "000L.pdf");
+    CHECK(name != "000L.svg");
+  }
 }
 
 TEST_CASE("wrong use says what is wrong and writes nothing") {
