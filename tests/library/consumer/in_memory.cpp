@@ -133,12 +133,27 @@ void locate() {
   options.to = 2.5;
   const tagsmith::PlanSummary plan = tagsmith::plan(survey, small_rig(), options);
   expect(plan.covered_share > 0 && plan.unread_tags.size() == 1, "and plans its drive");
+  expect(plan.plane_sigma && plan.plane_sigma->median > 0 && plan.height_sigma &&
+             plan.height_sigma->median > 0,
+         "with its accuracy in the plane and in height");
 }
 
 void refuse() {
   try {
     tagsmith::read({});
     expect(false, "refuses a view of nothing");
+  } catch (const tagsmith::Error& error) {
+    expect(error.code() == tagsmith::ErrorCode::invalid_argument, error.what());
+  }
+  try {
+    tagsmith::Measurement lopsided;
+    const tagsmith::Survey survey = small_survey();
+    lopsided.tags = {seen_from(survey.tags()[0], 1.6, 0.4)};
+    auto& covariance = lopsided.tags[0].covariance.emplace();
+    for (std::size_t i = 0; i < 8; ++i) covariance[i][i] = 0.1;
+    covariance[0][1] = 0.01;
+    tagsmith::Localizer({survey}, small_rig()).locate(lopsided);
+    expect(false, "refuses a covariance that is not symmetric");
   } catch (const tagsmith::Error& error) {
     expect(error.code() == tagsmith::ErrorCode::invalid_argument, error.what());
   }
