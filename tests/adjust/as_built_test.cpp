@@ -117,6 +117,22 @@ TEST_CASE("a control tag that does not hang as surveyed is contradicted") {
   }
 }
 
+TEST_CASE("a control tag that no other one confirms hangs as surveyed, to the survey's sigma") {
+  Draws draws(7);
+  const AsBuiltDrive drive = short_drive(draws);
+  const std::vector<std::string> control{"005L"};
+  const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, control);
+  REQUIRE_MESSAGE(found, found.error().message);
+  const AsBuiltTag& only = tag_of(*found, "005L");
+  const PlacedTag& surveyed = drive.survey.tags[index_of(drive, "005L")];
+  CHECK(only.status == AsBuiltStatus::control);
+  CHECK(only.shift.norm() == 0);
+  CHECK((only.world_from_plate.translation - surveyed.world_from_plate.translation).norm() == 0);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    CHECK(only.covariance(axis, axis) == doctest::Approx(surveyed.sigma * surveyed.sigma));
+  }
+}
+
 TEST_CASE("without control tags in the photos nothing is adjusted") {
   Draws draws(6);
   const AsBuiltDrive drive = short_drive(draws);

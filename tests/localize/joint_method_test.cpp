@@ -116,6 +116,40 @@ TEST_CASE("a calibration that the corners contradict is estimated") {
   CHECK(as_said.tags != fix.tags);  // refused, or by one tag alone
 }
 
+TEST_CASE(
+    "a plate that is turned as far as the survey allows for does not disagree with the others") {
+  Site site = site_named("corridor");
+  const VehiclePose truth = pose_at(site, 2, 0.1);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    CAPTURE(axis);
+    for (const bool is_allowed : {true, false}) {
+      site.survey.angle_sigma = is_allowed ? radians(1) : 0;
+      Site hung = site;
+      std::vector<SeenTag> seen = observation_at(site, truth).tags;
+      REQUIRE(seen.size() == 3);
+      for (PlacedTag& tag : hung.survey.tags) {
+        if (tag.name != seen[2].tag.name) continue;
+        tag.world_from_plate.rotation *=
+            Eigen::AngleAxisd(radians(1.5), Vector3d::Unit(axis)).toRotationMatrix();
+      }
+      seen = observation_at(hung, truth).tags;
+      JointProblem problem{&site.rig, &site.survey.tunnel, {}, {}, {}};
+      for (const SeenTag& one : seen) {
+        const std::size_t camera = one.camera == site.rig.cameras[0].name ? 0 : 1;
+        problem.plates.push_back(sighted_plate(*find_tag(site.survey, one.tag.name), site.survey));
+        problem.sightings.push_back(
+            sighting_of(*one.seen_corners, site.rig, camera, problem.plates.size() - 1));
+      }
+      const auto fit = fit_jointly(problem, {{0, 1}, {}}, truth);
+      REQUIRE(fit);
+      const auto difference = disagreement(problem, *fit, 2);
+      REQUIRE(difference);
+      // One in a thousand that hang as surveyed is above 26.
+      CHECK((difference->chi_square < 26) == is_allowed);
+    }
+  }
+}
+
 TEST_CASE("a tag that was measured worse counts for less") {
   Site site = site_named("corridor");
   const VehiclePose truth = pose_at(site, 1.0, 0.0);

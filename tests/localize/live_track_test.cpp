@@ -93,6 +93,19 @@ TEST_CASE("only the motion by another tag, known well, confirms a lone tag") {
   CHECK(is_noted(late, kOneTagOnly));
 }
 
+TEST_CASE("tags that were seen together confirm a later position by one of them") {
+  const std::vector<Survey> surveys = corridor();
+  std::optional<LiveTrack> track;
+  follow_track(track, fix_at(0.95, {"c"}), -0.1, surveys);
+  for (int i = 0; i <= 10; ++i) {
+    follow_track(track, fix_at(1 + 0.05 * i, {"a", "b"}), 0.1 * i, surveys);
+  }
+  // Two seconds later the motion is not known well enough to confirm anything.
+  std::optional<LiveTrack> other = track;
+  CHECK(follow_track(other, fix_at(2.5, {"c"}), 3, surveys).confirmations == 0);
+  CHECK(follow_track(track, fix_at(2.5, {"a"}), 3, surveys).confirmations == 1);
+}
+
 TEST_CASE("a wrong plate is not confirmed by its own earlier fixes, however often it is seen") {
   const std::vector<Survey> surveys = corridor();
   for (const double off : {0.05, 0.1, 0.2, 0.4}) {

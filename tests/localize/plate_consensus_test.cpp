@@ -225,6 +225,25 @@ TEST_CASE("how plates are tilted is told by their pictures, by custom where thes
   CHECK(below <= 2);
 }
 
+TEST_CASE("a plate that is turned wrong about one axis does not make the others look tilted") {
+  for (const char* name : {"001L", "002R"}) {
+    for (const double turn_deg : {-4.0, 2.0, 4.0}) {
+      CAPTURE(name);
+      CAPTURE(turn_deg);
+      CorridorHungByEye site;
+      site.move(name, Vector3d::Zero(), radians(turn_deg));
+      CHECK(degrees(attitude_scatter(drive(site))) < 0.2);
+    }
+  }
+  // Of two plates the two other axes still tell something.
+  std::mt19937_64 random(11);
+  CorridorHungByEye site;
+  site.move("001L", Vector3d::Zero(), radians(4));
+  AdjustmentProblem two = problem_of(site);
+  two.stations = {seen_from(site, 0.3, {"001L", "001R"}, random)};
+  CHECK(degrees(attitude_scatter(two)) < 0.6);
+}
+
 TEST_CASE("a plate that hangs wrong altogether does not make the others look tilted") {
   CorridorHungByEye site;
   site.move("001L", {0.03, 0, 0}, radians(5));
@@ -314,6 +333,51 @@ TEST_CASE("pictures that were not taken together accuse no plate") {
   for (std::size_t i = 0; i < 8; ++i) CHECK(consensus.plates[i].verdict == HangVerdict::fits);
   REQUIRE(consensus.left_out.size() == 1);
   CHECK(consensus.left_out[0].name == "mixed");
+  // Those of each camera were, and tell by themselves.
+  for (const char* name : {"001L", "002L", "001R", "002R"}) {
+    CHECK(consensus.plates[site.index(name)].stations == 3);
+  }
+}
+
+TEST_CASE("chi-square counts by how much the calibration has to depart from the rig's") {
+  const CorridorHungByEye site;
+  AdjustmentProblem problem = drive(site);
+  for (SightedPlate& plate : problem.plates) plate.survey_variance.setConstant(1e-14);
+  Rig other = site.rig;
+  const double sigma = radians(0.2);
+  for (RigCamera& camera : other.cameras) camera.calibration_sigma.angle = sigma;
+  other.cameras[0].vehicle_from_camera.rotation *=
+      Eigen::AngleAxisd(radians(0.5), Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  problem.rig = &other;
+  const std::vector<PlateFreedom> freed(problem.plates.size(), PlateFreedom::none);
+  const auto fit = adjust_plates(problem, freed);
+  REQUIRE(fit);
+  double of_corners = 0;
+  for (const double chi_square : fit->station_chi_square) of_corners += chi_square;
+  const double of_calibration = fit->calibration.squaredNorm() / (sigma * sigma);
+  CHECK(of_calibration > 1);
+  CHECK(fit->chi_square - of_corners == doctest::Approx(of_calibration).epsilon(0.01));
+}
+
+TEST_CASE("a plate's shift and turn are each weighed by their own part of the covariance") {
+  CorridorHungByEye site;
+  site.move("001L", {0.01, 0, 0}, radians(1));
+  const AdjustmentProblem problem = drive(site);
+  std::vector<PlateFreedom> freed(problem.plates.size(), PlateFreedom::none);
+  const std::size_t moved = site.index("001L");
+  freed[moved] = PlateFreedom::place;
+  const auto fit = adjust_plates(problem, freed);
+  REQUIRE(fit);
+  REQUIRE(fit->offsets[moved]);
+  const PlateOffset& offset = *fit->offsets[moved];
+  Eigen::Matrix<double, 6, 6> spread = offset.covariance;
+  spread.diagonal() += problem.plates[moved].survey_variance;
+  const auto distance2 = [&](Eigen::Index first, const Vector3d& part) {
+    return part.dot(spread.block<3, 3>(first, first).inverse() * part);
+  };
+  CHECK(offset.shift_chi_square == doctest::Approx(distance2(0, offset.shift)));
+  CHECK(offset.turn_chi_square == doctest::Approx(distance2(3, offset.turn)));
+  CHECK(offset.turn_chi_square > 10);  // the turn alone is beyond chance
 }
 
 TEST_CASE("a plate of another size, seen from near and far, accuses none that hang beside it") {

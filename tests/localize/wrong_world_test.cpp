@@ -225,6 +225,33 @@ TEST_CASE("a position names what nothing measured would reveal") {
   CHECK(most_unchecked(lone) > 10 * most_unchecked(checked));
 }
 
+TEST_CASE("what nothing measured would reveal does not depend on where the grid begins") {
+  const Site site = site_named("corridor");
+  Site moved = site;
+  const Vector3d shift(900, -1400, 0);
+  const CenterlinePoint start = site.survey.tunnel.centerline.at(0);
+  moved.survey.tunnel.centerline =
+      Centerline(start.position + shift, start.heading, site.survey.tunnel.centerline.elements());
+  for (PlacedTag& tag : moved.survey.tags) {
+    tag.world_from_plate.translation += shift;
+    tag.p_in_grid = grid_from_world(site.survey.grid, tag.world_from_plate.translation);
+  }
+  const auto lone_fix = [](const Site& at) {
+    Observation seen = observation_at(at, pose_at(at, 1.0, 0.0));
+    seen.tags.resize(1);
+    return localize_jointly(seen, {at.survey}, at.rig);
+  };
+  const Fix here = lone_fix(site);
+  const Fix there = lone_fix(moved);
+  CHECK(lists(here, Unchecked::Kind::wall_places));
+  REQUIRE(here.unchecked.size() == there.unchecked.size());
+  for (std::size_t i = 0; i < here.unchecked.size(); ++i) {
+    CAPTURE(to_string(here.unchecked[i]));
+    CHECK(here.unchecked[i].kind == there.unchecked[i].kind);
+    CHECK(here.unchecked[i].metres == doctest::Approx(there.unchecked[i].metres).epsilon(1e-3));
+  }
+}
+
 // The same draws as `bench wrong_world`, fewer of them: mistakes of the rig and of the plates, each
 // from small to gross. What is sure and wrong must at least be named as unchecked.
 TEST_CASE("a position that a mistake made wrong is refused or names the mistake as unchecked") {

@@ -51,6 +51,10 @@ const Breakage kBoardErrors[] = {
     {"first of half a millimetre", "first: [0.017,", "first: [0.0175,", "off-millimetre", 6},
     {"step of a tenth", "step: [0.071, 0.036]", "step: [0.071, 0.0361]", "off-millimetre", 6},
     {"tags on each other", "step: [0.071,", "step: [0.061,", "tags-overlap", 6},
+    {"two columns on each other", "columns: 4, rows: 5, first: [0.017, 0.019], step: [0.071,",
+     "columns: 2, rows: 5, first: [0.017, 0.019], step: [0.061,", "tags-overlap", 6},
+    {"two rows on each other", "rows: 5, first: [0.017, 0.019], step: [0.071, 0.036]",
+     "rows: 2, first: [0.017, 0.019], step: [0.071, 0.031]", "tags-overlap", 6},
     {"rows on each other", "0.036]", "0.031]", "tags-overlap", 6},
     {"right of the sheet", "columns: 4", "columns: 5", "outside-sheet", 6},
     {"below the sheet", "first: [0.017, 0.019]", "first: [0.017, 0.037]", "outside-sheet", 6},
@@ -88,6 +92,21 @@ TEST_CASE("every way to break a board is reported by its rule and line") {
     CHECK_MESSAGE(count_findings(reading.diagnostics, broken.code, broken.line) >= 1,
                   to_string(reading.diagnostics));
   }
+}
+
+TEST_CASE("one column or one row of tags may have any step that way") {
+  const std::string grid = "columns: 4, rows: 5, first: [0.017, 0.019], step: [0.071, 0.036]";
+  const auto reading = [&](const std::string& other) {
+    return read_text_as_board(replaced(kRightBoard, grid, other));
+  };
+  const BoardReading column =
+      reading("columns: 1, rows: 5, first: [0.017, 0.019], step: [0.001, 0.036]");
+  REQUIRE_MESSAGE(column.board, to_string(column.diagnostics));
+  CHECK(column.board->tags.size() == 5);
+  const BoardReading row =
+      reading("columns: 4, rows: 1, first: [0.017, 0.019], step: [0.071, 0.001]");
+  REQUIRE_MESSAGE(row.board, to_string(row.diagnostics));
+  CHECK(row.board->tags.size() == 4);
 }
 
 TEST_CASE("a scale that no print has comes with its remedy") {

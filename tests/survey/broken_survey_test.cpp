@@ -56,6 +56,8 @@ const Breakage kSurveyErrors[] = {
      "{ clothoid: 12, turn: left, from_radius: 9, to_radius: 9 }", "bad-element", 10},
     {"clothoid round and round", "{ line: 12.0 }", "{ clothoid: 900, turn: left, to_radius: 9 }",
      "bad-element", 10},
+    {"clothoid of two radii round and round", "{ line: 12.0 }",
+     "{ clothoid: 200, turn: left, from_radius: 21, to_radius: 20 }", "bad-element", 10},
     {"clothoid tighter than its wall", "{ line: 12.0 }",
      "{ clothoid: 2, turn: left, to_radius: 0.5 }", "tight-arc", 10},
     {"angle of a clothoid", "{ line: 12.0 }",

@@ -52,6 +52,17 @@ TEST_CASE("other digits reprint, other places with the same digits move, other p
   CHECK(all[0].reason == "the frame's stroke becomes 13 mm (was 12)");
 }
 
+TEST_CASE("a place at the grid's axes has no sign") {
+  const Survey before = survey_of(right_survey());
+  Survey after = before;
+  PlacedTag& tag = after.tags[2];
+  tag.p_in_grid.setConstant(-0.0);
+  tag.world_from_plate.translation += Eigen::Vector3d(0, 0, 0.5);
+  const std::vector<TagDifference> moved = compare_surveys(before, after);
+  REQUIRE(moved.size() == 1);
+  CHECK(moved[0].reason.ends_with("(0.000, 0.000, 0.000)"));
+}
+
 TEST_CASE("setting-out: offsets are negative on the left, heights count from the floor there") {
   const Survey survey = survey_of(right_survey());
   std::vector<const PlacedTag*> tags;

@@ -76,6 +76,16 @@ TEST_CASE("a mounting takes the place of whatever said it, and loads as it was")
   }
 }
 
+TEST_CASE("what rounds to nothing is written without a sign") {
+  const CalibratedMounting mounted{
+      {radians(1), radians(-0.0004), radians(0.0004)}, {0.4, -0.00004, -0.00006}, 0, radians(1)};
+  const auto text = rig_with_mounting("cameras:\n  left: { fx: 9 }\n", "left", mounted);
+  REQUIRE_MESSAGE(text.has_value(), text.error().message);
+  CHECK(text->find("position: [0.4000, 0.0000, -0.0001]") != std::string::npos);
+  CHECK(text->find("pitch: 0.000,") != std::string::npos);
+  CHECK(text->find("roll: 0.000,") != std::string::npos);
+}
+
 TEST_CASE("a rig in lines keeps its lines and comments, and loads") {
   const test::TemporaryFolder folder;
   const std::string rig =

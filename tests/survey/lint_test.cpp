@@ -169,6 +169,30 @@ TEST_CASE("a placed tag is compared with the design where there is one") {
   CHECK(count_findings(findings(p + Eigen::Vector3d(0, 0, 0.3)), "height-outlier") == 1);
 }
 
+TEST_CASE("a placed tag of either wall is compared with the designed one of its pair") {
+  const TemporaryFolder folder;
+  const std::string designed =
+      replaced(right_survey(), "  - { tag: 001R, side: right, p: [12.0, 22.4, 1.4] }\n", "");
+  const auto reading = read_survey(write_text(folder.path() / "s.yaml", designed));
+  REQUIRE(reading->survey);
+  for (const std::string side : {"left", "right"}) {
+    CAPTURE(side);
+    // The wall's other tags hang as designed, this one within the tolerance of its wall.
+    const auto shifts_with = [&](double along) {
+      std::string text = designed;
+      for (const PlacedTag& tag : reading->survey->tags) {
+        if (to_string(tag.side) != side || tag.pair > 3) continue;
+        const Eigen::Vector3d p = tag.p_in_grid + Eigen::Vector3d(0, tag.pair == 2 ? along : 0, 0);
+        text += fmt::format("  - {{ tag: {}, side: {}, p: [{:.4f}, {:.4f}, {:.4f}] }}\n", tag.name,
+                            side, p.x(), p.y(), p.z());
+      }
+      return count_findings(findings_of(text), "pair-shift");
+    };
+    const auto as_designed = shifts_with(0);
+    CHECK(shifts_with(0.2) == as_designed + 1);
+  }
+}
+
 TEST_CASE("codes of neighbours that blur confuses are found, those of far tags are not") {
   std::string text = survey_text_of(surveyed_tags());
   text = replaced(text, "check_digit: gs1", "check_digit: sum10");
@@ -186,6 +210,12 @@ TEST_CASE("a code that is nearly used up is told before the next section") {
       survey_text_of(surveyed_tags()), "resolution: 0.01, digits: [3, 5, 3], origin: [-0.5, 0, 0]",
       "resolution: [0.01, 0.01, 0.01], digits: [4, 4, 3], origin: [-0.5, 90, 0]"));
   CHECK(count_findings(findings, "code-range-end", 8) == 1);
+  // x reaches 1.9 m, and this code 1.95 m.
+  const auto across = findings_of(replaced(survey_text_of(surveyed_tags()),
+                                           "digits: [3, 5, 3], origin: [-0.5, 0, 0]",
+                                           "digits: [3, 5, 3], origin: [-8.04, 0, 0]"));
+  CHECK(count_findings(across, "code-range-end", 8) == 1);
+  CHECK(count_findings(findings_of(survey_text_of(surveyed_tags())), "code-range-end") == 0);
 }
 
 TEST_CASE("a theta too small for the paper's method is told") {

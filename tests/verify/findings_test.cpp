@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/verify/findings.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include <doctest/doctest.h>
 
 #include "decoder/verify/verify_merge.hpp"
@@ -128,6 +131,24 @@ TEST_CASE("a print at the wrong scale is found") {
   }
 }
 
+TEST_CASE("a frame that is too small alike both ways has one scale, a stretched one two") {
+  const Survey survey = survey_of_four();
+  PictureEvidence evidence{survey, {}};
+  evidence.metres_per_pixel = 0.0254 / 150;
+  const auto percentages = [&](double wide, double high) {
+    TagEvidence seen;
+    seen.tag.corners = rectangle(0.343 * wide / evidence.metres_per_pixel,
+                                 0.168 * high / evidence.metres_per_pixel);
+    const auto found = find_wrong_scale(evidence, seen);
+    REQUIRE(found);
+    return std::ranges::count(found->message, '%');
+  };
+  CHECK(percentages(0.97, 0.97) == 1);
+  CHECK(percentages(1.04, 1.04) == 1);
+  CHECK(percentages(0.97, 1 / 0.97) == 2);
+  CHECK(percentages(1, 0.97) == 2);
+}
+
 TEST_CASE(
     "what several photos show of one plate, or of one strange code, is one fault of a report") {
   const Survey survey = survey_of_four();
@@ -183,6 +204,17 @@ TEST_CASE("tags that cameras noted on their head are counted, those with another
   }
   CHECK(merged.noted_up.on_head == 2);
   CHECK(merged.noted_up.upright == 0);
+}
+
+TEST_CASE(
+    "plates are said to hang wrong only where cameras note more tags upright than on the head") {
+  const auto advice = [](std::size_t upright, std::size_t on_head) {
+    const std::string words = noted_up_in_words({upright, on_head});
+    return words.substr(words.find(": "));
+  };
+  CHECK(advice(3, 2) == advice(9, 1));
+  CHECK(advice(2, 2) == advice(1, 9));
+  CHECK(advice(2, 2) != advice(3, 2));
 }
 
 TEST_CASE("the summary counts by status and names the tags that nobody saw") {

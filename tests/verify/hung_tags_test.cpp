@@ -142,6 +142,8 @@ TEST_CASE("a moved tag that is to stay has an entry for the survey, by which it 
   CHECK((placed.world_from_plate.translation - pose.translation).norm() < 1e-3);
   CHECK(angle_between(placed.world_from_plate.rotation, pose.rotation) < radians(0.1));
   CHECK(placed.digits == find_tag(corridor.survey, std::string_view("001L"))->digits);
+  const double of_each_axis = std::sqrt(tag.offset.sigma.squaredNorm() / 3);
+  CHECK(placed.sigma == doctest::Approx(of_each_axis).epsilon(0.1));
   corridor.survey = *reading.survey;
   CHECK(corridor.judged("001L").verdict == HangVerdict::fits);
 }
@@ -514,6 +516,27 @@ TEST_CASE("only photos that were verified against this state of the survey tell 
   };
   CHECK(for_each_sighted(corridor.survey, setup, files, [&](auto&, auto&) { ++taken; }));
   CHECK(taken == 1);
+}
+
+TEST_CASE("of photos whose camera is not known twenty are named, and more are counted") {
+  const Corridor corridor;
+  const HangingSetup setup{corridor.rig, PhotoCameras::by_names(corridor.rig)};
+  const auto notes_of = [&](int photos) {
+    const auto files = [&](const std::function<void(const VerifiedFile&)>& each) -> Result<void> {
+      for (int i = 0; i < photos; ++i) {
+        VerifiedFile photo = photo_of("001L", corridor.survey);
+        photo.file = fmt::format("{:02}.jpg", i);
+        each(photo);
+      }
+      return {};
+    };
+    return check_hanging(corridor.survey, setup, files).value().notes.size();
+  };
+  const std::size_t without = notes_of(0);
+  CHECK(notes_of(1) == without + 1);
+  CHECK(notes_of(20) == without + 20);
+  CHECK(notes_of(21) == without + 21);
+  CHECK(notes_of(22) == without + 21);
 }
 
 TEST_CASE("what was found is written into the files, in place of what was said before") {

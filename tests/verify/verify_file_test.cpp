@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -16,8 +17,10 @@
 #include "decoder/image/negative.hpp"
 #include "decoder/image/upright.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tagsmith/base/file.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tests/support/exif_jpeg.hpp"
+#include "tests/support/program.hpp"
 #include "tests/verify/survey_of_four.hpp"
 
 namespace tagsmith::detail {
@@ -98,6 +101,32 @@ TEST_CASE("a tag of which a cable hides a digit is unreadable, and named by the 
   CHECK(found->rule == "covered");
 }
 
+TEST_CASE("each page of a PDF is drawn by its own size") {
+  const Survey survey = load_survey("surveys/corridor/survey.yaml").value();
+  // A page so large that it is drawn with fewer dots, and one of 1500 x 1000 points.
+  const std::string pdf =
+      "%PDF-1.4\n1 0 obj <</Type /Catalog /Pages 2 0 R>> endobj\n"
+      "2 0 obj <</Type /Pages /Count 2 /Kids [3 0 R 4 0 R]>> endobj\n"
+      "3 0 obj <</Type /Page /Parent 2 0 R /MediaBox [0 0 12000 12000]>> endobj\n"
+      "4 0 obj <</Type /Page /Parent 2 0 R /MediaBox [0 0 1500 1000]>> endobj\n"
+      "trailer <</Root 1 0 R>>\n%%EOF\n";
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "a.pdf";
+  REQUIRE(write_file(path, pdf));
+  std::vector<int> widths;
+  VerifyRequest request{survey};
+  request.read = [&](const GrayView& image, const ReadOptions&) {
+    if (widths.empty() || widths.back() != image.width) widths.push_back(image.width);
+    return ReadResult{};
+  };
+  const auto file = verify_file(request, path);
+  REQUIRE_MESSAGE(file, file.error().message);
+  CHECK(file->pages == 2);
+  REQUIRE(widths.size() == 2);
+  CHECK(widths[0] < 12000 * 150 / 72 / 3);
+  CHECK(widths[1] == 1500 * 150 / 72);
+}
+
 TEST_CASE("of refusals that lie on each other one is kept, that which came nearest to a reading") {
   const Rejection outer{RejectionReason::element_widths, reading_of("019000000404", 100).corners};
   const Rejection doubtful{RejectionReason::doubtful, outer.corners};
@@ -152,6 +181,7 @@ TEST_CASE("photos of a phone are verified however it was held, and shown upright
   CHECK(rules_of(head) == std::set<std::string>{"upside-down"});
   CHECK(findings_of(head).at(0).starts_with("doubtful: 000L is upside down by the photo's EXIF"));
   CHECK(findings_of(head).at(0).find("no other tag in the photo shows") != std::string::npos);
+  CHECK(head.notes.empty());  // that all tags are on their head is no more than that
   CHECK(head.up == UpSource::doubted);
   CHECK(verified(photo_held(good, 1)).up == UpSource::camera);
   CHECK(verified(photo_held(good, 3, false)).up == UpSource::unknown);
