@@ -290,6 +290,28 @@ double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, do
   return std::max(miss(left), miss(right)) * height_px(frame);
 }
 
+// Whether something dark lies along a side between where the bars end and v = `side`: the frame's
+// own stroke, of which that side is not the inner edge.
+bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
+  std::size_t dark = 0;
+  for (std::size_t window = 0; window < kWindows; ++window) {
+    const Pattern pattern = symbol.pattern(window, kBarEnds.quick_rows);
+    if (!has_contrast(pattern)) continue;
+    const double u = symbol.middle_of(window);
+    const double end = ends.at(u);
+    const double pixels = std::abs(side - end) * symbol.pixels_per_v(u, (side + end) / 2);
+    const int steps = static_cast<int>(pixels / kBarEnds.step_px);
+    const int margin = static_cast<int>(kBarEnds.beyond_px / kBarEnds.step_px);
+    for (int k = margin; k < steps - margin; ++k) {
+      const double v = end + (side - end) * k / steps;
+      if (static_cast<double>(level_of(pattern, symbol.row(window, v))) > kHalfShown) continue;
+      ++dark;
+      break;
+    }
+  }
+  return dark >= kBarEnds.least_right;
+}
+
 }  // namespace
 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
@@ -329,10 +351,12 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
   }
   if (found) return *found;
   const double middle = (upper->at(0.5) + lower->at(0.5)) / 2;
-  // As far off above as below: another layout's frame.
+  const Symbol symbol(image, field);
+  // As far off above as below: another layout's frame, unless its own stroke lies within.
   const bool even =
       std::abs(middle - (layout.bars_top + layout.bars_bottom) / 2) * height_px(corners) <
-      tolerance;
+          tolerance &&
+      !is_stroke_between(symbol, *upper, 0) && !is_stroke_between(symbol, *lower, 1);
   return {even ? EndsVerdict::unknown : EndsVerdict::odd, corners, 0, 0};
 }
 

@@ -155,6 +155,20 @@ TEST_CASE("bars that end elsewhere, explained by no one side, are odd") {
   CHECK(judge_by_bar_ends(image.view(), tag.corners(), kLayout).kind == EndsVerdict::odd);
 }
 
+TEST_CASE("a frame whose upper and lower sides both lie beyond its stroke is none") {
+  const SeenTag tag;
+  const GrayImage image = tag.image();
+  for (const double off : {6.0, 8.0, 10.0}) {
+    CAPTURE(off);
+    // As the plate's own edges may be taken for both: the bars end as far above as below.
+    const Quad quad{tag.view.pixel({SeenTag::kLeft, SeenTag::kTop - off}),
+                    tag.view.pixel({tag.right(), SeenTag::kTop - off}),
+                    tag.view.pixel({tag.right(), tag.bottom() + off}),
+                    tag.view.pixel({SeenTag::kLeft, tag.bottom() + off})};
+    CHECK(judge_by_bar_ends(image.view(), quad, kLayout).kind == EndsVerdict::odd);
+  }
+}
+
 TEST_CASE("bars that end as far above as below are another layout's") {
   SeenTag tag;
   tag.bars_top += 4;
