@@ -39,6 +39,7 @@ struct Cell {
 struct Outcome {
   std::map<std::string, Cell> cells;
   int wrong = 0;
+  int far = 0;  // with a corner that is more than a pixel off
   std::vector<double> times_ms;
 };
 
@@ -164,6 +165,23 @@ int count_wrong(const Photo& photo, const json& plates) {
   return wrong;
 }
 
+// Readings of the picture's plates, a second one of the same too, with a corner more than a pixel
+// off.
+int count_far(const Photo& photo, const json& plates) {
+  int far = 0;
+  for (const Reading& reading : photo.result.tags) {
+    for (const json& plate : plates) {
+      if (plate.value("code", std::string()) != to_string(reading.digits)) continue;
+      const CornerFit fit = corner_fit(reading, plate);
+      if (fit.error.lpNorm<Eigen::Infinity>() <= 1) continue;
+      ++far;
+      fmt::print("FAR {} {} {:.2f} px off, stated {:.2f}\n", photo.file, to_string(reading.digits),
+                 fit.error.lpNorm<Eigen::Infinity>(), fit.sigma);
+    }
+  }
+  return far;
+}
+
 Photo read_photo(const std::string& file, const GrayView& image, const ReadOptions& options,
                  std::vector<double>& times_ms) {
   Photo photo;
@@ -194,13 +212,14 @@ Result<Outcome> read_folder(const fs::path& folder, const Given& given, bool ver
       count_plate(photo, plate, verbose, outcome.cells[level + " " + bin]);
     }
     outcome.wrong += count_wrong(photo, item.at("plates"));
+    outcome.far += count_far(photo, item.at("plates"));
   }
   return outcome;
 }
 
 void print(const std::string& name, const Outcome& outcome) {
-  fmt::print("{}: {} images, {} wrong, median {:.2f} ms, max {:.2f} ms\n", name,
-             outcome.times_ms.size(), outcome.wrong, median(outcome.times_ms),
+  fmt::print("{}: {} images, {} wrong, {} with corners far off, median {:.2f} ms, max {:.2f} ms\n",
+             name, outcome.times_ms.size(), outcome.wrong, outcome.far, median(outcome.times_ms),
              *std::ranges::max_element(outcome.times_ms));
   for (const auto& [cell_name, cell] : outcome.cells) {
     fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}",
