@@ -77,7 +77,7 @@ struct DecodeTuning {
   double odd = 0.12;           // of the contrast: what is set aside, beside the noise
   double odd_sigmas = 3.5;
   double agreement = 0.85;    // of the bars' height: places where more of it agrees are kept
-  double hopeless = 0.75;     // explained, of a symbol or a digit: no more of it is not believed
+  double hopeless = 0.75;     // explained, of a symbol or a digit: with less it is not believed
   double least_noise = 0.15;  // variance factor
   int noise_reach = 4;        // modules to either side that tell a module's own noise
   double noise_prior = 5;     // modules' worth of the common noise
