@@ -48,6 +48,11 @@ bool same_frame(const Quad& a, const Quad& b) {
   return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
 }
 
+// Whether one frame is in the place of the other, as no two plates are.
+bool overlap(const Quad& a, const Quad& b) {
+  return contains(a, centre_of(b)) && contains(b, centre_of(a));
+}
+
 // Whether a hypothesis of this source began within so many pixels.
 bool was_proposed(const std::vector<TagHypothesis>& hypotheses, Source source, const Quad& rough,
                   double pixels) {
@@ -158,6 +163,23 @@ void Detector::look_at(const RoughFrame& proposed) {
   } else {
     hypothesis.rough = quad;
     if (!frame) hypothesis.outcome = fault_of(quad, frame.error());
+  }
+  keep(std::move(hypothesis));
+}
+
+// Which of two plates in one place is another's, if they bear different digits, nothing tells.
+void Detector::keep(TagHypothesis hypothesis) {
+  for (TagHypothesis& other : hypotheses_) {
+    const Reading* now = hypothesis.reading();
+    const Reading* before = other.reading();
+    if (now == nullptr || before == nullptr || !overlap(now->corners, before->corners)) continue;
+    if (now->digits == before->digits) {
+      (other.explained() < hypothesis.explained() ? other : hypothesis).outcome = {};
+      continue;
+    }
+    for (TagHypothesis* read : {&other, &hypothesis}) {
+      read->outcome = rejection_of(*read->reading()->symbol, {RejectionReason::doubtful});
+    }
   }
   hypotheses_.push_back(std::move(hypothesis));
 }
@@ -288,7 +310,7 @@ bool Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
     auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::partly_covered);
     if (reading) hypothesis.outcome = *std::move(reading);
   }
-  hypotheses_.push_back(std::move(hypothesis));
+  keep(std::move(hypothesis));
   return hypotheses_.back().reading() != nullptr;
 }
 
@@ -320,7 +342,7 @@ void Detector::judge_again(std::size_t index, const ReadOptions& named) {
   if (!reading) return;
   TagHypothesis again{.source = Source::again, .rough = frame.corners, .frame = frame};
   again.outcome = *std::move(reading);
-  hypotheses_.push_back(std::move(again));
+  keep(std::move(again));
 }
 
 void Detector::try_likely_codes() {
@@ -334,7 +356,7 @@ void Detector::try_likely_codes() {
     if (!reading) continue;
     TagHypothesis again{.source = Source::again, .rough = rejection.corners};
     again.outcome = *std::move(reading);
-    hypotheses_.push_back(std::move(again));
+    keep(std::move(again));
   }
 }
 

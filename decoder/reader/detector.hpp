@@ -130,6 +130,10 @@ class Detector {
 
   bool is_read(const Quad& quad) const;
 
+  // Adds a hypothesis. Of two readings in one place the one that explains more stays where their
+  // digits are the same; none does where they differ.
+  void keep(TagHypothesis hypothesis);
+
   // How a known lens bends the sides of a frame, in pixels of the level.
   SideSagittas known_sagittas(const PyramidLevel& level, const Quad& quad) const;
 

@@ -64,6 +64,22 @@ RejectionReason only_refusal(const ReadResult& result) {
   return result.rejected[0].reason;
 }
 
+// A tag in front of whose middle a smaller one hangs.
+GrayImage one_in_front_of(const SeenTag& large, const SeenTag& small) {
+  GrayImage image = large.image();
+  const GrayImage in_front = small.image();
+  const double left = SeenTag::kLeft - small.stroke - 7, top = SeenTag::kTop - small.stroke - 7;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const PixelPoint at = small.view.plane({static_cast<double>(x), static_cast<double>(y)});
+      const bool is_hidden = at.x > left && at.x < -left && at.y > top && at.y < -top;
+      const auto place = static_cast<std::size_t>(y * image.width + x);
+      if (is_hidden) image.samples[place] = in_front.samples[place];
+    }
+  }
+  return image;
+}
+
 }  // namespace
 
 TEST_CASE("a tag is read in its outline, once for all levels that show it") {
@@ -234,5 +250,39 @@ TEST_CASE("a symbol that is too blurred for any code is read again as a likely o
     if (!is_likely) continue;
     CHECK(looked.detector.tags()[0].digits == tag.digits);
     CHECK(looked.detector.result().rejected.empty());
+  }
+}
+
+TEST_CASE("of two readings in one place one stays, and none where their digits differ") {
+  SeenTag large;
+  large.width = 600;
+  large.height = 320;
+  large.view = {{300, 160}, 4.4};
+  SeenTag small = large;
+  small.view.module_px = 1.2;
+  for (const bool alike : {true, false}) {
+    CAPTURE(alike);
+    if (!alike) small.digits = *parse_digits("000001940404");
+    const GrayImage image = one_in_front_of(large, small);
+    const ReadOptions options;
+    SearchedImage picture(image.view());
+    Detector detector(picture, options);
+    const PyramidLevel level = picture.pyramid().levels().back().level;
+    detector.consider(Outline{level, to_level(level, widened(large.corners(), 1))});
+    REQUIRE(detector.covered_frames().size() == 1);
+    detector.consider(RefusedFrame{detector.covered_frames()[0]});
+    REQUIRE(detector.tags().size() == 1);
+    CHECK(detector.tags()[0].digits == large.digits);
+    detector.consider(Outline{level, to_level(level, widened(small.corners(), 1))});
+    const ReadResult result = detector.result();
+    REQUIRE(result.tags.size() == (alike ? 1 : 0));
+    if (alike) {
+      CHECK(farthest_apart(result.tags[0].corners, small.corners()) < 0.1);
+      continue;
+    }
+    REQUIRE(result.rejected.size() == 2);
+    for (const Rejection& rejection : result.rejected) {
+      CHECK(rejection.reason == RejectionReason::doubtful);
+    }
   }
 }
