@@ -26,36 +26,12 @@ Quad inner_of_outer(const Quad& outer, const FrameShape& shape) {
   return {map(u, v), map(1 - u, v), map(1 - u, 1 - v), map(u, 1 - v)};
 }
 
-// Whether four of the hull's points span most of it: those of a large triangle, and the one that
-// adds most to it. A quick test that the outlines of walls and lamps fail.
-bool is_four_cornered(const std::vector<PixelPoint>& hull, double area) {
-  const auto farthest_from = [&](PixelPoint from) {
-    return *std::ranges::max_element(
-        hull, {}, [&](PixelPoint point) { return dot(point - from, point - from); });
-  };
-  const PixelPoint a = farthest_from(hull.front());
-  const PixelPoint b = farthest_from(a);
-  const PixelPoint c = *std::ranges::max_element(
-      hull, {}, [&](PixelPoint point) { return std::abs(cross(b - a, point - a)); });
-  const double triangle = cross(b - a, c - a);
-  const double turn = triangle < 0 ? -1 : 1;
-  double added = 0;
-  for (const PixelPoint& point : hull) {
-    added = std::max({added, turn * cross(point - a, b - a), turn * cross(point - b, c - b),
-                      turn * cross(point - c, a - c)});
-  }
-  return (std::abs(triangle) + added) / 2 >= kCandidate.least_spanned * area;
-}
-
-// The quadrilateral around a hull that fills most of it.
-std::optional<Quad> quad_filled_by(const std::vector<PixelPoint>& hull) {
-  if (hull.size() < 4) return std::nullopt;
-  const double area = area_of(hull);
-  if (!is_four_cornered(hull, area)) return std::nullopt;
+// The inner edge of the frame that a hull of this colour may be.
+std::optional<Quad> candidate_of(const std::vector<PixelPoint>& hull, bool white,
+                                 const FrameShape& shape) {
   const std::optional<Quad> quad = enclosing_quad(hull);
-  if (!quad || !is_convex(*quad) || area < kCandidate.least_filled * area_of(*quad))
-    return std::nullopt;
-  return quad;
+  if (!quad || !is_convex(*quad)) return std::nullopt;
+  return white ? *quad : inner_of_outer(*quad, shape);
 }
 
 // A region's hull.
@@ -94,8 +70,8 @@ std::vector<Quad> joined_candidates(std::vector<Piece> pieces, const FrameShape&
       const std::vector<PixelPoint> hull = convex_hull(std::move(points));
       const double area = area_of(hull);
       if (area > kCandidate.most_empty * sum || area < 1.05 * pieces[i].area) continue;
-      const std::optional<Quad> quad = quad_filled_by(hull);
-      if (quad) candidates.push_back(pieces[i].white ? *quad : inner_of_outer(*quad, shape));
+      const std::optional<Quad> quad = candidate_of(hull, pieces[i].white, shape);
+      if (quad) candidates.push_back(*quad);
     }
   }
   return candidates;
@@ -131,8 +107,8 @@ std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOpti
   std::vector<Quad> candidates;
   std::vector<Piece> pieces;
   for (Region& region : find_regions(level.image, region_options)) {
-    if (const auto quad = quad_filled_by(region.hull)) {
-      candidates.push_back(region.white ? *quad : inner_of_outer(*quad, options.shape));
+    if (const auto quad = candidate_of(region.hull, region.white, options.shape)) {
+      candidates.push_back(*quad);
     }
     if (!options.join_pieces) continue;
     const double area = area_of(region.hull);

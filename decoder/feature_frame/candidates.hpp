@@ -42,9 +42,8 @@ struct CandidateOptions {
   FrameShape shape;
 };
 
-// Quadrilaterals, in pixels of the level, that may be the inner edge of a feature frame: white
-// regions and the insides of dark ones whose outline fills its enclosing quadrilateral. Rough: to a
-// pixel or two.
+// Quadrilaterals, in pixels of the level, that may be the inner edge of a feature frame: those
+// around white regions, and inside those around dark ones. Rough: to a pixel or two.
 std::vector<Quad> find_candidates(const PyramidLevel& level, const CandidateOptions& options = {});
 
 }  // namespace tagsmith::detail

@@ -140,14 +140,12 @@ BowedFit fit_bowed(const std::vector<EdgePoint>& points, double tolerance) {
   return {{fit[0], fit[1], share_within(points, tolerance, at)}, fit[2]};
 }
 
-// The line, or the bowed side where only that is what the points agree on.
-BowedFit fit_side(const std::vector<EdgePoint>& points, double side_length, bool may_bow) {
+// The line, or the bowed side where more of the points agree on that.
+BowedFit fit_side(const std::vector<EdgePoint>& points, bool may_bow) {
   const LineFit line = fit_line(points, kSide.tolerance);
   if (!may_bow || line.inliers > kSide.agreed) return {line, 0};
   const BowedFit bowed = fit_bowed(points, kSide.tolerance);
-  const bool better = bowed.line.inliers > line.inliers + kSide.much_better &&
-                      std::abs(bowed.bow) < kSide.most_bow * side_length;
-  return better ? bowed : BowedFit{line, 0};
+  return bowed.line.inliers > line.inliers ? bowed : BowedFit{line, 0};
 }
 
 // The side moved onto the edge that most of its profiles show; nothing when fewer than half do.
@@ -162,7 +160,7 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
     if (across) points.push_back({along, *across});
   }
   if (static_cast<double>(points.size()) < kSide.least_shown * count) return std::nullopt;
-  const auto [fit, bow] = fit_side(points, side_length, may_bow);
+  const auto [fit, bow] = fit_side(points, may_bow);
   if (fit.inliers * static_cast<double>(points.size()) < kSide.least_shown * count)
     return std::nullopt;
   SideLine settled = moved(side, fit.intercept - fit.slope, fit.intercept + fit.slope);
@@ -182,7 +180,7 @@ bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) 
   for (int k = 0; k <= kSteps; ++k) {
     const double value = in_image ? interpolate(image, place(k)) : sample_bilinear(image, place(k));
     darkest = std::min(darkest, value);
-    if (inside - darkest > kSide.least_fall && value - darkest > kSide.least_rise) return true;
+    if (std::min(inside, value) - darkest > kSide.least_fall) return true;
   }
   return false;
 }

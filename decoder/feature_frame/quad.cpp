@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "decoder/feature_frame/tuning.hpp"
-
 namespace tagsmith::detail {
 namespace {
 
@@ -58,7 +56,7 @@ bool is_convex(const Quad& quad) {
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint in = quad[(i + 1) % 4] - quad[i];
     const PixelPoint out = quad[(i + 2) % 4] - quad[(i + 1) % 4];
-    if (!(cross(in, out) > kCandidate.least_sine * length(in) * length(out))) return false;
+    if (!(cross(in, out) > 0)) return false;
   }
   return true;
 }

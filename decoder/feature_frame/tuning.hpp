@@ -7,26 +7,20 @@
 
 namespace tagsmith::detail {
 
-// Quadrilaterals that may be frames.
+// Pairs of regions that something in front may have cut apart.
 struct CandidateTuning {
-  double least_spanned = 0.75;   // of an outline's area, by four of its points
-  double least_filled = 0.85;    // of the enclosing quadrilateral, by the outline
-  std::size_t most_pieces = 32;  // of a level, of which pairs are tried
+  std::size_t most_pieces = 32;  // of a level
   double most_empty = 1.3;       // area around a pair of pieces, by that of both
-  double least_sine = 0.1;       // of a corner: between 6 and 174 degrees
 };
 inline constexpr CandidateTuning kCandidate;
 
 // The fall from white inside a frame to its dark stroke, and the coarse fit of a side to it.
 struct SideTuning {
-  double least_fall = 6;  // grey levels from white to dark, over one pixel or two
-  double least_rise = 4;  // grey levels from the stroke to the plate's margin, which may be narrow
-  double scanned = 0.92;  // of a side's length: leaves the corners out
+  double least_fall = 6;      // grey levels from white to dark, over one pixel or two
+  double scanned = 0.92;      // of a side's length: leaves the corners out
   double least_shown = 0.45;  // of the profiles across a side that must agree on one edge
   double tolerance = 0.6;     // pixels off the side of a profile that agrees
   double agreed = 0.85;       // of the profiles: as good as all
-  double much_better = 0.2;   // of the profiles: what must agree more with a bowed side
-  double most_bow = 0.06;     // of the side's length
   // Of the logarithm of the frame's proportions: what a side must show of them to tell which of
   // the two it is.
   double clear_elongation = 0.42;

@@ -189,8 +189,7 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
       if (near.size() > best.size()) best = std::move(near);
     }
   }
-  if (best.size() < kLeast || best.back().u - best.front().u < kBarEnds.least_apart)
-    return std::nullopt;
+  if (best.size() < kLeast) return std::nullopt;
   const auto count = static_cast<double>(best.size());
   double u = 0, v = 0, uu = 0, uv = 0;
   for (const WindowEnd& end : best) {

@@ -43,7 +43,7 @@ std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b
   const double dd = (b.dd - a.dd) / w - d * d;
   const double ll = (b.ll - a.ll) / w - l * l;
   const double dl = (b.dl - a.dl) / w - d * l;
-  if (dd < kProfile.least_modulation) return std::nullopt;
+  if (!(dd > 0)) return std::nullopt;
   const auto stretch = [&](double contrast, double gradient, double left) {
     return RowStretch{static_cast<float>(l + contrast * d), static_cast<float>(gradient),
                       static_cast<float>(x), static_cast<float>(contrast),
@@ -59,7 +59,7 @@ std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b
   const double lx = (b.lx - a.lx) / w - l * x;
   const double dd_left = dd - dx * dx / xx;
   const double dl_left = dl - dx * lx / xx;
-  if (dd_left < kProfile.least_modulation) return evenly;
+  if (!(dd_left > 0)) return evenly;
   const double slanted = ll - lx * lx / xx - dl_left * dl_left / dd_left;
   if (slanted > kProfile.much_less * even) return evenly;
   const double slope = dl_left / dd_left;
@@ -219,7 +219,7 @@ struct Levels {
 };
 
 // Of the known values within `reach_modules` of every bin, farther inside at the ends, found once a
-// module; noise and single outliers left out.
+// module.
 std::vector<Levels> levels_near(const Values& values, std::size_t reach_modules,
                                 std::size_t per_module) {
   const std::size_t size = values.value.size(), reach = reach_modules * per_module;
@@ -236,8 +236,7 @@ std::vector<Levels> levels_near(const Values& values, std::size_t reach_modules,
       if (values.known[i]) near.push_back(values.value[i]);
     }
     if (near.empty()) continue;
-    const float low = quantile(near, kProfile.left_out);
-    const float high = quantile(near, 1 - kProfile.left_out);
+    const auto [low, high] = std::ranges::minmax(near);
     for (std::size_t i = begin; i < end; ++i) levels[i] = {low, high};
   }
   return levels;

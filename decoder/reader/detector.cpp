@@ -285,7 +285,7 @@ void Detector::look_at(const BarRegion& region) {
     hypotheses_.push_back({.source = Source::completed, .rough = rough->corners});
     const auto symbol = better_hypothesis(image_, *rough, options_);
     if (!symbol || symbol->decoding.fit.explained < kJudge.worth_light) continue;
-    const auto frame = frame_by_symbol(image_, half, expected_corners(*symbol), layout,
+    const auto frame = frame_by_symbol(image_, half, corners_by_bars(*symbol), layout,
                                        symbol->profile.module_px, {lens_});
     // Of either pair of sides one must show where the bars put it: else it may be another layout.
     if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
@@ -498,15 +498,6 @@ bool Detector::is_worth_care(double module_px) const {
   };
   return module_px >= kSearch.least_module &&
          std::ranges::count_if(hypotheses_, is_cared_for) < kSearch.most_tries;
-}
-
-FrameCorners Detector::expected_corners(const SymbolHypothesis& symbol) const {
-  RefinedFrame aligned = symbol.frame;
-  aligned.corners = corners_by_bars(symbol);
-  if (aligned.shown[1] && aligned.shown[3]) return aligned.corners;
-  aligned.corners = aligned_to_bars(image_, aligned, symbol.layout);
-  const auto again = better_hypothesis(image_, aligned, options_);
-  return again ? corners_by_bars(*again) : aligned.corners;
 }
 
 }  // namespace tagsmith::detail

@@ -169,10 +169,6 @@ class Detector {
   // Reads a doubtful symbol in the frame of a hypothesis again, when more is known of the codes.
   void judge_again(std::size_t index, const ReadOptions& named);
 
-  // Where the bars put the corners of a completed frame. Where its left or right side is hidden the
-  // rows say how it leans, and the symbol, read so, where it stands.
-  FrameCorners expected_corners(const SymbolHypothesis& symbol) const;
-
   // The only scheme that the check digits read show.
   std::optional<CheckDigit> scheme_shown() const;
 

@@ -148,12 +148,7 @@ void doubt_strangers(const Quad& quad, const FramedBars& expected, const Toleran
 RefinedFrame fitted_as_whole(const GrayView& image, const RefinedFrame& frame,
                              const LensGuess& lens, const FrameShape& shape) {
   if (!std::ranges::all_of(frame.shown, std::identity{})) return frame;
-  auto whole = refine_frame(image, frame.corners, lens, shape);
-  if (!whole) return frame;
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (distance(whole->corners[i], frame.corners[i]) > kBarEnds.most_moved_px) return frame;
-  }
-  return *std::move(whole);
+  return refine_frame(image, frame.corners, lens, shape).value_or(frame);
 }
 
 // Settles and fits the sides that show.
@@ -198,9 +193,8 @@ std::optional<RefinedFrame> frame_by_bars(const GrayView& image, const GrayView&
   auto in_full = framed_bars(bars, layout);
   if (!in_full) return std::nullopt;
   look_for_ends(image, bars, layout, *in_full);
-  const bool reduce = in_full->module_px >= kBarEnds.reduced_from;
-  const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
-  const FramedBars in_level = reduce ? halved(*in_full) : *in_full;
+  const PyramidLevel level{half, 2};
+  const FramedBars in_level = halved(*in_full);
   const auto& sides = in_level.sides;
   const auto rough = sides[0] ? corners_of({*sides[0], *sides[1], *sides[2], *sides[3]})
                               : frame_between(level.image, in_level.block, *sides[3], *sides[1]);
@@ -228,8 +222,7 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
     const auto& sides = in_full.sides;
     rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
   }
-  const bool reduce = module_px >= kBarEnds.reduced_from;
-  const PyramidLevel level{reduce ? half : image, reduce ? 2.0 : 1.0};
+  const PyramidLevel level{half, 2};
   const double height =
       (distance(expected[0], expected[3]) + distance(expected[1], expected[2])) / 2;
   return fit_frame(

@@ -3,12 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "decoder/reader/agreeing_rows.hpp"
 #include "decoder/reader/occluders.hpp"
@@ -87,48 +82,6 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
   return profile;
 }
 
-// By how many modules the symbol's begin and end move from the frame's upper side to its lower one,
-// against the frame.
-struct Lean {
-  double at_begin = 0;
-  double at_end = 0;
-};
-
-// A row that is moved by m modules against the others differs from them by m times their slope:
-// least squares over all cells of stretches that follow, each bin's rows against their own mean.
-std::optional<Lean> lean_of(const SymbolRows& rows) {
-  constexpr double kLeastInformation = 1e-6;
-  const CommonDarkness common = settle(rows, AddedLight::even).common;
-  const RowStretches stretches(rows, common, AddedLight::even);
-  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d right = Eigen::Vector2d::Zero();
-  for (std::size_t bin = 0; bin < rows.bins; ++bin) {
-    if (common.slope[bin] == 0) continue;
-    double w = 0, v = 0, r = 0, vv = 0, vr = 0;
-    for (std::size_t row = 0; row < rows.rows; ++row) {
-      const Vote vote = stretches.vote(rows, common, row, bin);
-      const float off = vote.darkness - common.darkness[bin];
-      if (vote.weight == 0 || std::abs(off) > kProfile.most_off) continue;
-      const double weight = static_cast<double>(vote.weight), height = rows.height_of(row);
-      w += weight;
-      v += weight * height;
-      r += weight * static_cast<double>(off);
-      vv += weight * height * height;
-      vr += weight * height * static_cast<double>(off);
-    }
-    if (w == 0) continue;
-    // Darkness falls where the row is moved towards darker places.
-    const double slope = -static_cast<double>(common.slope[bin]) * rows.bins_per_module;
-    const double share = rows.module_of(static_cast<double>(bin) + 0.5) / kModuleCount;
-    const Eigen::Vector2d row{slope * (1 - share), slope * share};
-    normal += (vv - v * v / w) * row * row.transpose();
-    right += (vr - v * r / w) * row;
-  }
-  if (!(normal.determinant() > kLeastInformation * normal.squaredNorm())) return std::nullopt;
-  const Eigen::Vector2d lean = normal.ldlt().solve(right);
-  return Lean{lean[0], lean[1]};
-}
-
 }  // namespace
 
 RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
@@ -155,27 +108,6 @@ SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
   // What a highlight bleaches is plain too: there its rows' own light decides.
   if (added == AddedLight::even) leave_out_plain(rows);
   return finished(profile_of(rows, settle(rows, added).agreed), rows, frame_);
-}
-
-Quad aligned_to_bars(const GrayView& image, RefinedFrame frame, const SymbolLayout& layout) {
-  const double modules = layout.modules();
-  const Quad corners = frame.corners;
-  for (int round = 0; round < kProfile.rounds; ++round) {
-    SymbolRows rows = rows_in_sight(image, frame, layout);
-    leave_out_plain(rows);
-    const auto lean = lean_of(rows);
-    if (!lean) return corners;
-    // At the frame's sides, beyond the bars.
-    const double growth = (lean->at_end - lean->at_begin) / kModuleCount;
-    const double left = lean->at_begin - growth * layout.quiet_zone_modules;
-    const double right = lean->at_end + growth * layout.quiet_zone_modules;
-    if (std::max(std::abs(left), std::abs(right)) > kProfile.most_lean) return corners;
-    const FrameHomography& map = rows.image_from_frame;
-    frame.corners = {map(-left / 2 / modules, 0), map(1 - right / 2 / modules, 0),
-                     map(1 + right / 2 / modules, 1), map(left / 2 / modules, 1)};
-    if (std::max(std::abs(left), std::abs(right)) < kProfile.at_rest) break;
-  }
-  return frame.corners;
 }
 
 }  // namespace tagsmith::detail

@@ -48,9 +48,4 @@ class RobustProfile {
   SymbolRows rows_;  // coarse ones
 };
 
-// The corners of a frame (from P on) with its sides turned so that every bar stands at the same
-// place in all rows: what follows of one symbol from its upper and its lower rows, whatever lies
-// between. The corners as they were where the rows do not tell.
-Quad aligned_to_bars(const GrayView& image, RefinedFrame frame, const SymbolLayout& layout);
-
 }  // namespace tagsmith::detail

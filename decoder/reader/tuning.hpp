@@ -33,22 +33,16 @@ struct ProfileTuning {
   std::size_t window = 4;   // modules to either side in which covered cells are plain
   double plainer = 0.4;     // variance of covered cells against that of clear ones
   // Rows of their own light, each stretch fitted to what all have in common.
-  std::size_t stretch = 5;         // modules to either side
-  double least_modulation = 0.03;  // variance of the common darkness
-  double much_less = 0.5;          // of what is left without a gradient
-  float most_variance = 3;         // times the usual one
-  float model_variance = 0.006F;   // of the contrast squared: 8 % off anywhere
-  float odd = 0.2F;                // off the median
-  double left_out = 0.1;           // of the lowest and highest values, in telling levels
-  std::size_t levels = 7;          // modules: two digits, which hold wide elements
-  std::size_t contrast = 4;        // modules in which the contrast is told
-  std::size_t anchor = 10;         // modules: the drift is slow, many elements tell the levels
-  std::size_t bands = 14;          // of rows for a first guess
+  std::size_t stretch = 5;        // modules to either side
+  double much_less = 0.5;         // of what is left without a gradient
+  float most_variance = 3;        // times the usual one
+  float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere
+  float odd = 0.2F;               // off the median
+  std::size_t levels = 7;         // modules: two digits, which hold wide elements
+  std::size_t contrast = 4;       // modules in which the contrast is told
+  std::size_t anchor = 10;        // modules: the drift is slow, many elements tell the levels
+  std::size_t bands = 14;         // of rows for a first guess
   int rounds = 4;
-  // How bars lean against the frame.
-  float most_off = 0.35F;  // of a cell: what is more is something else
-  double at_rest = 0.02;   // modules from round to round
-  double most_lean = 2;    // modules: the outer rows are then two thirds of one off
   // Plain windows, in which something hides the bars.
   double plain_window = 5.5;  // modules
   double outline = 0.25;      // modules to both sides: an occluder's blurred edge
@@ -84,7 +78,6 @@ struct BarEndsTuning {
   float white = 0.6F, dark = 0.15F;  // between the bars' black and white
   double line_px = 0.8;              // pixels off the line through the ends
   std::size_t least_right = 5;       // windows of eight whose bars end where they should
-  double least_apart = 0.4;          // of the frame's width, between the ends
   double systematic_px = 0.15;       // what neighbouring windows are off by together
   double inside = 0.2;               // of the frame's height, from where the bars should end
   double outside = 0.3;
@@ -95,8 +88,6 @@ struct BarEndsTuning {
   double tolerance = 0.006;   // of the frame's height: templates round, lenses bend
   double layout = 0.003;      // of the frame's height, standard deviation
   double hidden_sigma = 0.2;  // modules, of a side known by the bars beside it
-  double most_moved_px = 2;   // of corners that are fitted as those of a whole frame
-  double reduced_from = 1.8;  // pixels a module: noise halves, bars stay apart
   double side = 1.2;          // modules that a side may be off bars that were followed
 };
 inline constexpr BarEndsTuning kBarEnds;

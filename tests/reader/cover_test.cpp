@@ -176,25 +176,6 @@ TEST_CASE("corners at a hidden side are off by what their covariance says") {
   CHECK(worst < 15);
 }
 
-TEST_CASE("the rows of the bars tell how a frame's sides lean") {
-  const CoveredPicture picture = read_behind({});
-  const auto& truth = picture.view.plates.front().corners;
-  Quad corners{};
-  for (std::size_t i = 0; i < 4; ++i) corners[i] = {truth[i]->x(), truth[i]->y()};
-  const PixelPoint along = 1 / distance(corners[0], corners[1]) * (corners[1] - corners[0]);
-  // The right side leans by four pixels, the left one by one the other way.
-  const Quad leaning{corners[0] - 0.5 * along, corners[1] + 2.0 * along, corners[2] - 2.0 * along,
-                     corners[3] + 0.5 * along};
-  RefinedFrame frame;
-  frame.corners = leaning;
-  for (FrameSide& side : frame.sides) side.stroke_px = 12;
-  const Quad aligned = aligned_to_bars(picture.view.image.view(), frame, SymbolLayout{});
-  for (std::size_t i = 0; i < 4; ++i) {
-    CAPTURE(i);
-    CHECK(distance(aligned[i], corners[i]) < 0.15);
-  }
-}
-
 TEST_CASE("a seventh of the bars' height above a cover is enough") {
   const double start = 0.163 * kFrameHeight + 0.0165;
   for (const int modules : {8, 14, 21}) {
