@@ -47,3 +47,17 @@ TEST_CASE("guard patterns show where bars are blurred more than the frame, and i
     CHECK_FALSE(shows_guards(plain, {.blur = 0.3}));
   }
 }
+
+TEST_CASE("a digit of which a profile shows nothing leaves nothing unexplained") {
+  const Digits digits = *parse_digits("019012340400");
+  const ImagingModel image{.blur = 0.4};
+  ScanProfile profile = profile_of(digits, image);
+  std::erase_if(profile, [](const ScanBin& bin) { return digit_at(bin.at) == std::size_t{3}; });
+  for (ScanBin& bin : profile) bin.darkness = 0.3;
+  const auto shares = explained_by_digits(profile, image, std::vector<double>(profile.size(), 0.0));
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    CAPTURE(i);
+    if (i == 3) CHECK(shares[i] == 1);
+    if (i != 3) CHECK(shares[i] < 0.5);
+  }
+}
