@@ -2,6 +2,7 @@
 #include "decoder/verify/child_process.hpp"
 
 #include <chrono>
+#include <unistd.h>
 
 #include <doctest/doctest.h>
 
@@ -21,6 +22,17 @@ TEST_CASE("arguments reach the program as they are, without a shell") {
   const auto output = run_process({"printf", "%s|", "a b", "$(id)", "; ls", "*", ""});
   REQUIRE(output.has_value());
   CHECK(output->out == "a b|$(id)|; ls|*||");
+}
+
+TEST_CASE("output and messages come back where standard input is closed") {
+  const int standard_input = ::dup(STDIN_FILENO);
+  ::close(STDIN_FILENO);
+  const auto output = run_process({"sh", "-c", "echo out; echo err >&2"});
+  ::dup2(standard_input, STDIN_FILENO);
+  ::close(standard_input);
+  REQUIRE(output.has_value());
+  CHECK(output->out == "out\n");
+  CHECK(output->err == "err\n");
 }
 
 TEST_CASE("output larger than a pipe's buffer is read whole") {

@@ -88,6 +88,26 @@ TEST_CASE("reference patches make a grade absolute") {
   CHECK(contrast == doctest::Approx(kWhitePatchReflectance - kBlackPatchReflectance).epsilon(0.02));
 }
 
+TEST_CASE("what lies along the edges of reference patches, as dirt does, leaves a grade as it is") {
+  const TagTemplate tag = with_patches();
+  PlatePicture picture = draw(tag, kWhite);
+  const auto clean = find_references(picture.image.view(), tag, picture.corners);
+  const ReferencePatches patches = *draw_tag(tag, kDigits).patches;
+  for (const auto& [patch, light] : {std::pair(patches.white, kWhite), {patches.black, kBlack}}) {
+    constexpr double kEdge = 0.2;  // of the patch
+    fill(picture.image, patch, 0.3);
+    fill(picture.image,
+         {patch.x + kEdge * patch.width, patch.y + kEdge * patch.height,
+          (1 - 2 * kEdge) * patch.width, (1 - 2 * kEdge) * patch.height},
+         light);
+  }
+  const auto dirty = find_references(picture.image.view(), tag, picture.corners);
+  REQUIRE(clean);
+  REQUIRE(dirty);
+  CHECK(dirty->white_light == doctest::Approx(clean->white_light));
+  CHECK(dirty->black_light == doctest::Approx(clean->black_light));
+}
+
 TEST_CASE("without patches, or with overexposed ones, a grade is relative") {
   TagTemplate plain = with_patches();
   plain.patch_size = 0;
