@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <random>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -537,6 +538,15 @@ TEST_CASE("a drive of 1.2 km is coded coarsely and says so, or is split") {
   CHECK(files.size() >= 6);
   CHECK(files.size() <= 16);
   CHECK(reached == Approx(summary["length"].get<double>()));
+  // Each part is drafted from its own points: all 600 together.
+  std::size_t points = 0;
+  for (const fs::path& file : files) {
+    const std::string text = *read_file(file);
+    std::smatch found;
+    REQUIRE(std::regex_search(text, found, std::regex(R"(# Drafted from .*: (\d+) points)")));
+    points += std::stoul(found[1].str());
+  }
+  CHECK(points == 600);
   // Together they are valid, and every tag hangs where it was measured.
   const std::vector<Survey> surveys = load_surveys(files).value();
   std::map<std::string, int> names;
