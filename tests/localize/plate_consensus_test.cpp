@@ -461,4 +461,83 @@ TEST_CASE("when nothing fits, the rig or the survey is wrong and no plate is acc
   for (const PlateCheck& check : consensus.plates) CHECK(check.verdict == HangVerdict::unchecked);
 }
 
+TEST_CASE("a camera that is mounted or centred a little otherwise is told as the rig's fault") {
+  const CorridorHungByEye site;
+  const auto with_camera = [&](const Vector3d& moved, double centre_px) {
+    Rig rig = site.rig;
+    rig.cameras[0].vehicle_from_camera.translation += moved;
+    rig.cameras[0].camera.cx += centre_px;
+    return rig;
+  };
+  for (const Rig& other : {with_camera({0.02, 0, 0}, 0), with_camera({0, 0.02, 0}, 0),
+                           with_camera({0, 0, -0.02}, 0), with_camera({0, 0, 0}, 10)}) {
+    AdjustmentProblem problem = drive(site);
+    problem.rig = &other;
+    CHECK(find_consensus(problem).nothing_fits);
+  }
+  // Where few plates are seen, one looks moved.
+  std::mt19937_64 random(3);
+  AdjustmentProblem few = problem_of(site);
+  few.stations = {seen_from(site, 0.3, {"001L", "002L", "001R", "002R"}, random)};
+  for (const Rig& other :
+       {with_camera({0.02, 0, 0}, 0), with_camera({0, 0.02, 0}, 0), with_camera({0, 0, 0}, 10)}) {
+    few.rig = &other;
+    const Consensus consensus = find_consensus(few);
+    int doubted = 0;
+    for (const PlateCheck& check : consensus.plates) {
+      CHECK(check.verdict != HangVerdict::off);
+      if (check.verdict != HangVerdict::doubtful) continue;
+      CHECK(check.doubt == HangDoubt::rig);
+      ++doubted;
+    }
+    CHECK(doubted > 0);
+  }
+}
+
+TEST_CASE(
+    "a row of which one camera's pictures were taken 6 cm later is left out, all plates fit") {
+  const CorridorHungByEye site;
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    AdjustmentProblem problem = drive(site);
+    Station& row = problem.stations[0];
+    const Station later = seen_from(site, -0.44, {"000L", "001L"}, random);
+    for (Sighting& seen : row.sightings) {
+      for (const Sighting& again : later.sightings) {
+        if (seen.plate == again.plate) seen = again;
+      }
+    }
+    const Consensus consensus = find_consensus(problem);
+    REQUIRE(consensus.left_out.size() == 1);
+    CHECK(consensus.left_out[0].name == row.name);
+    CHECK(consensus.left_out[0].fits_apart);
+    for (std::size_t i = 0; i < 8; ++i) CHECK(consensus.plates[i].verdict == HangVerdict::fits);
+  }
+}
+
+TEST_CASE("where three of four plates contradict the survey none is accused") {
+  CorridorHungByEye site;
+  site.move("001R", {0.05, 0.02, 0});
+  site.move("002L", {-0.03, 0.06, 0});
+  site.move("002R", {0.04, -0.05, 0.02});
+  std::mt19937_64 random(4);
+  AdjustmentProblem problem = problem_of(site);
+  problem.stations = {seen_from(site, 0.3, {"001L", "001R", "002L", "002R"}, random)};
+  const Consensus consensus = find_consensus(problem);
+  CHECK(consensus.nothing_fits);
+  for (const PlateCheck& check : consensus.plates) CHECK(check.verdict == HangVerdict::unchecked);
+}
+
+TEST_CASE("a plate of another size that is seen from two places is told to hang in its place") {
+  const CorridorHungByEye site;
+  AdjustmentProblem problem = drive(site);
+  const std::size_t small = site.index("002R");
+  print_small(site, small, problem, 0.95);
+  const PlateCheck check = find_consensus(problem).plates[small];
+  CHECK(check.verdict == HangVerdict::off);
+  REQUIRE(check.offset);
+  CHECK(farthest_corner(problem.plates[small], *check.offset) < 0.005);
+}
+
 }  // namespace tagsmith::detail
