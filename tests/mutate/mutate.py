@@ -37,7 +37,7 @@ TESTS = {
     "tagsmith/paper_plan": ["paper", "placement", "plan_command"],
     "tagsmith/placement": ["placement", "simulate", "plan_command"],
     "tagsmith/render": ["render", "print"],
-    "decoder/api": ["library"],
+    "decoder/api": ["interface", "library"],
     "decoder/cli": ["read", "demo", "ledger", "simulate_command", "adjust", "files", "report",
                     "schemas", "calibrate_command", "verify_command", "localize", "printer",
                     "commands"],
@@ -52,8 +52,8 @@ TESTS = {
     "decoder/calibrate": ["calibrate", "board", "printer", "calibrate_command"],
 }
 # The folders of tests that are called otherwise; tests/verify has one that is called scan.
-FOLDERS = {"board_command": "board", "plan_command": "placement", "plan_page": "placement",
-           "print": "render", "report": "verify", "scan_stages": "scan",
+FOLDERS = {"board_command": "board", "interface": "library", "plan_command": "placement",
+           "plan_page": "placement", "print": "render", "report": "verify", "scan_stages": "scan",
            "simulate_command": "simulate", "verify_command": "verify"}
 
 # Binary operators stand between blanks, template brackets do not: clang-format sees to it.
