@@ -123,6 +123,12 @@ TEST_CASE("surveys that cannot be are refused with the reason") {
       {"a tag in the rock", [](auto& s) { s.tags[0].corner_p[0] += 3; }, "000L"},
       {"a frame larger than the plate", [](auto& s) { s.plate.plate_length = 0.3; },
        "needs a plate"},
+      {"a frame that leaves its plate upwards", [](auto& s) { s.plate.frame_offset_up = 0.1; },
+       "needs a plate"},
+      {"a plate that one stroke leaves",
+       [](auto& s) { s.plate.plate_height = s.plate.frame_inner_height + s.plate.frame_stroke; },
+       "needs a plate"},
+      {"a width beyond a kilometre", [](auto& s) { s.width = 1000.5; }, "width is 1000.5"},
       {"margins without bars", [](auto& s) { s.plate.margin_modules = 40; }, "no room"},
   };
   for (const auto& [name, change, words] : cases) {
@@ -148,6 +154,8 @@ TEST_CASE("rigs that cannot be are refused with the reason") {
        "no rotation"},
       {"a range upside down", [](auto& r) { r.ranges[0].max = r.ranges[0].min - 1; }, "greatest"},
       {"no height", [](auto& r) { r.vehicle_height = kNan; }, "height"},
+      {"a vehicle that stands across the drive", [](auto& r) { r.envelope = Envelope{.yaw = 2}; },
+       "yaw is 2"},
   };
   const RigDescription shipped = tagsmith::load_rig(kCorridor + "rig.yaml").description();
   for (const auto& [name, change, words] : cases) {
@@ -155,6 +163,14 @@ TEST_CASE("rigs that cannot be are refused with the reason") {
     change(description);
     check_refused(
         name, [&] { const tagsmith::Rig rig(description); }, words);
+  }
+}
+
+TEST_CASE("a file is validated as what its first key says that it is") {
+  for (const char* file : {"surveys/corridor/survey.yaml", "surveys/corridor/rig.yaml",
+                           "templates/tag-400x300.yaml"}) {
+    CAPTURE(file);
+    CHECK(tagsmith::validate(file).empty());
   }
 }
 
