@@ -15,6 +15,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tarfile
@@ -126,12 +127,16 @@ def read_equivalent() -> set[tuple[str, str, str]]:
 
 def run(*command: str, seconds: int | None = None) -> bool:
     environment = dict(os.environ, TAGSMITH_PROGRAM=str(BUILD / "tagsmith"))
-    try:
-        done = subprocess.run(command, cwd=SOURCE, timeout=seconds, env=environment,
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
-    except subprocess.TimeoutExpired:
-        return False
-    return done.returncode == 0
+    quiet = subprocess.DEVNULL
+    with subprocess.Popen(command, cwd=SOURCE, env=environment, stdout=quiet, stderr=quiet,
+                          start_new_session=True) as process:
+        try:
+            return process.wait(seconds) == 0
+        except subprocess.TimeoutExpired:
+            return False
+        finally:
+            if process.poll() is None:  # with what it started, which may be in an endless loop
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def write_changed(archive: bytes) -> None:
