@@ -27,7 +27,7 @@ TEST_CASE("arguments reach the program as they are, without a shell") {
 TEST_CASE("output and messages come back where standard input is closed") {
   const int standard_input = ::dup(STDIN_FILENO);
   ::close(STDIN_FILENO);
-  const auto output = run_process({"sh", "-c", "echo out; echo err >&2"});
+  const auto output = run_process({"sh", "-c", "echo err >&2; exec 2>&-; sleep 0.05; echo out"});
   ::dup2(standard_input, STDIN_FILENO);
   ::close(standard_input);
   REQUIRE(output.has_value());
