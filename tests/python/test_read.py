@@ -112,3 +112,9 @@ def test_other_threads_run_while_a_picture_is_read(survey, photo):
         time.sleep(0)
     reader.join()
     assert turns > 10
+
+
+def test_pixels_of_one_column_have_no_neighbours_to_stand_apart_from():
+    column = np.zeros((60, 4), np.uint8)[:, ::2][:, :1]
+    assert column.strides[1] != 1
+    assert tagsmith.read(column).tags == []
