@@ -133,7 +133,7 @@ TunnelFitOptions fit_options(const NewOptions& options) {
 // A layout is proposed exactly where no plate hangs.
 Result<void> check_layout(const NewOptions& options, const PointList& list) {
   const bool has_tags = std::ranges::any_of(list.points, is_tag);
-  const bool wished = options.height || options.spacing || options.first || options.to;
+  const bool wished = options.height.has_value();  // the other options of a layout require it
   if (has_tags && wished) {
     return fail(options.points +
                 ": the list has tags that hang: leave --height, --spacing, --first and --to out");
