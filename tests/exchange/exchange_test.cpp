@@ -423,6 +423,28 @@ TEST_CASE("walls without tags become a layout that validate, plan and print acce
   CHECK(again.exit_code == 2);  // tags hang already
 }
 
+TEST_CASE("the table for people says in millimetres what JSON says in metres") {
+  const TemporaryFolder folder;
+  const std::string csv = surveyed_drift(0.003).text("PENZD");
+  const auto lines_of = [&](const std::string& arguments) {
+    fs::remove_all(folder.path() / "out");
+    const ProgramOutput output = draft(folder.path(), csv, "--order PENZD" + arguments);
+    REQUIRE_MESSAGE(output.exit_code == 0, output.err);
+    return split(output.out, '\n');
+  };
+  const std::vector<std::string> objects = lines_of(" --json");
+  const std::vector<std::string> table = lines_of("");
+  int compared = 0;
+  for (std::size_t i = 0; i + 1 < table.size() && objects[i].starts_with("{\"line\""); ++i) {
+    const auto across = parsed_json(objects[i])["across"];
+    if (!across.is_number()) continue;
+    const std::string words = fmt::format("{:+.1f}", 1000 * across.get<double>() + 0.0);
+    CHECK_MESSAGE(table[i + 1].find(" " + words + " ") != std::string::npos, table[i + 1]);
+    ++compared;
+  }
+  CHECK(compared > 20);
+}
+
 TEST_CASE("rough rock is refused with its scatter and the tolerance that takes it") {
   const TemporaryFolder folder;
   PointWriter points = surveyed_drift(0.003);

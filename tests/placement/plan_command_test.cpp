@@ -216,3 +216,19 @@ TEST_CASE("plan refuses what it cannot use, and writes nothing") {
         2);
   CHECK_FALSE(std::filesystem::exists(target));
 }
+
+TEST_CASE("plan overwrites neither the survey nor the rig that it reads") {
+  const TemporaryFolder folder;
+  const std::string into = " --to 5 -o " + folder.path().string();
+  const std::string in_the_way = (folder.path() / "plan.svg").string();
+  for (const bool is_rig : {true, false}) {
+    CAPTURE(is_rig);
+    const std::string file = is_rig ? "surveys/corridor/rig.yaml" : "surveys/corridor/survey.yaml";
+    const std::string text = contents(file);
+    std::ofstream(in_the_way) << text;
+    const std::string survey = is_rig ? "surveys/corridor/survey.yaml" : in_the_way;
+    const std::string rig = is_rig ? in_the_way : "surveys/corridor/rig.yaml";
+    CHECK(run_tagsmith("plan " + survey + " --rig " + rig + into).exit_code == 2);
+    CHECK(contents(in_the_way) == text);
+  }
+}

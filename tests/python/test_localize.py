@@ -94,3 +94,13 @@ def test_names_that_the_rig_does_not_have_are_refused(survey, rig):
         localizer.locate(ranges={"e": 1.0})
     with pytest.raises(tagsmith.Error, match="two surveys"):
         tagsmith.Localizer([survey, survey], rig)
+
+
+def test_what_nothing_measured_would_reveal_is_shown_in_words(survey, rig):
+    row = rows()[0]
+    fix = tagsmith.Localizer(survey, rig).locate({"left": images_of(row)["left"]})
+    assert fix.unchecked
+    for mistake in fix.unchecked:
+        words = repr(mistake)
+        assert "Unchecked" in words and mistake.kind in words and mistake.name in words
+        assert " at 0x" not in words
