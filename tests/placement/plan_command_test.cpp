@@ -217,18 +217,35 @@ TEST_CASE("plan refuses what it cannot use, and writes nothing") {
   CHECK_FALSE(std::filesystem::exists(target));
 }
 
-TEST_CASE("plan overwrites neither the survey nor the rig that it reads") {
+TEST_CASE("plan overwrites neither the survey nor the rig that it reads, be it by a second sheet") {
   const TemporaryFolder folder;
-  const std::string into = " --to 5 -o " + folder.path().string();
-  const std::string in_the_way = (folder.path() / "plan.svg").string();
-  for (const bool is_rig : {true, false}) {
-    CAPTURE(is_rig);
-    const std::string file = is_rig ? "surveys/corridor/rig.yaml" : "surveys/corridor/survey.yaml";
-    const std::string text = contents(file);
-    std::ofstream(in_the_way) << text;
-    const std::string survey = is_rig ? "surveys/corridor/survey.yaml" : in_the_way;
-    const std::string rig = is_rig ? in_the_way : "surveys/corridor/rig.yaml";
-    CHECK(run_tagsmith("plan " + survey + " --rig " + rig + into).exit_code == 2);
-    CHECK(contents(in_the_way) == text);
+  const std::string long_drive = (folder.path() / "long.yaml").string();
+  std::ofstream(long_drive) << R"(survey: long
+tunnel:
+  width: 4.0
+  height: 3.0
+  centerline: { start: [10.0, 0.0, 0.0], heading: 0, elements: [ { line: 400.0 } ] }
+tags: { template: tag-400x300, height: 1.4, first: 2.0, spacing: 7.6, pairs: 49 }
+code: { check_digit: gs1, resolution: 0.01, digits: [4, 5, 2], origin: [0, 0, 1] }
+)";
+  const std::string rig = "surveys/corridor/rig.yaml";
+  struct Case {
+    const char* output;
+    bool is_rig;  // else the survey stands there
+  };
+  for (const Case& one :
+       {Case{"plan.svg", true}, {"plan.svg", false}, {"plan-2.svg", true}, {"plan-2.svg", false}}) {
+    CAPTURE(one.output);
+    CAPTURE(one.is_rig);
+    const std::filesystem::path there = folder.path() / one.output;
+    const std::string text = contents(one.is_rig ? rig : long_drive);
+    std::ofstream(there) << text;
+    const ProgramOutput output = run_tagsmith("plan " + (one.is_rig ? long_drive : there.string()) +
+                                              " --rig " + (one.is_rig ? there.string() : rig) +
+                                              " --paper a4 -o " + folder.path().string());
+    CHECK(output.exit_code == 2);
+    CHECK(output.err.find("would replace") != std::string::npos);
+    CHECK(contents(there) == text);
+    std::filesystem::remove(there);
   }
 }
