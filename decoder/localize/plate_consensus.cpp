@@ -273,15 +273,23 @@ class Judge {
     const bool is_moved = moved && moved->chi_square <= by_both + kClearlyBetter;
     const double to_beat = is_moved ? moved->chi_square : by_both;
     if (sized->chi_square > to_beat + kOfPose + kClearlyBetter) return std::nullopt;
-    // An error this small is no longer beyond chance, or looks like an offset within the tolerance.
-    constexpr double kSeen = 5.5;  // standard deviations that pass the test of six in 95 of 100
-    double least = kSeen * sized->size_sigma[plate];
-    const double error = std::abs(sized->size[plate] - 1);
-    if (moved && moved->offsets[plate]) {
-      const SightedPlate& frame = explanation.problem.plates[plate];
-      least = std::max(least, error * tolerance_ / farthest_corner(frame, *moved->offsets[plate]));
-    }
-    return FrameScale{sized->size[plate], least, !is_moved};
+    return FrameScale{sized->size[plate], least_seen(explanation, plate, *sized, moved), !is_moved};
+  }
+
+  // The least error of size that would be seen: one smaller is no longer beyond chance, looks like
+  // an offset that the survey's variances explain, or like one within the tolerance. An offset that
+  // looks like the error grows with it.
+  double least_seen(const PlateExplanation& explanation, std::size_t plate, const Adjustment& sized,
+                    const std::optional<Adjustment>& moved) const {
+    constexpr double kSeen = 5.5;  // standard deviations that pass the test in 95 of 100
+    const double error = std::abs(sized.size[plate] - 1);
+    double least = kSeen * sized.size_sigma[plate];
+    if (!moved || !moved->offsets[plate]) return least;
+    const PlateOffset& offset = *moved->offsets[plate];
+    const SightedPlate& frame = explanation.problem.plates[plate];
+    least = std::max(least, error * tolerance_ / farthest_corner(frame, offset));
+    const double by_shift = offset.chi_square - offset.turn_chi_square;
+    return std::max(least, error * kSeen / std::sqrt(std::max(by_shift, 1e-9)));
   }
 
   // --- what is certain ---

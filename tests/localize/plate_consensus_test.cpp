@@ -2,6 +2,7 @@
 #include "decoder/localize/plate_consensus.hpp"
 
 #include <random>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <doctest/doctest.h>
@@ -70,8 +71,8 @@ AdjustmentProblem problem_of(const CorridorHungByEye& site) {
 }
 
 // Three places, each of which sees two pairs.
-AdjustmentProblem drive(const CorridorHungByEye& site) {
-  std::mt19937_64 random(7);
+AdjustmentProblem drive(const CorridorHungByEye& site, std::uint64_t seed = 7) {
+  std::mt19937_64 random(seed);
   AdjustmentProblem problem = problem_of(site);
   problem.stations = {seen_from(site, -0.5, {"000L", "000R", "001L", "001R"}, random),
                       seen_from(site, 0.3, {"001L", "001R", "002L", "002R"}, random),
@@ -281,6 +282,43 @@ TEST_CASE("a frame of another size in its place is told from one that hangs else
   CorridorHungByEye moved;
   moved.move("001L", {0.03, 0, 0});
   CHECK_FALSE(find_consensus(drive(moved)).plates[small].scale);
+}
+
+TEST_CASE("the least error of a size that is told would be seen, however loose the survey is") {
+  constexpr double kSigma = 0.0045;  // of surveyed places
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> off_place(0, kSigma), noise(0, 0.1);
+  // What becomes of a frame that is printed small, among plates that hang where such a survey says.
+  const auto check_of = [&](double size) {
+    CorridorHungByEye site;
+    const std::size_t small = site.index("001L");
+    for (Pose& pose : site.hung) {
+      pose.translation += Vector3d(off_place(random), off_place(random), off_place(random));
+    }
+    AdjustmentProblem problem = drive(site, random());
+    for (SightedPlate& plate : problem.plates) {
+      plate.survey_variance.head<3>().setConstant(kSigma * kSigma);
+    }
+    SightedPlate& plate = problem.plates[small];
+    const Pose surveyed = std::exchange(plate.world_from_plate, site.hung[small]);
+    print_small(site, small, problem, size);
+    plate.world_from_plate = surveyed;
+    for (Station& station : problem.stations) {
+      for (Sighting& sighting : station.sightings) {
+        if (sighting.plate != small) continue;
+        for (double& value : sighting.pixels) value += noise(random);
+      }
+    }
+    return find_consensus(problem).plates[small];
+  };
+  const PlateCheck told = check_of(0.97);
+  REQUIRE(told.scale);
+  CHECK(told.scale->least < 0.03);
+  int seen = 0;
+  for (int draw = 0; draw < 12; ++draw) {
+    if (check_of(1 - told.scale->least).verdict != HangVerdict::fits) ++seen;
+  }
+  CHECK(seen >= 10);
 }
 
 TEST_CASE("of two plates that contradict each other the size that explains it is told") {
