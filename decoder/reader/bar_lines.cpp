@@ -249,7 +249,7 @@ bool has_bars(SampledLight& light, const BarRegion& region) {
     std::vector<float> darkness = local_darkness(line, line.size() / 10);
     const int bars = count_of_bars(darkness);
     const int most =
-        static_cast<int>(kBarLines.apart_lean * kBarLines.apart * region.height / frame.step) + 1;
+        static_cast<int>(kBarLines.apart * kBarLines.apart * region.height / frame.step) + 1;
     if (!before.empty() && bars >= kBarLines.least_bars && bars <= kBarLines.most_bars &&
         likeness(before, darkness, most) > kBarLines.alike) {
       return true;

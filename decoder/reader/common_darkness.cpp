@@ -265,8 +265,8 @@ Band band_of(const SymbolRows& rows, std::size_t first, std::size_t end) {
   return band;
 }
 
-// A band's darkness between the white and the black near by, weighted by how far these are apart
-// within a digit's length: hardly where the bars do not show.
+// A band's darkness between the white and the black near by, weighted by how far these are apart:
+// hardly where the bars do not show.
 struct LocalDarkness {
   std::vector<Vote> votes;
   std::vector<float> contrast;
@@ -275,14 +275,12 @@ struct LocalDarkness {
 LocalDarkness local_darkness_of(const Band& band, std::size_t per_module) {
   const std::size_t bins = band.count.size();
   LocalDarkness local{std::vector<Vote>(bins), std::vector<float>(bins)};
-  const auto levels = levels_near(band.light, kProfile.levels, per_module);
-  const auto close = levels_near(band.light, kProfile.contrast, per_module);
+  const auto levels = levels_near(band.light, kProfile.stretch, per_module);
   for (std::size_t bin = 0; bin < bins; ++bin) {
     if (!band.light.known[bin]) continue;
-    const float contrast = close[bin].high - close[bin].low;
+    const float contrast = levels[bin].high - levels[bin].low;
     local.contrast[bin] = contrast;
-    local.votes[bin] = {(levels[bin].high - band.light.value[bin]) /
-                            std::max(levels[bin].high - levels[bin].low, 1e-4F),
+    local.votes[bin] = {(levels[bin].high - band.light.value[bin]) / std::max(contrast, 1e-4F),
                         band.count[bin] * contrast * contrast};
   }
   return local;

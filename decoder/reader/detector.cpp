@@ -269,7 +269,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
 
 void Detector::look_at(const BarRegion& region) {
   const std::vector<LocatedBars> located = located_bars();
-  if (located.size() == kSearch.most_located) return;
+  if (std::ssize(located) == kSearch.most_tries) return;
   const auto bars = locate_bars(picture_.light, region, located);
   if (!bars) return;
   TagHypothesis followed{.source = Source::bars};

@@ -110,8 +110,8 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
 }
 
 bool is_symbol_like(const SymbolHypothesis& symbol) {
-  return symbol.decoding.fit.explained > kJudge.like_explained &&
-         symbol.decoding.guards > kJudge.like_guards;
+  return symbol.decoding.fit.explained > kJudge.like_symbol &&
+         symbol.decoding.guards > kJudge.like_symbol;
 }
 
 std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const RefinedFrame& frame,

@@ -74,7 +74,7 @@ std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& reg
   const PixelPoint begin = frame.pixel(boundaries.front(), first->offset);
   const PixelPoint end = frame.pixel(boundaries.back(), first->offset);
   const auto same = [&](const LocatedBars& bars) {
-    return bars.height > kBarLines.as_high * region.height && is_line_of(bars, begin, end);
+    return bars.height > region.height && is_line_of(bars, begin, end);
   };
   if (std::ranges::any_of(located, same)) return std::nullopt;
   const double middle = (boundaries.front() + boundaries.back()) / 2;

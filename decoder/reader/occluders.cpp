@@ -158,8 +158,6 @@ void add_strips(const GrayView& image, const FrameHomography& image_from_frame, 
     for (std::size_t j = i + 1; j < crossings.size(); ++j) {
       const Crossing& b = crossings[j];
       if (same_side(loop, a, b)) continue;
-      const auto [thin, thick] = std::minmax(a.count, b.count);
-      if (thick > kOccluder.most_width * thin + 2) continue;
       if (!is_plain(image, image_from_frame, loop, a, b, kOccluder.odd * contrast)) continue;
       strips.push_back(strip_between(loop, a, b));
     }
@@ -260,13 +258,12 @@ Crossing part_in_line(const Crossing& broad, const Crossing& narrow) {
 }
 
 // Whether what crosses a row here above and there below the bars may be one strip, broad enough to
-// hide some module over two thirds of the bars' height, and not so broad that no digit would be
-// left. `bars_share` is the bars' height over the rows' distance.
+// hide some module over two thirds of the bars' height. `bars_share` is the bars' height over the
+// rows' distance.
 // Why: docs/decisions/0004-occlusion.md.
 bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_share) {
-  constexpr int kBroadest = kOccluder.broadest * kPlacesPerModule;
   const auto [broad, broader] = std::minmax(above.count, below.count);
-  if (broader > kBroadest || is_much_broader(broader, broad)) return false;
+  if (is_much_broader(broader, broad)) return false;
   const int way = std::abs(2 * above.begin + above.count - 2 * below.begin - below.count);
   return bars_share * way / 2 <= kOccluder.most_way * (broad + kPlacesPerModule);
 }

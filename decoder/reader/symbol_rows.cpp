@@ -201,12 +201,11 @@ std::vector<float> unevenness_of(const SymbolRows& rows, std::size_t row, std::s
 
 void leave_out_plain(SymbolRows& rows) {
   const auto window = static_cast<std::size_t>(kProfile.plain_window * rows.bins_per_module);
-  const auto outline = static_cast<std::size_t>(kProfile.outline * rows.bins_per_module);
   std::vector<std::vector<float>> uneven;
   for (std::size_t row = 0; row < rows.rows; ++row) {
     uneven.push_back(unevenness_of(rows, row, window));
   }
-  std::vector<double> showing(rows.bins), known;
+  std::vector<double> showing(rows.bins);
   for (std::size_t begin = 0; begin < rows.bins; ++begin) {
     std::vector<double> here;
     for (const auto& row : uneven) {
@@ -214,19 +213,12 @@ void leave_out_plain(SymbolRows& rows) {
     }
     if (here.empty()) continue;
     showing[begin] = quantile(here, kProfile.showing);
-    known.push_back(showing[begin]);
   }
-  if (known.empty()) return;
-  const double usual = quantile(known, 0.5);
   for (std::size_t row = 0; row < rows.rows; ++row) {
     for (std::size_t begin = 0; begin + window <= rows.bins; ++begin) {
-      if (uneven[row][begin] < 0 || showing[begin] < kProfile.least_bars * usual) continue;
-      const double bars = std::min(showing[begin], kProfile.most_bars * usual);
-      if (static_cast<double>(uneven[row][begin]) > kProfile.plain * bars) continue;
-      const std::size_t end = std::min(rows.bins, begin + window + outline);
-      for (std::size_t bin = begin > outline ? begin - outline : 0; bin < end; ++bin) {
-        rows.cell(row, bin).count = 0;
-      }
+      const double left = static_cast<double>(uneven[row][begin]);
+      if (left < 0 || left > kProfile.plain * showing[begin]) continue;
+      for (std::size_t i = 0; i < window; ++i) rows.cell(row, begin + i).count = 0;
     }
   }
 }

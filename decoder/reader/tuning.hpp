@@ -38,18 +38,13 @@ struct ProfileTuning {
   float most_variance = 3;        // times the usual one
   float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere
   float odd = 0.2F;               // off the median
-  std::size_t levels = 7;         // modules: two digits, which hold wide elements
-  std::size_t contrast = 4;       // modules in which the contrast is told
   std::size_t anchor = 10;        // modules: the drift is slow, many elements tell the levels
   std::size_t bands = 14;         // of rows for a first guess
   int rounds = 4;
   // Plain windows, in which something hides the bars.
   double plain_window = 5.5;  // modules
-  double outline = 0.25;      // modules to both sides: an occluder's blurred edge
   double showing = 0.93;      // of the rows at a place, the one taken to show bars
   double plain = 0.08;        // of its variance
-  // Of the usual variance where bars show: less is a margin, more the outline of a highlight.
-  double least_bars = 0.3, most_bars = 1.5;
 };
 inline constexpr ProfileTuning kProfile;
 
@@ -60,9 +55,7 @@ struct OccluderTuning {
   double odd_in_ink = 0.45;  // the same where only light can be odd; less would be noise
   double least_even = 0.85;  // of the places along a strip, as even as that
   int bridge = 3;            // places of a loop that are not odd amid some that are
-  double most_width = 3;     // of two crossings of one strip, against each other
   int around = 20;           // modules of a row to either side that tell what it should show
-  int broadest = 10;         // modules: of a broader strip no digit would be left
   double most_way = 1.2;     // over the bars' height, of a strip's width
 };
 inline constexpr OccluderTuning kOccluder;
@@ -102,8 +95,8 @@ struct BarLinesTuning {
   float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
   int least_bars = 12;               // of a symbol's 30
   int most_bars = 34;
-  double apart = 0.2;            // of the height: two lines that should be alike
-  double apart_lean = 0.25;      // of the lines' distance
+  double apart =
+      0.2;  // of the height: two lines that should be alike; and of that, by which bars lean
   float alike = 0.6F;            // correlation of the two
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further
@@ -132,13 +125,13 @@ struct SearchTuning {
   int least_part = 16;                 // pixels of the part around an expected tag
   int least_level = 160;               // pixels of the coarsest level
   double wider = 1.4, higher = 2;      // than the bars: as far as a frame reaches
-  double longest = 1.5;          // of the largest frame: the bars beyond are left to coarser levels
-  double least_length = 90;      // pixels of bars that can be followed
-  double most_proportion = 6;    // of their length to their height
-  std::size_t most_bars = 3;     // followed where nothing was read
-  std::size_t most_located = 6;  // bars followed in one picture: bounds its time
-  std::ptrdiff_t most_tries = 4;    // careful looks in one picture
-  double least_module = 1.2;        // pixels, for a careful look
+  double longest = 1.5;        // of the largest frame: the bars beyond are left to coarser levels
+  double least_length = 90;    // pixels of bars that can be followed
+  double most_proportion = 6;  // of their length to their height
+  std::size_t most_bars = 3;   // followed where nothing was read
+  std::ptrdiff_t most_tries =
+      6;                      // careful looks, and bars followed, in one picture: bounds its time
+  double least_module = 1.2;  // pixels, for a careful look
   std::size_t most_regions = 24;    // of bars in a picture
   std::size_t most_frameless = 10;  // of them, read without a frame
   double most_pixels = 2e6;         // of a level in which regions are looked for
@@ -161,11 +154,9 @@ struct JudgeTuning {
   double most_growth = 0.7;   // modules; beyond, narrow elements vanish
   double least_kept = 0.7;    // of the places, in sight
   double most_hidden = 0.25;  // of the places where a covered symbol's digits would be guesses
-  // Covered tags that were read carefully showed 0.8 and 0.7 at first, and 0.83 with even light
-  // where slanted light was needed (`./dev bench troubled`); other plates less, or no guard
-  // patterns.
-  double like_explained = 0.6;
-  double like_guards = 0.5;
+  // Covered tags that were read carefully showed 0.83 and more with even light where slanted light
+  // was needed; other plates less, or no guard patterns (`./dev bench troubled`).
+  double like_symbol = 0.5;  // explained, and of the guard patterns, at a first look
   double worth_light = 0.7;  // explained
   // Half the bars' height against the whole.
   double beyond_doubt = 1e-8;  // by its whole height: the halves are not asked
