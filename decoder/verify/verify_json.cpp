@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <exception>
 #include <fstream>
 #include <set>
@@ -229,7 +230,11 @@ Json notes_json(const VerifyMerge& merged) {
 template <class Value>
 Value get_or(const json& object, const char* key, Value absent = {}) {
   const auto value = object.find(key);
-  return value == object.end() || value->is_null() ? absent : value->get<Value>();
+  if (value == object.end() || value->is_null()) return absent;
+  // A conversion of 1e73 to a whole number is undefined.
+  constexpr bool kIsWhole = std::integral<Value> && !std::same_as<Value, bool>;
+  if (kIsWhole && !value->is_number_integer()) throw std::out_of_range(key);
+  return value->get<Value>();
 }
 
 // The value of an enum that is called so.

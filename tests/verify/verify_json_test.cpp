@@ -101,6 +101,11 @@ TEST_CASE("what is no line of verify is none") {
     CHECK(!verified_file_from(other.dump()));
   }
   for (const char* text : {"", "{", "3", "[]", "null"}) CHECK(!verified_file_from(text));
+  for (const double width : {1e73, 0.5}) {  // no number of pixels
+    json other = line;
+    other["width"] = width;
+    CHECK(!verified_file_from(other.dump()));
+  }
   line["tags"][0]["corners"][0][0] = 1e300;
   CHECK(!verified_file_from(line.dump()));
 }
