@@ -158,7 +158,6 @@ std::optional<BarRegion> region_of(const Cluster& cluster) {
   const double tiles = region.length * region.height / (kTile * kTile);
   const bool is_likely =
       region.length >= kBarRegion.least_length &&
-      region.length > kBarRegion.least_proportion * region.height &&
       static_cast<double>(cluster.centres.size()) > kBarRegion.least_filled * tiles;
   return is_likely ? std::optional(region) : std::nullopt;
 }
@@ -199,7 +198,7 @@ bool is_symbol_like(const GrayView& image, const BarRegion& region) {
   const PixelPoint& c = region.centre;
   const BarSteps steps =
       bar_steps(image, {c - right - down, c + right - down, c + right + down, c - right + down});
-  return steps.along > kBarRegion.least_step && steps.along > kBarRegion.least_ratio * steps.across;
+  return steps.along > kBarRegion.least_ratio * steps.across;
 }
 
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<const Quad> known) {
@@ -207,8 +206,7 @@ std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<co
   std::vector<Cluster> clusters;
   for (std::size_t i = 0; i < tiles.open.size(); ++i) {
     if (tiles.open[i] == 0) continue;
-    Cluster cluster = grow(tiles, i);
-    if (cluster.centres.size() >= kBarRegion.least_tiles) clusters.push_back(std::move(cluster));
+    clusters.push_back(grow(tiles, i));
   }
   std::ranges::stable_sort(clusters, std::ranges::greater{},
                            [](const Cluster& cluster) { return cluster.centres.size(); });

@@ -94,17 +94,17 @@ struct Line {
   double slope = 0;  // pixels outwards a pixel along
 };
 
-// The straight lines that this share of the scan lines have a fall on, and not much fewer than on
+// The straight lines that enough of the scan lines have a fall on, and not much fewer than on
 // the line that shows best, nearest first (Hough transform over slope and distance).
-std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double least_shown,
-                           double of_best, std::size_t most) {
+std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, std::size_t most) {
   const auto bins = static_cast<std::size_t>(reach + 3);
   const auto slope_of = [](std::size_t k) {
     return kFrameAround.most_slope *
            (static_cast<double>(k) - static_cast<double>(kFrameAround.slopes)) /
            static_cast<double>(kFrameAround.slopes);
   };
-  if (static_cast<double>(falls.size()) < least_shown * kFrameAround.scan_lines) return {};
+  const double least_shown = kFrameAround.least_shown * kFrameAround.scan_lines;
+  if (static_cast<double>(falls.size()) < least_shown) return {};
   constexpr std::size_t kAllSlopes = 2 * kFrameAround.slopes + 1;
   LineVotes votes(kAllSlopes, bins);
   for (std::size_t k = 0; k < kAllSlopes; ++k) {
@@ -116,7 +116,7 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double 
     }
   }
   votes.join_neighbours();
-  const double least = std::max(least_shown * kFrameAround.scan_lines, of_best * votes.most());
+  const double least = std::max(least_shown, kFrameAround.of_best * votes.most());
   std::vector<Line> lines;
   for (std::size_t i = 0; i + 1 < bins && lines.size() < most; ++i) {
     if (votes.most_at(i) < least) continue;
@@ -139,12 +139,11 @@ std::vector<Line> lines_of(const std::vector<Fall>& falls, double reach, double 
 }
 
 std::optional<Line> nearest_line(const std::vector<Fall>& falls, double reach) {
-  const std::vector<Line> lines =
-      lines_of(falls, reach, kFrameAround.least_shown, kFrameAround.of_best, 1);
+  const std::vector<Line> lines = lines_of(falls, reach, 1);
   return lines.empty() ? std::nullopt : std::optional(lines.front());
 }
 
-double reach_at_ends(const BarRegion& block) { return kFrameAround.beyond_ends * block.height; }
+double reach_at_ends(const BarRegion& block) { return kFrameAround.beyond * block.height; }
 
 // The frame's side beyond the ends of the bars, upwards (-1) or downwards (1): along the bars there
 // is no other edge on the way.
@@ -172,7 +171,7 @@ std::optional<Line> side_at_ends(const GrayView& image, const BarRegion& block, 
 // and the frame's upper and lower sides.
 std::optional<Line> side_beside(const GrayView& image, const BarRegion& block, const Line& upper,
                                 const Line& lower, double direction) {
-  const double reach = kFrameAround.beside * block.length;
+  const double reach = kFrameAround.beyond * block.length;
   const PixelPoint outward = direction * block.across;
   std::vector<Fall> falls;
   std::vector<float> levels;
@@ -228,8 +227,7 @@ std::optional<Quad> frame_between(const GrayView& image, const BarRegion& block,
                                   const SideLine& left, const SideLine& right) {
   const double reach = reach_at_ends(block);
   const auto lines = [&](double direction) {
-    return lines_of(falls_at_ends(image, block, direction), reach, kFrameAround.least_shown_between,
-                    kFrameAround.of_best_between, kFrameAround.most_lines);
+    return lines_of(falls_at_ends(image, block, direction), reach, kFrameAround.most_lines);
   };
   const double width = block.length / 2;
   const std::vector<Line> lowers = lines(1);

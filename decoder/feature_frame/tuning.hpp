@@ -50,7 +50,6 @@ inline constexpr EdgeFitTuning kEdgeFit;
 // What the sides tell of sharpening. Set by `./dev bench chain` with seed 1, tried with seed 2.
 struct SharpeningTuning {
   double beyond_px = 5;   // pixels of white to either side of the stroke
-  double most_px = 16;    // outward from the inner edge
   double noise = 3;       // grey levels, of a pixel
   double model = 1;       // grey levels that a profile may be off its model
   double far_off = 30;    // grey levels of the scale of the Cauchy weights, at first
@@ -108,30 +107,25 @@ struct BarRegionTuning {
   double least_pair_cosine = 0.94;  // of twice the angle between two joined regions: 10 degrees
   std::size_t most_joined = 12;     // of the largest regions, in pairs
   double least_length = 40;         // pixels: 95 modules of half a pixel, less what is left out
-  double least_proportion = 0.5;    // length by height
   double least_filled = 0.35;       // share of the rectangle's tiles that show bars
-  std::size_t least_tiles = 2;
-  double near_border = 0.08;  // of the length: the symbol may go on beyond the image
-  double middle = 0.6;        // of the region: bars, not the frame's sides
-  double least_step = 2;      // grey levels from place to place along the symbol
-  double least_ratio = 2;     // of that to the same along the bars
+  double near_border = 0.08;        // of the length: the symbol may go on beyond the image
+  double middle = 0.6;              // of the region: bars, not the frame's sides
+  double least_ratio = 2;           // of the changes along the symbol to those along the bars
 };
 inline constexpr BarRegionTuning kBarRegion;
 
 // A frame whose sides do not show as a whole, found around bars by scan lines outwards from them.
 struct FrameAroundTuning {
-  int scan_lines = 28;               // for each side
-  float least_share = 0.35F;         // of a scan line's steepest fall
-  double least_shown = 0.5;          // of the scan lines that must fall on a side
-  double of_best = 0.75;             // of those that fall on the line which shows best
-  double least_shown_between = 0.4;  // the same two where the sides beside the bars are known
-  double of_best_between = 0.5;
+  int scan_lines = 28;         // for each side
+  float least_share = 0.35F;   // of a scan line's steepest fall
+  double least_shown = 0.5;    // of the scan lines that must fall on a side
+  double of_best = 0.75;       // of those that fall on the line which shows best
   std::size_t most_lines = 4;  // above and below the bars, tried in pairs
   std::size_t slopes = 24;     // to both sides
   double most_slope = 0.8;     // of a plate seen and turned obliquely
   std::size_t apart = 4;       // pixels between two lines
-  double beyond_ends = 1.8;    // of the bars' height, from their middle
-  double beside = 1.3;         // of the bars' length, from their middle
+  double beyond =
+      1.8;  // from the middle, of the bars' height beyond their ends, of their length beside them
 };
 inline constexpr FrameAroundTuning kFrameAround;
 

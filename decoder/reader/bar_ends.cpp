@@ -143,17 +143,15 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
   const double step_px = pixels / steps;
   std::optional<double> end;
   double before = 0;
-  bool clear = false;  // bars were seen before
   double white_px = 0;
   for (int k = 0; k <= steps; ++k) {
     const double v = from + k * step;
     const WindowLight row = symbol.row(window, v);
     const auto share = static_cast<double>(share_of(pattern, row));
-    clear = clear || share > static_cast<double>(kBarEnds.clearly);
     if (share >= kHalfShown) {
       end.reset();
       white_px = 0;
-    } else if (k > 0 && before >= kHalfShown && clear) {
+    } else if (k > 0 && before >= kHalfShown) {
       end = v - step * (kHalfShown - share) / (before - share);
     }
     const float level = level_of(pattern, row);

@@ -65,9 +65,8 @@ struct BarEndsTuning {
   double step_px = 0.5;
   std::size_t rows = 9;  // amid the bars, of which each place's middle one counts
   std::size_t quick_rows = 3;
-  double beyond_px = 3;     // of white that must follow
-  float hardly_any = 0.3F;  // of the bars' contrast
-  float clearly = 0.65F;
+  double beyond_px = 3;              // of white that must follow
+  float hardly_any = 0.3F;           // of the bars' contrast
   float white = 0.6F, dark = 0.15F;  // between the bars' black and white
   double line_px = 0.8;              // pixels off the line through the ends
   std::size_t least_right = 5;       // windows of eight whose bars end where they should
