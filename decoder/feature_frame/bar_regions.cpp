@@ -158,6 +158,7 @@ std::optional<BarRegion> region_of(const Cluster& cluster) {
   const double tiles = region.length * region.height / (kTile * kTile);
   const bool is_likely =
       region.length >= kBarRegion.least_length &&
+      region.length > kBarRegion.least_proportion * region.height &&
       static_cast<double>(cluster.centres.size()) > kBarRegion.least_filled * tiles;
   return is_likely ? std::optional(region) : std::nullopt;
 }
@@ -198,7 +199,7 @@ bool is_symbol_like(const GrayView& image, const BarRegion& region) {
   const PixelPoint& c = region.centre;
   const BarSteps steps =
       bar_steps(image, {c - right - down, c + right - down, c + right + down, c - right + down});
-  return steps.along > kBarRegion.least_ratio * steps.across;
+  return steps.along > kBarRegion.least_step && steps.along > kBarRegion.least_ratio * steps.across;
 }
 
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<const Quad> known) {
@@ -206,7 +207,8 @@ std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<co
   std::vector<Cluster> clusters;
   for (std::size_t i = 0; i < tiles.open.size(); ++i) {
     if (tiles.open[i] == 0) continue;
-    clusters.push_back(grow(tiles, i));
+    Cluster cluster = grow(tiles, i);
+    if (cluster.centres.size() >= kBarRegion.least_tiles) clusters.push_back(std::move(cluster));
   }
   std::ranges::stable_sort(clusters, std::ranges::greater{},
                            [](const Cluster& cluster) { return cluster.centres.size(); });

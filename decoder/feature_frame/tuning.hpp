@@ -107,10 +107,13 @@ struct BarRegionTuning {
   double least_pair_cosine = 0.94;  // of twice the angle between two joined regions: 10 degrees
   std::size_t most_joined = 12;     // of the largest regions, in pairs
   double least_length = 40;         // pixels: 95 modules of half a pixel, less what is left out
+  double least_proportion = 0.5;    // length by height
   double least_filled = 0.35;       // share of the rectangle's tiles that show bars
-  double near_border = 0.08;        // of the length: the symbol may go on beyond the image
-  double middle = 0.6;              // of the region: bars, not the frame's sides
-  double least_ratio = 2;           // of the changes along the symbol to those along the bars
+  std::size_t least_tiles = 2;
+  double near_border = 0.08;  // of the length: the symbol may go on beyond the image
+  double middle = 0.6;        // of the region: bars, not the frame's sides
+  double least_step = 2;      // grey levels from place to place along the symbol
+  double least_ratio = 2;     // of that to the same along the bars
 };
 inline constexpr BarRegionTuning kBarRegion;
 
