@@ -15,7 +15,7 @@ using Quad = std::array<PixelPoint, 4>;
 
 double area_of(const Quad& quad);
 
-// True when all four turns go the same way and no corner is nearly straight or nearly a spike.
+// True when all four turns go the same way.
 bool is_convex(const Quad& quad);
 
 // Convex hull, clockwise in the image, of any points.

@@ -128,8 +128,8 @@ struct FrameAroundTuning {
   std::size_t slopes = 24;     // to both sides
   double most_slope = 0.8;     // of a plate seen and turned obliquely
   std::size_t apart = 4;       // pixels between two lines
-  double beyond =
-      1.8;  // from the middle, of the bars' height beyond their ends, of their length beside them
+  // From the bars' middle: of their height beyond their ends, of their length beside them.
+  double beyond = 1.8;
 };
 inline constexpr FrameAroundTuning kFrameAround;
 

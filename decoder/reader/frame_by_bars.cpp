@@ -107,7 +107,6 @@ FramedBars halved(const FramedBars& bars) {
   for (auto& side : result.sides) {
     if (side) side = line_through(0.5 * (side->begin - offset), 0.5 * (side->end - offset));
   }
-  result.module_px = bars.module_px / 2;
   return result;
 }
 
@@ -210,7 +209,6 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   in_full.sides[3] = line_through(expected[3], expected[0]);
   in_full.sides[1] = line_through(expected[1], expected[2]);
   in_full.sigma_px[1] = in_full.sigma_px[3] = kBarEnds.hidden_sigma * module_px;
-  in_full.module_px = module_px;
   const BarField field = bar_field(expected, layout, lens.known.value_or(LensDistortion{}));
   const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
                                    layout.bars_top - kBarEnds.outside_symbol);

@@ -94,8 +94,9 @@ struct BarLinesTuning {
   float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
   int least_bars = 12;               // of a symbol's 30
   int most_bars = 34;
-  double apart =
-      0.2;  // of the height: two lines that should be alike; and of that, by which bars lean
+  // Two lines that should be alike are so far apart, of the height, and moved against each other,
+  // where bars lean, by up to so much of their distance.
+  double apart = 0.2;
   float alike = 0.6F;            // correlation of the two
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further
@@ -128,9 +129,9 @@ struct SearchTuning {
   double least_length = 90;    // pixels of bars that can be followed
   double most_proportion = 6;  // of their length to their height
   std::size_t most_bars = 3;   // followed where nothing was read
-  std::ptrdiff_t most_tries =
-      6;                      // careful looks, and bars followed, in one picture: bounds its time
-  double least_module = 1.2;  // pixels, for a careful look
+  // Careful looks, and bars followed, in one picture: bounds its time.
+  std::ptrdiff_t most_tries = 6;
+  double least_module = 1.2;        // pixels, for a careful look
   std::size_t most_regions = 24;    // of bars in a picture
   std::size_t most_frameless = 10;  // of them, read without a frame
   double most_pixels = 2e6;         // of a level in which regions are looked for

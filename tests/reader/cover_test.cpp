@@ -15,7 +15,6 @@
 #include "decoder/reader/explain.hpp"
 #include "decoder/reader/frameless.hpp"
 #include "decoder/reader/reader.hpp"
-#include "decoder/reader/robust_profile.hpp"
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/support/corridor_template.hpp"
