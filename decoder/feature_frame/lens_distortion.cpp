@@ -150,15 +150,15 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
   return lens;
 }
 
-std::array<double, 4> unseen_sagittas(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
-                                      PixelPoint centre) {
-  std::array<double, 4> bows = bows_by_lambda(corners, centre, 0);
-  const std::optional<RadialLens> lens = likeliest_lens(bows, seen, 0);
+UnseenLens unseen_lens(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
+                       PixelPoint centre) {
+  UnseenLens unseen{0, bows_by_lambda(corners, centre, 0)};
+  const std::optional<RadialLens> lens = likeliest_lens(unseen.bows, seen, 0);
   if (!lens) return {};
-  const double lambda =
+  unseen.lambda =
       std::min(std::hypot(lens->lambda, lens->sigma), kLens.most_unseen / dot(centre, centre));
-  for (double& bow : bows) bow *= lambda;
-  return bows;
+  for (double& bow : unseen.bows) bow *= unseen.lambda;
+  return unseen;
 }
 
 double lambda_of_coarse(const Quad& corners, const SideSagittas& bows, double sigma,

@@ -72,10 +72,14 @@ struct RadialLens {   // of the division model, as radial() takes it
 std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
                                         PixelPoint centre, double lambda);
 
-// How far the middles of sides that were fitted straight may bow unseen, pixels: by the likeliest
-// lens about `centre`, the image's, and what is not known of it.
-std::array<double, 4> unseen_sagittas(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
-                                      PixelPoint centre);
+// What may bend sides that were fitted straight, unseen: the likeliest lens about `centre`, the
+// image's, and what is not known of it.
+struct UnseenLens {
+  double lambda = 0;             // standard deviation about 0, 1 / pixels^2
+  std::array<double, 4> bows{};  // how far it moves the sides' middles, pixels
+};
+UnseenLens unseen_lens(const Quad& corners, const std::array<SeenSagitta, 4>& seen,
+                       PixelPoint centre);
 
 // The lambda that the bows of a settled frame tell, zero when they tell none; `sigma` of a bow's
 // middle, pixels.

@@ -15,6 +15,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/correlation.hpp"
 #include "tagsmith/base/normal.hpp"
 #include "tagsmith/base/quantile.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
@@ -336,28 +337,16 @@ SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Sol
           kCorner.alike * noise / information + unexplained * unexplained};
 }
 
-// By how much noise that is alike in neighbouring places raises a fit's variance: what a side's
-// residuals across it have in common up to the first places that have nothing.
-double correlation_factor(const SideSamples& samples, const Solution& solution,
-                          const SideLine& side) {
+// By how much noise that is alike in neighbouring places raises a fit's variance.
+double correlation_of_noise(const SideSamples& samples, const Solution& solution,
+                            const SideLine& side) {
   const StepModel model(solution.parameters, side, samples.tone);
   std::vector<float> residuals;
   for (const FourSamples& four : samples.fours) {
     const WeighedSamples rows = weighed(model, four, 1 / static_cast<float>(solution.scale));
     residuals.insert(residuals.end(), rows.residual.begin(), rows.residual.end());
   }
-  double own = 0;
-  for (const float residual : residuals) own += static_cast<double>(residual * residual);
-  double factor = 1;
-  for (std::size_t apart = 1; apart < residuals.size() && own > 0; ++apart) {
-    double common = 0;
-    for (std::size_t i = 0; i + apart < residuals.size(); ++i) {
-      common += static_cast<double>(residuals[i] * residuals[i + apart]);
-    }
-    if (common <= 0) break;
-    factor += 2 * common / own;
-  }
-  return factor;
+  return correlation_factor(residuals);
 }
 
 struct SideFit {
@@ -444,7 +433,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     SideFit fit = alike ? describe(solutions[i], lines[i])
                         : fit_again(samples[i], lines[i], std::exp(common_blur), solutions[i]);
     if (sight.was_sharpened) {
-      fit.side.covariance *= correlation_factor(samples[i], solutions[i], lines[i]);
+      fit.side.covariance *= correlation_of_noise(samples[i], solutions[i], lines[i]);
     }
     lines[i] = fit.line;
     result.frame.sides[i] = fit.side;
@@ -498,9 +487,11 @@ double bow_doubt(const SeenSagitta& seen) {
 
 // What a lens that does not show adds to the covariances of sides that were fitted straight.
 void add_unseen_lens_doubt(FrameFit& fit, PixelPoint centre) {
-  const std::array<double, 4> unseen = unseen_sagittas(fit.frame.corners, fit.bows, centre);
+  const UnseenLens unseen = unseen_lens(fit.frame.corners, fit.bows, centre);
+  fit.frame.lens_doubt = unseen.lambda;
   for (std::size_t i = 0; i < 4; ++i) {
-    const double doubt = std::max(4.0 / 9 * unseen[i] * unseen[i], bow_doubt(fit.bows[i]));
+    const double doubt =
+        std::max(4.0 / 9 * unseen.bows[i] * unseen.bows[i], bow_doubt(fit.bows[i]));
     fit.frame.sides[i].covariance += Eigen::Matrix2d::Constant(doubt);
   }
 }
@@ -550,6 +541,7 @@ FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled,
     if (!fit_again(next)) break;
   }
   add_lens_doubt(*fit);
+  fit->frame.lens_doubt = std::abs(told.radial.lambda);  // of the model its sides alone are sure
   return fit->frame;
 }
 

@@ -34,6 +34,7 @@ struct RefinedFrame {
   // neighbours'.
   std::array<bool, 4> shown{true, true, true, true};
   LensDistortion lens;         // through which it was fitted
+  double lens_doubt = 0;       // of an unknown lens: its lambda may be off by as much, 1 / pixels^2
   bool was_sharpened = false;  // its picture, before that was undone
 };
 

@@ -225,7 +225,7 @@ std::optional<RejectionReason> objection_to(const FramelessReading& symbol,
   const Decoding& decoding = symbol.decoding;
   using enum RejectionReason;
   if (decoding.guards < kFrameless.guards) return guard_pattern;
-  if (decoding.fit.explained < kFrameless.explained || decoding.worst_digit < kFrameless.digit) {
+  if (decoding.fit.explained < kJudge.explained || decoding.worst_digit < kFrameless.digit) {
     return element_widths;
   }
   if (std::abs(decoding.fit.image.growth) > kJudge.most_growth) return growth;
@@ -304,7 +304,7 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   ImagingModel start;
   start.blur = scan.look->bars.blur;
   const auto decoding = decode_profile(symbol.profile, start, decode_options);
-  if (!decoding || decoding->fit.explained < kFrameless.explained ||
+  if (!decoding || decoding->fit.explained < kJudge.explained ||
       decoding->fit.image.blur > kFrameless.most_blur) {
     return std::nullopt;
   }

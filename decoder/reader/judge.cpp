@@ -8,9 +8,9 @@
 #include <functional>
 #include <utility>
 
-#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
+#include "decoder/reader/placed_corners.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "decoder/scan/decode.hpp"
 #include "decoder/scan/tuning.hpp"
@@ -26,18 +26,14 @@ bool too_little_shown(const SymbolProfile& profile) {
 }
 
 // What is told of a symbol that is believed.
-Reading reading_from(SymbolHypothesis symbol, ReadingMethod method) {
+Reading reading_from(const GrayView& image, SymbolHypothesis symbol, ReadingMethod method) {
   Reading reading;
   reading.digits = symbol.decoding.digits;
   reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
   reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
-  reading.corners = corners_of(symbol);
-  RefinedFrame frame = symbol.frame;
-  const double growth = growth_of(symbol).doubt_px / 2;
-  for (FrameSide& side : frame.sides) {
-    side.covariance += Eigen::Matrix2d::Constant(growth * growth / kCorner.alike);
-  }
-  reading.corner_covariance = corner_covariance(frame);
+  const PlacedCorners placed = placed_by_frame_and_bars(image, symbol);
+  reading.corners = placed.corners;
+  reading.corner_covariance = placed.covariance;
   reading.module_px = symbol.profile.module_px;
   reading.confidence = symbol.decoding.confidence;
   reading.method = method;
@@ -71,8 +67,16 @@ std::optional<Objection> objection_to(const Decoding& decoding, const ReadOption
   return std::nullopt;
 }
 
+namespace {
+
+bool is_beyond_doubt(const Decoding& decoding) {
+  return 1 - decoding.confidence < kJudge.beyond_doubt;
+}
+
+}  // namespace
+
 bool halves_contradict(const RobustProfile& rows, const Decoding& decoding) {
-  if (1 - decoding.confidence < kJudge.beyond_doubt) return false;
+  if (is_beyond_doubt(decoding)) return false;
   const auto contradicts = [&](const HeightShare& half) {
     return log_odds_of_another(rows.of_agreeing_rows(half).bins, decoding) > kJudge.clearly;
   };
@@ -87,6 +91,7 @@ std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolH
   if (!strips_along_bars(image, symbol.frame, symbol.layout).empty()) {
     return covered;
   }
+  if (is_beyond_doubt(decoding)) return std::nullopt;
   const RobustProfile rows(image, turned_to(symbol.frame, decoding.upside_down ? 2 : 0),
                            symbol.layout);
   return halves_contradict(rows, decoding) ? std::optional(covered) : std::nullopt;
@@ -134,7 +139,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   const bool whole = std::ranges::all_of(frame.shown, std::identity{});
   if (verdict.kind == EndsVerdict::odd) return std::nullopt;
   if (verdict.kind == EndsVerdict::unknown && !whole) return std::nullopt;
-  if (verdict.kind != EndsVerdict::hidden) return reading_from(symbol, method);
+  if (verdict.kind != EndsVerdict::hidden) return reading_from(image, symbol, method);
   std::array<bool, 4> shown{};
   for (std::size_t i = 0; i < 4; ++i) {
     shown[i] = frame.shown[i] && i != verdict.side;
@@ -144,7 +149,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   if (!completed) return std::nullopt;
   const auto again = believed_hypothesis(image, *completed, options, true);
   if (!again || again->decoding.digits != symbol.decoding.digits) return std::nullopt;
-  return reading_from(*again, ReadingMethod::partly_covered);
+  return reading_from(image, *again, ReadingMethod::partly_covered);
 }
 
 std::optional<Reading> read_again(const GrayView& image, const Rejection& rejection,

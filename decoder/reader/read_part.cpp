@@ -78,13 +78,21 @@ std::optional<PartDecoding> decode(const ScanProfile& profile, double blur,
   return decode_part(profile, start, {options.check, options.code_book});
 }
 
+struct SeenModule {
+  double at = 0;  // in modules of the profile
+  double variance = 0;
+};
+
 // Where the far side of the frame is seen by the bars of a profile that runs from its side 3 on,
 // hardly bent, because the frame's sides tell how it is foreshortened.
 SeenModule seen_far_side(const ScanProfile& from_side, const Decoding& decoding,
                          const SymbolLayout& layout) {
   const double quiet = layout.quiet_zone_modules;
   const auto seen_in = [&](const ScanProfile& profile, double sought) {
-    return seen_module(profile, decoding.digits, decoding.fit.image, sought, kPart.bend_sigma);
+    const SeenPlaces seen =
+        seen_places(profile, decoding.digits, decoding.fit.image, kPart.bend_sigma);
+    const Eigen::RowVector3d by = SeenPlaces::by_displacement(sought);
+    return SeenModule{seen.place_of(sought), by * seen.covariance * by.transpose()};
   };
   if (!decoding.upside_down) return seen_in(from_side, kModuleCount + quiet);
   const SeenModule seen = seen_in(turned(from_side), -quiet);
@@ -112,11 +120,9 @@ FarSide far_side_of(const Part& part) {
   const FrameHomography map(part.frame.corners, {});
   const SymbolLayout& layout = part.layout;
   const Decoding& decoding = part.decoding.decoding;
-  const double bars = layout.bar_height();
-  const double edge = (0.5 + kProfile.safe_ends) / 2;  // where a half's middle is, of the bars
   FarSide side;
-  side.at_upper = layout.bars_top + edge * bars;
-  side.at_lower = layout.bars_bottom - edge * bars;
+  side.at_upper = middle_height({0, 0.5}, layout);
+  side.at_lower = middle_height({0.5, 1}, layout);
   const auto place = [&](HeightShare half, double v) {
     const ScanProfile rows = certain_places(part.rows.of_agreeing_rows(half).bins, part.decoding);
     const SeenModule seen = seen_far_side(rows, decoding, layout);

@@ -2,6 +2,7 @@
 #include "decoder/reader/robust_profile.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -82,7 +83,20 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
   return profile;
 }
 
+// First and last height of the rows that are used of a part of the bars' height, shares of the
+// frame's: where the frame's blur or its corners' error may reach, the bars' ends are not.
+std::array<double, 2> used_heights(HeightShare part, const SymbolLayout& layout) {
+  const double bars = layout.bar_height();
+  return {layout.bars_top + std::max(part.begin, kProfile.safe_ends) * bars,
+          layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars};
+}
+
 }  // namespace
+
+double middle_height(HeightShare part, const SymbolLayout& layout) {
+  const auto [top, bottom] = used_heights(part, layout);
+  return (top + bottom) / 2;
+}
 
 RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
                              const SymbolLayout& layout)
@@ -91,11 +105,7 @@ RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
       rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {}
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
-  // Where the frame's blur or its corners' error may reach, the bars' ends are not used.
-  const SymbolLayout& layout = rows_.layout;
-  const double bars = layout.bar_height();
-  const double top = layout.bars_top + std::max(part.begin, kProfile.safe_ends) * bars;
-  const double bottom = layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars;
+  const auto [top, bottom] = used_heights(part, rows_.layout);
   const auto& sides = frame_.sides;
   const PlateLevels levels{
       {sides[0].white_begin, sides[0].white_end, sides[2].white_begin, sides[2].white_end},

@@ -23,6 +23,10 @@ struct HeightShare {
   double end = 1;
 };
 
+// Middle of the rows of a part of the bars' height that are used, as a share of the frame's inner
+// height.
+double middle_height(HeightShare part, const SymbolLayout& layout);
+
 // The symbol of a frame, cut out of the picture once, and its scan profile under two assumptions.
 class RobustProfile {
  public:

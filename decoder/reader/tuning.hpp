@@ -183,11 +183,10 @@ inline constexpr PartTuning kPart;
 // The same without a frame (`./dev bench frameless`).
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct FramelessTuning {
-  double explained = 0.85;  // less, or more blur, is not worth telling: blur explains any texture
   double digit = 0.6;
   double guards = 0.7;
   double together = 0.9;        // confidence by the lines' mean
-  double most_blur = 1.5;       // modules
+  double most_blur = 1.5;       // modules; more is not worth telling: it explains any texture
   double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
   double model_error = 0.03;    // of the contrast
   double most_of_a_line = 30;   // what one line can say against a digit: it may be dirty

@@ -10,6 +10,7 @@
 
 #include "decoder/scan/symbol_edges.hpp"
 #include "decoder/scan/tuning.hpp"
+#include "tagsmith/base/correlation.hpp"
 #include "tagsmith/geometry/damped_steps.hpp"
 
 namespace tagsmith::detail {
@@ -99,7 +100,9 @@ class FitProblem {
     }
   }
 
-  NormalEquations equations_at(const Parameters& p) const {
+  NormalEquations equations_at(const Parameters& p) const { return normal_equations(places_at(p)); }
+
+  std::vector<WeighedPlace> places_at(const Parameters& p) const {
     const ImagingModel image = unpack(p, pixel_);
     const std::vector<BarShare> bars = SymbolEdges(image, digits_).with_derivatives_at(places_);
     const auto white = static_cast<float>(image.white);
@@ -112,7 +115,7 @@ class FitProblem {
       all[i] = {weighed(bars[i], t, weights_[i], contrast),
                 weights_[i] * (darkness_[i] - expected)};
     }
-    return normal_equations(all);
+    return all;
   }
 
  private:
@@ -159,23 +162,30 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
           1 - found.of_profile / std::max(total_variation(profile), 1e-12), 1};
 }
 
-SeenModule seen_module(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
-                       double module, double bend_sigma) {
+Eigen::RowVector3d SeenPlaces::by_displacement(double module) {
+  const double from_middle = module - kModuleCount / 2.0;
+  const double t = 2 * from_middle / kModuleCount;
+  return {1, from_middle, t * t};
+}
+
+SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
+                       double bend_sigma) {
+  static_assert(kStretch == kShift + 1 && kBend == kShift + 2);
   const Parameters fitted = pack(fit_symbol(profile, digits, start).image);
-  NormalEquations normal = FitProblem(profile, digits, start.pixel).equations_at(fitted);
+  const std::vector<WeighedPlace> places =
+      FitProblem(profile, digits, start.pixel).places_at(fitted);
+  NormalEquations normal = normal_equations(places);
   const double weight = 1 / (bend_sigma * bend_sigma);
   normal.matrix(kBend, kBend) += weight;
   normal.right[kBend] -= weight * fitted[kBend];
   const auto solver = normal.matrix.ldlt();
   const Parameters p = fitted + solver.solve(normal.right);
-  const double from_middle = module - kModuleCount / 2.0;
-  Parameters by = Parameters::Zero();
-  by[kShift] = 1;
-  by[kStretch] = from_middle;
-  by[kBend] = std::pow(2 * from_middle / kModuleCount, 2);
   const double freedom = std::max<double>(1, static_cast<double>(profile.size()) - kParameters);
-  const double noise = normal.of_profile / freedom;
-  return {unpack(p, start.pixel).place_of(module), noise * by.dot(solver.solve(by))};
+  const ParameterMatrix inverse = solver.solve(ParameterMatrix::Identity());
+  std::vector<float> residuals;
+  for (const WeighedPlace& place : places) residuals.push_back(place.residual);
+  return {p.segment<3>(kShift), normal.of_profile / freedom * inverse.block<3, 3>(kShift, kShift),
+          correlation_factor(residuals)};
 }
 
 std::vector<BarShare> bar_shares(const ScanProfile& profile, const ImagingModel& image,

@@ -2,6 +2,7 @@
 // How a symbol's bars appear in a scan profile, and the adjustment of that picture to the profile.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,14 +26,23 @@ struct SymbolFit {
 // held near nominal by weak priors, so that no profile can bend the symbol into another one.
 SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const ImagingModel& start);
 
-// Where a profile's bars, which show these digits, have a module, and how surely: places and levels
-// are free, and the bend is held to 0 by its standard deviation. `start` as for fit_symbol.
-struct SeenModule {
-  double at = 0;  // in modules of the profile
-  double variance = 0;
+// How a profile's bars are displaced, and how surely.
+struct SeenPlaces {
+  Eigen::Vector3d displacement;  // shift, stretch and bend of an ImagingModel
+  Eigen::Matrix3d covariance;    // as if all places of the profile were independent of each other
+  double correlation = 1;        // correlation_factor of what is left of them
+
+  // How the place of a module changes with the displacement.
+  static Eigen::RowVector3d by_displacement(double module);
+  double place_of(double module) const {
+    return module + by_displacement(module).dot(displacement);
+  }
 };
-SeenModule seen_module(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
-                       double module, double bend_sigma);
+
+// The displacement of bars that show these digits: it and the levels are free, but for a bend that
+// is held to 0 by its standard deviation (infinite: free). `start` as for fit_symbol.
+SeenPlaces seen_places(const ScanProfile& profile, const Digits& digits, const ImagingModel& start,
+                       double bend_sigma = std::numeric_limits<double>::infinity());
 
 // What is left open of the picture of a symbol after a fit: at each place of the profile, the
 // change of the darkness by one standard deviation of eight independent combinations of the

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -132,12 +133,13 @@ TEST_CASE("good photos make a camera within its sigmas") {
 
 TEST_CASE("page and drawing say the verdict and show every photo") {
   const GoodRun& run = good_run();
-  CHECK(run.summary["files"].size() == 4);
+  const std::vector<std::string> files = run.summary["files"];
+  REQUIRE(files.size() >= 4);
   const std::string page = read_file(run.file("page.html")).value();
   CHECK(has(page, "<p class=\"verdict good\">good</p>"));
   CHECK(has(page, "photo11.png"));
   CHECK_FALSE(has(page, "http://"));
-  CHECK(has(read_file(run.file("sheet.svg")).value(), "Verdict: good"));
+  CHECK(has(read_file(files[3]).value(), "Verdict: good"));  // sheet.svg, or its first sheet
 }
 
 TEST_CASE("the words say numbers, sigmas, the form and the lines for the rig") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <regex>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -196,8 +197,8 @@ TEST_CASE("what is no scan of the sheet, and no profile, is refused and nothing 
   Printer fitted;  // printed to fit the page
   fitted.scale_right = fitted.scale_down = 0.95;
   REQUIRE(save_gray_image(path("fit.png"), print_and_scan(path("sheet.pdf"), fitted).view()));
-  CHECK(refused("printer " + path("fit.png") + " --dpi 400 -o " + path("x.yaml")).find(" 95.") !=
-        std::string::npos);
+  CHECK(std::regex_search(refused("printer " + path("fit.png") + " --dpi 400 -o " + path("x.yaml")),
+                          std::regex("the sheet is 9(4\\.9|5)")));
 
   struct Row {
     const char* text;

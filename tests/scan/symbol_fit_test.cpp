@@ -12,13 +12,18 @@ TEST_CASE("a module is seen where its picture has it, along a straight line wher
   const Digits digits = *parse_digits("019000700401");
   const ImagingModel image{.blur = 0.45, .shift = 0.2, .bend = -0.15};
   const ScanProfile profile = profile_of(digits, image, 1e-4);
+  const SeenPlaces free = seen_places(profile, digits, {.blur = 0.45});
+  const SeenPlaces straight = seen_places(profile, digits, {.blur = 0.45}, 1e-4);
   for (const double module : {0.0, 47.5, 95.0}) {
     CAPTURE(module);
-    const SeenModule free = seen_module(profile, digits, {.blur = 0.45}, module, 10);
-    CHECK(free.at == doctest::Approx(image.place_of(module)).epsilon(1e-3));
+    const Eigen::RowVector3d by = SeenPlaces::by_displacement(module);
+    const auto variance = [&](const SeenPlaces& seen) {
+      return (by * seen.covariance * by.transpose()).value();
+    };
+    CHECK(free.place_of(module) == doctest::Approx(image.place_of(module)).epsilon(1e-3));
     // The straight line that comes nearest: a parabola's mean is a third of its height at the ends.
-    const SeenModule straight = seen_module(profile, digits, {.blur = 0.45}, module, 1e-4);
-    CHECK(std::abs(straight.at - (module + image.shift + image.bend / 3)) < 0.03);
-    CHECK(straight.variance < free.variance);
+    const double nearest = module + image.shift + image.bend / 3;
+    CHECK(std::abs(straight.place_of(module) - nearest) < 0.03);
+    CHECK(variance(straight) < variance(free));
   }
 }

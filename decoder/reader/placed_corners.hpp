@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a frame's corners are by all that was seen of a tag.
+#pragma once
+
+#include "decoder/feature_frame/corner_covariance.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/frame_corners.hpp"
+#include "decoder/reader/symbol_hypothesis.hpp"
+
+namespace tagsmith::detail {
+
+struct PlacedCorners {
+  FrameCorners corners{};
+  CornerCovariance covariance;  // pixels^2
+};
+
+// By the frame's sides, and by the bars of the upper and of the lower half of their height, which
+// say where the sides are that run beside them: 59 edges, of which one half is moved by growth and
+// blur the other way than the other half. Where the bars contradict the frame, they count nothing.
+// Why: docs/decisions/0007-corner-covariance.md.
+PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol);
+
+}  // namespace tagsmith::detail
