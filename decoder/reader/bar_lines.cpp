@@ -209,29 +209,6 @@ int count_of_bars(const std::vector<float>& darkness) {
   return bars;
 }
 
-// Greatest correlation of two lines, one moved along the other by up to `most` samples.
-float likeness(const std::vector<float>& a, const std::vector<float>& b, int most) {
-  float best = -1;
-  const int size = static_cast<int>(std::min(a.size(), b.size()));
-  for (int shift = -most; shift <= most; ++shift) {
-    float sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0, n = 0;
-    for (int i = std::max(0, -shift); i < std::min(size, size - shift); ++i) {
-      const float x = a[static_cast<std::size_t>(i)];
-      const float y = b[static_cast<std::size_t>(i + shift)];
-      sa += x;
-      sb += y;
-      saa += x * x;
-      sbb += y * y;
-      sab += x * y;
-      n += 1;
-    }
-    if (n < 40) continue;
-    const float variance = (saa - sa * sa / n) * (sbb - sb * sb / n);
-    best = std::max(best, (sab - sa * sb / n) / std::sqrt(std::max(variance, 1e-6F)));
-  }
-  return best;
-}
-
 }  // namespace
 
 bool has_bars(SampledLight& light, const BarRegion& region) {
@@ -242,21 +219,12 @@ bool has_bars(SampledLight& light, const BarRegion& region) {
   frame.begin = low;
   frame.count = static_cast<std::size_t>((high - low) / frame.step);
   if (frame.count < 60) return false;
-  std::vector<float> before;
-  for (const double share : {-0.3, -0.1, 0.1, 0.3}) {
+  return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
     const ScanLine line =
         light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
-    std::vector<float> darkness = local_darkness(line, line.size() / 10);
-    const int bars = count_of_bars(darkness);
-    const int most =
-        static_cast<int>(kBarLines.apart * kBarLines.apart * region.height / frame.step) + 1;
-    if (!before.empty() && bars >= kBarLines.least_bars && bars <= kBarLines.most_bars &&
-        likeness(before, darkness, most) > kBarLines.alike) {
-      return true;
-    }
-    before = std::move(darkness);
-  }
-  return false;
+    const int bars = count_of_bars(local_darkness(line, line.size() / 10));
+    return bars >= kBarLines.least_bars && bars <= kBarLines.most_bars;
+  });
 }
 
 }  // namespace tagsmith::detail

@@ -10,6 +10,7 @@
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
+#include "decoder/reader/located_bars.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -268,13 +269,11 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
 }
 
 void Detector::look_at(const BarRegion& region) {
-  const std::vector<LocatedBars> located = located_bars();
-  if (std::ssize(located) == kSearch.most_tries) return;
-  const auto bars = locate_bars(picture_.light, region, located);
+  const auto followed_bars = std::ranges::count(hypotheses_, Source::bars, &TagHypothesis::source);
+  if (followed_bars == kSearch.most_tries) return;
+  const auto bars = locate_bars(picture_.light, region);
   if (!bars) return;
-  TagHypothesis followed{.source = Source::bars};
-  followed.bars = bars;
-  hypotheses_.push_back(std::move(followed));
+  hypotheses_.push_back({.source = Source::bars});
   const GrayView half = picture_.pyramid().scaled_down(2).level.image;
   for (const SymbolLayout& layout : options_.layouts) {
     const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
@@ -370,14 +369,6 @@ std::vector<Quad> Detector::known_in(const PyramidLevel& level) const {
     known.push_back(to_level(level, widened(tag->corners, stroke)));
   }
   return known;
-}
-
-std::vector<LocatedBars> Detector::located_bars() const {
-  std::vector<LocatedBars> located;
-  for (const TagHypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.bars) located.push_back(*hypothesis.bars);
-  }
-  return located;
 }
 
 std::optional<CheckDigit> Detector::scheme_shown() const {

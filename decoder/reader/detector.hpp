@@ -19,7 +19,6 @@
 #include "decoder/feature_frame/sharpening.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/judge.hpp"
-#include "decoder/reader/located_bars.hpp"
 #include "decoder/reader/part_search.hpp"
 #include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
@@ -44,7 +43,6 @@ struct TagHypothesis {
   Quad rough{};                         // the frame before its fine fit
   std::optional<RefinedFrame> frame{};  // as it was fitted
   std::optional<Sharpening> halos{};    // undone in the picture that it was looked at in
-  std::optional<LocatedBars> bars{};
   // Read, refused, or not to be told: an attempt that leaves an earlier refusal as it was.
   std::variant<std::monostate, Reading, Rejection> outcome{};
   bool may_be_covered = false;          // a careful look may read what was refused
@@ -173,7 +171,6 @@ class Detector {
   std::optional<CheckDigit> scheme_shown() const;
 
   // Bars that were followed so far.
-  std::vector<LocatedBars> located_bars() const;
 
   GrayView image_;
   SearchedImage& picture_;

@@ -44,8 +44,8 @@ constexpr std::size_t kBins =
 // A line's darkness by module, straightened; not a number where the line does not reach.
 std::array<float, kBins> straightened(const ReadLine& line) {
   const double module = std::abs(place_of(line.reading.alignment).module);
-  const std::vector<float> darkness =
-      local_darkness(line.light, static_cast<std::size_t>(std::lround(9 * module)));
+  const std::vector<float> darkness = local_darkness(
+      line.light, static_cast<std::size_t>(std::lround(kWideElementsWithin * module)));
   std::array<float, kBins> sums{};
   std::array<int, kBins> counts{};
   constexpr int kFiner = 4;
@@ -292,8 +292,7 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   const LineFrame frame = line_frame_for(image, region);
   auto first = first_line(image, frame, region, Wanted::digits);
   if (!first) return std::nullopt;
-  const RegionScan scan = scan_region(image, frame, region, *std::move(first),
-                                      kBarLines.frameless_lines, Wanted::digits);
+  const RegionScan scan = scan_region(image, frame, region, *std::move(first), Wanted::digits);
   DecodeOptions decode_options{options.check, options.code_book};
   if (!options.check && options.code_book.empty()) decode_options.check = CheckDigit::gs1;
   const Evidence evidence = evidence_of(scan.lines);

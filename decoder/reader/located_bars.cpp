@@ -48,21 +48,9 @@ LocatedBars fit_bars(const RegionScan& scan, PixelPoint centre) {
   return bars;
 }
 
-// Whether a line begins and ends with the bars, and crosses them where they were followed.
-bool is_line_of(const LocatedBars& bars, PixelPoint begin, PixelPoint end) {
-  double first = bars.module_of(begin), last = bars.module_of(end);
-  if (first > last) std::swap(first, last);
-  const double middle = kModuleCount / 2.0;
-  const PixelPoint across = bars.normal_at(middle);
-  const PixelPoint along = 1 / length(across) * PixelPoint{-across.y, across.x};
-  return std::abs(first) < kBarLines.same && std::abs(last - kModuleCount) < kBarLines.same &&
-         std::abs(dot(0.5 * (begin + end) - bars.centre, along)) < bars.height / 2;
-}
-
 }  // namespace
 
-std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region,
-                                       std::span<const LocatedBars> located) {
+std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region) {
   const LineFrame frame = line_frame_for(image, region);
   constexpr FirstLineLimits kLimits{.least_module = kBarLines.least_module,
                                     .greatest_module = kBarLines.greatest_module,
@@ -71,16 +59,8 @@ std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& reg
   auto first = first_line(image, frame, region, Wanted::alignment, kLimits);
   if (!first) return std::nullopt;
   const auto& boundaries = first->reading.alignment.boundaries;
-  const PixelPoint begin = frame.pixel(boundaries.front(), first->offset);
-  const PixelPoint end = frame.pixel(boundaries.back(), first->offset);
-  const auto same = [&](const LocatedBars& bars) {
-    return bars.height > region.height && is_line_of(bars, begin, end);
-  };
-  if (std::ranges::any_of(located, same)) return std::nullopt;
   const double middle = (boundaries.front() + boundaries.back()) / 2;
-  const RegionScan scan =
-      scan_region(image, frame, region, *std::move(first), kBarLines.lines, Wanted::alignment);
-  if (scan.lines.size() < kBarLines.least_lines) return std::nullopt;
+  const RegionScan scan = scan_region(image, frame, region, *std::move(first), Wanted::alignment);
   const double offset = (scan.lines.front().offset + scan.lines.back().offset) / 2;
   LocatedBars bars = fit_bars(scan, scan.frame.pixel(middle, offset));
   bars.height = scan.lines.back().offset - scan.lines.front().offset + scan.spacing;

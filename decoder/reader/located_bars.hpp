@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
 #include "decoder/feature_frame/bar_regions.hpp"
 #include "decoder/image/pixel.hpp"
@@ -27,9 +26,7 @@ struct LocatedBars {
   }
 };
 
-// Follows the bars of a region line by line; nothing where they are not much like a symbol, or the
-// same as some that were `located` before.
-std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region,
-                                       std::span<const LocatedBars> located = {});
+// Follows the bars of a region line by line; nothing where they are not much like a symbol.
+std::optional<LocatedBars> locate_bars(SampledLight& image, const BarRegion& region);
 
 }  // namespace tagsmith::detail

@@ -124,15 +124,13 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
 }
 
 RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
-                       ReadLine first, int lines, Wanted wanted) {
+                       ReadLine first, Wanted wanted) {
   const BarLook& look = best_look(first, wanted);
-  RegionScan scan{frame, std::max(1.0, region.height / lines), &look, {}};
+  RegionScan scan{frame, std::max(1.0, region.height / kBarLines.lines), &look, {}};
   for (const double direction : {-1.0, 1.0}) {
     SymbolPlace place = place_of(first.reading.alignment);
-    int misses = 0;
     for (double offset = first.offset + direction * scan.spacing;
-         std::abs(offset) < 0.6 * region.height && misses < kBarLines.most_misses;
-         offset += direction * scan.spacing) {
+         std::abs(offset) < 0.6 * region.height; offset += direction * scan.spacing) {
       if (!is_inside(image, frame.pixel(place.begin + kModuleCount / 2.0 * place.module, offset))) {
         break;
       }
@@ -140,10 +138,7 @@ RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarReg
       const auto placed = placed_line(light, place);
       const auto reading =
           placed ? read_line(*placed, look.templates, wanted, kBarLines.worst) : std::nullopt;
-      if (!reading || reading->alignment.cost_per_module > kBarLines.worst) {
-        ++misses;
-        continue;
-      }
+      if (!reading || reading->alignment.cost_per_module > kBarLines.worst) continue;
       place = place_of(reading->alignment);
       scan.lines.push_back({offset, std::move(light), *reading});
     }

@@ -60,9 +60,9 @@ std::optional<ReadLine> first_line(SampledLight& image, const LineFrame& frame,
                                    const BarRegion& region, Wanted wanted,
                                    const FirstLineLimits& limits = {});
 
-// Reads the region's lines (about so many) from the first one outwards, each where its neighbour
-// was, by the look of the bars that suits the first one best.
+// Reads some lines of the region (kBarLines.lines) from the first one outwards, each where its
+// neighbour was, by the look of the bars that suits the first one best.
 RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarRegion& region,
-                       ReadLine first, int lines, Wanted wanted);
+                       ReadLine first, Wanted wanted);
 
 }  // namespace tagsmith::detail

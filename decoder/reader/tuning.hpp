@@ -94,23 +94,14 @@ struct BarLinesTuning {
   float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
   int least_bars = 12;               // of a symbol's 30
   int most_bars = 34;
-  // Two lines that should be alike are so far apart, of the height, and moved against each other,
-  // where bars lean, by up to so much of their distance.
-  double apart = 0.2;
-  float alike = 0.6F;            // correlation of the two
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further
   double worst = 4;              // cost per module: dirt, or beyond the bars
   double usual = 1.5;            // cost per module that is no stray's
   double stray = 2.5;            // times the median cost
-  int most_misses = 3;           // lines that do not read, one after the other
   int lines = 10;                // of a region
-  int frameless_lines = 12;
-  std::size_t least_lines = 3;
-  double off = 0.5;      // modules: boundaries that are farther off count little
-  double same = 1;       // modules between the ends of bars followed before
-  double as_high = 0.8;  // of a region: more of the bars would not be followed
-  int rounds = 6;        // of fits to the boundaries
+  double off = 0.5;              // modules: boundaries that are farther off count little
+  int rounds = 6;                // of fits to the boundaries
   // Bars of covered tags that were read: modules of 0.67 to 1.05 of what their length says, costs
   // of 0.7 and 1.9 at most (`./dev bench troubled`).
   double least_module = 0.5, greatest_module = 1.3, worst_place = 0.9, worst_cost = 2.5;
@@ -185,7 +176,7 @@ inline constexpr PartTuning kPart;
 struct FramelessTuning {
   double digit = 0.6;
   double guards = 0.7;
-  double together = 0.9;        // confidence by the lines' mean
+  double together = 0.99;       // confidence by the lines' mean: lines may be wrong in common
   double most_blur = 1.5;       // modules; more is not worth telling: it explains any texture
   double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
   double model_error = 0.03;    // of the contrast

@@ -14,8 +14,11 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr int kDarknessReach = 9 * kPlacedPerModule;  // samples within which wide elements are near
 constexpr float kNoGuard = 1e9F;
+
+std::vector<float> darkness_of(const std::vector<float>& placed) {
+  return local_darkness(placed, kWideElementsWithin * kPlacedPerModule);
+}
 
 // The light of a line up to any place; beyond its ends its last samples continue.
 class LineIntegral {
@@ -155,7 +158,7 @@ std::vector<SymbolPlace> places_at_width(const ScanLine& line, const LineIntegra
       static_cast<int>(static_cast<double>(line.size()) / module * kPlacedPerModule);
   const int count = length + 2 * kPlacedMargin * kPlacedPerModule;
   const std::vector<float> samples = resampled(integral, 0, module, count);
-  const std::vector<float> modules = module_darkness(local_darkness(samples, kDarknessReach));
+  const std::vector<float> modules = module_darkness(darkness_of(samples));
   const GuardCosts guards = guard_costs(modules);
   // The costs of the best places within kPlace.slack.
   constexpr std::size_t kSlackSamples = kPlace.slack * kPlacedPerModule;
@@ -223,7 +226,7 @@ std::optional<PlacedLine> placed_line(const ScanLine& line, const SymbolPlace& p
   } else {
     placed.darkness = resampled(LineIntegral(line), placed.begin, placed.module, kSamples);
   }
-  placed.darkness = local_darkness(placed.darkness, kDarknessReach);
+  placed.darkness = darkness_of(placed.darkness);
   return placed;
 }
 

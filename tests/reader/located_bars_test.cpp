@@ -22,10 +22,10 @@ SeenTag bare_symbol(double turn, PixelPoint slant) {
   return tag;
 }
 
-std::optional<LocatedBars> located(const SeenTag& tag, std::span<const LocatedBars> before = {}) {
+std::optional<LocatedBars> located(const SeenTag& tag) {
   const GrayImage image = tag.image();
   SampledLight light(image.view());
-  return locate_bars(light, tag.region(), before);
+  return locate_bars(light, tag.region());
 }
 
 }  // namespace
@@ -64,20 +64,6 @@ TEST_CASE("the line of a module is the pixels that have it") {
       CHECK(bars.module_of(nearest + down * along) == doctest::Approx(module).epsilon(1e-9));
     }
   }
-}
-
-TEST_CASE("bars that were located before are not followed again") {
-  const SeenTag tag = bare_symbol(0.1, {});
-  const auto bars = located(tag);
-  REQUIRE(bars);
-  CHECK(!located(tag, std::array{*bars}));
-  // Those of another place, or of a part of the height alone, are others.
-  LocatedBars elsewhere = *bars;
-  elsewhere.centre = elsewhere.centre + PixelPoint{12, 0};
-  CHECK(located(tag, std::array{elsewhere}));
-  LocatedBars part = *bars;
-  part.height /= 2;
-  CHECK(located(tag, std::array{part}));
 }
 
 TEST_CASE("what is not much like a symbol is not located") {
