@@ -162,10 +162,10 @@ std::string facts_of(const ExplainedSymbol& symbol) {
   const Decoding& decoding = symbol.decoding;
   const double doubt = std::max(1e-16, 1 - symbol.confidence);
   return fmt::format(
-      "{:.2f} px/module   explained {:.3f}   guards {:.2f}   worst digit {:.2f}   kept {:.2f}   "
+      "{:.2f} px/module   explained {:.3f}   guards {:.2f}   worst digit {:.2f}   "
       "blur {:.2f}   growth {:+.2f} modules   confidence 1 - {:.0e}",
       symbol.module_px, decoding.fit.explained, decoding.guards, decoding.worst_digit,
-      decoding.fit.kept, decoding.fit.image.blur, decoding.fit.image.growth, doubt);
+      decoding.fit.image.blur, decoding.fit.image.growth, doubt);
 }
 
 void draw_panel(cv::Mat panel, const ExplainedSymbol& symbol, std::size_t number) {

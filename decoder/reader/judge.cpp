@@ -57,7 +57,6 @@ std::optional<Objection> objection_to(const Decoding& decoding, const ReadOption
   if (decoding.worst_digit < kDecode.hopeless) {
     return Objection{element_widths, decoding.worst_digit, kDecode.hopeless};
   }
-  if (fit.kept < kJudge.least_kept) return Objection{covered, fit.kept, kJudge.least_kept};
   if (std::abs(fit.image.growth) > kJudge.most_growth) {
     return Objection{growth, std::abs(fit.image.growth), kJudge.most_growth};
   }

@@ -222,7 +222,6 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
     if (best && decoding->decoding.fit.explained <= best->decoding.fit.explained) continue;
     best = std::move(decoding);
     length = by;
-    if (best->decoding.fit.explained > kDecode.clean) break;
   }
   if (!best || best->decoding.fit.explained < kJudge.worth_light) return std::nullopt;
   // The far side at this length, as the fit of the bars corrects it.

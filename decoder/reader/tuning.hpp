@@ -143,7 +143,6 @@ struct JudgeTuning {
   // nothing is known.
   double most_blur = 2.2;
   double most_growth = 0.7;   // modules; beyond, narrow elements vanish
-  double least_kept = 0.7;    // of the places, in sight
   double most_hidden = 0.25;  // of the places where a covered symbol's digits would be guesses
   // Covered tags that were read carefully showed 0.83 and more with even light where slanted light
   // was needed; other plates less, or no guard patterns (`./dev bench troubled`).

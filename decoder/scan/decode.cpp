@@ -65,33 +65,25 @@ PosteriorOdds doubt_by(const ModuleNormalEquations& system, const DecodeOptions&
   return kRefuted;
 }
 
-// What is to be doubted about a decoding. What was set aside is left out of the likelihoods, but
-// counts for the noise about it: a place that is covered in part says little. Whether what a digit
-// leaves unexplained is noise there or belongs to another character is not known, so the worse
-// counts.
-void judge(const ScanProfile& profile, const ScanProfile& cleaned, const DecodeOptions& options,
-           const Settled& settled, Decoding& decoding) {
+// What is to be doubted about a decoding. Whether what a digit leaves unexplained is noise there or
+// belongs to another character is not known, so the worse counts.
+void judge(const ScanProfile& profile, const DecodeOptions& options, const Settled& settled,
+           Decoding& decoding) {
   const ImagingModel& image = decoding.fit.image;
   const Characters characters = characters_of(decoding.digits);
-  const bool is_whole = decoding.fit.kept == 1;
-  const VarianceFactors factors = variance_factors_of(
-      is_whole ? settled.system.misfits(characters)
-               : ModuleNormalEquations(profile, settled.light).misfits(characters),
-      all_modules());
+  const VarianceFactors factors =
+      variance_factors_of(settled.system.misfits(characters), all_modules());
   decoding.noise = factors.common;
   const std::vector<BarShare> bars = bar_shares(profile, image, decoding.digits);
   const auto system_of = [&](const ScanProfile& weighed) {
     return ModuleNormalEquations(weighed, settled.light, nuisance_covariance(weighed, image, bars));
   };
-  const ModuleNormalEquations common = system_of(with_common_noise(cleaned, factors));
+  const ModuleNormalEquations common = system_of(with_common_noise(profile, factors));
   decoding.doubt =
-      doubt_by(system_of(with_local_noise(cleaned, factors)), options, decoding.digits);
+      doubt_by(system_of(with_local_noise(profile, factors)), options, decoding.digits);
   const PosteriorOdds other = doubt_by(common, options, decoding.digits);
   if (other.odds() > decoding.doubt.odds()) decoding.doubt = other;
-  const auto corrupted =
-      is_whole
-          ? common.odds_of_corrupted_digits(characters)
-          : system_of(with_common_noise(profile, factors)).odds_of_corrupted_digits(characters);
+  const auto corrupted = common.odds_of_corrupted_digits(characters);
   decoding.doubt.corrupted_digits = share_of_corrupted(options, decoding.digits) *
                                     std::accumulate(corrupted.begin(), corrupted.end(), 0.0);
   const double odds = decoding.doubt.odds();
@@ -108,7 +100,7 @@ std::optional<Decoding> decode_upright(const ScanProfile& profile, const Decodin
     decoding.doubt = kRefuted;
     return decoding;
   }
-  judge(profile, explained->cleaned.profile, options, explained->settled, decoding);
+  judge(profile, options, explained->settled, decoding);
   return decoding;
 }
 

@@ -170,7 +170,7 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
   const std::optional<Explained> explained =
       explain(profile, DecodingStart(profile, image), options);
   if (!explained) return std::nullopt;
-  const auto& [cleaned, settled, of_digits] = *explained;
+  const auto& [settled, of_digits] = *explained;
   JudgedPart judged{.part = {.decoding = settled.decoding, .certain = seen.digits},
                     .explained = of_digits};
   PartDecoding& part = judged.part;
@@ -182,8 +182,7 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
     return judged;
   }
   const Characters digits = characters_of(decoding.digits);
-  const VarianceFactors factors = variance_factors_of(
-      ModuleNormalEquations(profile, settled.light).misfits(digits), seen.modules);
+  const VarianceFactors factors = variance_factors_of(settled.system.misfits(digits), seen.modules);
   decoding.noise = factors.common;
   const std::vector<BarShare> bars = bar_shares(profile, decoding.fit.image, decoding.digits);
   const auto system_of = [&](const ScanProfile& weighed) {
@@ -192,9 +191,9 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
   };
   // By both estimates of the noise, whichever leaves more doubt.
   const CharacterCosts local =
-      system_of(with_local_noise(cleaned.profile, factors)).character_costs(&digits);
-  const CharacterCosts common =
-      system_of(with_common_noise(cleaned.profile, factors)).character_costs(&digits);
+      system_of(with_local_noise(profile, factors)).character_costs(&digits);
+  const ModuleNormalEquations evenly_noisy = system_of(with_common_noise(profile, factors));
+  const CharacterCosts common = evenly_noisy.character_costs(&digits);
   for (const CharacterCosts* costs : {&local, &common}) {
     judge_digits(*costs, digits, judged.verdicts);
   }
@@ -205,8 +204,7 @@ std::optional<JudgedPart> judge_part(const ScanProfile& all, const InSight& seen
                                    part_odds(common, digits, options, seen.digits, part.certain));
   decoding.doubt.misprints = odds.misprints;
   list_candidates(options, odds, part);
-  const auto corrupted =
-      system_of(with_common_noise(profile, factors)).odds_of_corrupted_digits(digits);
+  const auto corrupted = evenly_noisy.odds_of_corrupted_digits(digits);
   for (std::size_t i = 0; i < kDigitCount; ++i) {
     if (part.certain[i]) {
       decoding.doubt.corrupted_digits += kOdds.corrupted_stranger * corrupted[i];
@@ -239,7 +237,7 @@ std::optional<PartDecoding> decode_part_upright(const ScanProfile& all, const Im
                                                 const DecodeOptions& options) {
   InSight seen = in_sight_of(all);
   std::optional<JudgedPart> judged = judge_part(all, seen, image, options);
-  for (int i = 0; judged && i < kDecode.cleanings && hide_disturbed(*judged, seen); ++i) {
+  while (judged && hide_disturbed(*judged, seen)) {
     auto next = judge_part(all, seen, image, options);
     if (!next) break;
     judged = std::move(next);

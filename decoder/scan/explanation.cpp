@@ -78,49 +78,19 @@ std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& st
   }
 }
 
-// Why: docs/decisions/0004-occlusion.md.
-Cleaned set_aside_outliers(const ScanProfile& profile, const Decoding& decoding) {
-  Cleaned cleaned{profile, 1};
-  std::size_t covered = 0;
-  const ImagingModel& image = decoding.fit.image;
-  const std::vector<double> expected = expected_darkness(image, decoding.digits, profile);
-  for (std::size_t i = 0; i < profile.size(); ++i) {
-    if (profile[i].agreement > kDecode.agreement) continue;
-    const double residual = std::abs(profile[i].darkness - expected[i]);
-    const double contrast = image.black - image.white;
-    if (residual < kDecode.odd * contrast + kDecode.odd_sigmas * std::sqrt(profile[i].variance))
-      continue;
-    cleaned.profile[i].variance = kHiddenVariance;
-    ++covered;
-  }
-  cleaned.kept = 1 - static_cast<double>(covered) / static_cast<double>(profile.size());
-  return cleaned;
-}
-
 }  // namespace
 
 std::optional<Explained> explain(const ScanProfile& profile, const DecodingStart& start,
                                  const DecodeOptions& options) {
   std::optional<Settled> settled = settle(profile, start.image, start.costs, options);
-  Cleaned cleaned{profile, 1};
-  for (int i = 0;
-       settled && i < kDecode.cleanings && settled->decoding.fit.explained < kDecode.clean; ++i) {
-    Cleaned next = set_aside_outliers(profile, settled->decoding);
-    if (next.kept == cleaned.kept) break;
-    cleaned = std::move(next);
-    settled =
-        settle(cleaned.profile, start.image,
-               ModuleNormalEquations(cleaned.profile, start.light).character_costs(), options);
-  }
   if (!settled) return std::nullopt;
   Decoding& decoding = settled->decoding;
-  decoding.fit.kept = cleaned.kept;
   const std::vector<double> expected =
       expected_darkness(decoding.fit.image, decoding.digits, profile);
-  decoding.guards = explained_by_guards(cleaned.profile, decoding.fit.image, expected);
-  const auto digits = explained_by_digits(cleaned.profile, decoding.fit.image, expected);
+  decoding.guards = explained_by_guards(profile, decoding.fit.image, expected);
+  const auto digits = explained_by_digits(profile, decoding.fit.image, expected);
   decoding.worst_digit = *std::ranges::min_element(digits);
-  return Explained{std::move(cleaned), *std::move(settled), digits};
+  return Explained{*std::move(settled), digits};
 }
 
 PossibleWays possible_ways(const ScanProfile& profile, const CharacterCosts& costs) {

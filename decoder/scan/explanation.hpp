@@ -50,18 +50,8 @@ struct Settled {
   ModuleNormalEquations system;  // of the profile, by that light
 };
 
-// The profile with the places that the symbol cannot explain given almost no weight, and the share
-// of places that keep theirs. Only places where the bars' height disagrees with itself may be set
-// aside: dirt, glare and cables have outlines, whereas a bar that is not ours looks alike all
-// along.
-struct Cleaned {
-  ScanProfile profile;
-  double kept = 1;
-};
-
 // What explains a profile seen the right way round, not yet judged.
 struct Explained {
-  Cleaned cleaned;
   Settled settled;
   std::array<double, kDigitCount> digits{};  // explained_by_digits
 };

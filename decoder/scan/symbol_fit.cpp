@@ -159,7 +159,7 @@ SymbolFit fit_symbol(const ScanProfile& profile, const Digits& digits, const Ima
         at[kLogBlur] = std::clamp(at[kLogBlur], std::log(0.05), std::log(4.0));
       });
   return {unpack(p, start.pixel), found.of_profile,
-          1 - found.of_profile / std::max(total_variation(profile), 1e-12), 1};
+          1 - found.of_profile / std::max(total_variation(profile), 1e-12)};
 }
 
 Eigen::RowVector3d SeenPlaces::by_displacement(double module) {

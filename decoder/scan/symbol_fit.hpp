@@ -19,7 +19,6 @@ struct SymbolFit {
   ImagingModel image;
   double cost = 0;       // sum of squared residuals over variances
   double explained = 0;  // share of the profile's variation that is explained, at most 1
-  double kept = 1;       // share of the profile's places that were not set aside as covered
 };
 
 // Adjusts all of `start` to the profile by Gauss-Newton for the given digits. The parameters are

@@ -72,15 +72,10 @@ struct DecodeTuning {
   std::size_t least_places = 40;
   double least_guards = 0.35;  // of the guard patterns, explained before any adjustment
   int rounds = 4;              // of digits and image in turn
-  double clean = 0.985;        // explained: nothing to set aside
-  int cleanings = 3;           // rounds of setting aside what the digits cannot explain
-  double odd = 0.12;           // of the contrast: what is set aside, beside the noise
-  double odd_sigmas = 3.5;
-  double agreement = 0.85;    // of the bars' height: places where more of it agrees are kept
-  double hopeless = 0.75;     // explained, of a symbol or a digit: with less it is not believed
-  double least_noise = 0.15;  // variance factor
-  int noise_reach = 4;        // modules to either side that tell a module's own noise
-  double noise_prior = 5;     // modules' worth of the common noise
+  double hopeless = 0.75;      // explained, of a symbol or a digit: with less it is not believed
+  double least_noise = 0.15;   // variance factor
+  int noise_reach = 4;         // modules to either side that tell a module's own noise
+  double noise_prior = 5;      // modules' worth of the common noise
   // Odds from which another code is a candidate of a part of a symbol, and a digit that may be
   // another one is uncertain: what is less likely counts as doubt, of which kSureWithBook leaves
   // more than twelve digits add up to.

@@ -309,9 +309,8 @@ std::optional<Diagnosis> judge_blur(double blur, double module_px) {
 // are explained to 0.995 and more, covered ones that a fit calls grown to 0.95 and less.
 std::optional<Diagnosis> judge_growth(const PlateLook& look) {
   constexpr double kLeastExplained = 0.97;
-  constexpr double kLeastKeptGrown = 0.95;
   const SymbolFit* fit = look.fit;
-  if (fit == nullptr || fit->explained < kLeastExplained || fit->kept < kLeastKeptGrown ||
+  if (fit == nullptr || fit->explained < kLeastExplained ||
       std::abs(fit->image.growth) <= kJudge.most_growth) {
     return std::nullopt;
   }
@@ -327,10 +326,6 @@ std::optional<Diagnosis> judge_frame_blur(const PlateLook& look) {
 
 std::optional<Diagnosis> judge_bars(const PlateLook& look) {
   if (look.fit == nullptr) return std::nullopt;
-  if (look.fit->kept < kJudge.least_kept) {
-    return Diagnosis{"covered", fmt::format("{:.0f} % of the bars are in view, {:.0f} % are needed",
-                                            100 * look.fit->kept, 100 * kJudge.least_kept)};
-  }
   return judge_blur(look.fit->image.blur, look.module_px);
 }
 
