@@ -111,8 +111,7 @@ SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::si
   side.bow = sagittas_of(frame.lens, frame.corners)[i];
   SideProfile profile;
   const double stroke = frame.sides[i].stroke_px;
-  const double outward =
-      std::min(stroke + std::min(kSharpening.beyond_px, 0.75 * stroke), kSharpening.most_px);
+  const double outward = stroke + std::min(kSharpening.beyond_px, 0.75 * stroke);
   profile.samples =
       edge_samples(image, side, std::min(kSharpening.beyond_px, 1.5 * side.reach), outward);
   const FrameSide& fitted = frame.sides[i];

@@ -50,7 +50,6 @@ inline constexpr EdgeFitTuning kEdgeFit;
 // What the sides tell of sharpening. Set by `./dev bench chain` with seed 1, tried with seed 2.
 struct SharpeningTuning {
   double beyond_px = 5;   // pixels of white to either side of the stroke
-  double most_px = 16;    // outward from the inner edge
   double noise = 3;       // grey levels, of a pixel
   double model = 1;       // grey levels that a profile may be off its model
   double far_off = 30;    // grey levels of the scale of the Cauchy weights, at first
