@@ -16,6 +16,7 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/sharpening.hpp"
 #include "decoder/feature_frame/side_line.hpp"
+#include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/cut_frame.hpp"
 #include "decoder/reader/judge.hpp"
@@ -148,7 +149,7 @@ Eigen::Matrix2d covariance_of(const FarSide& side) {
   Eigen::Matrix2d ends_by_places;
   ends_by_places << side.at_lower, -side.at_upper, -(1 - side.at_lower), 1 - side.at_upper;
   ends_by_places /= apart;
-  const double sigma = std::hypot(side.sigma_px, kPart.far_px);
+  const double sigma = std::hypot(side.sigma_px, kCorner.whole);
   return sigma * sigma * ends_by_places * ends_by_places.transpose();
 }
 

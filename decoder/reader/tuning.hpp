@@ -165,7 +165,6 @@ struct PartTuning {
   int steps = 5, steps_unknown = 24;
   std::size_t most_lengths = 8;
   double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides tell the foreshortening
-  double far_px = 0.02;      // of a place on the far side, beside what noise explains
   double most_alike = 1e-3;  // strangers, a code of the book, whose digits in sight are a code's
 };
 inline constexpr PartTuning kPart;
