@@ -47,31 +47,36 @@ struct SeenOutwards {
   Eigen::Matrix<double, 4, 8> by_corners = Eigen::Matrix<double, 4, 8>::Zero();
 };
 
-void add_half(const HeightShare& half, Eigen::Index first, const SymbolHypothesis& symbol,
-              const RobustProfile& rows, SeenOutwards& seen) {
+// Enters how a place moves outwards with the corners: that of side 3 or 1 at a height, a share of
+// the frame's. Returns how far it lies outwards for a displacement of the bars.
+Eigen::RowVector3d enter_place(Eigen::Index place, std::size_t side, double height,
+                               const SymbolHypothesis& symbol, SeenOutwards& seen) {
   const SymbolLayout& layout = symbol.layout;
-  const FrameCorners& corners = symbol.frame.corners;
-  const FrameHomography map(corners, symbol.frame.lens);
+  const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
+  const auto seen_at = [&](double module) { return map(layout.width_share(module), height); };
+  const double quiet = layout.quiet_zone_modules;
+  const double module = side == 3 ? -quiet : kModuleCount + quiet;
+  const SideLine line = side_of(symbol.frame.corners, side);
+  const double share =
+      dot(seen_at(module) - line.begin, line.along) / distance(line.begin, line.end);
+  const Eigen::RowVector2d outward{line.outward.x, line.outward.y};
+  const auto begin = static_cast<Eigen::Index>(2 * side);
+  const auto end = static_cast<Eigen::Index>(2 * ((side + 1) % 4));
+  seen.by_corners.block<1, 2>(place, begin) = (1 - share) * outward;
+  seen.by_corners.block<1, 2>(place, end) = share * outward;
+  const double module_px = dot(seen_at(module + 0.5) - seen_at(module - 0.5), line.outward);
+  return module_px * SeenPlaces::by_displacement(module);
+}
+
+// Enters the two places that the bars of half their height see.
+void enter_half(const HeightShare& half, Eigen::Index first, const SymbolHypothesis& symbol,
+                const RobustProfile& rows, SeenOutwards& seen) {
   const SeenPlaces bars = seen_places(rows.of_agreeing_rows(half).bins, symbol.decoding.digits,
                                       symbol.decoding.fit.image);
-  const double height = middle_height(half, layout);
-  const double quiet = layout.quiet_zone_modules;
+  const double height = middle_height(half, symbol.layout);
   Eigen::Matrix<double, 2, 3> by_displacement;
-  for (const std::size_t side : {3, 1}) {
-    const Eigen::Index row = side == 3 ? 0 : 1;
-    const double module = side == 3 ? -quiet : kModuleCount + quiet;
-    const auto seen_at = [&](double at) { return map(layout.width_share(at), height); };
-    const SideLine line = side_of(corners, side);
-    by_displacement.row(row) = dot(seen_at(module + 0.5) - seen_at(module - 0.5), line.outward) *
-                               SeenPlaces::by_displacement(module);
-    const double share =
-        dot(seen_at(module) - line.begin, line.along) / distance(line.begin, line.end);
-    const Eigen::RowVector2d outward{line.outward.x, line.outward.y};
-    const std::size_t end = (side + 1) % 4;
-    seen.by_corners.block<1, 2>(first + row, static_cast<Eigen::Index>(2 * side)) =
-        (1 - share) * outward;
-    seen.by_corners.block<1, 2>(first + row, static_cast<Eigen::Index>(2 * end)) = share * outward;
-  }
+  by_displacement << enter_place(first, 3, height, symbol, seen),
+      enter_place(first + 1, 1, height, symbol, seen);
   seen.by_bars.segment<2>(first) = by_displacement * bars.displacement;
   const double alike = kCorner.alike * (symbol.frame.was_sharpened ? bars.correlation : 1);
   seen.covariance.block<2, 2>(first, first) =
@@ -113,8 +118,8 @@ PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypoth
   const PlacedCorners by_frame = placed_by_frame(symbol);
   const RobustProfile rows(image, symbol.frame, symbol.layout);
   SeenOutwards seen;
-  add_half({0, 0.5}, 0, symbol, rows, seen);
-  add_half({0.5, 1}, 2, symbol, rows, seen);
+  enter_half({0, 0.5}, 0, symbol, rows, seen);
+  enter_half({0.5, 1}, 2, symbol, rows, seen);
   add_unexplained(symbol, seen);
   const CornerVector at = as_vector(by_frame.corners);
   const auto off = (seen.by_bars - seen.by_corners * (at - as_vector(symbol.frame.corners))).eval();
