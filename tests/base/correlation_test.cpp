@@ -19,8 +19,7 @@ TEST_CASE("residuals that are alike in runs raise a variance by the runs' length
       if (i % run == 0) value = normal(random);
       residuals[i] = value;
     }
-    CHECK(correlation_factor(residuals) ==
-          doctest::Approx(static_cast<double>(run)).epsilon(0.08));
+    CHECK(correlation_factor(residuals) == doctest::Approx(static_cast<double>(run)).epsilon(0.08));
   }
 }
 
