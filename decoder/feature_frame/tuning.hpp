@@ -76,11 +76,11 @@ struct CornerTuning {
   // pixel it lies. A side that crosses pixels averages that; one along the pixel grid does not.
   double along_grid = 0.015;  // pixels
   // Where the blur reaches from one edge of the stroke to the other, the model's errors do too.
-  double blurred = 0.5;  // pixels, times (blur / stroke)^2
-  double bow = 0.012;    // pixels, of a straight side's middle against its ends
+  double blurred = 0.5;      // pixels, times (blur / stroke)^2
+  double bow = 0.012;        // pixels, of a straight side's middle against its ends
+  double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
   // Chi-square, of four places, from which bars and frame are not of one layout.
   double most_contradiction = 40;
-  double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
 };
 inline constexpr CornerTuning kCorner;
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/reader/located_bars.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <Eigen/Cholesky>

@@ -223,6 +223,7 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
     if (best && decoding->decoding.fit.explained <= best->decoding.fit.explained) continue;
     best = std::move(decoding);
     length = by;
+    if (best->decoding.fit.explained > kPart.clear) break;
   }
   if (!best || best->decoding.fit.explained < kJudge.worth_light) return std::nullopt;
   // The far side at this length, as the fit of the bars corrects it.
@@ -271,7 +272,8 @@ bool is_certain(const PartDecoding& part, const ReadOptions& options) {
 bool is_believed(const GrayView& image, const Part& part, const ReadOptions& options) {
   return is_certain(part.decoding, options) && bars_end_right(image, part) &&
          !is_crossed(image, part) &&
-         (part.taken == RowsTaken::all || !halves_contradict(part.rows, part.decoding.decoding));
+         (part.taken == RowsTaken::all || is_beyond_doubt(part.decoding.decoding) ||
+          !halves_contradict(part.rows, part.decoding.decoding));
 }
 
 bool in_picture(const GrayView& image, PixelPoint at) {

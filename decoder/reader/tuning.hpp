@@ -164,6 +164,7 @@ struct PartTuning {
   double step = 0.005;
   int steps = 5, steps_unknown = 24;
   std::size_t most_lengths = 8;
+  double clear = 0.985;      // explained: no other length is decoded
   double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides tell the foreshortening
   double most_alike = 1e-3;  // strangers, a code of the book, whose digits in sight are a code's
 };

@@ -14,8 +14,10 @@
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/rig.hpp"
+#include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
+using tagsmith::detail::test::farthest_apart;
 
 namespace {
 
@@ -28,12 +30,6 @@ ExpectedTag moved(const Reading& reading, double dx, double dy, double uncertain
   ExpectedTag expected{reading.corners, uncertainty_px};
   for (PixelPoint& corner : expected.corners) corner = corner + PixelPoint{dx, dy};
   return expected;
-}
-
-double farthest(const FrameCorners& a, const FrameCorners& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < 4; ++i) most = std::max(most, distance(a[i], b[i]));
-  return most;
 }
 
 }  // namespace
@@ -50,7 +46,7 @@ TEST_CASE("an expected tag is read without a search although it is some pixels o
     const ReadResult result = read_tags(image.view(), options);
     REQUIRE(result.tags.size() == 1);
     CHECK(result.tags.front().digits == searched.tags.front().digits);
-    CHECK(farthest(result.tags.front().corners, searched.tags.front().corners) < 0.05);
+    CHECK(farthest_apart(result.tags.front().corners, searched.tags.front().corners) < 0.05);
   }
 }
 
@@ -104,7 +100,7 @@ TEST_CASE("a survey and the camera's pose tell where the tags are") {
     CHECK(found.tags.size() == options.expected.size());
     for (const ExpectedTag& expected : options.expected) {
       const auto matches = [&](const Reading& tag) {
-        return farthest(tag.corners, expected.corners) < 0.2;
+        return farthest_apart(tag.corners, expected.corners) < 0.2;
       };
       CHECK(std::ranges::any_of(found.tags, matches));
     }

@@ -2,15 +2,15 @@
 // A frame's corners by its sides and its bars together.
 #include "decoder/reader/placed_corners.hpp"
 
-#include <algorithm>
-
 #include <doctest/doctest.h>
 
 #include "decoder/reader/symbol_hypothesis.hpp"
 #include "tests/reader/drawn_symbol.hpp"
+#include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
 using tagsmith::detail::test::DrawnSymbol;
+using tagsmith::detail::test::farthest_apart;
 using tagsmith::detail::test::kDrawnDigits;
 
 namespace {
@@ -30,21 +30,15 @@ SymbolHypothesis symbol_in(const DrawnSymbol& drawn, double left_off, double rig
   return *std::move(symbol);
 }
 
-double greatest_error(const FrameCorners& corners, const FrameCorners& truth) {
-  double greatest = 0;
-  for (std::size_t i = 0; i < 4; ++i) greatest = std::max(greatest, distance(corners[i], truth[i]));
-  return greatest;
-}
-
 }  // namespace
 
 TEST_CASE("sides beside the bars are where the bars see them, and known as well") {
   const DrawnSymbol drawn(kDrawnDigits, 3);
   const SymbolHypothesis symbol = symbol_in(drawn, 0.2, -0.15, 0.1);
   const FrameCorners truth = drawn.frame().corners;
-  CHECK(greatest_error(corners_of(symbol), truth) > 0.14);
+  CHECK(farthest_apart(corners_of(symbol), truth) > 0.14);
   const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
-  CHECK(greatest_error(placed.corners, truth) < 0.04);
+  CHECK(farthest_apart(placed.corners, truth) < 0.04);
   const CornerCovariance by_frame = corner_covariance(symbol.frame);
   for (Eigen::Index i = 0; i < 8; ++i) {
     CAPTURE(i);
@@ -59,7 +53,7 @@ TEST_CASE("both halves of the bars' height turn a side") {
   symbol.frame.corners[0].x -= 0.2;
   symbol.frame.corners[3].x += 0.2;
   const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
-  CHECK(greatest_error(placed.corners, drawn.frame().corners) < 0.06);
+  CHECK(farthest_apart(placed.corners, drawn.frame().corners) < 0.06);
 }
 
 TEST_CASE("bars of another layout than the frame's do not move it") {
@@ -67,7 +61,7 @@ TEST_CASE("bars of another layout than the frame's do not move it") {
   SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.05);
   symbol.layout.quiet_zone_modules = 9.5;
   const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
-  CHECK(greatest_error(placed.corners, corners_of(symbol)) == 0);
+  CHECK(farthest_apart(placed.corners, corners_of(symbol)) == 0);
   CHECK(placed.covariance == corner_covariance(symbol.frame));
 }
 
@@ -78,5 +72,5 @@ TEST_CASE("through a lens that only the frame's own sides tell, the bars say lit
   symbol.frame.lens_doubt = 1e-6;  // 0.4 px over a third of 339 px
   const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
   CHECK(placed.covariance.trace() > 1.5 * known);
-  CHECK(greatest_error(placed.corners, corners_of(symbol)) < 0.02);
+  CHECK(farthest_apart(placed.corners, corners_of(symbol)) < 0.02);
 }
