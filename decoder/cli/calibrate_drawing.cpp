@@ -47,7 +47,7 @@ struct ImageFrame {
 
   explicit ImageFrame(const Camera& camera) : columns(camera.width), rows(camera.height) {
     constexpr double kWidest = 0.17;
-    constexpr double kHighest = 0.125;
+    constexpr double kHighest = 0.115;
     scale = std::min(kWidest / columns, kHighest / rows);
   }
   Vector2d at(const Vector2d& pixel) const {
@@ -366,14 +366,14 @@ void add_deviation(Sketch& sketch, Chart chart, const DistortionCurve& curve,
 DrawingView distortion_view(const BoardCalibration& result) {
   const DistortionCurve curve = distortion_curve(result.calibration);
   const double farthest = curve.points.empty() ? 1 : std::max(1.0, curve.points.back().radius);
-  Chart chart{{0, 0}, {0.155, 0.036}, {0, 0}, {farthest, 1}};
+  Chart chart{{0, 0}, {0.155, 0.030}, {0, 0}, {farthest, 1}};
   DrawingView view;
   view.title = "Distortion";
   if (curve.seen_radius < farthest) view.title += "; dashed: the farthest corner seen";
   view.scale = 1;
   view.sketch.layer("band");  // under everything else
   add_displacement(view.sketch, chart, curve, result.calibration);
-  chart.corner.y() = -0.047;
+  chart.corner.y() = -0.041;
   add_deviation(view.sketch, chart, curve, result.calibration);
   return view;
 }
