@@ -2,10 +2,13 @@
 // Each fault of an outline is told by its name.
 #include "decoder/feature_frame/frame_fault.hpp"
 
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/refine.hpp"
+#include "decoder/feature_frame/side_line.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
@@ -32,6 +35,22 @@ TEST_CASE("a frame that shows all around has no fault") {
   const auto refined = refine_frame(image.view(), coarse->corners);
   REQUIRE(refined);
   CHECK(farthest_apart(refined->corners, tag.corners()) < 0.05);
+}
+
+TEST_CASE(
+    "a frame whose stroke the picture's border cuts is one, an outline at the border is not") {
+  const SeenTag tag;
+  const GrayImage image = tag.image();
+  const Quad corners = tag.corners();
+  const double right = std::min(corners[1].x, corners[2].x);
+  const auto as_far_as = [&](double x) {
+    GrayView view = image.view();
+    view.width = static_cast<int>(x);
+    return view;
+  };
+  const double stroke = side_of(corners, 1).stroke;
+  CHECK(looks_framed(as_far_as(right + 0.75 * stroke), corners));
+  CHECK_FALSE(looks_framed(as_far_as(right + 1), corners));
 }
 
 TEST_CASE("a side of which one end is hidden is settled by what shows of it") {
