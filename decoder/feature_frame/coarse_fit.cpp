@@ -170,11 +170,10 @@ std::optional<SideLine> settle_side(const GrayView& image, const SideLine& side,
 
 // Whether it is white, dark and white again from the inside of the side to its outside. The stroke
 // may be half or twice as thick as guessed, because foreshortening hides which way the symbol runs.
-// Where the picture's border cuts the stroke, white and dark are enough; an outline that ends at
-// the border itself shows no stroke.
+// Where the picture's border cuts the stroke, white and dark are enough; an outline within
+// the tolerance of the border shows no stroke.
 bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) {
   constexpr int kSteps = 12;
-  constexpr int kLeastSteps = 2;  // of a stroke that the border cuts
   const double inside = sample_bilinear(image, at + (-side.reach) * side.outward);
   const double step = (2.5 * side.stroke + 1) / kSteps;
   const auto place = [&](int k) { return at + (step * k) * side.outward; };
@@ -186,7 +185,7 @@ bool crosses_stroke(const GrayView& image, const SideLine& side, PixelPoint at) 
     darkest = std::min(darkest, value);
     if (std::min(inside, value) - darkest > kSide.least_fall) return true;
   }
-  const bool is_cut = !ends_in_image && is_inside(image, place(kLeastSteps));
+  const bool is_cut = !ends_in_image && is_inside(image, at + kSide.tolerance * side.outward);
   return is_cut && inside - darkest > kSide.least_fall;
 }
 
