@@ -373,7 +373,7 @@ DrawingView distortion_view(const BoardCalibration& result) {
   view.scale = 1;
   view.sketch.layer("band");  // under everything else
   add_displacement(view.sketch, chart, curve, result.calibration);
-  chart.corner.y() = -0.041;
+  chart.corner.y() = -chart.size.y() - 0.011;  // below the other's labels
   add_deviation(view.sketch, chart, curve, result.calibration);
   return view;
 }
