@@ -2,6 +2,7 @@
 #include "decoder/feature_frame/corner_covariance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -33,10 +34,11 @@ CornerCovariance corners_by_places(const Quad& corners) {
 }
 
 // What a side's places are off by beyond what noise explains.
-Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i) {
+Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double displaced) {
   const PixelPoint d = frame.corners[(i + 1) % 4] - frame.corners[i];
   const double crossed = std::min(std::abs(d.x), std::abs(d.y));
-  const double along_grid = kCorner.along_grid * std::max(0.0, 1 - crossed);
+  const double share = std::max(0.0, 1 - crossed);
+  const double along_grid = std::hypot(kCorner.along_grid, displaced) * share;
   const double blurred =
       kCorner.blurred * std::pow(frame.sides[i].blur_px / frame.sides[i].stroke_px, 2);
   const double whole = std::hypot(kCorner.whole + along_grid, blurred);
@@ -44,16 +46,34 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i) {
          Eigen::Matrix2d::Identity() * kCorner.end * kCorner.end;
 }
 
+// Edges are displaced on all sides alike, and by more or less from one end of the frame to the
+// other, as the light changes there.
+CornerCovariance of_displaced_edges(const Quad& corners, double displaced) {
+  const Quad outwards = widened(corners, displaced);
+  CornerCovariance covariance = CornerCovariance::Zero();
+  for (const auto& by :
+       {std::array{1, 1, 1, 1}, std::array{-1, 1, 1, -1}, std::array{-1, -1, 1, 1}}) {
+    Eigen::Matrix<double, 8, 1> moved;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const PixelPoint off = by[i] * (outwards[i] - corners[i]);
+      moved.segment<2>(index(2 * i)) << off.x, off.y;
+    }
+    covariance += moved * moved.transpose();
+  }
+  return covariance;
+}
+
 }  // namespace
 
-CornerCovariance corner_covariance(const RefinedFrame& frame) {
+CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced) {
   CornerCovariance of_places = CornerCovariance::Zero();
   for (std::size_t i = 0; i < 4; ++i) {
     of_places.block<2, 2>(index(2 * i), index(2 * i)) =
-        kCorner.alike * frame.sides[i].covariance + unexplained(frame, i);
+        kCorner.alike * frame.sides[i].covariance + unexplained(frame, i, displaced);
   }
   const CornerCovariance by_places = corners_by_places(frame.corners);
-  return by_places * of_places * by_places.transpose();
+  return by_places * of_places * by_places.transpose() +
+         of_displaced_edges(frame.corners, displaced);
 }
 
 }  // namespace tagsmith::detail

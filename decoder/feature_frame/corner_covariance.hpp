@@ -13,6 +13,9 @@ using CornerCovariance = Eigen::Matrix<double, 8, 8>;
 
 // Each corner is where two fitted sides meet, so neighbouring corners share a side's errors.
 // Positive definite: what no fit shows of the lens, the print and the tone curve is added.
-CornerCovariance corner_covariance(const RefinedFrame& frame);
+// `displaced`: by how many pixels, one standard deviation, edges may stand elsewhere than the
+// growth of the bars says. A tone curve that is not sRGB, or that ends in the white, displaces a
+// lone edge otherwise than edges between bars.
+CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced = 0);
 
 }  // namespace tagsmith::detail

@@ -60,7 +60,7 @@ struct SharpeningTuning {
   double margin_px = 12;  // around a frame in which sharpening is undone
   int most_steps = 40;
   double settled = 2e-4;    // change of the cost
-  double doubt = 0.35;      // of what undoing moves, and of what stroke and bars differ by
+  double doubt = 0.35;      // of what undoing or growth moves; of what stroke and bars differ by
   double thin_stroke = 10;  // pixels, of a stroke that tells by how much edges are moved
   double most_apart = 0.6;  // pixels between the growth by the stroke and by the bars
 };

@@ -21,12 +21,7 @@ namespace {
 using CornerVector = Eigen::Matrix<double, 8, 1>;
 
 PlacedCorners placed_by_frame(const SymbolHypothesis& symbol) {
-  RefinedFrame frame = symbol.frame;
-  const double growth = growth_of(symbol).doubt_px / 2;
-  for (FrameSide& side : frame.sides) {
-    side.covariance += Eigen::Matrix2d::Constant(growth * growth / kCorner.alike);
-  }
-  return {corners_of(symbol), corner_covariance(frame)};
+  return {corners_of(symbol), corner_covariance(symbol.frame, growth_of(symbol).doubt_px / 2)};
 }
 
 CornerVector as_vector(const FrameCorners& corners) {

@@ -293,7 +293,7 @@ PartReading reading_of(const GrayView& image, const Part& part) {
   for (std::size_t i = 0; i < 4; ++i) {
     reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
   }
-  reading.corner_covariance = corner_covariance(frame);
+  reading.corner_covariance = corner_covariance(frame, kSharpening.doubt * std::abs(growth_px) / 2);
   reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);

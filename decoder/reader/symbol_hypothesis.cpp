@@ -124,12 +124,13 @@ FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
 
 BlackGrowth growth_of(const SymbolHypothesis& symbol) {
   const double by_bars = symbol.decoding.fit.image.growth * symbol.profile.module_px;
-  if (!symbol.frame.was_sharpened) return {by_bars, 0};
+  const BlackGrowth of_bars{by_bars, kSharpening.doubt * std::abs(by_bars)};
+  if (!symbol.frame.was_sharpened) return of_bars;
   std::vector<double> by_strokes = stroke_growths(symbol);
   std::erase_if(by_strokes,
                 [&](double growth) { return std::abs(growth - by_bars) > kSharpening.most_apart; });
   const auto count = static_cast<double>(by_strokes.size());
-  if (count == 0) return {by_bars, kSharpening.doubt * std::abs(by_bars)};
+  if (count == 0) return of_bars;
   double mean = 0, squares = 0;
   for (const double growth : by_strokes) mean += growth / count;
   for (const double growth : by_strokes) squares += (growth - mean) * (growth - mean);

@@ -37,6 +37,7 @@ struct Conditions {
   double roll = -1;      // radians; random where negative
   double blur_px = 0.5;  // sigma; a camera's own pixels come on top
   double noise = 4;      // grey levels
+  double exposure = 1;   // times that of a plate that is not quite white
   double growth = 0;     // modules
   double contrast = 1;   // of the plate, 1 = 0.82 against 0.05
   double motion_px = 0;
@@ -56,6 +57,7 @@ struct Outcome {
   bool wrong = false;
   bool is_told = true;             // where it is asked: by the picture to an ideal reader
   std::array<double, 8> errors{};  // of corner coordinates, pixels
+  double chi_square = 0;           // of them, per degree of freedom
 };
 
 Camera camera_for(double module_px) {
@@ -130,7 +132,7 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   view.sensor.noise_sigma = conditions.noise;
   view.sensor.tone = conditions.tone;
   view.sensor.motion_px = {conditions.motion_px, 0};
-  view.sensor.exposure = 0.85;
+  view.sensor.exposure = 0.85 * conditions.exposure;
   view.seed = seed;
   const View picture = render_view(camera, std::span(&plate, 1), view);
   ReadOptions options;
@@ -149,6 +151,7 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
     }
     outcome.read = true;
     outcome.errors = bench::corner_errors(reading, picture.plates.front());
+    outcome.chi_square = bench::corner_chi_square(reading, picture.plates.front());
   }
   if (conditions.ask_ideal && !outcome.read) {
     outcome.is_told = is_told(camera, plate, code, view, conditions.book > 0);
@@ -156,22 +159,28 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   return outcome;
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
 void run_cell(const std::string& name, const Conditions& conditions, int count) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
   tbb::parallel_for(std::size_t{0}, outcomes.size(),
                     [&](std::size_t i) { outcomes[i] = run_one(conditions, 1000 + i); });
   int read = 0, wrong = 0, untold = 0;
-  std::vector<double> errors;
+  std::vector<double> errors, chi_squares;
   for (const Outcome& outcome : outcomes) {
     wrong += outcome.wrong ? 1 : 0;
     untold += outcome.is_told ? 0 : 1;
     if (!outcome.read) continue;
     ++read;
     errors.insert(errors.end(), outcome.errors.begin(), outcome.errors.end());
+    chi_squares.push_back(outcome.chi_square);
   }
-  std::ranges::sort(errors);
-  const double median = errors.empty() ? 0 : errors[errors.size() / 2];
-  fmt::print("| {} | {:.1f} % | {} | {:.3f} |", name, 100.0 * read / count, wrong, median);
+  fmt::print("| {} | {:.1f} % | {} | {:.3f} | {:.2f} |", name, 100.0 * read / count, wrong,
+             median(errors), median(chi_squares));
   if (conditions.ask_ideal) fmt::print(" {:.1f} % |", 100.0 * (count - untold) / count);
   for (std::size_t r = 0; r < bench::other_readers().size(); ++r) {
     int others_read = 0;
@@ -194,12 +203,14 @@ Conditions typical() {
 }
 
 void print_head(int count, bool ask_ideal) {
-  fmt::print("| condition ({} tags each) | read | wrong | median corner error, px |", count);
+  fmt::print(
+      "| condition ({} tags each) | read | wrong | median corner error, px | chi-square a degree |",
+      count);
   if (ask_ideal) fmt::print(" an ideal reader |");
   for (const bench::OtherReader& reader : bench::other_readers()) {
     fmt::print(" {}: read, wrong |", reader.name);
   }
-  fmt::print("\n|---|---|---|---|{}", ask_ideal ? "---|" : "");
+  fmt::print("\n|---|---|---|---|---|{}", ask_ideal ? "---|" : "");
   for (std::size_t r = 0; r < bench::other_readers().size(); ++r) fmt::print("---|");
   fmt::print("\n");
 }
@@ -280,6 +291,13 @@ void run_cameras(int count) {
   Conditions pale = typical();
   pale.contrast = 0.25;
   run_cell("quarter contrast at 2 px/module", pale, count);
+  for (const double exposure : {2, 3, 4}) {
+    Conditions bright = typical();
+    bright.exposure = exposure;
+    run_cell(fmt::format("exposure {} times at 2 px/module", exposure), bright, count);
+    bright.module_px = 1;
+    run_cell(fmt::format("exposure {} times at 1 px/module", exposure), bright, count);
+  }
   Conditions motion = typical();
   motion.motion_px = 4;
   run_cell("motion of 4 px at 2 px/module", motion, count);

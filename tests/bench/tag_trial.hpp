@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "decoder/reader/reading.hpp"
@@ -72,6 +73,17 @@ inline std::array<double, 8> corner_errors(const Reading& reading, const PlateTr
     errors[2 * i + 1] = std::abs(reading.corners[i].y - corner.y());
   }
   return errors;
+}
+
+// Chi-square of the corners' errors by their covariance, per degree of freedom.
+inline double corner_chi_square(const Reading& reading, const PlateTruth& truth) {
+  Eigen::Matrix<double, 8, 1> error;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d corner = truth.corners[i].value_or(Eigen::Vector2d::Zero());
+    error.segment<2>(static_cast<Eigen::Index>(2 * i)) << reading.corners[i].x - corner.x(),
+        reading.corners[i].y - corner.y();
+  }
+  return error.dot(reading.corner_covariance.ldlt().solve(error)) / 8;
 }
 
 }  // namespace tagsmith::detail::bench

@@ -123,3 +123,16 @@ TEST_CASE("a frame that is turned begins with another corner, and so does its co
     }
   }
 }
+
+TEST_CASE("Edges that growth displaces otherwise move a frame's corners together") {
+  constexpr double kDisplaced = 0.1;
+  const RefinedFrame frame = skew_frame();
+  const CornerCovariance added = corner_covariance(frame, kDisplaced) - corner_covariance(frame);
+  const Eigen::SelfAdjointEigenSolver<CornerCovariance> solver(added);
+  // Outwards, and by more or less along and across the frame.
+  for (Eigen::Index i = 0; i < 8; ++i) {
+    CAPTURE(i);
+    if (i < 5) CHECK(solver.eigenvalues()[i] == doctest::Approx(0).epsilon(1e-9));
+    if (i >= 5) CHECK(solver.eigenvalues()[i] > 2 * kDisplaced * kDisplaced);
+  }
+}

@@ -62,7 +62,7 @@ TEST_CASE("bars of another layout than the frame's do not move it") {
   symbol.layout.quiet_zone_modules = 9.5;
   const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
   CHECK(farthest_apart(placed.corners, corners_of(symbol)) == 0);
-  CHECK(placed.covariance == corner_covariance(symbol.frame));
+  CHECK(placed.covariance == corner_covariance(symbol.frame, growth_of(symbol).doubt_px / 2));
 }
 
 TEST_CASE("through a lens that only the frame's own sides tell, the bars say little") {
