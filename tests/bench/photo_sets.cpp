@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads folders of photos that have a truth.json and tables what was read: recall by resolution,
-// wrong readings, corner errors. Usage: bench_photo_sets [-v] [-c] [-b] FOLDER...; -v lists every
-// tag, -c names the check digit, -b gives the folder's codes as the code book.
+// wrong readings, corner errors. Usage: bench_photo_sets [-v] [-c] [-b] [-x GAIN] [-g GAMMA]
+// FOLDER...; -v lists every tag, -c names the check digit, -b gives the folder's codes as the code
+// book, -x makes the photos so many times as bright, what is whiter than white being lost, -g gives
+// them another tone curve: the share of white to this power.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,6 +22,7 @@
 #include <nlohmann/json.hpp>
 
 #include "decoder/image/load.hpp"
+#include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/other_readers.hpp"
 
@@ -72,7 +78,20 @@ std::string bin_of(double module_px) {
 struct Given {
   bool check = false;
   bool book = false;
+  double gain = 1;
+  double gamma = 1;
 };
+
+// The photo as a camera with another exposure and another tone curve would have stored it.
+void expose(GrayImage& image, const Given& given) {
+  const ToneCurve& tone = ToneCurve::srgb();
+  std::array<std::uint8_t, 256> exposed{};
+  for (std::size_t i = 0; i < exposed.size(); ++i) {
+    const double sample = tone.sample_of(given.gain * tone.light_of(static_cast<int>(i)));
+    exposed[i] = static_cast<std::uint8_t>(std::lround(255 * std::pow(sample / 255, given.gamma)));
+  }
+  for (std::uint8_t& sample : image.samples) sample = exposed[sample];
+}
 
 ReadOptions options_for(const json& truth, const Given& given) {
   ReadOptions options;
@@ -202,8 +221,9 @@ Result<Outcome> read_folder(const fs::path& folder, const Given& given, bool ver
   Outcome outcome;
   for (const auto& item : truth.at("images")) {
     const std::string file = item.at("file").get<std::string>();
-    const Result<GrayImage> image = load_gray_image(folder / file);
+    Result<GrayImage> image = load_gray_image(folder / file);
     if (!image) return tl::unexpected(image.error());
+    expose(*image, given);
     const Photo photo = read_photo(file, image->view(), options, outcome.times_ms);
     for (const auto& plate : item.at("plates")) {
       if (plate.at("kind") != "upca" || !plate.at("frame_in_image").get<bool>()) continue;
@@ -244,6 +264,10 @@ int main(int argc, char** argv) {
       given.check = true;
     } else if (argument == "-b") {
       given.book = true;
+    } else if (argument == "-x" && i + 1 < argc) {
+      given.gain = std::strtod(argv[++i], nullptr);
+    } else if (argument == "-g" && i + 1 < argc) {
+      given.gamma = std::strtod(argv[++i], nullptr);
     } else {
       const Result<Outcome> outcome = read_folder(argument, given, verbose);
       if (!outcome) {
