@@ -34,6 +34,7 @@
 #include "tagsmith/symbology/upca.hpp"
 #include "tests/bench/crop.hpp"
 #include "tests/bench/fix_trial.hpp"
+#include "tests/bench/median.hpp"
 #include "tests/support/draws.hpp"
 
 using namespace tagsmith::detail;
@@ -70,12 +71,6 @@ void count_corners(const PartReading& part, const FrameCorners& truth, Row& row)
   }
   for (const double off : error) row.errors.push_back(std::abs(off));
   row.chi_squares.push_back(error.dot(part.corner_covariance.ldlt().solve(error)) / 8);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
 }
 
 // Counts what was read of a plate; whether the part is its.
@@ -120,7 +115,7 @@ void print(const Table& table) {
       mean += value / static_cast<double>(row.chi_squares.size());
     fmt::print("| {} to {} % | {} | {} | {} | {} | {} | {:.3f} px | {:.2f} |\n", 10 * i,
                std::min<std::size_t>(100, 10 * i + 10), row.tags, row.whole, row.identified,
-               row.candidates, row.wrong, median(row.errors), mean);
+               row.candidates, row.wrong, bench::median(row.errors), mean);
   }
 }
 

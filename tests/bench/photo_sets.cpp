@@ -24,6 +24,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/bench/median.hpp"
 #include "tests/bench/other_readers.hpp"
 
 using namespace tagsmith::detail;
@@ -60,12 +61,6 @@ struct CornerFit {
   double sigma = 0;                   // stated, root mean square of a coordinate
   double chi_square = 0;              // over 8
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 std::string bin_of(double module_px) {
   if (module_px >= 2) return "2.0+";
@@ -239,11 +234,12 @@ Result<Outcome> read_folder(const fs::path& folder, const Given& given, bool ver
 
 void print(const std::string& name, const Outcome& outcome) {
   fmt::print("{}: {} images, {} wrong, {} with corners far off, median {:.2f} ms, max {:.2f} ms\n",
-             name, outcome.times_ms.size(), outcome.wrong, outcome.far, median(outcome.times_ms),
-             *std::ranges::max_element(outcome.times_ms));
+             name, outcome.times_ms.size(), outcome.wrong, outcome.far,
+             bench::median(outcome.times_ms), *std::ranges::max_element(outcome.times_ms));
   for (const auto& [cell_name, cell] : outcome.cells) {
     fmt::print("  {:20} {:3}/{:3} read, corner error median {:.3f} px, of its covariance {:.2f}",
-               cell_name, cell.read, cell.tags, median(cell.errors), median(cell.chi_squares));
+               cell_name, cell.read, cell.tags, bench::median(cell.errors),
+               bench::median(cell.chi_squares));
     for (std::size_t r = 0; r < cell.others.size(); ++r) {
       fmt::print(", {} {}", bench::other_readers()[r].name, cell.others[r]);
     }

@@ -23,6 +23,7 @@
 #include "decoder/simulate/render_view.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/median.hpp"
 #include "tests/bench/other_readers.hpp"
 #include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
@@ -159,12 +160,6 @@ Outcome run_one(const Conditions& conditions, std::uint64_t seed) {
   return outcome;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 void run_cell(const std::string& name, const Conditions& conditions, int count) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(count));
   tbb::parallel_for(std::size_t{0}, outcomes.size(),
@@ -180,7 +175,7 @@ void run_cell(const std::string& name, const Conditions& conditions, int count) 
     chi_squares.push_back(outcome.chi_square);
   }
   fmt::print("| {} | {:.1f} % | {} | {:.3f} | {:.2f} |", name, 100.0 * read / count, wrong,
-             median(errors), median(chi_squares));
+             bench::median(errors), bench::median(chi_squares));
   if (conditions.ask_ideal) fmt::print(" {:.1f} % |", 100.0 * (count - untold) / count);
   for (std::size_t r = 0; r < bench::other_readers().size(); ++r) {
     int others_read = 0;
