@@ -38,7 +38,7 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double dis
   const PixelPoint d = frame.corners[(i + 1) % 4] - frame.corners[i];
   const double crossed = std::min(std::abs(d.x), std::abs(d.y));
   const double share = std::max(0.0, 1 - crossed);
-  const double along_grid = std::hypot(kCorner.along_grid, displaced) * share;
+  const double along_grid = std::hypot(kCorner.along_grid, 2 * displaced) * share;
   const double blurred =
       kCorner.blurred * std::pow(frame.sides[i].blur_px / frame.sides[i].stroke_px, 2);
   const double whole = std::hypot(kCorner.whole + along_grid, blurred);
@@ -49,7 +49,7 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double dis
 // Edges are displaced on all sides alike, and by more or less from one end of the frame to the
 // other, as the light changes there.
 CornerCovariance of_displaced_edges(const Quad& corners, double displaced) {
-  const Quad outwards = widened(corners, displaced);
+  const Quad outwards = widened(corners, displaced / 2);
   CornerCovariance covariance = CornerCovariance::Zero();
   for (const auto& by :
        {std::array{1, 1, 1, 1}, std::array{-1, 1, 1, -1}, std::array{-1, -1, 1, 1}}) {
