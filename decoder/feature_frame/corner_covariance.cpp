@@ -2,7 +2,6 @@
 #include "decoder/feature_frame/corner_covariance.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -46,34 +45,26 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double dis
          Eigen::Matrix2d::Identity() * kCorner.end * kCorner.end;
 }
 
-// Edges are displaced on all sides alike, and by more or less from one end of the frame to the
-// other, as the light changes there.
-CornerCovariance of_displaced_edges(const Quad& corners, double displaced) {
-  const Quad outwards = widened(corners, displaced / 2);
-  CornerCovariance covariance = CornerCovariance::Zero();
-  for (const auto& by :
-       {std::array{1, 1, 1, 1}, std::array{-1, 1, 1, -1}, std::array{-1, -1, 1, 1}}) {
-    Eigen::Matrix<double, 8, 1> moved;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const PixelPoint off = by[i] * (outwards[i] - corners[i]);
-      moved.segment<2>(index(2 * i)) << off.x, off.y;
-    }
-    covariance += moved * moved.transpose();
-  }
-  return covariance;
+// Of the sides' places: edges are displaced on all sides alike, and by more or less from one end of
+// the frame to the other, as the light changes there.
+CornerCovariance of_displaced_edges(double displaced) {
+  Eigen::Matrix<double, 3, 8> by_mode;
+  by_mode << 1, 1, 1, 1, 1, 1, 1, 1,  //
+      -1, 1, 1, 1, 1, -1, -1, -1,     // along the symbol
+      -1, -1, -1, 1, 1, 1, 1, -1;     // across it
+  return displaced * displaced / 4 * by_mode.transpose() * by_mode;
 }
 
 }  // namespace
 
 CornerCovariance corner_covariance(const RefinedFrame& frame, double displaced) {
-  CornerCovariance of_places = CornerCovariance::Zero();
+  CornerCovariance of_places = of_displaced_edges(displaced);
   for (std::size_t i = 0; i < 4; ++i) {
-    of_places.block<2, 2>(index(2 * i), index(2 * i)) =
+    of_places.block<2, 2>(index(2 * i), index(2 * i)) +=
         kCorner.alike * frame.sides[i].covariance + unexplained(frame, i, displaced);
   }
   const CornerCovariance by_places = corners_by_places(frame.corners);
-  return by_places * of_places * by_places.transpose() +
-         of_displaced_edges(frame.corners, displaced);
+  return by_places * of_places * by_places.transpose();
 }
 
 }  // namespace tagsmith::detail

@@ -283,9 +283,9 @@ bool in_picture(const GrayView& image, PixelPoint at) {
 PartReading reading_of(const GrayView& image, const Part& part) {
   const Decoding& decoding = part.decoding.decoding;
   const FarSide far = far_side_of(part);
-  const double growth_px = decoding.fit.image.growth * part.profile.module_px;
+  const BlackGrowth growth = growth_of_bars(decoding, part.profile.module_px);
   RefinedFrame frame = part.frame;
-  frame.corners = with_far_side(widened(frame.corners, growth_px / 2), far);
+  frame.corners = with_far_side(widened(frame.corners, growth.px / 2), far);
   frame.sides[1].covariance = covariance_of(far);
   frame = turned_to(std::move(frame), decoding.upside_down ? 2 : 0);
   PartReading reading;
@@ -293,7 +293,7 @@ PartReading reading_of(const GrayView& image, const Part& part) {
   for (std::size_t i = 0; i < 4; ++i) {
     reading.corner_in_sight[i] = in_picture(image, reading.corners[i]);
   }
-  reading.corner_covariance = corner_covariance(frame, kSharpening.doubt * std::abs(growth_px) / 2);
+  reading.corner_covariance = corner_covariance(frame, growth.doubt_px / 2);
   reading.candidates = part.decoding.candidates;
   reading.in_sight = part.decoding.certain;
   reading.share = std::clamp(part.profile.bins.back().at / kModuleCount, 0.0, 1.0);

@@ -122,20 +122,25 @@ FrameCorners corners_by_bars(const SymbolHypothesis& symbol) {
   return {map(left, 0), map(right, 0), map(right, 1), map(left, 1)};
 }
 
+BlackGrowth growth_of_bars(const Decoding& decoding, double module_px) {
+  const double px = decoding.fit.image.growth * module_px;
+  return {px, kSharpening.doubt * std::abs(px)};
+}
+
 BlackGrowth growth_of(const SymbolHypothesis& symbol) {
-  const double by_bars = symbol.decoding.fit.image.growth * symbol.profile.module_px;
-  const BlackGrowth of_bars{by_bars, kSharpening.doubt * std::abs(by_bars)};
+  const BlackGrowth of_bars = growth_of_bars(symbol.decoding, symbol.profile.module_px);
   if (!symbol.frame.was_sharpened) return of_bars;
   std::vector<double> by_strokes = stroke_growths(symbol);
-  std::erase_if(by_strokes,
-                [&](double growth) { return std::abs(growth - by_bars) > kSharpening.most_apart; });
+  std::erase_if(by_strokes, [&](double growth) {
+    return std::abs(growth - of_bars.px) > kSharpening.most_apart;
+  });
   const auto count = static_cast<double>(by_strokes.size());
   if (count == 0) return of_bars;
   double mean = 0, squares = 0;
   for (const double growth : by_strokes) mean += growth / count;
   for (const double growth : by_strokes) squares += (growth - mean) * (growth - mean);
   const double scatter = std::sqrt(squares / std::max(1.0, count - 1));
-  return {mean, std::hypot(scatter, kSharpening.doubt * (mean - by_bars))};
+  return {mean, std::hypot(scatter, kSharpening.doubt * (mean - of_bars.px))};
 }
 
 FrameCorners corners_of(const SymbolHypothesis& symbol) {
