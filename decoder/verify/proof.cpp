@@ -163,9 +163,15 @@ void compare_digits(const Survey& survey, const ProofTag& tag, const Reading& re
   proof.problem = "reads " + proof.digits + ", the survey says " + to_string(expected->digits);
 }
 
-void compare_corners(const Survey& survey, const ProofTag& tag, const Reading& reading,
+// Where the frame's own edges will be once the ink adds what drawing it thinner took away. Bars are
+// not asked: their edges stand on the nearest dots, so they are less exact than a drawn frame.
+FrameCorners corners_when_printed(const Reading& reading, double bar_adjustment_px) {
+  return widened(reading.symbol.value().frame.corners, bar_adjustment_px / 2);
+}
+
+void compare_corners(const Survey& survey, const ProofTag& tag, const FrameCorners& corners,
                      const PixelPoint& p, double metres_per_pixel, TagProof& proof) {
-  const auto& [corner_p, corner_f, corner_r, corner_q] = reading.corners;
+  const auto& [corner_p, corner_f, corner_r, corner_q] = corners;
   const PageTag& shown = *tag.pieces.front().second;
   const Rectangle& frame = tag.drawing().frame_inner;
   const PlatePoint origin = p_on_page(shown);
@@ -179,7 +185,7 @@ void compare_corners(const Survey& survey, const ProofTag& tag, const Reading& r
                                expected_at(0, frame.height)}};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     proof.corner_error =
-        std::max(proof.corner_error, distance(reading.corners[i], expected[i]) * metres_per_pixel);
+        std::max(proof.corner_error, distance(corners[i], expected[i]) * metres_per_pixel);
   }
   const double length =
       (distance(corner_p, corner_f) + distance(corner_q, corner_r)) / 2 * metres_per_pixel;
@@ -225,7 +231,10 @@ Result<TagProof> prove(const Survey& survey, const ProofTag& tag, int dots_per_i
   }
   const double metres_per_pixel = kMetresPerInch / proof.dots_per_inch;
   compare_digits(survey, tag, read.tags.front(), proof);
-  compare_corners(survey, tag, read.tags.front(), ready->p, metres_per_pixel, proof);
+  const double adjustment = tag.pieces.front().first->bar_adjustment;
+  compare_corners(survey, tag,
+                  corners_when_printed(read.tags.front(), adjustment / metres_per_pixel), ready->p,
+                  metres_per_pixel, proof);
   ask_zbar(survey, tag, ready->image, read.tags.front().module_px, proof);
   return proof;
 }

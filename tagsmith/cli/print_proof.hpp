@@ -21,6 +21,7 @@ struct ProofPage {
   std::filesystem::path file;
   int number = 0;  // of the page in a PDF, from 1; 0 in a picture
   const Page* page = nullptr;
+  double bar_adjustment = 0;  // metres by which bars and strokes are drawn bolder than laid out
   PrinterScale scale{};  // with which the file comes out as the page was laid out
 };
 

@@ -19,6 +19,7 @@
 #include "tagsmith/render/setting_out_sheets.hpp"
 #include "tagsmith/render/zip_file.hpp"
 #include "tagsmith/survey/setting_out.hpp"
+#include "tagsmith/tag/printer_dots.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -79,7 +80,7 @@ Result<void> write_setting_out(const PrintJob& job, const PrintRecord& record,
 
 Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const StagedFiles& files,
                                          std::size_t unit) {
-  // The reader takes the growth of bars off the frame, so it finds the corners where they will be.
+  const double adjustment = drawn_adjustment(job.style.bar_adjustment, job.dots_per_inch());
   const std::vector<Page> pages = nominal_pages(job, job.units[unit]);
   const std::vector<PageInFile> places = pages_in_files(job, unit);
   std::vector<TagProof> proofs;
@@ -87,7 +88,7 @@ Result<std::vector<TagProof>> prove_unit(const PrintJob& job, const StagedFiles&
     std::vector<ProofPage> list;
     for (const PageInFile& place : places) {
       if (place.format != format) continue;
-      list.push_back({files.staged(place.file), place.number, &pages[place.index],
+      list.push_back({files.staged(place.file), place.number, &pages[place.index], adjustment,
                       format == SheetFormat::pdf ? job.printer_scale() : PrinterScale{}});
     }
     Result<std::vector<TagProof>> more =

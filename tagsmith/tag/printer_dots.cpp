@@ -73,15 +73,20 @@ TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch) {
   return drawing;
 }
 
+double drawn_adjustment(double adjustment, int dots_per_inch) {
+  if (dots_per_inch <= 0) return adjustment;
+  const double dot = dot_of(dots_per_inch);
+  return std::round(adjustment / dot) * dot;
+}
+
 TagDrawing with_bar_adjustment(TagDrawing drawing, double adjustment, int dots_per_inch) {
-  double before = adjustment / 2;
-  double after = before;
+  const double whole = drawn_adjustment(adjustment, dots_per_inch);
+  double before = whole / 2;
   if (dots_per_inch > 0) {
     const double dot = dot_of(dots_per_inch);
-    const double dots = std::round(adjustment / dot);
-    before = std::floor(dots / 2) * dot;
-    after = dots * dot - before;
+    before = std::floor(before / dot + kWhole) * dot;
   }
+  const double after = whole - before;
   drawing.frame_outer = grown(drawing.frame_outer, before, after);
   drawing.frame_inner =
       grown(drawing.frame_inner, -after, -before);  // white: its left edge ends ink

@@ -31,6 +31,10 @@ inline constexpr double kLeastDots = 5;
 // the next dot inwards.
 TagDrawing on_whole_dots(TagDrawing drawing, int dots_per_inch);
 
+// What is added to the width of every bar, metres: the nearest whole number of dots where
+// dots_per_inch is not 0.
+double drawn_adjustment(double adjustment, int dots_per_inch);
+
 // The drawing with `adjustment` metres (negative = less) added to the width of every bar and to the
 // stroke of the feature frame, half on either side: it takes away what the ink adds. On whole dots
 // (dots_per_inch not 0) it is the nearest whole number of them, an odd one to the right and below.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `tagsmith print` onto paper, for printers, with proof; `tagsmith diff` and what it hands to
 // print.
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -96,6 +97,11 @@ TEST_CASE("a roll carries turned plates, is proved, verified and says what it wa
     CHECK(manifest["roll"]["length_m"] <= length);
     CHECK(manifest["roll"]["waste_percent"] < 20);
     CHECK(output.err.find(" of roll:1000, 1") != std::string::npos);
+    // A bar that is one dot narrower is half a dot farther to the right and below.
+    constexpr double kDot = 25.4 / 300;
+    for (const json& proof : manifest["proof"]) {
+      CHECK(proof["corner_error_mm"].get<double>() < std::sqrt(0.5) * kDot + 0.05);
+    }
     const ProgramOutput verified = run_tagsmith("verify " + survey + " " + out.string());
     CHECK_MESSAGE(verified.exit_code == 0, verified.out);
   }
