@@ -77,6 +77,9 @@ struct CornerTuning {
   double along_grid = 0.015;  // pixels
   // Where the blur reaches from one edge of the stroke to the other, the model's errors do too.
   double blurred = 0.5;      // pixels, times (blur / stroke)^2
+  // Pixels that edges of shadows beside the sides of a plate and across them may move these by
+  // (`./dev bench photos -s 0.1`).
+  double in_shadow = 0.3;
   double bow = 0.012;        // pixels, of a straight side's middle against its ends
   double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
   // Chi-square, of four places, from which bars and frame are not of one layout.

@@ -87,7 +87,7 @@ std::optional<Objection> objection_to_quick(const GrayView& image, const SymbolH
   }
   if (is_beyond_doubt(decoding)) return std::nullopt;
   const RobustProfile rows(image, turned_to(symbol.frame, decoding.upside_down ? 2 : 0),
-                           symbol.layout);
+                           symbol.layout, symbol.profile.is_evened);
   return halves_contradict(rows, decoding) ? std::optional(covered) : std::nullopt;
 }
 
@@ -132,7 +132,10 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
       judge_by_bar_ends(image, corners_of(symbol), symbol.layout, frame.lens);
   const bool whole = std::ranges::all_of(frame.shown, std::identity{});
   if (verdict.kind == EndsVerdict::odd) return std::nullopt;
-  if (verdict.kind == EndsVerdict::unknown && !whole) return std::nullopt;
+  // Among shadows other straight edges are near.
+  if (verdict.kind == EndsVerdict::unknown && (!whole || symbol.profile.is_evened)) {
+    return std::nullopt;
+  }
   if (verdict.kind != EndsVerdict::hidden) return reading_from(image, symbol, method);
   std::array<bool, 4> shown{};
   for (std::size_t i = 0; i < 4; ++i) {

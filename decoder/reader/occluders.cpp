@@ -165,6 +165,7 @@ void add_strips(const GrayView& image, const FrameHomography& image_from_frame, 
 }
 
 constexpr int kPlacesPerModule = 2;
+constexpr int kWidestElement = 4;  // modules
 
 // Places along the symbol, in the unit square, every half module and a little beyond the bars.
 std::vector<double> places_along(const SymbolLayout& layout) {
@@ -268,29 +269,35 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
   return bars_share * way / 2 <= kOccluder.most_way * (broad + kPlacesPerModule);
 }
 
-// Whether the light from the middle of one crossing to that of the other changes evenly; over ink,
-// where a strip is seen no lighter than it is, whether it is nowhere darker than both.
+// Whether the light from one crossing to the other changes evenly; over ink, where a strip is seen no
+// lighter than it is, whether it is nowhere darker than both. Along their middles, or, of broad
+// ones, along a line for each of the widest elements that they could hide: a shadow shows bars.
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
   constexpr int kPlaces = 64;
   const double tolerance =
       (above.beside == Beside::stroke ? kOccluder.odd / 2 : kOccluder.odd) * above.contrast;
-  const auto middle = [](const Crossing& crossing) {
-    return static_cast<std::size_t>(crossing.begin + crossing.count / 2);
-  };
-  const std::size_t first = middle(begin), last = middle(end);
-  int even = 0;
-  for (int k = 0; k < kPlaces; ++k) {
-    const double t = (k + 0.5) / kPlaces;
-    const PixelPoint at = image_from_frame((1 - t) * above.u[first] + t * below.u[last],
-                                           (1 - t) * above.v + t * below.v);
-    const double from = above.level[first], to = below.level[last];
-    const double level = sample_bilinear(image, at);
-    const double off = above.beside == Beside::stroke ? std::min(from, to) - level
-                                                      : std::abs((1 - t) * from + t * to - level);
-    even += off < tolerance ? 1 : 0;
+  const int lines = 1 + std::max(begin.count, end.count) / (kWidestElement * kPlacesPerModule);
+  for (int line = 0; line < lines; ++line) {
+    const auto place = [&](const Crossing& crossing) {
+      return static_cast<std::size_t>(crossing.begin +
+                                      (2 * line + 1) * crossing.count / (2 * lines));
+    };
+    const std::size_t first = place(begin), last = place(end);
+    int even = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const double t = (k + 0.5) / kPlaces;
+      const PixelPoint at = image_from_frame((1 - t) * above.u[first] + t * below.u[last],
+                                             (1 - t) * above.v + t * below.v);
+      const double from = above.level[first], to = below.level[last];
+      const double level = sample_bilinear(image, at);
+      const double off = above.beside == Beside::stroke ? std::min(from, to) - level
+                                                        : std::abs((1 - t) * from + t * to - level);
+      even += off < tolerance ? 1 : 0;
+    }
+    if (even < kOccluder.least_even * kPlaces) return false;
   }
-  return even >= kOccluder.least_even * kPlaces;
+  return true;
 }
 
 // Where to ask for strips along the bars: two rows, from above which to below which they lead.

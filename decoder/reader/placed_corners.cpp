@@ -21,7 +21,9 @@ namespace {
 using CornerVector = Eigen::Matrix<double, 8, 1>;
 
 PlacedCorners placed_by_frame(const SymbolHypothesis& symbol) {
-  return {corners_of(symbol), corner_covariance(symbol.frame, growth_of(symbol).doubt_px / 2)};
+  const double by_growth = growth_of(symbol).doubt_px / 2;
+  const double by_shadows = symbol.profile.is_evened ? kCorner.in_shadow : 0;
+  return {corners_of(symbol), corner_covariance(symbol.frame, std::hypot(by_growth, by_shadows))};
 }
 
 CornerVector as_vector(const FrameCorners& corners) {
@@ -111,7 +113,7 @@ void add_unexplained(const SymbolHypothesis& symbol, SeenOutwards& seen) {
 // Least squares of the corners by the frame and of the places by the bars.
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol) {
   const PlacedCorners by_frame = placed_by_frame(symbol);
-  const RobustProfile rows(image, symbol.frame, symbol.layout);
+  const RobustProfile rows(image, symbol.frame, symbol.layout, symbol.profile.is_evened);
   SeenOutwards seen;
   enter_half({0, 0.5}, 0, symbol, rows, seen);
   enter_half({0.5, 1}, 2, symbol, rows, seen);

@@ -17,9 +17,9 @@ namespace tagsmith::detail {
 namespace {
 
 // In their order, the cheapest first.
-constexpr std::array<Proposer, 2> kFirstLook{propose_expected, propose_near_bars};
-constexpr std::array<Proposer, 4> kCloserLook{propose_around_bars, propose_pieces, propose_refused,
-                                              propose_bars};
+constexpr std::array kFirstLook{propose_expected, propose_near_bars};
+constexpr std::array kCloserLook{propose_around_bars, propose_pieces, propose_refused,
+                                 propose_bars};
 
 }  // namespace
 

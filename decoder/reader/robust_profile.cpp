@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "decoder/reader/agreeing_rows.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/point_spread.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/reader/uneven_light.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail {
@@ -33,15 +35,6 @@ double pixel_across(const SymbolRows& rows) {
 double blur_across(const std::array<FrameSide, 4>& sides, double pixel) {
   const double blur = (sides[1].blur_px + sides[3].blur_px) / 2;
   return std::sqrt(std::max(blur * blur - pixel * pixel / 12, blur * blur / 4));
-}
-
-SymbolProfile finished(ScanProfile bins, const SymbolRows& rows, const RefinedFrame& frame) {
-  set_spreads(rows.image_from_frame, rows.layout, bins);
-  const double per_px = 1 / std::max(rows.module_px, 1e-3);
-  const double pixel = pixel_across(rows);
-  const double bin = 1.0 / rows.bins_per_module;
-  const double blur = blur_across(frame.sides, pixel) * per_px;
-  return {std::move(bins), rows.module_px, std::sqrt(blur * blur + bin * bin / 12), pixel * per_px};
 }
 
 void hide_behind(std::span<const Occluder> occluders, SymbolRows& rows) {
@@ -91,6 +84,27 @@ std::array<double, 2> used_heights(HeightShare part, const SymbolLayout& layout)
           layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars};
 }
 
+// Standard deviation of the point spread along the bars, modules, the pixel included.
+double blur_of(const RefinedFrame& frame, const SymbolRows& rows) {
+  return (frame.sides[1].blur_px + frame.sides[3].blur_px) / 2 / std::max(rows.module_px, 1e-3);
+}
+
+PlateLevels levels_of(const RefinedFrame& frame) {
+  const FrameSide &upper = frame.sides[0], &lower = frame.sides[2];
+  return {{upper.white_begin, upper.white_end, lower.white_begin, lower.white_end},
+          {upper.black_begin, upper.black_end, lower.black_begin, lower.black_end}};
+}
+
+// The same of a plate of this white everywhere, whose ink reflects as much of it as before.
+PlateLevels even_levels(const RefinedFrame& frame, double white) {
+  PlateLevels levels = levels_of(frame);
+  const double black = std::accumulate(levels.black.begin(), levels.black.end(), 0.0);
+  const double bright = std::accumulate(levels.white.begin(), levels.white.end(), 0.0);
+  levels.white.fill(white);
+  levels.black.fill(black / bright * white);
+  return levels;
+}
+
 }  // namespace
 
 double middle_height(HeightShare part, const SymbolLayout& layout) {
@@ -99,25 +113,35 @@ double middle_height(HeightShare part, const SymbolLayout& layout) {
 }
 
 RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
-                             const SymbolLayout& layout)
+                             const SymbolLayout& layout, bool even_out_light)
     : image_(image),
       frame_(frame),
-      rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {}
+      rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {
+  if (even_out_light) white_ = even_out(rows_, blur_of(frame, rows_));
+}
+
+SymbolProfile RobustProfile::finished(ScanProfile bins, const SymbolRows& rows) const {
+  set_spreads(rows.image_from_frame, rows.layout, bins);
+  const double per_px = 1 / std::max(rows.module_px, 1e-3);
+  const double pixel = pixel_across(rows);
+  const double bin = 1.0 / rows.bins_per_module;
+  const double blur = blur_across(frame_.sides, pixel) * per_px;
+  return {std::move(bins), rows.module_px, std::sqrt(blur * blur + bin * bin / 12), pixel * per_px,
+          white_.has_value()};
+}
 
 SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
   const auto [top, bottom] = used_heights(part, rows_.layout);
-  const auto& sides = frame_.sides;
-  const PlateLevels levels{
-      {sides[0].white_begin, sides[0].white_end, sides[2].white_begin, sides[2].white_end},
-      {sides[0].black_begin, sides[0].black_end, sides[2].black_begin, sides[2].black_end}};
-  return finished(profile_of_agreeing(rows_, levels, top, bottom), rows_, frame_);
+  const PlateLevels levels = white_ ? even_levels(frame_, *white_) : levels_of(frame_);
+  return finished(profile_of_agreeing(rows_, levels, top, bottom), rows_);
 }
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
   SymbolRows rows = rows_in_sight(image_, frame_, rows_.layout);
+  if (white_) even_out(rows, blur_of(frame_, rows));
   // What a highlight bleaches is plain too: there its rows' own light decides.
   if (added == AddedLight::even) leave_out_plain(rows);
-  return finished(profile_of(rows, settle(rows, added).agreed), rows, frame_);
+  return finished(profile_of(rows, settle(rows, added).agreed), rows);
 }
 
 }  // namespace tagsmith::detail

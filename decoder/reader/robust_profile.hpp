@@ -2,6 +2,8 @@
 // The scan profile of the symbol inside a feature frame, whatever hides parts of it.
 #pragma once
 
+#include <optional>
+
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/image/gray.hpp"
 #include "decoder/reader/common_darkness.hpp"
@@ -15,6 +17,7 @@ struct SymbolProfile {
   double module_px = 0;  // width of a module in the middle of the frame
   double blur = 0;       // standard deviation of the point spread, modules, from the frame's sides
   double pixel = 0;      // width of a pixel across the bars, modules: beside it
+  bool is_evened = false;  // shadows on the plate are (uneven_light.hpp)
 };
 
 // A part of the bars' height, from the upper end of the bars (0) to the lower one (1).
@@ -28,10 +31,12 @@ struct HeightShare {
 double middle_height(HeightShare part, const SymbolLayout& layout);
 
 // The symbol of a frame, cut out of the picture once, and its scan profile under two assumptions.
+// Shadows on the plate are evened out first where that is asked for.
 class RobustProfile {
  public:
   // The frame's first corner is taken for P. The image must outlive it.
-  RobustProfile(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout);
+  RobustProfile(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout,
+                bool even_out_light = false);
 
   // Where the rows agree, by the white and black of the frame's sides: for each place the mean of
   // the rows that are near their median. Quick.
@@ -47,9 +52,12 @@ class RobustProfile {
   const SymbolLayout& layout() const { return rows_.layout; }
 
  private:
+  SymbolProfile finished(ScanProfile bins, const SymbolRows& rows) const;
+
   GrayView image_;
   RefinedFrame frame_;
-  SymbolRows rows_;  // coarse ones
+  SymbolRows rows_;              // coarse ones
+  std::optional<double> white_;  // of rows that were evened out
 };
 
 }  // namespace tagsmith::detail

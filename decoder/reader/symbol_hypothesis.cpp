@@ -9,6 +9,7 @@
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/tuning.hpp"
+#include "decoder/reader/uneven_light.hpp"
 #include "decoder/scan/decode.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -72,28 +73,50 @@ std::vector<std::size_t> possible_first_corners(const GrayView& image, const Qua
   return {0, 1};
 }
 
-const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayout& layout) {
+const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayout& layout,
+                                      bool evened) {
   const auto same = std::ranges::find_if(seen_, [&](const Seen& other) {
-    return other.first_corner == first_corner && other.profile.layout() == layout;
+    return other.first_corner == first_corner && other.is_evened == evened &&
+           other.profile.layout() == layout;
   });
   if (same != seen_.end()) return same->profile;
-  seen_.push_back({first_corner, RobustProfile(image_, turned_to(frame_, first_corner), layout)});
+  seen_.push_back({first_corner, evened,
+                   RobustProfile(image_, turned_to(frame_, first_corner), layout, evened)});
   return seen_.back().profile;
 }
 
+template <class HypothesisOf>
+std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& options,
+                                                          const HypothesisOf& hypothesis_of) {
+  auto as_seen = hypothesis_of(false);
+  if (!lies_in_shadow_) {
+    const std::size_t first = possible_first_corners(image_, frame_.corners).front();
+    lies_in_shadow_ = is_unevenly_lit(image_, turned_to(frame_, first), options.layouts.front());
+  }
+  if (!*lies_in_shadow_) return as_seen;
+  auto evened = hypothesis_of(true);
+  const bool is_better =
+      evened && (!as_seen || evened->decoding.fit.explained > as_seen->decoding.fit.explained);
+  return is_better ? evened : as_seen;
+}
+
 std::optional<SymbolHypothesis> SymbolLook::by_agreeing_rows(const ReadOptions& options) {
-  return best_hypothesis(image_, frame_, options,
-                         [&](std::size_t first_corner, const SymbolLayout& layout) {
-                           return seen(first_corner, layout).of_agreeing_rows();
-                         });
+  return in_best_light(options, [&](bool evened) {
+    return best_hypothesis(image_, frame_, options,
+                           [&](std::size_t first_corner, const SymbolLayout& layout) {
+                             return seen(first_corner, layout, evened).of_agreeing_rows();
+                           });
+  });
 }
 
 std::optional<SymbolHypothesis> SymbolLook::by_all_rows(const ReadOptions& options,
                                                         AddedLight added) {
-  return best_hypothesis(image_, frame_, options,
-                         [&](std::size_t first_corner, const SymbolLayout& layout) {
-                           return seen(first_corner, layout).of_all_rows(added);
-                         });
+  return in_best_light(options, [&](bool evened) {
+    return best_hypothesis(image_, frame_, options,
+                           [&](std::size_t first_corner, const SymbolLayout& layout) {
+                             return seen(first_corner, layout, evened).of_all_rows(added);
+                           });
+  });
 }
 
 std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,

@@ -32,7 +32,7 @@ class SymbolLook {
 
   // The best explained symbol of the options' layouts, along the direction(s) in which it may run,
   // from the rows that agree (RobustProfile::of_agreeing_rows). Nothing where no guard patterns
-  // show.
+  // show. Where shadows lie on the plate, both as it is seen and evened out.
   std::optional<SymbolHypothesis> by_agreeing_rows(const ReadOptions& options);
 
   // The same from all rows, with what each shows by its own light (RobustProfile::of_all_rows).
@@ -41,14 +41,22 @@ class SymbolLook {
  private:
   struct Seen {
     std::size_t first_corner;  // taken for P
+    bool is_evened;
     RobustProfile profile;
   };
 
-  const RobustProfile& seen(std::size_t first_corner, const SymbolLayout& layout);
+  const RobustProfile& seen(std::size_t first_corner, const SymbolLayout& layout, bool evened);
+
+  // The best explained hypothesis of those that `hypothesis_of` makes with and without evened
+  // light.
+  template <class HypothesisOf>
+  std::optional<SymbolHypothesis> in_best_light(const ReadOptions& options,
+                                                const HypothesisOf& hypothesis_of);
 
   GrayView image_;
   const RefinedFrame& frame_;
   std::vector<Seen> seen_;
+  std::optional<bool> lies_in_shadow_;
 };
 
 // SymbolLook::by_agreeing_rows alone.

@@ -45,6 +45,9 @@ struct ProfileTuning {
   double plain_window = 5.5;  // modules
   double showing = 0.93;      // of the rows at a place, the one taken to show bars
   double plain = 0.08;        // of its variance
+  // Of the bright white above and below the bars that the dark one must reach for even light: what
+  // falls by less over a plate, its sides' levels follow.
+  double least_even = 0.6;
 };
 inline constexpr ProfileTuning kProfile;
 

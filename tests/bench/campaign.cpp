@@ -4,12 +4,12 @@
 // Usage: bench_campaign SERIES [COUNT [FIRST [FILE...]]] [--piece K/M | --merge]
 // SERIES: frames (with anything inside, degraded in every way at once, mass_picture.hpp), misprints
 // (those of them that leave most doubt: one digit of arbitrary widths, nothing given), chains
-// (frames through the chains of phones), troubles (one strong trouble each), halves (cut by the
-// picture's border), hidden (something hides digits), photos:FOLDER (photos without a tag). With a
-// file, what is read joins it chunk by chunk, so that a long run can be broken off and gone on
-// with. --piece reads the K-th of M pieces, so that hosts share the work; --merge reads nothing and
-// tables what all the files hold: exit code 1 where pictures are missing. Only what this very
-// program added counts: chunks of another reader are left out, and said to be.
+// (frames through the chains of phones), troubles (one strong trouble each), shadows (that trouble
+// alone), halves (cut by the picture's border), hidden (something hides digits), photos:FOLDER
+// (photos without a tag). With a file, what is read joins it chunk by chunk, so that a long run can
+// be broken off and gone on with. --piece reads the K-th of M pieces, so that hosts share the work;
+// --merge reads nothing and tables what all the files hold: exit code 1 where pictures are missing.
+// Only what this very program added counts: chunks of another reader are left out, and said to be.
 #include "tests/bench/campaign.hpp"
 
 #include <algorithm>
@@ -50,6 +50,11 @@ Result<Series> series_of(const std::string& name) {
     return frame_series(name, [](std::uint64_t number) {
       const auto count = static_cast<std::uint64_t>(mass::Trouble::count);
       return mass::draw_troubled(static_cast<mass::Trouble>(number % count), number);
+    });
+  }
+  if (name == "shadows") {
+    return frame_series(name, [](std::uint64_t number) {
+      return mass::draw_troubled(mass::Trouble::shadow, number);
     });
   }
   if (name == "halves") return half_series();

@@ -53,18 +53,31 @@ class Light {
     const float plate = inside(sight, kPlateMargin, kPlateMarginAcross);
     float light = float_of(scene_.background);
     if (plate > 0) light += plate * (on_plate(sight) - light);
+    if (!scene_.shadows.empty()) light *= left_by_shadows(sight);
     if (scene_.strips.empty()) return light;
     const float sharp = sight.sharp.mean();
     for (const Strip& strip : scene_.strips) {
-      const float off =
-          std::abs(float_of(strip.a) * sight.u + float_of(strip.b) * sight.v + float_of(strip.c));
-      const float share = step((float_of(strip.half_width) - off) * sharp);
+      const float share = step((float_of(strip.half_width) - off_axis(strip, sight)) * sharp);
       light += share * (float_of(strip.light) - light);
     }
     return light;
   }
 
  private:
+  static float off_axis(const Strip& strip, const Sight& sight) {
+    return std::abs(float_of(strip.a) * sight.u + float_of(strip.b) * sight.v + float_of(strip.c));
+  }
+
+  float left_by_shadows(const Sight& sight) const {
+    float left = 1;
+    for (const Shadow& shadow : scene_.shadows) {
+      const float spread = std::hypot(1 / sight.sharp.mean(), float_of(shadow.penumbra));
+      const float share = step((float_of(shadow.half_width) - off_axis(shadow, sight)) / spread);
+      left *= 1 - share * (1 - float_of(shadow.light));
+    }
+    return left;
+  }
+
   static float float_of(double value) { return static_cast<float>(value); }
 
   // An edge, `z` standard deviations of the point spread away.

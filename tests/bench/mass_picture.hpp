@@ -77,6 +77,7 @@ enum class Trouble {
   motion_across,  // up to 1.2 modules
   steep,          // seen at 65 to 75 degrees
   several,        // three of them
+  shadow,         // one or two with edges across the plate, as dark as a twentieth
   count
 };
 

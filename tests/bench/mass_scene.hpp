@@ -30,6 +30,12 @@ struct Strip {
   double light = 0;
 };
 
+// What a cable or a rock leaves of the light behind it, a share; the lamp is no point, so the edge
+// is soft.
+struct Shadow : Strip {
+  double penumbra = 0;  // standard deviation of its edge, modules
+};
+
 struct Glare {
   double u = 0, v = 0, radius = 0, strength = 0;
 };
@@ -42,6 +48,7 @@ struct Scene {
   double shade_u = 0, shade_v = 0;
   std::vector<Blotch> dirt;
   std::vector<Strip> strips;
+  std::vector<Shadow> shadows;
   std::optional<Glare> glare;
 };
 

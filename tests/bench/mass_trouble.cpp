@@ -34,6 +34,15 @@ Strip hidden_side(Random& random) {
                   light);
 }
 
+// One side of a straight edge, or a band.
+Shadow shadow_at(double u, double v, Random& random) {
+  const double half = chance(random, 0.5) ? 1000 : uniform(random, 2, 20);
+  Strip strip = strip_at(uniform(random, 0, 2 * std::numbers::pi), u, v, half,
+                         log_uniform(random, 0.05, 0.5));
+  if (half > kFrameWidth) strip.c -= half;  // its edge goes through the place
+  return {strip, log_uniform(random, 0.1, 3)};
+}
+
 void add_trouble(Trouble trouble, Scene& scene, Sensor& sensor, Random& random) {
   const double u = any_place(kFrameWidth, random);
   const double v = any_place(kFrameHeight, random);
@@ -63,6 +72,13 @@ void add_trouble(Trouble trouble, Scene& scene, Sensor& sensor, Random& random) 
     }
     case Trouble::glare:
       scene.glare = Glare{u, v, uniform(random, 5, 18), uniform(random, 0.3, 2)};
+      break;
+    case Trouble::shadow:
+      scene.shadows.push_back(shadow_at(u, v, random));
+      if (chance(random, 0.3)) {
+        scene.shadows.push_back(
+            shadow_at(any_place(kFrameWidth, random), any_place(kFrameHeight, random), random));
+      }
       break;
     case Trouble::veil: {
       const double dust = uniform(random, 0.3, 0.5), cover = uniform(random, 0.6, 0.9);
@@ -103,7 +119,8 @@ const char* name_of(Trouble trouble) {
       "motion along the bars",
       "motion across the bars",
       "steep view",
-      "three of them"};
+      "three of them",
+      "shadow"};
   return kNames[static_cast<std::size_t>(trouble)];
 }
 

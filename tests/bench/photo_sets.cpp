@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads folders of photos that have a truth.json and tables what was read: recall by resolution,
 // wrong readings, corner errors. Usage: bench_photo_sets [-v] [-c] [-b] [-x GAIN] [-g GAMMA]
-// FOLDER...; -v lists every tag, -c names the check digit, -b gives the folder's codes as the code
-// book, -x makes the photos so many times as bright, what is whiter than white being lost, -g gives
-// them another tone curve: the share of white to this power.
+// [-s SHARE] FOLDER...; -v lists every tag, -c names the check digit, -b gives the folder's codes
+// as the code book, -x makes the photos so many times as bright, what is whiter than white being
+// lost, -g gives them another tone curve: the share of white to this power, -s casts a shadow with
+// a straight edge over a plate of each, in which this share of the light is left.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string>
 #include <vector>
@@ -75,6 +77,7 @@ struct Given {
   bool book = false;
   double gain = 1;
   double gamma = 1;
+  double left_in_shadow = 1;
 };
 
 // The photo as a camera with another exposure and another tone curve would have stored it.
@@ -86,6 +89,42 @@ void expose(GrayImage& image, const Given& given) {
     exposed[i] = static_cast<std::uint8_t>(std::lround(255 * std::pow(sample / 255, given.gamma)));
   }
   for (std::uint8_t& sample : image.samples) sample = exposed[sample];
+}
+
+// Where the edge of a shadow runs: through a place, and what lies across it is dark.
+struct ShadowEdge {
+  PixelPoint at;
+  PixelPoint across;  // unit
+};
+
+// Over a plate near its middle, in another direction and at another place for each photo.
+ShadowEdge edge_over(const json& plate, std::size_t number) {
+  const auto corner = [&](const char* name) {
+    const auto& at = plate.at("corners_px").at(name);
+    return PixelPoint{at[0].get<double>(), at[1].get<double>()};
+  };
+  const double turns = 0.618 * static_cast<double>(number);  // the golden section spreads them
+  const double angle = 2 * std::numbers::pi * turns;
+  const double aside = 0.6 * (turns * 7 - std::floor(turns * 7) - 0.5);
+  const PixelPoint across{std::cos(angle), std::sin(angle)};
+  const PixelPoint middle = 0.5 * (corner("P") + corner("R"));
+  return {middle + aside * distance(corner("P"), corner("Q")) * across, across};
+}
+
+// Leaves this share of the light beyond the edge.
+void cast_shadow(GrayImage& image, const ShadowEdge& edge, double left) {
+  constexpr double kPenumbra = 1.5;  // pixels, standard deviation
+  const ToneCurve& tone = ToneCurve::srgb();
+  std::uint8_t* sample = image.samples.data();
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x, ++sample) {
+      const PixelPoint here{static_cast<double>(x), static_cast<double>(y)};
+      const double off = dot(here - edge.at, edge.across) / (std::numbers::sqrt2 * kPenumbra);
+      const double share = 1 - (1 - left) * 0.5 * std::erfc(-off);
+      *sample =
+          static_cast<std::uint8_t>(std::lround(tone.sample_of(share * tone.light_of(*sample))));
+    }
+  }
 }
 
 ReadOptions options_for(const json& truth, const Given& given) {
@@ -219,15 +258,19 @@ Result<Outcome> read_folder(const fs::path& folder, const Given& given, bool ver
     Result<GrayImage> image = load_gray_image(folder / file);
     if (!image) return tl::unexpected(image.error());
     expose(*image, given);
+    const json& plates = item.at("plates");
+    if (given.left_in_shadow < 1 && !plates.empty()) {
+      cast_shadow(*image, edge_over(plates[0], outcome.times_ms.size()), given.left_in_shadow);
+    }
     const Photo photo = read_photo(file, image->view(), options, outcome.times_ms);
-    for (const auto& plate : item.at("plates")) {
+    for (const auto& plate : plates) {
       if (plate.at("kind") != "upca" || !plate.at("frame_in_image").get<bool>()) continue;
       const std::string level = item.value("level", std::string("all"));
       const std::string bin = bin_of(plate.at("px_per_module").get<double>());
       count_plate(photo, plate, verbose, outcome.cells[level + " " + bin]);
     }
-    outcome.wrong += count_wrong(photo, item.at("plates"));
-    outcome.far += count_far(photo, item.at("plates"));
+    outcome.wrong += count_wrong(photo, plates);
+    outcome.far += count_far(photo, plates);
   }
   return outcome;
 }
@@ -264,6 +307,8 @@ int main(int argc, char** argv) {
       given.gain = std::strtod(argv[++i], nullptr);
     } else if (argument == "-g" && i + 1 < argc) {
       given.gamma = std::strtod(argv[++i], nullptr);
+    } else if (argument == "-s" && i + 1 < argc) {
+      given.left_in_shadow = std::strtod(argv[++i], nullptr);
     } else {
       const Result<Outcome> outcome = read_folder(argument, given, verbose);
       if (!outcome) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the reader manages where cables, dirt, glare, dust, darkness, motion or a steep view make it
-// hard, one cause at a time (mass_picture.hpp), and whether anything is read wrongly there; two
-// pictures of three show a tag, the others what must not be read; tags whose bars do not stand
-// where their template has them are not counted. Usage: bench_read_troubled [PICTURES_PER_CAUSE]
-// [FIRST]
+// What the reader manages where cables, dirt, glare, shadows, dust, darkness, motion or a steep
+// view make it hard, one cause at a time (mass_picture.hpp), and whether anything is read wrongly
+// there; two pictures of three show a tag, the others what must not be read; tags whose bars do not
+// stand where their template has them are not counted. Usage: bench_read_troubled
+// [PICTURES_PER_CAUSE] [FIRST]
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

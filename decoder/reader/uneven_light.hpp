@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shadows on a plate: its white tells the light that falls on its bars.
+// Why: docs/decisions/0026-shadows.md.
+#pragma once
+
+#include "decoder/feature_frame/refine.hpp"
+#include "decoder/image/gray.hpp"
+#include "decoder/reader/symbol_rows.hpp"
+
+namespace tagsmith::detail {
+
+// Whether the white above and below the bars is lit much more in one place than in another.
+bool is_unevenly_lit(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout);
+
+// Changes the light of the rows to what it would be if all of the plate were lit as its bright
+// parts are, and returns that of the white there. What lies in the dark does not count any more.
+// `blur`: standard deviation of the point spread, modules.
+double even_out(SymbolRows& rows, double blur);
+
+}  // namespace tagsmith::detail
