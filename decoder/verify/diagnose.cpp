@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@
 #include "decoder/image/nearest.hpp"
 #include "decoder/image/upright.hpp"
 #include "decoder/reader/judge.hpp"
+#include "decoder/scan/tuning.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
@@ -27,6 +30,9 @@ constexpr double kLeastPlateContrast = 20;
 constexpr double kMostBlur = 0.9;   // modules
 constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a photo in focus
 constexpr double kMostHidden = 0.05;
+constexpr double kEndOfScale = 255;  // of every camera's samples: what is brighter is lost
+// Modules that bars are wider or narrower as printers and cameras go: what the reader expects.
+constexpr double kUsualGrowth = kSymbolFit.prior_sigma[4];
 
 struct Levels {
   double dark = 0;
@@ -119,6 +125,7 @@ struct PlateLook {
   double module_px = 0;            // as seen along the symbol
   double incidence = 0;            // radians, from the foreshortening of one axis against the other
   bool knows_up = true;            // of the picture
+  bool is_photo = true;            // not a page or a scan
   const SymbolFit* fit = nullptr;  // of the symbol that was refused; null = none was seen
 };
 
@@ -179,20 +186,49 @@ std::optional<Diagnosis> judge_plate_light(const PlateLook& look) {
   return judge_light(look.image, look.corners, kPlate);
 }
 
-// Of the white inside the frame against the middle of its upper and lower strokes.
-double frame_contrast(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
+std::optional<double> median_of(std::vector<int> samples) {
+  if (samples.empty()) return std::nullopt;
+  std::ranges::sort(samples);
+  return samples[samples.size() / 2];
+}
+
+// Of the middle of the frame's upper and lower strokes; nothing when the picture has none of it.
+std::optional<double> stroke_level(const GrayView& image, const TagTemplate& tag,
+                                   const FrameCorners& corners) {
   const Homography image_from_frame = homography_to(corners);
   const double half_stroke = tag.frame_stroke / 2 / tag.frame_inner_height;
-  std::vector<double> black;
+  std::vector<int> samples;
   for (int i = 1; i < 20; ++i) {
     for (const double down : {-half_stroke, 1 + half_stroke}) {
       const auto level = sample_nearest(image, image_from_frame(i / 20.0, down));
-      if (level) black.push_back(*level);
+      if (level) samples.push_back(*level);
     }
   }
-  if (black.empty()) return 0;
-  std::ranges::sort(black);
-  return levels_in(image, corners).bright - black[black.size() / 2];
+  return median_of(std::move(samples));
+}
+
+// Of the middle of the quiet zones, where the blur of frame and bars hardly reaches.
+std::optional<double> ground_level(const GrayView& image, const TagTemplate& tag,
+                                   const FrameCorners& corners) {
+  constexpr int kSteps = 12;
+  const Homography image_from_frame = homography_to(corners);
+  const double quiet = tag.quiet_zone_modules * module_width(tag) / tag.frame_inner_length;
+  std::vector<int> samples;
+  for (int i = 0; i < kSteps * kSteps; ++i) {
+    const double in_zone = quiet * (1 + (i % kSteps + 0.5) / kSteps) / 3;
+    for (const double right : {in_zone, 1 - in_zone}) {
+      const double down = 0.1 + 0.8 * (i / kSteps) / (kSteps - 1);
+      const auto level = sample_nearest(image, image_from_frame(right, down));
+      if (level) samples.push_back(*level);
+    }
+  }
+  return median_of(std::move(samples));
+}
+
+// Of the white inside the frame against its strokes.
+double frame_contrast(const GrayView& image, const TagTemplate& tag, const FrameCorners& corners) {
+  const std::optional<double> black = stroke_level(image, tag, corners);
+  return black ? levels_in(image, corners).bright - *black : 0;
 }
 
 // Width of the frame's inner edge, from a quarter to three quarters of the way from black to white,
@@ -238,7 +274,7 @@ std::string place_in_words(double right, double down, bool knows_up) {
 // Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
 // is wider than any element.
 std::optional<Diagnosis> judge_cover(const PlateLook& look) {
-  const auto& [image, tag, corners, module_px, incidence, knows_up, fit] = look;
+  const auto& [image, tag, corners, module_px, incidence, knows_up, is_photo, fit] = look;
   constexpr int kColumns = 19;
   constexpr int kRows = 4;
   constexpr int kAlong = 30;  // samples of a cell
@@ -305,6 +341,28 @@ std::optional<Diagnosis> judge_blur(double blur, double module_px) {
   return Diagnosis{"blurred", fmt::format("blur of {:.2f} modules, limit {:.1f}", blur, kMostBlur)};
 }
 
+// Whether half of the plate's white and more is at the end of the scale. In a negative the white is
+// that of the frame, and its end is 0. On pages and in scans white paper is there as well.
+bool is_white_lost(const PlateLook& look) {
+  if (!look.is_photo) return false;
+  if (look.image.is_negative) return stroke_level(look.image, look.tag, look.corners) == 0;
+  return ground_level(look.image, look.tag, look.corners) == kEndOfScale;
+}
+
+// White beyond the end of the scale eats into all bars from both sides, as far as the blur reaches.
+// Dirt and damage are in some of them, and ink makes bars wider. A fit to what is no symbol tells
+// nothing of its bars.
+std::optional<Diagnosis> judge_exposure(const PlateLook& look) {
+  if (look.fit == nullptr || look.fit->explained < kJudge.like_symbol) return std::nullopt;
+  const double growth = look.fit->image.growth;
+  const double eaten = look.image.is_negative ? growth : -growth;
+  if (eaten <= kUsualGrowth || !is_white_lost(look)) return std::nullopt;
+  return Diagnosis{
+      "glare", fmt::format("overexposed: its white is {:.0f} of 255, the end of the scale, and "
+                           "leaves bars {} by {:.2f} modules, limit {:.2f}",
+                           kEndOfScale, growth > 0 ? "wider" : "narrower", eaten, kUsualGrowth)};
+}
+
 // Of a symbol that one growth explains. Rendered symbols grown by 0.65 to 0.9 modules either way
 // are explained to 0.995 and more, covered ones that a fit calls grown to 0.95 and less.
 std::optional<Diagnosis> judge_growth(const PlateLook& look) {
@@ -314,6 +372,7 @@ std::optional<Diagnosis> judge_growth(const PlateLook& look) {
       std::abs(fit->image.growth) <= kJudge.most_growth) {
     return std::nullopt;
   }
+  if (auto exposure = judge_exposure(look)) return exposure;
   return Diagnosis{"bars-grown", fmt::format("bars {} by {:.2f} modules, limit {:.1f}",
                                              fit->image.growth > 0 ? "wider" : "narrower",
                                              std::abs(fit->image.growth), kJudge.most_growth)};
@@ -332,9 +391,10 @@ std::optional<Diagnosis> judge_bars(const PlateLook& look) {
 // In order of precedence. Geometry comes before light, and light before the bars, because each
 // makes the later measurements worthless. Bars that grew until they touch, or shrank to hairs, have
 // cells without contrast as if they were covered. A frame so blurred says more than a fit to what
-// is left of the bars.
+// is left of the bars, and so does white that is lost.
 constexpr std::optional<Diagnosis> (*kJudges[])(const PlateLook&) = {
-    judge_view, judge_plate_light, judge_growth, judge_cover, judge_frame_blur, judge_bars,
+    judge_view,       judge_plate_light, judge_growth, judge_cover,
+    judge_frame_blur, judge_exposure,    judge_bars,
 };
 
 // What a refusal without a measured cause is mostly due to.
@@ -358,8 +418,9 @@ std::string suspicion(RejectionReason reason) {
 }  // namespace
 
 Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejection& rejection,
-                   const std::optional<int>& orientation) {
+                   const std::optional<int>& orientation, bool is_photo) {
   PlateLook look = look_at(image, tag, rejection.corners, orientation);
+  look.is_photo = is_photo;
   if (rejection.symbol) look.fit = &rejection.symbol->decoding.fit;
   const std::string reason = describe(rejection);
   for (const auto& judge : kJudges) {

@@ -96,7 +96,8 @@ bool frame_may_leave(const GrayView& photo, const TagTemplate& tag, const FrameC
 
 Finding refused(const PictureEvidence& evidence, const TagEvidence& seen) {
   const std::optional<int> up = evidence.is_photo ? evidence.orientation : std::optional(1);
-  const Diagnosis why = diagnose(evidence.image, evidence.survey.tag_template, *seen.refusal, up);
+  const Diagnosis why =
+      diagnose(evidence.image, evidence.survey.tag_template, *seen.refusal, up, evidence.is_photo);
   return {TagStatus::unreadable, why.rule, fmt::format("{}{}{}", kUnread, why.words, seen.by_bars)};
 }
 

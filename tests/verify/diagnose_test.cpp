@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/image/negative.hpp"
 #include "decoder/image/upright.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/render_view.hpp"
@@ -145,7 +146,10 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
        "covered",
        "could not be read: 32 % of the bars are covered or damaged (limit 5 %), in the middle (the "
        "reader says: "},
+      {"a pipe, overexposed", {}, "covered", "of the bars are covered or damaged"},
       {"dirt", {}, "covered", "of the bars are covered or damaged"},
+      {"overexposed", {4.4}, "glare", "overexposed: its white is 255 of 255, the end of the scale"},
+      {"much overexposed", {4.4}, "glare", "leaves bars narrower by 0."},
       {"a highlight", {}, "glare", "its darkest bars are"}};
   const auto shot_of = [&](const std::string& name) -> Shot& {
     return std::ranges::find(cases, name, &Case::name)->shot;
@@ -164,6 +168,10 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
   shot_of("a pipe").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
   shot_of("a pipe, blurred").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
   shot_of("a pipe, blurred").sensor.blur_sigma_px = 1;
+  shot_of("a pipe, overexposed").finish.cover = Cover{{0.1, 0.02, 0.1, 0.13}};
+  shot_of("a pipe, overexposed").sensor.exposure = 2;
+  shot_of("overexposed").sensor.exposure = 2;
+  shot_of("much overexposed").sensor.exposure = 2.5;
   shot_of("dirt").finish.dirt = Dirt{0.4, 0.03, 0.25, 11};
   shot_of("a highlight").finish.glare = Glare{{0.17, 0.08}, 0.1, 1};
   for (const Case& c : cases) {
@@ -175,6 +183,62 @@ TEST_CASE("what keeps a tag from being read is named, with number and limit") {
     CHECK(tags[0].rule == c.rule);
     CHECK(tags[0].message.find(c.measured) != std::string::npos);
   }
+}
+
+TEST_CASE("a tag that is in doubt on an overexposed plate is not called dirty") {
+  const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
+  ScenePlate plate{draw_tag(corridor().tag_template, corridor().tags[0].digits), {}, {}};
+  plate.camera_from_plate =
+      camera_from_turned_plate(camera, plate.drawing, {640, 480}, 4.4, 0, 0, 0);
+  const auto rule_at = [&](double exposure) {
+    ViewOptions options;
+    options.sensor.exposure = exposure;
+    const View view = render_view(camera, std::span(&plate, 1), options);
+    ReadOptions never_sure;
+    never_sure.min_confidence = 1.1;
+    const ReadResult read = read_tags(view.image.view(), never_sure);
+    REQUIRE(read.rejected.size() == 1);
+    CHECK(read.rejected[0].reason == RejectionReason::doubtful);
+    return diagnose(view.image.view(), corridor().tag_template, read.rejected[0]).rule;
+  };
+  CHECK(rule_at(1) == "undecodable");
+  CHECK(rule_at(1.8) == "glare");
+}
+
+TEST_CASE("white paper at the end of the scale is overexposed in photos alone") {
+  const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
+  ScenePlate plate{draw_tag(corridor().tag_template, corridor().tags[0].digits), {}, {}};
+  plate.finish.bar_growth = -0.8;
+  plate.camera_from_plate =
+      camera_from_turned_plate(camera, plate.drawing, {640, 480}, 2.5, radians(35), 0, 0);
+  ViewOptions options;
+  options.sensor.blur_sigma_px = 1;
+  options.sensor.exposure = 1.5;
+  const View view = render_view(camera, std::span(&plate, 1), options);
+  const GrayView image = view.image.view();
+  const ReadResult read = read_tags(image);
+  REQUIRE(read.rejected.size() == 1);
+  const TagTemplate& tag = corridor().tag_template;
+  CHECK(diagnose(image, tag, read.rejected[0]).rule == "glare");
+  CHECK(diagnose(image, tag, read.rejected[0], 1, false).rule == "bars-grown");
+}
+
+TEST_CASE("a plate white on black is overexposed when its bars are too wide") {
+  TagTemplate tag = corridor().tag_template;
+  tag.white_on_black = true;
+  const Camera camera{1280, 960, 1600, 1600, 639.5, 479.5};
+  ScenePlate plate{draw_tag(tag, corridor().tags[0].digits), {}, {}};
+  plate.camera_from_plate =
+      camera_from_turned_plate(camera, plate.drawing, {640, 480}, 4.4, 0, 0, 0);
+  ViewOptions options;
+  options.sensor.exposure = 2;
+  const View view = render_view(camera, std::span(&plate, 1), options);
+  const GrayImage negative = exchange_black_and_white(view.image.view());
+  const ReadResult read = read_tags(negative.view());
+  REQUIRE(read.rejected.size() == 1);
+  const Diagnosis why = diagnose(negative.view(), tag, read.rejected[0]);
+  CHECK(why.rule == "glare");
+  CHECK(why.words.find("leaves bars wider by 0.") != std::string::npos);
 }
 
 TEST_CASE("the place on a plate is told as one sees it upright, however the camera was held") {
