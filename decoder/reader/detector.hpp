@@ -170,8 +170,6 @@ class Detector {
   // The only scheme that the check digits read show.
   std::optional<CheckDigit> scheme_shown() const;
 
-  // Bars that were followed so far.
-
   GrayView image_;
   SearchedImage& picture_;
   const ReadOptions& options_;

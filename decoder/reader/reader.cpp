@@ -16,7 +16,8 @@
 namespace tagsmith::detail {
 namespace {
 
-// In their order, the cheapest first.
+// In their order, the cheapest first. The closer look is left out where a caller knows enough after
+// the first, and in pictures that are not searched.
 constexpr std::array kFirstLook{propose_expected, propose_near_bars};
 constexpr std::array kCloserLook{propose_around_bars, propose_pieces, propose_refused,
                                  propose_bars};

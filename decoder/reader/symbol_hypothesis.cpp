@@ -85,10 +85,20 @@ const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayo
   return seen_.back().profile;
 }
 
+namespace {
+
+// Whether no other light could tell more of a symbol.
+bool is_plain_to_see(const Decoding& decoding) {
+  return decoding.fit.explained > kJudge.explained && 1 - decoding.confidence < kJudge.beyond_doubt;
+}
+
+}  // namespace
+
 template <class HypothesisOf>
 std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& options,
                                                           const HypothesisOf& hypothesis_of) {
   auto as_seen = hypothesis_of(false);
+  if (as_seen && is_plain_to_see(as_seen->decoding)) return as_seen;
   if (!lies_in_shadow_) {
     const std::size_t first = possible_first_corners(image_, frame_.corners).front();
     lies_in_shadow_ = is_unevenly_lit(image_, turned_to(frame_, first), options.layouts.front());

@@ -274,7 +274,9 @@ std::string place_in_words(double right, double down, bool knows_up) {
 // Parts of the bars' area in which no bars and spaces are seen, though they are elsewhere. A cell
 // is wider than any element.
 std::optional<Diagnosis> judge_cover(const PlateLook& look) {
-  const auto& [image, tag, corners, module_px, incidence, knows_up, is_photo, fit] = look;
+  const GrayView& image = look.image;
+  const TagTemplate& tag = look.tag;
+  const FrameCorners& corners = look.corners;
   constexpr int kColumns = 19;
   constexpr int kRows = 4;
   constexpr int kAlong = 30;  // samples of a cell
@@ -283,7 +285,7 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   constexpr double kFaint = 0.35;       // of the contrast that most cells have
   constexpr double kSharp = 0.6;        // of the frame's contrast, that most cells have
   constexpr double kWidestEdge = 1.0;   // modules: a symbol so blurred has no cells to compare
-  if (module_px < kLeastModule || edge_width(image, tag, corners) > kWidestEdge) {
+  if (look.module_px < kLeastModule || edge_width(image, tag, corners) > kWidestEdge) {
     return std::nullopt;
   }
   const Homography image_from_frame = homography_to(corners);
@@ -327,7 +329,7 @@ std::optional<Diagnosis> judge_cover(const PlateLook& look) {
   return Diagnosis{
       "covered",
       fmt::format("{:.2g} % of the bars are covered or damaged (limit {:.0f} %), {}", 100 * share,
-                  100 * kMostHidden, place_in_words(right / hidden, down / hidden, knows_up))};
+                  100 * kMostHidden, place_in_words(right / hidden, down / hidden, look.knows_up))};
 }
 
 // `blur`: standard deviation, modules.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with the tags of a picture: one function for each kind of finding. To add one,
-// write it, name it in the list in findings.cpp, and describe its rule in verify_rules.cpp.
+// What is wrong with the tags of a picture: one function for each kind of finding, here or, where
+// it needs more than a picture's evidence, in hanging.hpp and frame_bow.hpp. To add one, write it,
+// name it in the list in findings.cpp, and describe its rule in verify_rules.cpp.
 #pragma once
 
 #include <optional>
