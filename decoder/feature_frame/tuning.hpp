@@ -76,7 +76,7 @@ struct CornerTuning {
   // pixel it lies. A side that crosses pixels averages that; one along the pixel grid does not.
   double along_grid = 0.015;  // pixels
   // Where the blur reaches from one edge of the stroke to the other, the model's errors do too.
-  double blurred = 0.5;      // pixels, times (blur / stroke)^2
+  double blurred = 0.5;  // pixels, times (blur / stroke)^2
   // Pixels that edges of shadows beside the sides of a plate and across them may move these by
   // (`./dev bench photos -s 0.1`).
   double in_shadow = 0.3;

@@ -269,8 +269,8 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
   return bars_share * way / 2 <= kOccluder.most_way * (broad + kPlacesPerModule);
 }
 
-// Whether the light from one crossing to the other changes evenly; over ink, where a strip is seen no
-// lighter than it is, whether it is nowhere darker than both. Along their middles, or, of broad
+// Whether the light from one crossing to the other changes evenly; over ink, where a strip is seen
+// no lighter than it is, whether it is nowhere darker than both. Along their middles, or, of broad
 // ones, along a line for each of the widest elements that they could hide: a shadow shows bars.
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {

@@ -48,7 +48,7 @@ class SymbolLook {
   const RobustProfile& seen(std::size_t first_corner, const SymbolLayout& layout, bool evened);
 
   // The best explained hypothesis of those that `hypothesis_of` makes with and without evened
-  // light.
+  // light; without, where that leaves no doubt.
   template <class HypothesisOf>
   std::optional<SymbolHypothesis> in_best_light(const ReadOptions& options,
                                                 const HypothesisOf& hypothesis_of);
