@@ -66,10 +66,6 @@ std::optional<Objection> objection_to(const Decoding& decoding, const ReadOption
   return std::nullopt;
 }
 
-bool is_beyond_doubt(const Decoding& decoding) {
-  return 1 - decoding.confidence < kJudge.beyond_doubt;
-}
-
 bool halves_contradict(const RobustProfile& rows, const Decoding& decoding) {
   const auto contradicts = [&](const HeightShare& half) {
     return log_odds_of_another(rows.of_agreeing_rows(half).bins, decoding) > kJudge.clearly;

@@ -24,9 +24,6 @@ struct Objection {
 // What speaks against believing a symbol by what was decoded alone; nothing: that is in order.
 std::optional<Objection> objection_to(const Decoding& decoding, const ReadOptions& options);
 
-// Whether a symbol is beyond doubt by its whole height: then its halves need not be asked.
-bool is_beyond_doubt(const Decoding& decoding);
-
 // Whether the upper or the lower half of the bars' height shows another symbol clearly: something
 // lies on part of the height, and what shows beside it may be no digit. `rows` run as they were
 // decoded.

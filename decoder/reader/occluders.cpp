@@ -119,29 +119,37 @@ bool same_side(const Loop& loop, const Crossing& a, const Crossing& b) {
   return side(a) == side(b);
 }
 
+// Whether the light along a way through the unit square is as it should be nearly everywhere. `off`
+// tells by how much a level is not, this share of the way on.
+template <class Off>
+bool is_even_along(const GrayView& image, const FrameHomography& image_from_frame, PixelPoint begin,
+                   PixelPoint end, double tolerance, const Off& off) {
+  constexpr int kPlaces = 64;
+  int even = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    const double t = (k + 0.5) / kPlaces;
+    const PixelPoint at = (1 - t) * begin + t * end;
+    const double level = sample_bilinear(image, image_from_frame(at.x, at.y));
+    even += off(level, t) < tolerance ? 1 : 0;
+  }
+  return even >= kOccluder.least_even * kPlaces;
+}
+
 // Whether the light along a strip changes evenly from one crossing to the other: along its middle
 // and halfway to its sides.
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
               const Crossing& a, const Crossing& b, double tolerance) {
-  constexpr int kPlaces = 64;
   const auto place = [](const Crossing& crossing, double share) {
     return crossing.begin + static_cast<int>(std::lround(share * (crossing.count - 1)));
   };
-  for (const double share : {0.25, 0.5, 0.75}) {
+  return std::ranges::all_of(std::array{0.25, 0.5, 0.75}, [&](double share) {
     // Clockwise on one crossing is anticlockwise on the other.
     const int first = place(a, share), second = place(b, 1 - share);
-    const PixelPoint begin = point_of(loop, first), end = point_of(loop, second);
     const double from = level_at(loop, first), to = level_at(loop, second);
-    int even = 0;
-    for (int k = 0; k < kPlaces; ++k) {
-      const double t = (k + 0.5) / kPlaces;
-      const PixelPoint at = (1 - t) * begin + t * end;
-      const double level = sample_bilinear(image, image_from_frame(at.x, at.y));
-      even += std::abs(level - ((1 - t) * from + t * to)) < tolerance ? 1 : 0;
-    }
-    if (even < kOccluder.least_even * kPlaces) return false;
-  }
-  return true;
+    return is_even_along(
+        image, image_from_frame, point_of(loop, first), point_of(loop, second), tolerance,
+        [&](double level, double t) { return std::abs(level - ((1 - t) * from + t * to)); });
+  });
 }
 
 void add_strips(const GrayView& image, const FrameHomography& image_from_frame, const Loop& loop,
@@ -274,9 +282,8 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
 // ones, along a line for each of the widest elements that they could hide: a shadow shows bars.
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
-  constexpr int kPlaces = 64;
-  const double tolerance =
-      (above.beside == Beside::stroke ? kOccluder.odd / 2 : kOccluder.odd) * above.contrast;
+  const bool over_ink = above.beside == Beside::stroke;
+  const double tolerance = (over_ink ? kOccluder.odd / 2 : kOccluder.odd) * above.contrast;
   const int lines = 1 + std::max(begin.count, end.count) / (kWidestElement * kPlacesPerModule);
   for (int line = 0; line < lines; ++line) {
     const auto place = [&](const Crossing& crossing) {
@@ -284,18 +291,13 @@ bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, co
                                       (2 * line + 1) * crossing.count / (2 * lines));
     };
     const std::size_t first = place(begin), last = place(end);
-    int even = 0;
-    for (int k = 0; k < kPlaces; ++k) {
-      const double t = (k + 0.5) / kPlaces;
-      const PixelPoint at = image_from_frame((1 - t) * above.u[first] + t * below.u[last],
-                                             (1 - t) * above.v + t * below.v);
-      const double from = above.level[first], to = below.level[last];
-      const double level = sample_bilinear(image, at);
-      const double off = above.beside == Beside::stroke ? std::min(from, to) - level
-                                                        : std::abs((1 - t) * from + t * to - level);
-      even += off < tolerance ? 1 : 0;
-    }
-    if (even < kOccluder.least_even * kPlaces) return false;
+    const double from = above.level[first], to = below.level[last];
+    const bool is_even = is_even_along(
+        image, image_from_frame, {above.u[first], above.v}, {below.u[last], below.v}, tolerance,
+        [&](double level, double t) {
+          return over_ink ? std::min(from, to) - level : std::abs((1 - t) * from + t * to - level);
+        });
+    if (!is_even) return false;
   }
   return true;
 }

@@ -84,9 +84,9 @@ std::array<double, 2> used_heights(HeightShare part, const SymbolLayout& layout)
           layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars};
 }
 
-// Standard deviation of the point spread along the bars, modules, the pixel included.
-double blur_of(const RefinedFrame& frame, const SymbolRows& rows) {
-  return (frame.sides[1].blur_px + frame.sides[3].blur_px) / 2 / std::max(rows.module_px, 1e-3);
+// Evens out the rows of a frame, and returns the light of its white.
+double evened(const RefinedFrame& frame, SymbolRows& rows) {
+  return even_out(rows, blur_across(frame.sides, 0) / std::max(rows.module_px, 1e-3));
 }
 
 PlateLevels levels_of(const RefinedFrame& frame) {
@@ -117,7 +117,7 @@ RobustProfile::RobustProfile(const GrayView& image, const RefinedFrame& frame,
     : image_(image),
       frame_(frame),
       rows_(image, frame.corners, frame.lens, layout, RowHeight::coarse) {
-  if (even_out_light) white_ = even_out(rows_, blur_of(frame, rows_));
+  if (even_out_light) white_ = evened(frame, rows_);
 }
 
 SymbolProfile RobustProfile::finished(ScanProfile bins, const SymbolRows& rows) const {
@@ -138,7 +138,7 @@ SymbolProfile RobustProfile::of_agreeing_rows(HeightShare part) const {
 
 SymbolProfile RobustProfile::of_all_rows(AddedLight added) const {
   SymbolRows rows = rows_in_sight(image_, frame_, rows_.layout);
-  if (white_) even_out(rows, blur_of(frame_, rows));
+  if (white_) evened(frame_, rows);
   // What a highlight bleaches is plain too: there its rows' own light decides.
   if (added == AddedLight::even) leave_out_plain(rows);
   return finished(profile_of(rows, settle(rows, added).agreed), rows);

@@ -85,48 +85,42 @@ const RobustProfile& SymbolLook::seen(std::size_t first_corner, const SymbolLayo
   return seen_.back().profile;
 }
 
-namespace {
-
-// Whether no other light could tell more of a symbol.
-bool is_plain_to_see(const Decoding& decoding) {
-  return decoding.fit.explained > kJudge.explained && 1 - decoding.confidence < kJudge.beyond_doubt;
+bool is_beyond_doubt(const Decoding& decoding) {
+  return 1 - decoding.confidence < kJudge.beyond_doubt;
 }
 
-}  // namespace
-
-template <class HypothesisOf>
+template <class ProfileOf>
 std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& options,
-                                                          const HypothesisOf& hypothesis_of) {
-  auto as_seen = hypothesis_of(false);
-  if (as_seen && is_plain_to_see(as_seen->decoding)) return as_seen;
+                                                          const ProfileOf& profile_of) {
+  const auto best = [&](bool evened) {
+    return best_hypothesis(image_, frame_, options,
+                           [&](std::size_t first_corner, const SymbolLayout& layout) {
+                             return profile_of(seen(first_corner, layout, evened));
+                           });
+  };
+  auto as_seen = best(false);
+  const auto explained = [](const auto& symbol) { return symbol->decoding.fit.explained; };
+  // No other light could tell more of it.
+  if (as_seen && explained(as_seen) > kJudge.explained && is_beyond_doubt(as_seen->decoding)) {
+    return as_seen;
+  }
   if (!lies_in_shadow_) {
     const std::size_t first = possible_first_corners(image_, frame_.corners).front();
     lies_in_shadow_ = is_unevenly_lit(image_, turned_to(frame_, first), options.layouts.front());
   }
   if (!*lies_in_shadow_) return as_seen;
-  auto evened = hypothesis_of(true);
-  const bool is_better =
-      evened && (!as_seen || evened->decoding.fit.explained > as_seen->decoding.fit.explained);
-  return is_better ? evened : as_seen;
+  auto evened = best(true);
+  return evened && (!as_seen || explained(evened) > explained(as_seen)) ? evened : as_seen;
 }
 
 std::optional<SymbolHypothesis> SymbolLook::by_agreeing_rows(const ReadOptions& options) {
-  return in_best_light(options, [&](bool evened) {
-    return best_hypothesis(image_, frame_, options,
-                           [&](std::size_t first_corner, const SymbolLayout& layout) {
-                             return seen(first_corner, layout, evened).of_agreeing_rows();
-                           });
-  });
+  return in_best_light(options, [](const RobustProfile& rows) { return rows.of_agreeing_rows(); });
 }
 
 std::optional<SymbolHypothesis> SymbolLook::by_all_rows(const ReadOptions& options,
                                                         AddedLight added) {
-  return in_best_light(options, [&](bool evened) {
-    return best_hypothesis(image_, frame_, options,
-                           [&](std::size_t first_corner, const SymbolLayout& layout) {
-                             return seen(first_corner, layout, evened).of_all_rows(added);
-                           });
-  });
+  return in_best_light(options,
+                       [added](const RobustProfile& rows) { return rows.of_all_rows(added); });
 }
 
 std::optional<SymbolHypothesis> quick_hypothesis(const GrayView& image, const RefinedFrame& frame,

@@ -25,6 +25,9 @@ struct SymbolHypothesis {
   Decoding decoding;
 };
 
+// Whether a symbol is beyond doubt by its whole height: then its halves need not be asked.
+bool is_beyond_doubt(const Decoding& decoding);
+
 // What is seen of a frame, cut out of the picture once for each way that the symbol may run.
 class SymbolLook {
  public:
@@ -47,11 +50,11 @@ class SymbolLook {
 
   const RobustProfile& seen(std::size_t first_corner, const SymbolLayout& layout, bool evened);
 
-  // The best explained hypothesis of those that `hypothesis_of` makes with and without evened
-  // light; without, where that leaves no doubt.
-  template <class HypothesisOf>
+  // The best explained symbol by the profiles that `profile_of` takes of the rows, with and without
+  // evened light; without, where that leaves no doubt.
+  template <class ProfileOf>
   std::optional<SymbolHypothesis> in_best_light(const ReadOptions& options,
-                                                const HypothesisOf& hypothesis_of);
+                                                const ProfileOf& profile_of);
 
   GrayView image_;
   const RefinedFrame& frame_;
