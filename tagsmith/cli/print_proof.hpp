@@ -22,7 +22,7 @@ struct ProofPage {
   int number = 0;  // of the page in a PDF, from 1; 0 in a picture
   const Page* page = nullptr;
   double bar_adjustment = 0;  // metres by which bars and strokes are drawn bolder than laid out
-  PrinterScale scale{};  // with which the file comes out as the page was laid out
+  PrinterScale scale{};       // with which the file comes out as the page was laid out
 };
 
 // One tag in the files of one format.
