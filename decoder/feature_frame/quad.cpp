@@ -126,10 +126,18 @@ Quad widened(const Quad& quad, double pixels) {
 }
 
 bool contains(const Quad& quad, PixelPoint point) {
+  int right = 0;
+  int left = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    if (cross(quad[(i + 1) % 4] - quad[i], point - quad[i]) < 0) return false;
+    const double side = cross(quad[(i + 1) % 4] - quad[i], point - quad[i]);
+    if (side > 0) ++right;
+    if (side < 0) ++left;
   }
-  return true;
+  return left == 0 || right == 0;
+}
+
+bool overlap(const Quad& a, const Quad& b) {
+  return contains(a, centre_of(b)) || contains(b, centre_of(a));
 }
 
 PixelPoint centre_of(const Quad& quad) { return 0.25 * (quad[0] + quad[1] + quad[2] + quad[3]); }

@@ -30,11 +30,14 @@ std::optional<Quad> enclosing_quad(const std::vector<PixelPoint>& hull);
 // Every side moved outwards by this many pixels; the corners are where the moved sides meet.
 Quad widened(const Quad& quad, double pixels);
 
-// Whether a point is inside a convex quadrilateral or on its sides.
+// Whether a point is inside a convex quadrilateral or on its sides, whichever way it turns.
 bool contains(const Quad& quad, PixelPoint point);
 
 // Mean of the four corners.
 PixelPoint centre_of(const Quad& quad);
+
+// Whether the centre of one is inside the other: two outlines of one tag do, two plates do not.
+bool overlap(const Quad& a, const Quad& b);
 
 // Whether the corners of two quadrilaterals are all less than this many pixels apart, in some turn.
 bool nearly_equal(const Quad& a, const Quad& b, double pixels);

@@ -22,6 +22,12 @@ constexpr double kHalfShown = 0.5;     // of the bars' contrast: the end of a bl
 // Light (0-1) of one window's places along the symbol.
 using WindowLight = std::array<float, kInWindow>;
 
+// A row of a window; in shadow, as shares of its own white.
+struct WindowRow {
+  WindowLight light{};
+  float white = 1;  // light of what is 1
+};
+
 // The window's bars as light less its mean, and their levels.
 struct Pattern {
   WindowLight bars{};
@@ -49,16 +55,19 @@ class Symbol {
         field_(field),
         image_from_unit_(field.corners, field.lens) {}
 
-  WindowLight row(std::size_t window, double v) const {
+  WindowRow row(std::size_t window, double v) const {
     const double width = (field_.last - field_.first) / kWindows;
     const double begin = field_.first + static_cast<double>(window) * width;
-    WindowLight row{};
+    WindowRow row;
     for (std::size_t k = 0; k < kInWindow; ++k) {
       const double u = begin + width * (static_cast<double>(k) + 0.5) / kInWindow;
-      row[k] = light_at(image_from_unit_(u, v));
+      row.light[k] = light_at(image_from_unit_(u, v));
     }
+    if (field_.in_shadow) even_out(row);
     return row;
   }
+
+  float light(double u, double v) const { return light_at(image_from_unit_(u, v)); }
 
   double middle_of(std::size_t window) const {
     return field_.first +
@@ -67,7 +76,7 @@ class Symbol {
 
   // The bars amid their height: the middle one of `rows` rows at every place.
   Pattern pattern(std::size_t window, std::size_t rows) const {
-    std::vector<WindowLight> seen;
+    std::vector<WindowRow> seen;
     for (std::size_t i = 0; i < rows; ++i) {
       const double share = 0.15 + 0.7 * (static_cast<double>(i) + 0.5) / static_cast<double>(rows);
       seen.push_back(row(window, field_.top + share * (field_.bottom - field_.top)));
@@ -76,7 +85,8 @@ class Symbol {
     std::vector<float> values(rows);
     float mean = 0;
     for (std::size_t k = 0; k < kInWindow; ++k) {
-      std::ranges::transform(seen, values.begin(), [k](const WindowLight& row) { return row[k]; });
+      std::ranges::transform(seen, values.begin(),
+                             [k](const WindowRow& row) { return row.light[k]; });
       const float middle = median_of(values);
       pattern.bars[k] = middle;
       mean += middle / kInWindow;
@@ -100,6 +110,14 @@ class Symbol {
   }
 
  private:
+  // The third part of a window and more is white, amid bars and beyond them.
+  static void even_out(WindowRow& row) {
+    WindowLight ordered = row.light;
+    std::ranges::nth_element(ordered, ordered.end() - kInWindow / 6);
+    row.white = std::max(*(ordered.end() - kInWindow / 6), 1e-3F);
+    for (float& light : row.light) light /= row.white;
+  }
+
   // In light a blurred end is where half of the contrast is left; in grey levels it is not.
   float light_at(PixelPoint at) const {
     const double level = sample_bilinear(image_, at);
@@ -113,17 +131,17 @@ class Symbol {
 };
 
 // How much of the bars' contrast a row shows.
-float share_of(const Pattern& pattern, const WindowLight& row) {
+float share_of(const Pattern& pattern, const WindowRow& row) {
   float sum = 0;
-  for (std::size_t k = 0; k < kInWindow; ++k) sum += pattern.bars[k] * row[k];
+  for (std::size_t k = 0; k < kInWindow; ++k) sum += pattern.bars[k] * row.light[k];
   return sum / pattern.power;
 }
 
-// Light of a row between the bars' black (0) and white (1).
-float level_of(const Pattern& pattern, const WindowLight& row) {
+// Light of a row between the bars' black (0) and white (1), as they are where white has this light.
+float level_of(const Pattern& pattern, const WindowRow& row, float white) {
   float mean = 0;
-  for (const float value : row) mean += value / kInWindow;
-  return (mean - pattern.black) / (pattern.white - pattern.black);
+  for (const float value : row.light) mean += value / kInWindow;
+  return (mean * row.white / white - pattern.black) / (pattern.white - pattern.black);
 }
 
 bool has_contrast(const Pattern& pattern) {
@@ -143,18 +161,20 @@ std::optional<double> end_in_window(const Symbol& symbol, std::size_t window, do
   const double step_px = pixels / steps;
   std::optional<double> end;
   double before = 0;
+  float white = 1;  // of the last row in which the bars show
   double white_px = 0;
   for (int k = 0; k <= steps; ++k) {
     const double v = from + k * step;
-    const WindowLight row = symbol.row(window, v);
+    const WindowRow row = symbol.row(window, v);
     const auto share = static_cast<double>(share_of(pattern, row));
     if (share >= kHalfShown) {
       end.reset();
+      white = row.white;
       white_px = 0;
     } else if (k > 0 && before >= kHalfShown) {
       end = v - step * (kHalfShown - share) / (before - share);
     }
-    const float level = level_of(pattern, row);
+    const float level = level_of(pattern, row, white);
     // Something dark in front cuts the bars off before they end.
     if (end && level < kBarEnds.dark) return std::nullopt;
     if (end && share < static_cast<double>(kBarEnds.hardly_any) && level > kBarEnds.white) {
@@ -219,9 +239,10 @@ double tolerance_of(double height) { return kBarEnds.tolerance_px / height + kBa
 
 }  // namespace
 
-BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens) {
+BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens,
+                   bool in_shadow) {
   const double first = layout.width_share(0);
-  return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom, lens};
+  return {corners, first, 1 - first, layout.bars_top, layout.bars_bottom, lens, in_shadow};
 }
 
 std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
@@ -297,11 +318,13 @@ bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
     const double u = symbol.middle_of(window);
     const double end = ends.at(u);
     const double pixels = std::abs(side - end) * symbol.pixels_per_v(u, (side + end) / 2);
+    const float white = symbol.row(window, end).white;
     const int steps = static_cast<int>(pixels / kBarEnds.step_px);
     const int margin = static_cast<int>(kBarEnds.beyond_px / kBarEnds.step_px);
     for (int k = margin; k < steps - margin; ++k) {
       const double v = end + (side - end) * k / steps;
-      if (static_cast<double>(level_of(pattern, symbol.row(window, v))) > kHalfShown) continue;
+      if (static_cast<double>(level_of(pattern, symbol.row(window, v), white)) > kHalfShown)
+        continue;
       ++dark;
       break;
     }
@@ -309,13 +332,28 @@ bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
   return dark >= kBarEnds.least_right;
 }
 
+// Whether the frame's own stroke shows outwards of the line of v = `edge`, above the bars
+// (`outward` -1) or below (1): along most of it dark, with white on both sides, as thick as the
+// layout has it. Other edges have something else behind.
+bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, double edge, double outward) {
+  const double stroke = layout.frame.stroke / layout.frame.height;
+  std::size_t shown = 0;
+  for (std::size_t window = 0; window < kWindows; ++window) {
+    const double u = symbol.middle_of(window);
+    const auto light = [&](double out) { return symbol.light(u, edge + outward * out); };
+    const float white = std::min(light(-0.3 * layout.bars_top), light(1.6 * stroke));
+    shown += light(stroke / 2) < kBarEnds.ink * white ? 1U : 0U;
+  }
+  return shown >= kBarEnds.least_right;
+}
+
 }  // namespace
 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const LensDistortion& lens) {
-  if (bars_end_near(image, bar_field(corners, layout, lens)))
-    return {EndsVerdict::suited, corners, 0, 0};
-  const BarField field = bar_field(corners, layout, lens);
+                              const SymbolLayout& layout, const LensDistortion& lens,
+                              bool in_shadow) {
+  const BarField field = bar_field(corners, layout, lens, in_shadow);
+  if (bars_end_near(image, field)) return {EndsVerdict::suited, corners, 0, 0};
   const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
                                    layout.bars_top - kBarEnds.outside);
   const auto lower = find_bar_ends(image, field, layout.bars_bottom - kBarEnds.inside,
@@ -326,9 +364,10 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
   };
   const bool upper_off = off(upper, layout.bars_top);
   const bool lower_off = off(lower, layout.bars_bottom);
-  if (!upper_off && !lower_off) {
-    return {upper && lower ? EndsVerdict::suited : EndsVerdict::unknown, corners, 0, 0};
-  }
+  const Symbol symbol(image, field);
+  if (!upper && !shows_stroke(symbol, layout, 0, -1)) return {EndsVerdict::odd, corners, 0, 0};
+  if (!lower && !shows_stroke(symbol, layout, 1, 1)) return {EndsVerdict::odd, corners, 0, 0};
+  if (!upper_off && !lower_off) return {EndsVerdict::suited, corners, 0, 0};
   if (!upper || !lower) return {EndsVerdict::odd, corners, 0, 0};
   std::optional<EndsVerdict> found;
   for (const std::size_t side : {0U, 2U}) {
@@ -340,6 +379,9 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
     const double miss =
         missed_px(corners, other, completed, layout.bars_top + layout.bars_bottom - v, lens);
     if (miss > tolerance + 3 * other.sigma_px) continue;
+    // Something across the bars, not their ends.
+    if (shows_stroke(symbol, layout, side == 0 ? 0 : 1, side == 0 ? -1 : 1))
+      return {EndsVerdict::odd, corners, 0, 0};
     // Where both may be, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};
     const double sigma =
@@ -348,13 +390,24 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
   }
   if (found) return *found;
   const double middle = (upper->at(0.5) + lower->at(0.5)) / 2;
-  const Symbol symbol(image, field);
   // As far off above as below: another layout's frame, unless its own stroke lies within.
   const bool even =
       std::abs(middle - (layout.bars_top + layout.bars_bottom) / 2) * height_px(corners) <
           tolerance &&
       !is_stroke_between(symbol, *upper, 0) && !is_stroke_between(symbol, *lower, 1);
-  return {even ? EndsVerdict::unknown : EndsVerdict::odd, corners, 0, 0};
+  return {even ? EndsVerdict::other_layout : EndsVerdict::odd, corners, 0, 0};
+}
+
+bool is_stroke_beyond(const GrayView& image, const BarField& field, const SymbolLayout& layout,
+                      std::size_t side) {
+  const Symbol symbol(image, field);
+  const double edge = side == 0 ? 0 : 1;
+  const double outward = side == 0 ? -1 : 1;
+  const double stroke = layout.frame.stroke / layout.frame.height;
+  for (double out = stroke / 2; out < kBarEnds.outside; out += stroke / 4) {
+    if (shows_stroke(symbol, layout, edge + outward * out, outward)) return true;
+  }
+  return false;
 }
 
 }  // namespace tagsmith::detail

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 
 #include "decoder/feature_frame/lens_distortion.hpp"
@@ -19,10 +20,11 @@ struct BarField {
   double first = 0, last = 1;  // u of the first and the last bar
   double top = 0, bottom = 1;  // v between which the bars are known to run
   LensDistortion lens = {};    // through which the bars are seen
+  bool in_shadow = false;      // light changes along the bars: rows are compared by their own white
 };
 
-BarField bar_field(const Quad& corners, const SymbolLayout& layout,
-                   const LensDistortion& lens = {});
+BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens = {},
+                   bool in_shadow = false);
 
 // A straight line across the bars.
 struct BarEnds {
@@ -46,12 +48,13 @@ bool bars_end_near(const GrayView& image, const BarField& field);
 // What the bars' ends say of a frame's upper and lower side.
 struct EndsVerdict {
   enum Kind {
-    suited,   // both are where the bars' ends have them
-    unknown,  // the bars do not show where they end, or the layout is none of the frame's
-    hidden,   // one is something else's edge: `corners` has it where the bars' ends put it
-    odd       // the bars end elsewhere, and no one side explains it
+    suited,        // both are where the bars' ends have them, or show the frame's own stroke where
+                   // these are hidden
+    other_layout,  // the bars end as far off above as below: the layout is none of the frame's
+    hidden,        // one is something else's edge: `corners` has it where the bars' ends put it
+    odd            // the bars end elsewhere, and no one side explains it, or nothing shows
   };
-  Kind kind = unknown;
+  Kind kind = odd;
   Quad corners{};
   std::size_t side = 0;  // 0 = upper, 2 = lower
   double sigma_px = 0;   // of that side's place at its ends
@@ -60,6 +63,12 @@ struct EndsVerdict {
 // Compares the bars' ends with a frame that is otherwise the symbol's own (corners clockwise from
 // P).
 EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const LensDistortion& lens = {});
+                              const SymbolLayout& layout, const LensDistortion& lens = {},
+                              bool in_shadow = false);
+
+// Whether a stroke like the frame's shows beyond the upper (0) or lower (2) side of a frame of
+// which that side was hidden: then it was something across the bars that was taken for their ends.
+bool is_stroke_beyond(const GrayView& image, const BarField& field, const SymbolLayout& layout,
+                      std::size_t side);
 
 }  // namespace tagsmith::detail

@@ -20,18 +20,17 @@ namespace {
 using Source = TagHypothesis::Source;
 
 // Width of a module of a symbol along the frame's longer sides, pixels; roughly.
-double module_across(const Quad& frame) {
+double module_across(const Quad& frame, const SymbolLayout& layout) {
   const double one = (distance(frame[0], frame[1]) + distance(frame[2], frame[3])) / 2;
   const double other = (distance(frame[1], frame[2]) + distance(frame[3], frame[0])) / 2;
-  return std::max(one, other) / SymbolLayout{}.modules();
+  return std::max(one, other) / layout.modules();
 }
 
 // Where the bars are in a frame of which a side may be something else's edge.
-BarRegion bars_inside(const GrayView& image, const Quad& quad) {
+BarRegion bars_inside(const GrayView& image, const Quad& quad, const SymbolLayout& layout) {
   const std::size_t first = possible_first_corners(image, quad).front();
   const Homography map =
       homography_to({quad[first], quad[first + 1], quad[(first + 2) % 4], quad[(first + 3) % 4]});
-  const SymbolLayout layout;
   const double margin = layout.width_share(0);
   const PixelPoint left = map(margin, 0.5), right = map(1 - margin, 0.5);
   BarRegion region;
@@ -47,11 +46,6 @@ bool same_frame(const Quad& a, const Quad& b) {
   const double size = std::sqrt(std::min(area_of(a), area_of(b)));
   const double ratio = area_of(a) / std::max(area_of(b), 1e-9);
   return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
-}
-
-// Whether one frame is in the place of the other, as no two plates are.
-bool overlap(const Quad& a, const Quad& b) {
-  return contains(a, centre_of(b)) && contains(b, centre_of(a));
 }
 
 // Whether a hypothesis of this source began within so many pixels.
@@ -102,7 +96,7 @@ Detector::Detector(SearchedImage& picture, const ReadOptions& options)
     : image_(picture.image()),
       picture_(picture),
       options_(options),
-      shape_(frame_shape_of(options.layouts)),
+      typical_(typical_layout(options.layouts)),
       part_search_(options) {
   if (options.camera) lens_ = LensDistortion(*options.camera);
 }
@@ -114,9 +108,9 @@ void Detector::consider(const Proposal& proposal) {
 void Detector::look_at(const Outline& outline) {
   const auto& [level, quad] = outline;
   if (is_read(to_full(level, quad))) return;
-  part_search_.note_cut(outline, shape_);
-  if (!looks_framed(level.image, quad, shape_)) {
-    part_search_.note_hidden_side(outline, shape_);
+  part_search_.note_cut(outline, typical_.frame);
+  if (!looks_framed(level.image, quad, typical_.frame)) {
+    part_search_.note_hidden_side(outline, typical_.frame);
     return pass_over(to_full(level, quad), FrameFault::not_framed);
   }
   look_at(RoughFrame{level, quad});
@@ -146,16 +140,16 @@ void Detector::read_covered_parts() {
 void Detector::look_at(const RoughFrame& proposed) {
   const auto& [level, rough] = proposed;
   FrameResult<CoarseFrame> settled =
-      fit_frame_coarsely(level.image, rough, known_sagittas(level, rough), shape_);
+      fit_frame_coarsely(level.image, rough, known_sagittas(level, rough), typical_.frame);
   // The corners of an outline's hull are too far out where its sides bow.
   if (!settled && lens_ && lens_->bends())
-    settled = fit_frame_coarsely(level.image, rough, {}, shape_);
+    settled = fit_frame_coarsely(level.image, rough, {}, typical_.frame);
   if (!settled) return pass_over(to_full(level, rough), settled.error());
   const Quad quad = to_full(level, settled->corners);
   if (is_read(quad) || was_proposed(hypotheses_, Source::outline, quad, 0.4)) return;
   show_as_stored(quad);
   const FrameResult<RefinedFrame> frame =
-      refine_frame(image_, quad, lens_for(level, *settled), shape_);
+      refine_frame(image_, quad, lens_for(level, *settled), typical_.frame);
   const bool is_new = frame && !was_fitted(hypotheses_, *frame);
   TagHypothesis hypothesis;
   if (is_new) {
@@ -186,12 +180,12 @@ void Detector::keep(TagHypothesis hypothesis) {
 }
 
 void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis) {
-  const auto sharpening = sharpening_of(picture_.image(), *hypothesis.frame, shape_);
+  const auto sharpening = sharpening_of(picture_.image(), *hypothesis.frame, typical_.frame);
   if (!sharpening) return;
   if (!unsharpened_) unsharpened_.emplace(picture_.image());
   unsharpened_->undo(*sharpening, hypothesis.frame->corners);
   image_ = unsharpened_->view();
-  auto frame = refine_frame(image_, hypothesis.frame->corners, lens, shape_, true);
+  auto frame = refine_frame(image_, hypothesis.frame->corners, lens, typical_.frame, true);
   TagHypothesis plain;
   if (frame) add_halo_doubt(hypothesis.frame->corners, *frame);
   if (frame) plain = judged_quickly(hypothesis.rough, *frame);
@@ -247,14 +241,15 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
     if (reading) {
       hypothesis.outcome = *std::move(reading);
     } else {
-      hypothesis.odd_bars = bars_inside(image_, frame.corners);
+      hypothesis.odd_bars = bars_inside(image_, frame.corners, typical_);
       hypothesis.outcome = rejection_of(*std::move(symbol), {RejectionReason::side_hidden});
     }
     return hypothesis;
   }
-  if (is_worth_care(symbol ? symbol->profile.module_px : module_across(frame.corners))) {
+  if (is_worth_care(symbol ? symbol->profile.module_px : module_across(frame.corners, typical_))) {
     hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
-    if (!hypothesis.may_be_covered) hypothesis.odd_bars = bars_inside(image_, frame.corners);
+    if (!hypothesis.may_be_covered)
+      hypothesis.odd_bars = bars_inside(image_, frame.corners, typical_);
   }
   if (!symbol) {
     hypothesis.outcome = Rejection{RejectionReason::no_guards, frame.corners};
@@ -298,7 +293,7 @@ void Detector::look_at(const RefusedFrame& refused) {
   if (is_read(frame.corners)) return;
   show_as_seen_by(hypotheses_[refused.hypothesis]);
   if (judge_carefully(frame, false)) return;
-  hypotheses_.back().odd_bars = bars_inside(image_, frame.corners);
+  hypotheses_.back().odd_bars = bars_inside(image_, frame.corners, typical_);
 }
 
 bool Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
@@ -364,8 +359,8 @@ std::vector<Quad> Detector::known_in(const PyramidLevel& level) const {
   for (const TagHypothesis& hypothesis : hypotheses_) {
     const Reading* tag = hypothesis.reading();
     if (tag == nullptr) continue;
-    const double module = distance(tag->corners[0], tag->corners[1]) / shape_.length;
-    const double stroke = (shape_.stroke + 0.5) * module;
+    const double module = distance(tag->corners[0], tag->corners[1]) / typical_.frame.length;
+    const double stroke = (typical_.frame.stroke + 0.5) * module;
     known.push_back(to_level(level, widened(tag->corners, stroke)));
   }
   return known;

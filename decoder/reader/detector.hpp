@@ -12,7 +12,6 @@
 #include "decoder/feature_frame/candidates.hpp"
 #include "decoder/feature_frame/coarse_fit.hpp"
 #include "decoder/feature_frame/frame_fault.hpp"
-#include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/feature_frame/refine.hpp"
@@ -25,6 +24,7 @@
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/searched_image.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
+#include "decoder/reader/symbol_layout.hpp"
 
 namespace tagsmith::detail {
 
@@ -173,7 +173,7 @@ class Detector {
   GrayView image_;
   SearchedImage& picture_;
   const ReadOptions& options_;
-  FrameShape shape_;                    // of the frames that are searched for
+  SymbolLayout typical_;                // of the tags that are searched for
   std::optional<LensDistortion> lens_;  // of the camera, if that is known
   std::vector<TagHypothesis> hypotheses_;
   PartSearch part_search_;

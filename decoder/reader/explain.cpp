@@ -6,8 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/quad.hpp"
 #include "decoder/reader/robust_profile.hpp"
@@ -42,18 +40,6 @@ std::array<double, kDigitCount> margins_of(const ScanProfile& profile, const Ima
     margins[i] = (rival - own) / 2 / noise / std::log(10.0);
   }
   return margins;
-}
-
-// Why it was refused, with the number that was too low or too high.
-std::string describe_measured(const Rejection& rejection) {
-  if (rejection.limit == 0) return describe(rejection);
-  if (rejection.reason == RejectionReason::doubtful) {
-    return fmt::format("{} (1 - {:.0e}, at least 1 - {:.0e})", describe(rejection),
-                       1 - rejection.measured, 1 - rejection.limit);
-  }
-  const bool is_low = rejection.measured < rejection.limit;
-  return fmt::format("{} ({:.2f}, {} {:.2f})", describe(rejection), rejection.measured,
-                     is_low ? "at least" : "at most", rejection.limit);
 }
 
 // What was seen of a symbol in a frame.

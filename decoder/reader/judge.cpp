@@ -25,6 +25,15 @@ bool too_little_shown(const SymbolProfile& profile) {
          kJudge.most_hidden * static_cast<double>(profile.bins.size());
 }
 
+// Whether the stroke of a side that was held for hidden shows elsewhere.
+bool has_misplaced_side(const GrayView& image, const SymbolHypothesis& symbol) {
+  const BarField field = bar_field(corners_of(symbol), symbol.layout, symbol.frame.lens);
+  const auto is_misplaced = [&](std::size_t side) {
+    return !symbol.frame.shown[side] && is_stroke_beyond(image, field, symbol.layout, side);
+  };
+  return is_misplaced(0) || is_misplaced(2);
+}
+
 // What is told of a symbol that is believed.
 Reading reading_from(const GrayView& image, SymbolHypothesis symbol, ReadingMethod method) {
   Reading reading;
@@ -125,14 +134,16 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
                                               const ReadOptions& options, ReadingMethod method) {
   const RefinedFrame& frame = symbol.frame;
   const EndsVerdict verdict =
-      judge_by_bar_ends(image, corners_of(symbol), symbol.layout, frame.lens);
+      judge_by_bar_ends(image, corners_of(symbol), symbol.layout, frame.lens, symbol.in_shadow);
   const bool whole = std::ranges::all_of(frame.shown, std::identity{});
   if (verdict.kind == EndsVerdict::odd) return std::nullopt;
   // Among shadows other straight edges are near.
-  if (verdict.kind == EndsVerdict::unknown && (!whole || symbol.profile.is_evened)) {
-    return std::nullopt;
+  const bool may_differ = whole && !symbol.in_shadow;
+  if (verdict.kind == EndsVerdict::other_layout && !may_differ) return std::nullopt;
+  if (verdict.kind != EndsVerdict::hidden) {
+    if (has_misplaced_side(image, symbol)) return std::nullopt;
+    return reading_from(image, symbol, method);
   }
-  if (verdict.kind != EndsVerdict::hidden) return reading_from(image, symbol, method);
   std::array<bool, 4> shown{};
   for (std::size_t i = 0; i < 4; ++i) {
     shown[i] = frame.shown[i] && i != verdict.side;
@@ -142,6 +153,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   if (!completed) return std::nullopt;
   const auto again = believed_hypothesis(image, *completed, options, true);
   if (!again || again->decoding.digits != symbol.decoding.digits) return std::nullopt;
+  if (has_misplaced_side(image, *again)) return std::nullopt;
   return reading_from(image, *again, ReadingMethod::partly_covered);
 }
 

@@ -22,7 +22,7 @@ using CornerVector = Eigen::Matrix<double, 8, 1>;
 
 PlacedCorners placed_by_frame(const SymbolHypothesis& symbol) {
   const double by_growth = growth_of(symbol).doubt_px / 2;
-  const double by_shadows = symbol.profile.is_evened ? kCorner.in_shadow : 0;
+  const double by_shadows = symbol.in_shadow ? kCorner.in_shadow : 0;
   return {corners_of(symbol), corner_covariance(symbol.frame, std::hypot(by_growth, by_shadows))};
 }
 

@@ -99,7 +99,7 @@ void propose_outlines(const SearchContext& search, const PyramidLevel& level,
   if (level.scale == 1 && !join_pieces) options.max_size = kSearch.largest_frame;
   options.max_changes = max_changes(level);
   options.join_pieces = join_pieces;
-  options.shape = frame_shape_of(search.options.layouts);
+  options.shape = typical_layout(search.options.layouts).frame;
   for (const Quad& quad : find_candidates(level, options)) search.propose(Outline{level, quad});
 }
 
@@ -168,7 +168,7 @@ bool overlap(const BarRegion& a, const BarRegion& b) {
 void propose_expected(SearchContext& search) {
   for (const ExpectedTag& expected : search.options.expected) {
     const ExpectedSurroundings around(search.picture.image(), expected,
-                                      frame_shape_of(search.options.layouts));
+                                      typical_layout(search.options.layouts).frame);
     if (around.levels().empty()) continue;
     const PyramidLevel& coarsest = around.levels().back();
     search.propose(RoughFrame{coarsest, to_level(coarsest, expected.corners)});

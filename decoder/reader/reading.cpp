@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decoder/reader/reading.hpp"
 
+#include <fmt/format.h>
+
 namespace tagsmith::detail {
 namespace {
 
@@ -78,6 +80,17 @@ std::string describe(const Rejection& rejection) {
     return "the digits " + to_string(digits) + " are in none of the given surveys";
   }
   return describe(rejection.reason);
+}
+
+std::string describe_measured(const Rejection& rejection) {
+  if (rejection.limit == 0) return describe(rejection);
+  if (rejection.reason == RejectionReason::doubtful) {
+    return fmt::format("{} (1 - {:.0e}, at least 1 - {:.0e})", describe(rejection),
+                       1 - rejection.measured, 1 - rejection.limit);
+  }
+  const bool is_low = rejection.measured < rejection.limit;
+  return fmt::format("{} ({:.2f}, {} {:.2f})", describe(rejection), rejection.measured,
+                     is_low ? "at least" : "at most", rejection.limit);
 }
 
 std::string describe(const FramelessRejection& rejection) { return describe(rejection.reason); }

@@ -77,6 +77,9 @@ struct Rejection {
 // Why, in words: "element widths", "the digits 019000000404 are in none of the given surveys".
 std::string describe(const Rejection& rejection);
 
+// The same with the number that was too low or too high: "element widths (0.83, at least 0.90)".
+std::string describe_measured(const Rejection& rejection);
+
 // A symbol seen by its bars alone. It says which tag or product this is and roughly where, but has
 // no corners to measure from.
 struct FramelessReading {

@@ -110,7 +110,9 @@ std::optional<SymbolHypothesis> SymbolLook::in_best_light(const ReadOptions& opt
   }
   if (!*lies_in_shadow_) return as_seen;
   auto evened = best(true);
-  return evened && (!as_seen || explained(evened) > explained(as_seen)) ? evened : as_seen;
+  auto& better = evened && (!as_seen || explained(evened) > explained(as_seen)) ? evened : as_seen;
+  if (better) better->in_shadow = true;
+  return better;
 }
 
 std::optional<SymbolHypothesis> SymbolLook::by_agreeing_rows(const ReadOptions& options) {

@@ -23,6 +23,7 @@ struct SymbolHypothesis {
   SymbolLayout layout;
   SymbolProfile profile;  // along the symbol, from its end on where decoding.upside_down says so
   Decoding decoding;
+  bool in_shadow = false;  // shadows, or a lamp's spot, are known to lie on the plate
 };
 
 // Whether a symbol is beyond doubt by its whole height: then its halves need not be asked.

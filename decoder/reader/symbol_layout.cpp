@@ -11,16 +11,22 @@ SymbolLayout layout_of(const TagTemplate& tag) {
   return {tag.quiet_zone_modules, top, 1 - top, frame};
 }
 
-FrameShape frame_shape_of(std::span<const SymbolLayout> layouts) {
+SymbolLayout typical_layout(std::span<const SymbolLayout> layouts) {
   if (layouts.empty()) return {};
-  FrameShape sum{0, 0, 0};
+  SymbolLayout sum{0, 0, 0, {0, 0, 0}};
   for (const SymbolLayout& layout : layouts) {
-    sum.length += layout.frame.length;
-    sum.height += layout.frame.height;
-    sum.stroke += layout.frame.stroke;
+    sum.quiet_zone_modules += layout.quiet_zone_modules;
+    sum.bars_top += layout.bars_top;
+    sum.bars_bottom += layout.bars_bottom;
+    sum.frame.length += layout.frame.length;
+    sum.frame.height += layout.frame.height;
+    sum.frame.stroke += layout.frame.stroke;
   }
   const auto count = static_cast<double>(layouts.size());
-  return {sum.length / count, sum.height / count, sum.stroke / count};
+  return {sum.quiet_zone_modules / count,
+          sum.bars_top / count,
+          sum.bars_bottom / count,
+          {sum.frame.length / count, sum.frame.height / count, sum.frame.stroke / count}};
 }
 
 }  // namespace tagsmith::detail

@@ -28,7 +28,7 @@ struct SymbolLayout {
 
 SymbolLayout layout_of(const TagTemplate& tag);
 
-// The shape of frames to search for where any of these layouts may be: their mean.
-FrameShape frame_shape_of(std::span<const SymbolLayout> layouts);
+// What to search for where any of these layouts may be: their mean.
+SymbolLayout typical_layout(std::span<const SymbolLayout> layouts);
 
 }  // namespace tagsmith::detail

@@ -71,6 +71,7 @@ struct BarEndsTuning {
   double beyond_px = 3;              // of white that must follow
   float hardly_any = 0.3F;           // of the bars' contrast
   float white = 0.6F, dark = 0.15F;  // between the bars' black and white
+  float ink = 0.5F;                  // of the white beside it, of a stroke that shows
   double line_px = 0.8;              // pixels off the line through the ends
   std::size_t least_right = 5;       // windows of eight whose bars end where they should
   double systematic_px = 0.15;       // what neighbouring windows are off by together

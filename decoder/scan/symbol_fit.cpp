@@ -76,9 +76,11 @@ NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
 
 // Holds the parameters near nominal; `off`: how far they are from there.
 void add_priors(const Parameters& off, NormalEquations& normal) {
+  const ImagingPriors& sigma = kSymbolFit.prior_sigma;
+  const Parameters sigmas{sigma.log_blur, sigma.shift, sigma.stretch, sigma.bend,
+                          sigma.growth,   sigma.white, sigma.black,   sigma.shading};
   for (int i = 0; i < kParameters; ++i) {
-    const double sigma = kSymbolFit.prior_sigma[static_cast<std::size_t>(i)];
-    const double weight = 1 / (sigma * sigma);
+    const double weight = 1 / (sigmas[i] * sigmas[i]);
     normal.matrix(i, i) += weight;
     normal.right[i] -= weight * off[i];
     normal.cost += weight * off[i] * off[i];

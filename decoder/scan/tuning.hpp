@@ -2,7 +2,6 @@
 // The thresholds of reading a scan profile, one struct for each stage.
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 namespace tagsmith::detail {
@@ -31,12 +30,21 @@ struct ElasticTuning {
 };
 inline constexpr ElasticTuning kElastic;
 
+// Weak priors of the imaging model: standard deviations of its values about their nominal ones.
+// They hold what a short or empty profile leaves open, and forbid what would turn one digit into
+// another.
+struct ImagingPriors {
+  double log_blur = 0.7;
+  double shift = 0.5;                              // modules
+  double stretch = 0.006;                          // of the length
+  double bend = 0.3;                               // modules
+  double growth = 0.35;                            // modules
+  double white = 0.3, black = 0.3, shading = 0.2;  // of the contrast
+};
+
 // The fit of the imaging model to a profile.
 struct SymbolFitTuning {
-  // Weak priors: standard deviations of log blur, shift, stretch, bend, growth (modules), white,
-  // black and shading (of the contrast) about their nominal values. They hold what a short or empty
-  // profile leaves open, and forbid what would turn one digit into another.
-  std::array<double, 8> prior_sigma{0.7, 0.5, 0.006, 0.3, 0.35, 0.3, 0.3, 0.2};
+  ImagingPriors prior_sigma;
   int most_steps = 12;
   double settled = 1e-3;         // change of the cost
   double least_contrast = 0.05;  // of the white

@@ -14,7 +14,9 @@
 #include "decoder/image/nearest.hpp"
 #include "decoder/image/upright.hpp"
 #include "decoder/reader/judge.hpp"
+#include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/scan/tuning.hpp"
+#include "tagsmith/base/quantile.hpp"
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/placement/reader_limits.hpp"
 
@@ -32,7 +34,7 @@ constexpr double kSharpBlur = 1.2;  // pixels: what lens and pixels leave of a p
 constexpr double kMostHidden = 0.05;
 constexpr double kEndOfScale = 255;  // of every camera's samples: what is brighter is lost
 // Modules that bars are wider or narrower as printers and cameras go: what the reader expects.
-constexpr double kUsualGrowth = kSymbolFit.prior_sigma[4];
+constexpr double kUsualGrowth = kSymbolFit.prior_sigma.growth;
 
 struct Levels {
   double dark = 0;
@@ -52,38 +54,8 @@ Levels levels_in(const GrayView& image, const FrameCorners& corners) {
     }
   }
   if (samples.empty()) return {0, 255};
-  std::ranges::sort(samples);
-  const auto share = [&](std::size_t percent) {
-    return static_cast<double>(samples[(samples.size() - 1) * percent / 100]);
-  };
-  return {share(5), share(95)};
-}
-
-// True when the bars stand across the sides P-F and Q-R as they should, false when across the other
-// two: the corners of what was not read may begin anywhere. Nothing when that cannot be seen.
-std::optional<bool> bars_cross_length(const GrayView& image, const FrameCorners& corners) {
-  constexpr int kSteps = 60;
-  const Homography image_from_frame = homography_to(corners);
-  const auto sample = [&](int right, int down) {
-    const PixelPoint at = image_from_frame(0.15 + 0.7 * right / kSteps, 0.15 + 0.7 * down / kSteps);
-    const double x = std::clamp(at.x, 0.0, image.width - 1.0);
-    const double y = std::clamp(at.y, 0.0, image.height - 1.0);
-    return static_cast<int>(
-        image.at(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y))));
-  };
-  long along = 0;
-  long across = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    for (int j = 0; j < kSteps; ++j) {
-      const int here = sample(i, j);
-      along += std::abs(sample(i + 1, j) - here);
-      across += std::abs(sample(i, j + 1) - here);
-    }
-  }
-  constexpr double kClearly = 1.3;
-  if (static_cast<double>(along) > kClearly * static_cast<double>(across)) return true;
-  if (static_cast<double>(across) > kClearly * static_cast<double>(along)) return false;
-  return std::nullopt;
+  return {static_cast<double>(quantile(samples, 0.05)),
+          static_cast<double>(quantile(samples, 0.95))};
 }
 
 double shortening(const TagTemplate& tag, double length, double height) {
@@ -106,9 +78,10 @@ FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, Fram
                              int orientation) {
   const double along = length_of(corners);
   const double across = height_of(corners);
-  const bool crossed =
-      bars_cross_length(image, corners)
-          .value_or(shortening(tag, along, across) >= shortening(tag, across, along));
+  const std::vector<std::size_t> first = possible_first_corners(image, corners);
+  const bool crossed = first.size() == 1
+                           ? first.front() == 0
+                           : shortening(tag, along, across) >= shortening(tag, across, along);
   if (!crossed) std::rotate(corners.begin(), corners.begin() + 1, corners.end());
   const Upright upright{orientation, image.width, image.height};
   const PixelPoint upper = upright.turn(0.5 * (corners[0] + corners[1]));
@@ -188,8 +161,7 @@ std::optional<Diagnosis> judge_plate_light(const PlateLook& look) {
 
 std::optional<double> median_of(std::vector<int> samples) {
   if (samples.empty()) return std::nullopt;
-  std::ranges::sort(samples);
-  return samples[samples.size() / 2];
+  return quantile(samples, 0.5);
 }
 
 // Of the middle of the frame's upper and lower strokes; nothing when the picture has none of it.
@@ -431,7 +403,7 @@ Diagnosis diagnose(const GrayView& image, const TagTemplate& tag, const Rejectio
     diagnosis->words += fmt::format(" (the reader says: {})", reason);
     return *diagnosis;
   }
-  return {"undecodable", reason + suspicion(rejection.reason)};
+  return {"undecodable", describe_measured(rejection) + suspicion(rejection.reason)};
 }
 
 std::optional<Diagnosis> find_cover(const GrayView& image, const TagTemplate& tag,

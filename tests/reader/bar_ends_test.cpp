@@ -174,7 +174,7 @@ TEST_CASE("bars that end as far above as below are another layout's") {
   tag.bars_top += 4;
   tag.bars_bottom -= 4;
   const GrayImage image = tag.image();
-  CHECK(judge_by_bar_ends(image.view(), tag.corners(), kLayout).kind == EndsVerdict::unknown);
+  CHECK(judge_by_bar_ends(image.view(), tag.corners(), kLayout).kind == EndsVerdict::other_layout);
   SymbolLayout own;
   own.bars_top = v_of(tag.bars_top);
   own.bars_bottom = v_of(tag.bars_bottom);

@@ -138,6 +138,32 @@ TEST_CASE("a board over a side of the frame: the bars say where the side is, and
   }
 }
 
+// Paint or a belt across the plate, at every height about the bars' ends, level or not.
+TEST_CASE("a band across the bars is not taken for their ends while the frame's own side shows") {
+  std::size_t read = 0;
+  for (const double height : {0.008, 0.014}) {
+    for (double top = 0.014; top < 0.05; top += 0.004) {
+      for (const double reflectance : {0.1, 0.4}) {
+        CAPTURE(height);
+        CAPTURE(top);
+        CAPTURE(reflectance);
+        PlateFinish finish;
+        finish.cover = Cover{{-0.06, top, 0.46, height}, reflectance};
+        const CoveredPicture picture = read_behind(finish);
+        for (const Reading& tag : picture.result.tags) {
+          CHECK(to_string(tag.digits) == kCoveredCode);
+          for (std::size_t i = 0; i < 4; ++i) {
+            const Eigen::Vector2d truth = *picture.view.plates.front().corners[i];
+            CHECK(std::hypot(tag.corners[i].x - truth.x(), tag.corners[i].y - truth.y()) < 1);
+          }
+          ++read;
+        }
+      }
+    }
+  }
+  CHECK(read > 20);
+}
+
 TEST_CASE("corners at a hidden side are off by what their covariance says") {
   const std::array<Hanging, 4> ways{{{-0.5, 0.1, 0.0, {0.1, -0.4}},
                                      {0.6, -0.2, -0.1, {-0.3, 0.2}},

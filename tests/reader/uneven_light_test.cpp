@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "decoder/image/tone_curve.hpp"
+#include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/occluders.hpp"
 #include "decoder/reader/reader.hpp"
 #include "decoder/reader/robust_profile.hpp"
@@ -91,6 +92,26 @@ TEST_CASE("a broad shadow in which bars show is no strip that hides them") {
   DrawnSymbol symbol(kDrawnDigits, 4);
   shade(symbol, [](int x, int) { return x > 160 && x < 220 ? 0.3 : 1.0; });
   CHECK(strips_along_bars(symbol.image.view(), symbol.frame(), SymbolLayout{}).empty());
+}
+
+// A lamp's spot in the middle of the plate's height leaves a third of its light at the bars' ends.
+TEST_CASE("the bars' ends show where the light of a lamp falls off along the bars") {
+  DrawnSymbol symbol(kDrawnDigits, 4);
+  shade(symbol, [&](int, int y) {
+    const double off = 2.0 * y / symbol.height() - 1;
+    return 0.05 + 0.9 * std::exp(-2.5 * off * off);
+  });
+  const Quad corners = symbol.frame().corners;
+  const SymbolLayout layout;
+  CHECK(judge_by_bar_ends(symbol.image.view(), corners, layout, {}, true).kind ==
+        EndsVerdict::suited);
+  const auto ends = [&](bool in_shadow) {
+    return find_bar_ends(symbol.image.view(), bar_field(corners, layout, {}, in_shadow),
+                         layout.bars_top + 0.2, layout.bars_top - 0.1);
+  };
+  CHECK_FALSE(ends(false));
+  REQUIRE(ends(true));
+  CHECK(std::abs(ends(true)->at(0.5) - layout.bars_top) * symbol.height() < 0.7);
 }
 
 TEST_CASE("most tags in shadow are read, none wrongly") {
