@@ -18,20 +18,21 @@ namespace {
 // perspective tapers the stroke.
 class EdgeBins {
  public:
-  EdgeBins(float inward, float outward, bool both_edges) : inward_(inward), outward_(outward) {
+  EdgeBins(float inward, float outward, bool both_edges, int zones)
+      : zones_(zones), inward_(inward), outward_(outward) {
     const float span =
         std::max(0.0F, inward - kEdgeFit.fine) + std::max(0.0F, outward - kEdgeFit.fine);
     per_coarse_ = both_edges ? 2 : 1 / std::max(0.5F, span / 8);
     fine_begin_ = std::ceil(std::max(0.0F, inward_ - kEdgeFit.fine) * per_coarse_);
     rows_ = index_of(outward) + 1;
-    bins_.resize(kEdgeFit.zones * rows_);
+    bins_.resize(static_cast<std::size_t>(zones_) * rows_);
   }
 
   bool holds(float across) const { return across >= -inward_ && across <= outward_; }
 
   void add(float along, float across, float value) {
-    const int zone =
-        std::clamp(static_cast<int>((along + 1) * (0.5F * kEdgeFit.zones)), 0, kEdgeFit.zones - 1);
+    const int zone = std::clamp(static_cast<int>((along + 1) * (0.5F * static_cast<float>(zones_))),
+                                0, zones_ - 1);
     EdgeSample& bin = bins_[static_cast<std::size_t>(zone) * rows_ + index_of(across)];
     bin.along += along;
     bin.across += across;
@@ -64,6 +65,7 @@ class EdgeBins {
     return static_cast<std::size_t>(static_cast<int>(std::max(0.0F, position)));
   }
 
+  int zones_;
   float inward_;
   float outward_;
   float per_coarse_ = 1;
@@ -74,8 +76,9 @@ class EdgeBins {
 
 // The pixels near the side, `margin` pixels at its ends left out.
 std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
-                                     double outward, double margin) {
-  EdgeBins bins(static_cast<float>(inward), static_cast<float>(outward), outward > side.stroke);
+                                     double outward, double margin, int zones) {
+  EdgeBins bins(static_cast<float>(inward), static_cast<float>(outward), outward > side.stroke,
+                zones);
   const PixelPoint d = side.end - side.begin;
   const bool steep = std::abs(d.y) > std::abs(d.x);
   const double side_length = length(d);
@@ -126,16 +129,17 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
 
 }  // namespace
 
-std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double thin) {
+std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double thin,
+                                     int zones) {
   const double inward = std::clamp(side.stroke, 2.0, 8.0);
   const double outward = side.stroke < thin ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
-  return edge_samples(image, side, inward, outward);
+  return edge_samples(image, side, inward, outward, zones);
 }
 
 std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double inward,
-                                     double outward) {
+                                     double outward, int zones) {
   const double margin = std::max(2.0, 1.2 * side.reach);
-  return samples_near(image, side, inward, outward, margin);
+  return samples_near(image, side, inward, outward, margin, zones);
 }
 
 }  // namespace tagsmith::detail

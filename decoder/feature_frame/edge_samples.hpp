@@ -18,14 +18,15 @@ struct EdgeSample {
   float weight = 0;  // number of pixels
 };
 
-// Means of the pixels on both sides of the line, its ends left out. A stroke thinner than
-// `thin` pixels is seen from edge to edge, of a thicker one the inner part: then its thickness
-// stays as guessed and does not matter.
+// Means of the pixels on both sides of the line in so many zones along it, its ends left out. A
+// stroke thinner than `thin` pixels is seen from edge to edge, of a thicker one the inner part:
+// then its thickness stays as guessed and does not matter.
 std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side,
-                                     double thin = kEdgeFit.thin_stroke);
+                                     double thin = kEdgeFit.thin_stroke,
+                                     int zones = kEdgeFit.zones);
 
 // The same from so many pixels inside the edge to so many outside.
 std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double inward,
-                                     double outward);
+                                     double outward, int zones);
 
 }  // namespace tagsmith::detail

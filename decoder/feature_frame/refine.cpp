@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "decoder/feature_frame/edge_samples.hpp"
+#include "decoder/feature_frame/shown_part.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
@@ -292,6 +293,41 @@ Solution solve_side(const SideSamples& samples, const SideLine& side, double sta
   return cost_of(second) < cost_of(first) ? second : first;
 }
 
+// Whether a fit explains as good as all of a side's samples.
+bool fits_all(const SideSamples& samples, const Solution& solution) {
+  double weight = 0;
+  for (const EdgeSample& sample : samples.samples) weight += static_cast<double>(sample.weight);
+  const Parameters& p = solution.parameters;
+  const auto level = [&](double light) {
+    return static_cast<double>(samples.tone.point_of(static_cast<float>(light)).sample);
+  };
+  const double contrast = level(p[kWhite]) - level(p[kBlack]);
+  return solution.normal.weight > kEdgeFit.least_fitting * weight &&
+         solution.scale < std::max(2 * kEdgeFit.least_residual, kEdgeFit.most_residual * contrast);
+}
+
+// A side by the part of it that shows, where the fit to all of it leaves many samples aside.
+struct SolvedSide {
+  SideSamples samples;
+  Solution solution;
+};
+
+SolvedSide solve_shown(const GrayView& image, const SideLine& side, double thin,
+                       SideSamples samples) {
+  Solution all = solve_side(samples, side, kEdgeFit.start_blur);
+  const double slice_px = distance(side.begin, side.end) / kSlices;
+  if (slice_px < kEdgeFit.least_slice || fits_all(samples, all)) return {std::move(samples), all};
+  auto part = shown_part(edge_samples(image, side, thin, kSlices), all.scale);
+  if (!part || part->samples.size() < kLeastSamples) return {std::move(samples), all};
+  SideSamples shown(image, std::move(part->samples));
+  Parameters start = first_guess(shown, side);
+  start[kLogBlur] = std::log(kEdgeFit.start_blur);
+  start[kPlace] = part->place;
+  start[kTurn] = part->turn;
+  const Solution solution = solve_from(shown, side, start);
+  return {std::move(shown), solution};
+}
+
 // Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
 // pixel, at least that of the rounding to whole grey levels.
 Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
@@ -415,9 +451,11 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     lines[i].taper = taper_of(settled, lines[i], i);
     lines[i].bow = bows[i];
     lines[i].bow.c[0] += beyond[i];
-    samples.emplace_back(sight.image, edge_samples(sight.image, lines[i], thin));
-    if (samples[i].samples.size() < kLeastSamples) return fail(FrameFault::side_too_short);
-    solutions[i] = solve_side(samples[i], lines[i], kEdgeFit.start_blur);
+    SideSamples all(sight.image, edge_samples(sight.image, lines[i], thin));
+    if (all.samples.size() < kLeastSamples) return fail(FrameFault::side_too_short);
+    SolvedSide solved = solve_shown(sight.image, lines[i], thin, std::move(all));
+    samples.push_back(std::move(solved.samples));
+    solutions[i] = solved.solution;
     if (!stays_near(solutions[i], lines[i])) {
       return fail(FrameFault::no_fit);
     }
@@ -610,9 +648,10 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     lines[i].bow = bows[i];
     frame.shown[i] = false;
     if (!shown[i]) continue;
-    const SideSamples samples(image, edge_samples(image, lines[i]));
-    if (samples.samples.size() < kLeastSamples) continue;
-    const Solution solution = solve_side(samples, lines[i], kEdgeFit.start_blur);
+    SideSamples all(image, edge_samples(image, lines[i]));
+    if (all.samples.size() < kLeastSamples) continue;
+    const auto [samples, solution] =
+        solve_shown(image, lines[i], kEdgeFit.thin_stroke, std::move(all));
     if (!stays_near(solution, lines[i])) continue;
     const double doubt = bow_doubt(seen_bow(samples, lines[i], solution));
     const SideFit fit = describe(solution, lines[i]);

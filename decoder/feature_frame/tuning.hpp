@@ -44,6 +44,12 @@ struct EdgeFitTuning {
   int rounds = 4;                // of fits through a lens that the fit itself changes
   int shape_rounds = 2;          // the same with what each side bows beyond the lens
   double at_rest = 0.02;         // pixels that the corners move from round to round
+  // Where some of a side's samples are of something else, its edge is looked for slice by slice.
+  double least_fitting = 0.8;   // mean weight of the samples; with less, the edge may be covered
+  double most_residual = 0.1;   // of the contrast, the scale of the Cauchy weights; or with more
+  double least_slice = 5;       // pixels: noise hides the edge in shorter ones
+  double slice_contrast = 0.5;  // of the side's, in a slice that shows the edge
+  double slice_off = 0.35;      // pixels off the line of the others
 };
 inline constexpr EdgeFitTuning kEdgeFit;
 
