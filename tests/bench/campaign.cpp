@@ -101,7 +101,8 @@ Result<Arguments> parse(std::span<const std::string> words) {
   }
   if (plain.empty())
     return fail(
-        "which series: frames, misprints, chains, troubles, halves, hidden, photos:FOLDER?");
+        "which series: frames, misprints, chains, troubles, shadows, halves, hidden, "
+        "photos:FOLDER?");
   arguments.series = plain[0];
   if (plain.size() > 1 && (!is_number(plain[1], arguments.range.count) || plain[1] == "0")) {
     return fail("'" + plain[1] + "' is no number of pictures");
