@@ -31,8 +31,7 @@ class EdgeBins {
   bool holds(float across) const { return across >= -inward_ && across <= outward_; }
 
   void add(float along, float across, float value) {
-    const int zone = std::clamp(static_cast<int>((along + 1) * (0.5F * static_cast<float>(zones_))),
-                                0, zones_ - 1);
+    const int zone = zone_at(along, zones_);
     EdgeSample& bin = bins_[static_cast<std::size_t>(zone) * rows_ + index_of(across)];
     bin.along += along;
     bin.across += across;
@@ -133,11 +132,11 @@ std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side
                                      int zones) {
   const double inward = std::clamp(side.stroke, 2.0, 8.0);
   const double outward = side.stroke < thin ? side.stroke + 1.5 : std::min(0.75 * side.stroke, 8.0);
-  return edge_samples(image, side, inward, outward, zones);
+  return edge_samples_between(image, side, inward, outward, zones);
 }
 
-std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double inward,
-                                     double outward, int zones) {
+std::vector<EdgeSample> edge_samples_between(const GrayView& image, const SideLine& side,
+                                             double inward, double outward, int zones) {
   const double margin = std::max(2.0, 1.2 * side.reach);
   return samples_near(image, side, inward, outward, margin, zones);
 }

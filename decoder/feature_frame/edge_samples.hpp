@@ -2,6 +2,7 @@
 // The pixels that tell where a side of a feature frame is.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "decoder/feature_frame/side_line.hpp"
@@ -26,7 +27,14 @@ std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side
                                      int zones = kEdgeFit.zones);
 
 // The same from so many pixels inside the edge to so many outside.
-std::vector<EdgeSample> edge_samples(const GrayView& image, const SideLine& side, double inward,
-                                     double outward, int zones);
+std::vector<EdgeSample> edge_samples_between(const GrayView& image, const SideLine& side,
+                                             double inward, double outward,
+                                             int zones = kEdgeFit.zones);
+
+// Which of so many zones along a side a place is in.
+inline int zone_at(float along, int zones) {
+  return std::clamp(static_cast<int>((along + 1) * (0.5F * static_cast<float>(zones))), 0,
+                    zones - 1);
+}
 
 }  // namespace tagsmith::detail

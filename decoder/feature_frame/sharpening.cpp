@@ -112,8 +112,8 @@ SideProfile profile_of(const GrayView& image, const RefinedFrame& frame, std::si
   SideProfile profile;
   const double stroke = frame.sides[i].stroke_px;
   const double outward = stroke + std::min(kSharpening.beyond_px, 0.75 * stroke);
-  profile.samples = edge_samples(image, side, std::min(kSharpening.beyond_px, 1.5 * side.reach),
-                                 outward, kEdgeFit.zones);
+  profile.samples =
+      edge_samples_between(image, side, std::min(kSharpening.beyond_px, 1.5 * side.reach), outward);
   const FrameSide& fitted = frame.sides[i];
   const ToneCurve& tone = ToneCurve::of(image);
   profile.tone = &tone;

@@ -30,8 +30,8 @@ struct EdgeLine {
   }
 };
 
-int slice_of(const EdgeSample& sample) {
-  return std::clamp(static_cast<int>((sample.along + 1) * (0.5F * kSlices)), 0, kSlices - 1);
+std::size_t slice_of(const EdgeSample& sample) {
+  return static_cast<std::size_t>(zone_at(sample.along, kSlices));
 }
 
 // The falls of a slice from its white to its black; none where it has hardly the side's contrast.
@@ -117,7 +117,7 @@ std::optional<ShownPart> shown_part(std::vector<EdgeSample> samples, double nois
   std::array<std::vector<EdgeSample>, kSlices> slices;
   std::vector<float> values;
   for (const EdgeSample& sample : samples) {
-    slices[static_cast<std::size_t>(slice_of(sample))].push_back(sample);
+    slices[slice_of(sample)].push_back(sample);
     values.push_back(sample.value);
   }
   if (values.empty()) return std::nullopt;
@@ -133,9 +133,7 @@ std::optional<ShownPart> shown_part(std::vector<EdgeSample> samples, double nois
   const auto on = slices_on(line, edges, tolerance);
   const auto count = std::ranges::count(on, true);
   if (count < kSlices / 2 || count == kSlices) return std::nullopt;
-  std::erase_if(samples, [&](const EdgeSample& sample) {
-    return !on[static_cast<std::size_t>(slice_of(sample))];
-  });
+  std::erase_if(samples, [&](const EdgeSample& sample) { return !on[slice_of(sample)]; });
   return ShownPart{line.place, line.turn, std::move(samples)};
 }
 

@@ -20,8 +20,8 @@ struct ShownPart {
 };
 
 // The straight line on which the edge lies in most slices of a side, by samples in kSlices zones
-// along it; nothing where all agree, as they do on a bow too, or where fewer than half agree on a
-// line. `noise`: of a sample, grey levels.
+// along it; nothing where all or all but one agree, as they do on a bow too, or where fewer than
+// half agree on a line. `noise`: of a sample, grey levels.
 std::optional<ShownPart> shown_part(std::vector<EdgeSample> samples, double noise);
 
 }  // namespace tagsmith::detail

@@ -332,10 +332,13 @@ bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
   return dark >= kBarEnds.least_right;
 }
 
-// Whether the frame's own stroke shows outwards of the line of v = `edge`, above the bars
-// (`outward` -1) or below (1): along most of it dark, with white on both sides, as thick as the
-// layout has it. Other edges have something else behind.
-bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, double edge, double outward) {
+// Whether the frame's own stroke shows at its upper (0) or lower (2) side, or so much of the
+// frame's height beyond: along most of it dark, with white on both sides, as thick as the layout
+// has it. Other edges have something else behind.
+bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t side,
+                  double beyond = 0) {
+  const double outward = side == 0 ? -1 : 1;
+  const double edge = (side == 0 ? 0 : 1) + outward * beyond;
   const double stroke = layout.frame.stroke / layout.frame.height;
   std::size_t shown = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
@@ -365,8 +368,8 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
   const bool upper_off = off(upper, layout.bars_top);
   const bool lower_off = off(lower, layout.bars_bottom);
   const Symbol symbol(image, field);
-  if (!upper && !shows_stroke(symbol, layout, 0, -1)) return {EndsVerdict::odd, corners, 0, 0};
-  if (!lower && !shows_stroke(symbol, layout, 1, 1)) return {EndsVerdict::odd, corners, 0, 0};
+  if (!upper && !shows_stroke(symbol, layout, 0)) return {EndsVerdict::odd, corners, 0, 0};
+  if (!lower && !shows_stroke(symbol, layout, 2)) return {EndsVerdict::odd, corners, 0, 0};
   if (!upper_off && !lower_off) return {EndsVerdict::suited, corners, 0, 0};
   if (!upper || !lower) return {EndsVerdict::odd, corners, 0, 0};
   std::optional<EndsVerdict> found;
@@ -380,8 +383,7 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
         missed_px(corners, other, completed, layout.bars_top + layout.bars_bottom - v, lens);
     if (miss > tolerance + 3 * other.sigma_px) continue;
     // Something across the bars, not their ends.
-    if (shows_stroke(symbol, layout, side == 0 ? 0 : 1, side == 0 ? -1 : 1))
-      return {EndsVerdict::odd, corners, 0, 0};
+    if (shows_stroke(symbol, layout, side)) return {EndsVerdict::odd, corners, 0, 0};
     // Where both may be, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};
     const double sigma =
@@ -401,11 +403,9 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
 bool is_stroke_beyond(const GrayView& image, const BarField& field, const SymbolLayout& layout,
                       std::size_t side) {
   const Symbol symbol(image, field);
-  const double edge = side == 0 ? 0 : 1;
-  const double outward = side == 0 ? -1 : 1;
   const double stroke = layout.frame.stroke / layout.frame.height;
   for (double out = stroke / 2; out < kBarEnds.outside; out += stroke / 4) {
-    if (shows_stroke(symbol, layout, edge + outward * out, outward)) return true;
+    if (shows_stroke(symbol, layout, side, out)) return true;
   }
   return false;
 }

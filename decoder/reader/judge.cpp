@@ -27,9 +27,10 @@ bool too_little_shown(const SymbolProfile& profile) {
 
 // Whether the stroke of a side that was held for hidden shows elsewhere.
 bool has_misplaced_side(const GrayView& image, const SymbolHypothesis& symbol) {
-  const BarField field = bar_field(corners_of(symbol), symbol.layout, symbol.frame.lens);
   const auto is_misplaced = [&](std::size_t side) {
-    return !symbol.frame.shown[side] && is_stroke_beyond(image, field, symbol.layout, side);
+    if (symbol.frame.shown[side]) return false;
+    const BarField field = bar_field(corners_of(symbol), symbol.layout, symbol.frame.lens);
+    return is_stroke_beyond(image, field, symbol.layout, side);
   };
   return is_misplaced(0) || is_misplaced(2);
 }
