@@ -17,7 +17,6 @@
 #include <fstream>
 #include <numbers>
 #include <random>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -35,6 +34,7 @@
 #include "tests/bench/crop.hpp"
 #include "tests/bench/fix_trial.hpp"
 #include "tests/bench/median.hpp"
+#include "tests/bench/photo_truth.hpp"
 #include "tests/support/draws.hpp"
 
 using namespace tagsmith::detail;
@@ -52,16 +52,6 @@ struct Row {
 
 // By tenths of the bars' length in sight.
 using Table = std::array<Row, 11>;
-
-FrameCorners corners_of(const json& plate) {
-  FrameCorners corners{};
-  const std::array<const char*, 4> names{"P", "F", "R", "Q"};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const json& at = plate.at("corners_px").at(names[i]);
-    corners[i] = {at[0].get<double>(), at[1].get<double>()};
-  }
-  return corners;
-}
 
 void count_corners(const PartReading& part, const FrameCorners& truth, Row& row) {
   Eigen::Matrix<double, 8, 1> error;
@@ -119,17 +109,6 @@ void print(const Table& table) {
   }
 }
 
-std::vector<Digits> codes_of(const json& truth) {
-  std::set<Digits> codes;
-  for (const auto& item : truth.at("images")) {
-    for (const auto& plate : item.at("plates")) {
-      const auto code = parse_digits(plate.value("code", std::string()));
-      if (code) codes.insert(*code);
-    }
-  }
-  return {codes.begin(), codes.end()};
-}
-
 // The camera of a part of a photo that begins at a column.
 Camera camera_of(const json& item, const GrayView& part, int first) {
   const json& truth = item.at("camera");
@@ -178,7 +157,7 @@ GrayImage with_post(const GrayView& image, const FrameCorners& corners, const be
 bool read_folder(const fs::path& folder, bool verbose) {
   const auto truth = json::parse(std::ifstream(folder / "truth.json"));
   ReadOptions options;
-  options.code_book = codes_of(truth);
+  options.code_book = bench::codes_of(truth);
   options.check = parse_check_digit(truth.at("check").get<std::string>());
   Table whole, as_they_are, cut, posts;
   std::mt19937_64 random(1);
@@ -197,7 +176,7 @@ bool read_folder(const fs::path& folder, bool verbose) {
           plate.at("px_per_module").get<double>() < bench::kLeastCroppedModule)
         continue;
       const Digits code = parse_digits(plate.at("code").get<std::string>()).value();
-      const FrameCorners corners = corners_of(plate);
+      const FrameCorners corners = bench::corners_of(plate);
       const double share = bench::share_in_sight(corners, view.width, view.height);
       if (!plate.at("frame_in_image").get<bool>()) {
         if (share > 0.1) count_plate(result, code, corners, share, file, verbose, as_they_are);

@@ -19,7 +19,6 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -28,8 +27,10 @@
 #include "decoder/reader/reader.hpp"
 #include "tests/bench/median.hpp"
 #include "tests/bench/other_readers.hpp"
+#include "tests/bench/photo_truth.hpp"
 
 using namespace tagsmith::detail;
+using bench::CornerFit;
 using nlohmann::json;
 namespace fs = std::filesystem;
 
@@ -56,12 +57,6 @@ struct Photo {
   std::string file;
   ReadResult result;
   std::vector<std::set<std::string>> others;  // codes, as bench::other_readers()
-};
-
-struct CornerFit {
-  Eigen::Matrix<double, 8, 1> error;  // pixels
-  double sigma = 0;                   // stated, root mean square of a coordinate
-  double chi_square = 0;              // over 8
 };
 
 std::string bin_of(double module_px) {
@@ -130,31 +125,8 @@ void cast_shadow(GrayImage& image, const ShadowEdge& edge, double left) {
 ReadOptions options_for(const json& truth, const Given& given) {
   ReadOptions options;
   if (given.check) options.check = parse_check_digit(truth.at("check").get<std::string>());
-  if (!given.book) return options;
-  std::set<Digits> codes;
-  for (const auto& item : truth.at("images")) {
-    for (const auto& plate : item.at("plates")) {
-      const auto code = parse_digits(plate.value("code", std::string()));
-      if (code) codes.insert(*code);
-    }
-  }
-  options.code_book.assign(codes.begin(), codes.end());
+  if (given.book) options.code_book = bench::codes_of(truth);
   return options;
-}
-
-CornerFit corner_fit(const Reading& reading, const json& plate) {
-  CornerFit fit;
-  Eigen::Index at = 0;
-  for (const char* name : {"P", "F", "R", "Q"}) {
-    const auto& truth = plate.at("corners_px").at(name);
-    const auto& corner = reading.corners[static_cast<std::size_t>(at / 2)];
-    fit.error[at++] = corner.x - truth[0].get<double>();
-    fit.error[at++] = corner.y - truth[1].get<double>();
-  }
-  const CornerCovariance& covariance = reading.corner_covariance;
-  fit.sigma = std::sqrt(covariance.trace() / 8);
-  fit.chi_square = fit.error.dot(covariance.ldlt().solve(fit.error)) / 8;
-  return fit;
 }
 
 void print_read(const Photo& photo, const json& plate, const Reading& reading,
@@ -195,7 +167,7 @@ void count_plate(const Photo& photo, const json& plate, bool verbose, Cell& cell
     return;
   }
   ++cell.read;
-  const CornerFit fit = corner_fit(*reading, plate);
+  const CornerFit fit = bench::corner_fit(*reading, plate);
   for (const double error : fit.error) cell.errors.push_back(std::abs(error));
   cell.chi_squares.push_back(fit.chi_square);
   if (verbose) print_read(photo, plate, *reading, fit);
@@ -225,7 +197,7 @@ int count_far(const Photo& photo, const json& plates) {
   for (const Reading& reading : photo.result.tags) {
     for (const json& plate : plates) {
       if (plate.value("code", std::string()) != to_string(reading.digits)) continue;
-      const CornerFit fit = corner_fit(reading, plate);
+      const CornerFit fit = bench::corner_fit(reading, plate);
       if (fit.error.lpNorm<Eigen::Infinity>() <= 1) continue;
       ++far;
       fmt::print("FAR {} {} {:.2f} px off, stated {:.2f}\n", photo.file, to_string(reading.digits),
