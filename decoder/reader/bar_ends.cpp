@@ -256,6 +256,12 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
   return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
 }
 
+BothEnds find_ends_near(const GrayView& image, const BarField& field) {
+  return {
+      find_bar_ends(image, field, field.top + kBarEnds.inside, field.top - kBarEnds.outside),
+      find_bar_ends(image, field, field.bottom - kBarEnds.inside, field.bottom + kBarEnds.outside)};
+}
+
 bool bars_end_near(const GrayView& image, const BarField& field) {
   const Symbol symbol(image, field);
   const double height = height_px(field.corners);
@@ -334,20 +340,26 @@ bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
 
 // Whether the frame's own stroke shows at its upper (0) or lower (2) side, or so much of the
 // frame's height beyond: along most of it dark, with white on both sides, as thick as the layout
-// has it. Other edges have something else behind.
+// has it, and white beside one of its ends at least. Other edges have something else behind, and
+// stripes of light and shade go on.
 bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t side,
                   double beyond = 0) {
   const double outward = side == 0 ? -1 : 1;
   const double edge = (side == 0 ? 0 : 1) + outward * beyond;
   const double stroke = layout.frame.stroke / layout.frame.height;
+  const auto light = [&](double u, double out) { return symbol.light(u, edge + outward * out); };
   std::size_t shown = 0;
+  float least_white = 1;
   for (std::size_t window = 0; window < kWindows; ++window) {
     const double u = symbol.middle_of(window);
-    const auto light = [&](double out) { return symbol.light(u, edge + outward * out); };
-    const float white = std::min(light(-0.3 * layout.bars_top), light(1.6 * stroke));
-    shown += light(stroke / 2) < kBarEnds.ink * white ? 1U : 0U;
+    const float white = std::min(light(u, -0.3 * layout.bars_top), light(u, 1.6 * stroke));
+    if (light(u, stroke / 2) >= kBarEnds.ink * white) continue;
+    ++shown;
+    least_white = std::min(least_white, white);
   }
-  return shown >= kBarEnds.least_right;
+  const double beside = 1.6 * layout.frame.stroke / layout.frame.length;
+  const float at_ends = std::max(light(-beside, stroke / 2), light(1 + beside, stroke / 2));
+  return shown >= kBarEnds.least_right && at_ends > kBarEnds.ink * least_white;
 }
 
 }  // namespace

@@ -11,7 +11,9 @@
 #include "decoder/feature_frame/lens_distortion.hpp"
 #include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
+#include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/robust_profile.hpp"
+#include "decoder/reader/tuning.hpp"
 #include "decoder/scan/symbol_fit.hpp"
 #include "tagsmith/symbology/upca.hpp"
 
@@ -20,10 +22,19 @@ namespace {
 
 using CornerVector = Eigen::Matrix<double, 8, 1>;
 
-PlacedCorners placed_by_frame(const SymbolHypothesis& symbol) {
+// Where no end of the bars shows, only the stroke tells the upper and the lower side from other
+// edges, and an edge of light and shade may lie on it.
+PlacedCorners placed_by_frame(const SymbolHypothesis& symbol, bool ends_show) {
+  RefinedFrame frame = symbol.frame;
+  if (!ends_show) {
+    for (FrameSide* side : {&frame.sides[0], &frame.sides[2]}) {
+      const double doubt = side->stroke_px / 2;
+      side->covariance += Eigen::Matrix2d::Identity() * doubt * doubt;
+    }
+  }
   const double by_growth = growth_of(symbol).doubt_px / 2;
   const double by_shadows = symbol.in_shadow ? kCorner.in_shadow : 0;
-  return {corners_of(symbol), corner_covariance(symbol.frame, std::hypot(by_growth, by_shadows))};
+  return {corners_of(symbol), corner_covariance(frame, std::hypot(by_growth, by_shadows))};
 }
 
 CornerVector as_vector(const FrameCorners& corners) {
@@ -34,33 +45,48 @@ CornerVector as_vector(const FrameCorners& corners) {
   return vector;
 }
 
-// How far outwards the bars see four places on the sides, pixels, beyond the frame as it was
-// fitted: on side 3 and on side 1 in the upper half of their height, and the same in the lower
-// half.
+// Places on the frame's sides that the bars see: two each on side 3 and side 1, in the upper and in
+// the lower half of their height, and both ends of side 0 and side 2, where the bars' ends show.
+constexpr int kPlacesBeside = 4, kMostPlaces = 8;
+using Places = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostPlaces, 1>;
+using PlacesCovariance =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostPlaces, kMostPlaces>;
+
+// How far outwards the bars see these places, pixels, beyond the frame as it was fitted.
 struct SeenOutwards {
-  Eigen::Vector4d by_bars;
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  explicit SeenOutwards(Eigen::Index places)
+      : by_bars(Places::Zero(places)),
+        covariance(PlacesCovariance::Zero(places, places)),
+        by_corners(decltype(by_corners)::Zero(places, 8)) {}
+
+  Places by_bars;
+  PlacesCovariance covariance;
   // By how much these places move outwards with the corners.
-  Eigen::Matrix<double, 4, 8> by_corners = Eigen::Matrix<double, 4, 8>::Zero();
+  Eigen::Matrix<double, Eigen::Dynamic, 8, 0, kMostPlaces, 8> by_corners;
 };
 
-// Enters how a place moves outwards with the corners: that of side 3 or 1 at a height, a share of
-// the frame's. Returns how far it lies outwards for a displacement of the bars.
-Eigen::RowVector3d enter_place(Eigen::Index place, std::size_t side, double height,
-                               const SymbolHypothesis& symbol, SeenOutwards& seen) {
+// Enters how a place moves outwards with the corners, a share of a side's length from its begin.
+void enter_place(Eigen::Index place, const SideLine& line, std::size_t side, double share,
+                 SeenOutwards& seen) {
+  const Eigen::RowVector2d outward{line.outward.x, line.outward.y};
+  const auto begin = static_cast<Eigen::Index>(2 * side);
+  const auto end = static_cast<Eigen::Index>(2 * ((side + 1) % 4));
+  seen.by_corners.block<1, 2>(place, begin) = (1 - share) * outward;
+  seen.by_corners.block<1, 2>(place, end) = share * outward;
+}
+
+// Enters a place on side 3 or 1 at a height, a share of the frame's. Returns how far it lies
+// outwards for a displacement of the bars.
+Eigen::RowVector3d enter_beside(Eigen::Index place, std::size_t side, double height,
+                                const SymbolHypothesis& symbol, SeenOutwards& seen) {
   const SymbolLayout& layout = symbol.layout;
   const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
   const auto seen_at = [&](double module) { return map(layout.width_share(module), height); };
   const double quiet = layout.quiet_zone_modules;
   const double module = side == 3 ? -quiet : kModuleCount + quiet;
   const SideLine line = side_of(symbol.frame.corners, side);
-  const double share =
-      dot(seen_at(module) - line.begin, line.along) / distance(line.begin, line.end);
-  const Eigen::RowVector2d outward{line.outward.x, line.outward.y};
-  const auto begin = static_cast<Eigen::Index>(2 * side);
-  const auto end = static_cast<Eigen::Index>(2 * ((side + 1) % 4));
-  seen.by_corners.block<1, 2>(place, begin) = (1 - share) * outward;
-  seen.by_corners.block<1, 2>(place, end) = share * outward;
+  enter_place(place, line, side,
+              dot(seen_at(module) - line.begin, line.along) / distance(line.begin, line.end), seen);
   const double module_px = dot(seen_at(module + 0.5) - seen_at(module - 0.5), line.outward);
   return module_px * SeenPlaces::by_displacement(module);
 }
@@ -72,12 +98,35 @@ void enter_half(const HeightShare& half, Eigen::Index first, const SymbolHypothe
                                       symbol.decoding.fit.image);
   const double height = middle_height(half, symbol.layout);
   Eigen::Matrix<double, 2, 3> by_displacement;
-  by_displacement << enter_place(first, 3, height, symbol, seen),
-      enter_place(first + 1, 1, height, symbol, seen);
+  by_displacement << enter_beside(first, 3, height, symbol, seen),
+      enter_beside(first + 1, 1, height, symbol, seen);
   seen.by_bars.segment<2>(first) = by_displacement * bars.displacement;
   const double alike = kCorner.alike * (symbol.frame.was_sharpened ? bars.correlation : 1);
   seen.covariance.block<2, 2>(first, first) =
       alike * by_displacement * bars.covariance * by_displacement.transpose();
+}
+
+// Enters the two ends of side 0 or 2 by where the bars end.
+void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
+                const SymbolHypothesis& symbol, SeenOutwards& seen) {
+  const SymbolLayout& layout = symbol.layout;
+  const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
+  const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
+  const SideLine line = side_of(symbol.frame.corners, side);
+  const double longer = growth_of(symbol).px / 2;
+  const auto outwards = [&](double u, double end) {
+    return dot(map(u, end) - map(u, v), line.outward) - longer;
+  };
+  const double at_left = outwards(0, ends.at_left), at_right = outwards(1, ends.at_right);
+  enter_place(first, line, side, 0, seen);
+  enter_place(first + 1, line, side, 1, seen);
+  seen.by_bars.segment<2>(first) << (side == 0 ? at_left : at_right),
+      (side == 0 ? at_right : at_left);
+  const double height = distance(symbol.frame.corners[0], symbol.frame.corners[3]);
+  const double alike = kBarEnds.layout * height;
+  seen.covariance.block<2, 2>(first, first) =
+      Eigen::Matrix2d::Constant(alike * alike) +
+      Eigen::Matrix2d::Identity() * ends.sigma_px * ends.sigma_px;
 }
 
 // Variance of sides by the bars, pixels^2, by what is not known of a lens. A lens of the division
@@ -108,29 +157,61 @@ void add_unexplained(const SymbolHypothesis& symbol, SeenOutwards& seen) {
   }
 }
 
-}  // namespace
-
-// Least squares of the corners by the frame and of the places by the bars.
-PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol) {
-  const PlacedCorners by_frame = placed_by_frame(symbol);
-  const RobustProfile rows(image, symbol.frame, symbol.layout, symbol.profile.is_evened);
-  SeenOutwards seen;
+SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol) {
+  const SymbolLayout& layout = symbol.layout;
+  const RobustProfile rows(image, symbol.frame, layout, symbol.profile.is_evened);
+  const BarField field =
+      bar_field(symbol.frame.corners, layout, symbol.frame.lens, symbol.in_shadow);
+  const auto [upper, lower] = find_ends_near(image, field);
+  SeenOutwards seen(kPlacesBeside + (upper ? 2 : 0) + (lower ? 2 : 0));
   enter_half({0, 0.5}, 0, symbol, rows, seen);
   enter_half({0.5, 1}, 2, symbol, rows, seen);
   add_unexplained(symbol, seen);
-  const CornerVector at = as_vector(by_frame.corners);
-  const auto off = (seen.by_bars - seen.by_corners * (at - as_vector(symbol.frame.corners))).eval();
-  const auto shared = (by_frame.covariance * seen.by_corners.transpose()).eval();
+  if (upper) enter_ends(*upper, 0, kPlacesBeside, symbol, seen);
+  if (lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, seen);
+  return seen;
+}
+
+// What corners are moved by when the places are seen where the bars have them, and how much better
+// they are known then: least squares.
+struct Correction {
+  CornerVector moved;
+  CornerCovariance gained;  // pixels^2, of their covariance
+  double chi_square = 0;    // of the places, by where the corners were before
+};
+
+Correction correction_by(const SeenOutwards& seen, const CornerVector& moved_before,
+                         const CornerCovariance& covariance) {
+  const auto off = (seen.by_bars - seen.by_corners * moved_before).eval();
+  const auto shared = (covariance * seen.by_corners.transpose()).eval();
   const auto solver = (seen.by_corners * shared + seen.covariance).eval().ldlt();
-  const double contradiction = off.dot(solver.solve(off));
-  if (!(contradiction < kCorner.most_contradiction)) return by_frame;
-  const CornerVector placed = at + shared * solver.solve(off);
-  PlacedCorners both{{}, by_frame.covariance - shared * solver.solve(shared.transpose())};
+  return {shared * solver.solve(off), shared * solver.solve(shared.transpose()),
+          off.dot(solver.solve(off))};
+}
+
+}  // namespace
+
+PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol) {
+  const SeenOutwards seen = seen_by_bars(image, symbol);
+  PlacedCorners placed = placed_by_frame(symbol, seen.by_bars.size() > kPlacesBeside);
+  const CornerVector at = as_vector(placed.corners);
+  const CornerVector before = at - as_vector(symbol.frame.corners);
+  const Correction found = correction_by(seen, before, placed.covariance);
+  if (!std::isfinite(found.chi_square)) return placed;
+  const double excess = std::max(1.0, found.chi_square / static_cast<double>(seen.by_bars.size()));
+  if (excess > kCorner.most_contradiction) {
+    // One of both is wrong: the frame stays, and where the bars have it is as likely.
+    const CornerVector apart =
+        correction_by(seen, before, found.chi_square * placed.covariance).moved;
+    placed.covariance = excess * placed.covariance + apart * apart.transpose();
+    return placed;
+  }
+  placed.covariance = excess * (placed.covariance - found.gained);
   for (std::size_t i = 0; i < 4; ++i) {
     const auto k = static_cast<Eigen::Index>(2 * i);
-    both.corners[i] = {placed[k], placed[k + 1]};
+    placed.corners[i] = {at[k] + found.moved[k], at[k + 1] + found.moved[k + 1]};
   }
-  return both;
+  return placed;
 }
 
 }  // namespace tagsmith::detail

@@ -442,6 +442,7 @@ void coarse_noise(Scene& scene, cv::RNG& draws) {
 }
 
 constexpr Disturbance kDisturbances[] = {
+    {"nothing", "the photos as they are", [](Scene&, cv::RNG&) {}},
     {"mesh", "ground support mesh before the plate, wires of 1.3 modules each 26", mesh},
     {"mesh_shadow", "its shadow, 2 modules each 20, 0.3 of the light left", mesh_shadow},
     {"mud", "60 splashes, most of them of 1 to 3 modules", mud},

@@ -104,10 +104,9 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-// A corner more than a pixel off, or errors far beyond what is stated.
-bool is_off(const Read& read) {
-  return read.fit.error.lpNorm<Eigen::Infinity>() > 1 || read.fit.chi_square > 20;
-}
+// Errors far beyond what is stated: the root mean square of eight coordinates is more than three of
+// their standard deviations.
+bool is_off(const Read& read) { return read.fit.chi_square > 10; }
 
 void print_row(const bench::Disturbance& disturbance, const std::vector<Outcome>& outcomes,
                bool verbose) {

@@ -27,9 +27,10 @@ struct DrawnSymbol {
     image.samples.assign(static_cast<std::size_t>(image.width * image.height), kWhite);
     fill(-kStroke, -kStroke, width + kStroke, height + kStroke, kBlack);
     fill(0, 0, width, height, kWhite);
-    const SymbolLayout layout;
     const int top = static_cast<int>(std::lround(layout.bars_top * height));
     const int bottom = static_cast<int>(std::lround(layout.bars_bottom * height));
+    layout.bars_top = static_cast<double>(top) / height;
+    layout.bars_bottom = static_cast<double>(bottom) / height;
     for (int i = 0; i < kModuleCount; ++i) {
       if (modules[static_cast<std::size_t>(i)] == 0) continue;
       fill(module * (9 + i), top, module * (10 + i), bottom, kBlack);
@@ -65,6 +66,7 @@ struct DrawnSymbol {
   static constexpr std::uint8_t kWhite = 220, kBlack = 40;
   int module;
   GrayImage image;
+  SymbolLayout layout;  // bars end between pixels
 };
 
 }  // namespace tagsmith::detail::test
