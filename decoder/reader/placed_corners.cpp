@@ -47,22 +47,22 @@ CornerVector as_vector(const FrameCorners& corners) {
 
 // Places on the frame's sides that the bars see: two each on side 3 and side 1, in the upper and in
 // the lower half of their height, and both ends of side 0 and side 2, where the bars' ends show.
-constexpr int kPlacesBeside = 4, kMostPlaces = 8;
-using Places = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostPlaces, 1>;
-using PlacesCovariance =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostPlaces, kMostPlaces>;
+using Places = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 8, 1>;
+using PlacesCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 8, 8>;
 
 // How far outwards the bars see these places, pixels, beyond the frame as it was fitted.
 struct SeenOutwards {
-  explicit SeenOutwards(Eigen::Index places)
-      : by_bars(Places::Zero(places)),
-        covariance(PlacesCovariance::Zero(places, places)),
-        by_corners(decltype(by_corners)::Zero(places, 8)) {}
+  explicit SeenOutwards(Eigen::Index ends)
+      : by_bars(Places::Zero(4 + ends)),
+        covariance(PlacesCovariance::Zero(4 + ends, 4 + ends)),
+        by_corners(decltype(by_corners)::Zero(4 + ends, 8)),
+        ends_show(ends > 0) {}
 
   Places by_bars;
   PlacesCovariance covariance;
   // By how much these places move outwards with the corners.
-  Eigen::Matrix<double, Eigen::Dynamic, 8, 0, kMostPlaces, 8> by_corners;
+  Eigen::Matrix<double, Eigen::Dynamic, 8, 0, 8, 8> by_corners;
+  bool ends_show;  // of the bars
 };
 
 // Enters how a place moves outwards with the corners, a share of a side's length from its begin.
@@ -106,6 +106,22 @@ void enter_half(const HeightShare& half, Eigen::Index first, const SymbolHypothe
       alike * by_displacement * bars.covariance * by_displacement.transpose();
 }
 
+// Variance of sides by the bars, pixels^2, by what is not known of a lens. A lens of the division
+// model moves what is t along the bars from their middle by lambda t^3 and by terms that shift,
+// stretch and bend take up. One that is not quite of its model moves along a frame twice as long as
+// high up to twice what it bows the longer sides.
+double lens_variance(const SymbolHypothesis& symbol) {
+  const RefinedFrame& frame = symbol.frame;
+  const double half_length = symbol.profile.module_px * kModuleCount / 2;
+  const double unseen = frame.lens_doubt * std::pow(half_length, 3);
+  double bow = 0;
+  for (const SideSagitta& side : sagittas_of(frame.lens, frame.corners)) {
+    bow = std::max(bow, std::abs(side.middle()));
+  }
+  const double shape = 2 * kLens.shape * bow;
+  return unseen * unseen + shape * shape;
+}
+
 // Enters the two ends of side 0 or 2 by where the bars end.
 void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
                 const SymbolHypothesis& symbol, SeenOutwards& seen) {
@@ -123,26 +139,10 @@ void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
   seen.by_bars.segment<2>(first) << (side == 0 ? at_left : at_right),
       (side == 0 ? at_right : at_left);
   const double height = distance(symbol.frame.corners[0], symbol.frame.corners[3]);
-  const double alike = kBarEnds.layout * height;
+  const double layout_px = kBarEnds.layout * height;
   seen.covariance.block<2, 2>(first, first) =
-      Eigen::Matrix2d::Constant(alike * alike) +
+      Eigen::Matrix2d::Constant(layout_px * layout_px + lens_variance(symbol)) +
       Eigen::Matrix2d::Identity() * ends.sigma_px * ends.sigma_px;
-}
-
-// Variance of sides by the bars, pixels^2, by what is not known of a lens. A lens of the division
-// model moves what is t along the bars from their middle by lambda t^3 and by terms that shift,
-// stretch and bend take up. One that is not quite of its model moves along a frame twice as long as
-// high up to twice what it bows the longer sides.
-double lens_variance(const SymbolHypothesis& symbol) {
-  const RefinedFrame& frame = symbol.frame;
-  const double half_length = symbol.profile.module_px * kModuleCount / 2;
-  const double unseen = frame.lens_doubt * std::pow(half_length, 3);
-  double bow = 0;
-  for (const SideSagitta& side : sagittas_of(frame.lens, frame.corners)) {
-    bow = std::max(bow, std::abs(side.middle()));
-  }
-  const double shape = 2 * kLens.shape * bow;
-  return unseen * unseen + shape * shape;
 }
 
 // Bars are off by what a frame's sides are off by beyond what noise explains, each side as a whole
@@ -163,11 +163,11 @@ SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol)
   const BarField field =
       bar_field(symbol.frame.corners, layout, symbol.frame.lens, symbol.in_shadow);
   const auto [upper, lower] = find_ends_near(image, field);
-  SeenOutwards seen(kPlacesBeside + (upper ? 2 : 0) + (lower ? 2 : 0));
+  SeenOutwards seen((upper ? 2 : 0) + (lower ? 2 : 0));
   enter_half({0, 0.5}, 0, symbol, rows, seen);
   enter_half({0.5, 1}, 2, symbol, rows, seen);
   add_unexplained(symbol, seen);
-  if (upper) enter_ends(*upper, 0, kPlacesBeside, symbol, seen);
+  if (upper) enter_ends(*upper, 0, 4, symbol, seen);
   if (lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, seen);
   return seen;
 }
@@ -193,7 +193,7 @@ Correction correction_by(const SeenOutwards& seen, const CornerVector& moved_bef
 
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol) {
   const SeenOutwards seen = seen_by_bars(image, symbol);
-  PlacedCorners placed = placed_by_frame(symbol, seen.by_bars.size() > kPlacesBeside);
+  PlacedCorners placed = placed_by_frame(symbol, seen.ends_show);
   const CornerVector at = as_vector(placed.corners);
   const CornerVector before = at - as_vector(symbol.frame.corners);
   const Correction found = correction_by(seen, before, placed.covariance);

@@ -82,7 +82,7 @@ struct BarEndsTuning {
   double followed_outside = 0.8;
   double tolerance_px = 1.2;  // of the frame's sides and the bars' ends: blur
   double tolerance = 0.006;   // of the frame's height: templates round, lenses bend
-  double layout = 0.001;      // of the frame's height, standard deviation
+  double layout = 0.003;      // of the frame's height, standard deviation
   double hidden_sigma = 0.2;  // modules, of a side known by the bars beside it
   double side = 1.2;          // modules that a side may be off bars that were followed
 };

@@ -178,10 +178,20 @@ Options parse(int argc, char** argv) {
   return options;
 }
 
+bool is_known(const std::string& name) {
+  const auto all = bench::disturbances();
+  if (std::ranges::find(all, name, &bench::Disturbance::name) != all.end()) return true;
+  fmt::print(stderr, "no disturbance is called {}; there are:", name);
+  for (const bench::Disturbance& one : all) fmt::print(stderr, " {}", one.name);
+  fmt::print(stderr, "\n");
+  return false;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const Options options = parse(argc, argv);
+  if (!std::ranges::all_of(options.names, is_known)) return 2;
   const auto photos = load(options.folders);
   if (!photos) return 2;
   cv::setNumThreads(1);

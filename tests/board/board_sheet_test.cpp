@@ -82,7 +82,9 @@ Raster through_lens(Raster raster) {
 
 // How far any corner was read from where the board says, in pixels; a tag that is not read is far.
 double farthest_corner(const Board& board, const Raster& raster) {
-  const ReadResult result = read_tags(raster.image.view());
+  ReadOptions options;
+  options.layouts = {layout_of(board.tag)};
+  const ReadResult result = read_tags(raster.image.view(), options);
   if (result.tags.size() != board.tags.size()) return 1e3;
   double farthest = 0;
   for (const BoardTag& tag : board.tags) {
