@@ -328,11 +328,14 @@ SolvedSide solve_shown(const GrayView& image, const SideLine& side, double thin,
   return {std::move(shown), solution};
 }
 
-// Of the edge's place at the side's begin and end: the inverse normal matrix by the variance of a
-// pixel, at least that of the rounding to whole grey levels.
+// Of a sample's value by its residual, at least that of the rounding to whole grey levels.
+double noise_variance(const NormalEquations& normal) {
+  return std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
+}
+
+// Of the edge's place at the side's begin and end: the inverse normal matrix by the noise.
 Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
-  const double rounding = 1.0 / 12;
-  const double variance = std::max(rounding, normal.squares / (normal.count - kParameters));
+  const double variance = noise_variance(normal);
   const Eigen::Matrix<double, kParameters, kParameters> matrix =
       normal.matrix.selfadjointView<Eigen::Lower>();
   Eigen::Matrix<double, kParameters, 2> ends = Eigen::Matrix<double, kParameters, 2>::Zero();
@@ -364,7 +367,7 @@ SeenSagitta seen_bow(const SideSamples& samples, const SideLine& side, const Sol
   const Parameters eliminated = normal.matrix.ldlt().solve(shared);
   const double information = static_cast<double>(by_bow.squaredNorm()) - shared.dot(eliminated);
   if (!(information > 0)) return {};
-  const double noise = std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
+  const double noise = noise_variance(normal);
   const double blur = std::exp(solution.parameters[kLogBlur]);
   const double stroke = std::exp(solution.parameters[kLogStroke]);
   const double unexplained =

@@ -88,7 +88,7 @@ struct CornerTuning {
   double in_shadow = 0.3;
   double bow = 0.012;        // pixels, of a straight side's middle against its ends
   double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
-  // Chi-square by a place, from which bars and frame are not of one layout, or one of both is wrong.
+  // Chi-square by a place, from which on bars or frame are wrong, or of another layout.
   double most_contradiction = 10;
 };
 inline constexpr CornerTuning kCorner;
