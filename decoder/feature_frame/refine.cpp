@@ -308,6 +308,7 @@ bool fits_all(const SideSamples& samples, const Solution& solution) {
 
 // A side by the part of it that shows, where the fit to all of it leaves many samples aside.
 struct SolvedSide {
+  SideLine line;  // near which it was sampled
   SideSamples samples;
   Solution solution;
 };
@@ -316,16 +317,26 @@ SolvedSide solve_shown(const GrayView& image, const SideLine& side, double thin,
                        SideSamples samples) {
   Solution all = solve_side(samples, side, kEdgeFit.start_blur);
   const double slice_px = distance(side.begin, side.end) / kSlices;
-  if (slice_px < kEdgeFit.least_slice || fits_all(samples, all)) return {std::move(samples), all};
+  if (slice_px < kEdgeFit.least_slice || fits_all(samples, all)) {
+    return {side, std::move(samples), all};
+  }
   auto part = shown_part(edge_samples(image, side, thin, kSlices), all.scale);
-  if (!part || part->samples.size() < kLeastSamples) return {std::move(samples), all};
+  if (!part) return {side, std::move(samples), all};
+  // What covers a side has put it a few pixels aside, where the edge is hardly among the samples.
+  SideLine line = moved(side, part->place - part->turn, part->place + part->turn);
+  if (auto nearer = shown_part(edge_samples(image, line, thin, kSlices), all.scale)) {
+    part = std::move(nearer);
+  } else {
+    line = side;
+  }
+  if (part->samples.size() < kLeastSamples) return {side, std::move(samples), all};
   SideSamples shown(image, std::move(part->samples));
-  Parameters start = first_guess(shown, side);
+  Parameters start = first_guess(shown, line);
   start[kLogBlur] = std::log(kEdgeFit.start_blur);
   start[kPlace] = part->place;
   start[kTurn] = part->turn;
-  const Solution solution = solve_from(shown, side, start);
-  return {std::move(shown), solution};
+  const Solution solution = solve_from(shown, line, start);
+  return {line, std::move(shown), solution};
 }
 
 // Of a sample's value by its residual, at least that of the rounding to whole grey levels.
@@ -457,6 +468,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, const L
     SideSamples all(sight.image, edge_samples(sight.image, lines[i], thin));
     if (all.samples.size() < kLeastSamples) return fail(FrameFault::side_too_short);
     SolvedSide solved = solve_shown(sight.image, lines[i], thin, std::move(all));
+    lines[i] = solved.line;
     samples.push_back(std::move(solved.samples));
     solutions[i] = solved.solution;
     if (!stays_near(solutions[i], lines[i])) {
@@ -653,11 +665,11 @@ FrameResult<RefinedFrame> refine_shown_sides(const GrayView& image, const Quad& 
     if (!shown[i]) continue;
     SideSamples all(image, edge_samples(image, lines[i]));
     if (all.samples.size() < kLeastSamples) continue;
-    const auto [samples, solution] =
+    const auto [line, samples, solution] =
         solve_shown(image, lines[i], kEdgeFit.thin_stroke, std::move(all));
-    if (!stays_near(solution, lines[i])) continue;
-    const double doubt = bow_doubt(seen_bow(samples, lines[i], solution));
-    const SideFit fit = describe(solution, lines[i]);
+    if (!stays_near(solution, line)) continue;
+    const double doubt = bow_doubt(seen_bow(samples, line, solution));
+    const SideFit fit = describe(solution, line);
     lines[i] = fit.line;
     frame.sides[i] = fit.side;
     frame.shown[i] = true;

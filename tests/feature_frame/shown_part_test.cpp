@@ -10,6 +10,9 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/feature_frame/refine.hpp"
+#include "tests/support/seen_tag.hpp"
+
 namespace tagsmith::detail::test {
 namespace {
 
@@ -77,6 +80,27 @@ TEST_CASE("where fewer than half of the slices agree, no part is told") {
   CHECK_FALSE(shown_part(
       samples_of([](int slice, double) { return slice % 5 * 1.5 + slice % 3 * 2.1 - 5; }), kNoise));
   CHECK_FALSE(shown_part({}, kNoise));
+}
+
+TEST_CASE("a side that a torn corner has put askew is fitted where its edge shows") {
+  SeenTag tag;
+  tag.width = 500;
+  tag.height = 300;
+  tag.view = {{250.3, 150.2}, 3.6, 0.03, {0.0003, 0.0001}};
+  constexpr double kGone = 12;  // modules
+  for (double step = 0; step < kGone; ++step) {
+    const double low = tag.bottom() - kGone + step;
+    tag.covers.push_back({SeenTag::kLeft - 20, low, SeenTag::kLeft + step + 1, low + 20, 0.1});
+  }
+  Quad settled = tag.corners();
+  settled[3].x += 2.5;  // the end that is torn
+  settled[0].x += 1;
+  const auto frame = refine_frame(tag.image().view(), settled);
+  REQUIRE(frame);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CAPTURE(i);
+    CHECK(distance(frame->corners[i], tag.corners()[i]) < 0.01);
+  }
 }
 
 }  // namespace tagsmith::detail::test
