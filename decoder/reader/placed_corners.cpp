@@ -52,17 +52,16 @@ using PlacesCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0
 
 // How far outwards the bars see these places, pixels, beyond the frame as it was fitted.
 struct SeenOutwards {
-  explicit SeenOutwards(Eigen::Index ends)
-      : by_bars(Places::Zero(4 + ends)),
-        covariance(PlacesCovariance::Zero(4 + ends, 4 + ends)),
-        by_corners(decltype(by_corners)::Zero(4 + ends, 8)),
-        ends_show(ends > 0) {}
+  explicit SeenOutwards(Eigen::Index places)
+      : by_bars(Places::Zero(places)),
+        covariance(PlacesCovariance::Zero(places, places)),
+        by_corners(decltype(by_corners)::Zero(places, 8)) {}
 
   Places by_bars;
   PlacesCovariance covariance;
   // By how much these places move outwards with the corners.
   Eigen::Matrix<double, Eigen::Dynamic, 8, 0, 8, 8> by_corners;
-  bool ends_show;  // of the bars
+  bool ends_show = false;  // above or below
 };
 
 // Enters how a place moves outwards with the corners, a share of a side's length from its begin.
@@ -163,12 +162,15 @@ SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol)
   const BarField field =
       bar_field(symbol.frame.corners, layout, symbol.frame.lens, symbol.in_shadow);
   const auto [upper, lower] = find_ends_near(image, field);
-  SeenOutwards seen((upper ? 2 : 0) + (lower ? 2 : 0));
+  // A side that was hidden is where the ends have put it.
+  const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
+  SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
+  seen.ends_show = upper || lower;
   enter_half({0, 0.5}, 0, symbol, rows, seen);
   enter_half({0.5, 1}, 2, symbol, rows, seen);
   add_unexplained(symbol, seen);
-  if (upper) enter_ends(*upper, 0, 4, symbol, seen);
-  if (lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, seen);
+  if (has_upper) enter_ends(*upper, 0, 4, symbol, seen);
+  if (has_lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, seen);
   return seen;
 }
 

@@ -14,9 +14,10 @@ struct PlacedCorners {
   CornerCovariance covariance;  // pixels^2
 };
 
-// By the frame's sides, and by the bars of the upper and of the lower half of their height, which
-// say where the sides are that run beside them: 59 edges, of which one half is moved by growth and
-// blur the other way than the other half. Where the bars contradict the frame, they count nothing.
+// By the frame's sides, by the bars of the upper and of the lower half of their height, which say
+// where the sides are that run beside them (59 edges, of which one half is moved by growth and blur
+// the other way than the other half), and by where the bars end. What these differ by more than
+// they should is added to the covariance; where they contradict the frame, its corners stay.
 // Why: docs/decisions/0007-corner-covariance.md.
 PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol);
 
