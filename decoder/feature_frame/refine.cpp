@@ -193,7 +193,7 @@ NormalEquations accumulate(const Parameters& p, const SideSamples& samples, cons
   return normal;
 }
 
-Parameters first_guess(const SideSamples& samples, const SideLine& side) {
+Parameters first_guess(const SideSamples& samples, const SideLine& side, double blur) {
   double white = 0, black = 0, whites = 0, blacks = 0;
   for (const EdgeSample& sample : samples.samples) {
     const double light = samples.tone.light_of(static_cast<int>(std::lround(sample.value)));
@@ -210,6 +210,7 @@ Parameters first_guess(const SideSamples& samples, const SideLine& side) {
   Parameters p = Parameters::Zero();
   p[kWhite] = whites > 0 ? white / whites : 0.5;
   p[kBlack] = blacks > 0 ? black / blacks : 0.05;
+  p[kLogBlur] = std::log(blur);
   p[kLogStroke] = std::log(side.stroke);
   return p;
 }
@@ -283,8 +284,7 @@ std::optional<double> place_by_share(const SideSamples& samples, const SideLine&
 // A sharp edge far from where it was sought looks like dirt on the white or the black there, and
 // the robust fit stays where it began: then the edge is sought from where the light says it is.
 Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
-  Parameters start = first_guess(samples, side);
-  start[kLogBlur] = std::log(start_blur);
+  Parameters start = first_guess(samples, side, start_blur);
   Solution first = solve_from(samples, side, start);
   const std::optional<double> place = place_by_share(samples, side);
   if (!place || std::abs(*place - first.parameters[kPlace]) < kEdgeFit.fine) return first;
@@ -331,8 +331,7 @@ SolvedSide solve_shown(const GrayView& image, const SideLine& side, double thin,
   }
   if (part->samples.size() < kLeastSamples) return {side, std::move(samples), all};
   SideSamples shown(image, std::move(part->samples));
-  Parameters start = first_guess(shown, line);
-  start[kLogBlur] = std::log(kEdgeFit.start_blur);
+  Parameters start = first_guess(shown, line, kEdgeFit.start_blur);
   start[kPlace] = part->place;
   start[kTurn] = part->turn;
   const Solution solution = solve_from(shown, line, start);

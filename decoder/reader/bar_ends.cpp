@@ -256,10 +256,9 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
   return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
 }
 
-BothEnds find_ends_near(const GrayView& image, const BarField& field) {
-  return {
-      find_bar_ends(image, field, field.top + kBarEnds.inside, field.top - kBarEnds.outside),
-      find_bar_ends(image, field, field.bottom - kBarEnds.inside, field.bottom + kBarEnds.outside)};
+BothEnds find_both_ends(const GrayView& image, const BarField& field, double outside) {
+  return {find_bar_ends(image, field, field.top + kBarEnds.inside, field.top - outside),
+          find_bar_ends(image, field, field.bottom - kBarEnds.inside, field.bottom + outside)};
 }
 
 bool bars_end_near(const GrayView& image, const BarField& field) {
@@ -369,10 +368,7 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
                               bool in_shadow) {
   const BarField field = bar_field(corners, layout, lens, in_shadow);
   if (bars_end_near(image, field)) return {EndsVerdict::suited, corners, 0, 0};
-  const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
-                                   layout.bars_top - kBarEnds.outside);
-  const auto lower = find_bar_ends(image, field, layout.bars_bottom - kBarEnds.inside,
-                                   layout.bars_bottom + kBarEnds.outside);
+  const auto [upper, lower] = find_both_ends(image, field, kBarEnds.outside);
   const double tolerance = tolerance_of(height_px(corners)) * height_px(corners);
   const auto off = [&](const std::optional<BarEnds>& ends, double v) {
     return ends && missed_px(corners, *ends, corners, v, lens) > tolerance + 3 * ends->sigma_px;

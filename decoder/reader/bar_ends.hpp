@@ -41,12 +41,13 @@ struct BarEnds {
 std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
                                      double to);
 
-// Both, above and below, near where the field has the bars end.
+// The same above and below, from amid the bars to `outside` (a share of the frame's height) beyond
+// where the field has them end.
 struct BothEnds {
   std::optional<BarEnds> upper;
   std::optional<BarEnds> lower;
 };
-BothEnds find_ends_near(const GrayView& image, const BarField& field);
+BothEnds find_both_ends(const GrayView& image, const BarField& field, double outside);
 
 // Whether the bars end above and below where the field has them end, to a pixel or two: a quick
 // look.

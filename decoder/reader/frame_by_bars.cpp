@@ -210,10 +210,7 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   in_full.sides[1] = line_through(expected[1], expected[2]);
   in_full.sigma_px[1] = in_full.sigma_px[3] = kBarEnds.hidden_sigma * module_px;
   const BarField field = bar_field(expected, layout, lens.known.value_or(LensDistortion{}));
-  const auto upper = find_bar_ends(image, field, layout.bars_top + kBarEnds.inside,
-                                   layout.bars_top - kBarEnds.outside_symbol);
-  const auto lower = find_bar_ends(image, field, layout.bars_bottom - kBarEnds.inside,
-                                   layout.bars_bottom + kBarEnds.outside_symbol);
+  const auto [upper, lower] = find_both_ends(image, field, kBarEnds.outside_symbol);
   Quad rough = expected;
   if (upper && lower) {
     add_sides_by_ends(field, *upper, *lower, layout, in_full);

@@ -123,31 +123,28 @@ double lens_variance(const SymbolHypothesis& symbol) {
 
 // Enters the two ends of side 0 or 2 by where the bars end.
 void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
-                const SymbolHypothesis& symbol, SeenOutwards& seen) {
+                const SymbolHypothesis& symbol, double by_lens, SeenOutwards& seen) {
   const SymbolLayout& layout = symbol.layout;
   const FrameHomography map(symbol.frame.corners, symbol.frame.lens);
   const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
   const SideLine line = side_of(symbol.frame.corners, side);
   const double longer = growth_of(symbol).px / 2;
-  const auto outwards = [&](double u, double end) {
-    return dot(map(u, end) - map(u, v), line.outward) - longer;
-  };
-  const double at_left = outwards(0, ends.at_left), at_right = outwards(1, ends.at_right);
-  enter_place(first, line, side, 0, seen);
-  enter_place(first + 1, line, side, 1, seen);
-  seen.by_bars.segment<2>(first) << (side == 0 ? at_left : at_right),
-      (side == 0 ? at_right : at_left);
+  for (const int end : {0, 1}) {
+    enter_place(first + end, line, side, end, seen);
+    const double u = side == 0 ? end : 1 - end;
+    seen.by_bars[first + end] = dot(map(u, ends.at(u)) - map(u, v), line.outward) - longer;
+  }
   const double height = distance(symbol.frame.corners[0], symbol.frame.corners[3]);
   const double layout_px = kBarEnds.layout * height;
   seen.covariance.block<2, 2>(first, first) =
-      Eigen::Matrix2d::Constant(layout_px * layout_px + lens_variance(symbol)) +
+      Eigen::Matrix2d::Constant(layout_px * layout_px + by_lens) +
       Eigen::Matrix2d::Identity() * ends.sigma_px * ends.sigma_px;
 }
 
 // Bars are off by what a frame's sides are off by beyond what noise explains, each side as a whole
 // and both its halves by themselves, and these by the lens.
-void add_unexplained(const SymbolHypothesis& symbol, SeenOutwards& seen) {
-  const double alone = kCorner.end * kCorner.end + lens_variance(symbol);
+void add_unexplained(double by_lens, SeenOutwards& seen) {
+  const double alone = kCorner.end * kCorner.end + by_lens;
   for (Eigen::Index i = 0; i < 4; ++i) {
     for (Eigen::Index j = i % 2; j < 4; j += 2) {
       seen.covariance(i, j) += kCorner.whole * kCorner.whole;
@@ -161,16 +158,17 @@ SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol)
   const RobustProfile rows(image, symbol.frame, layout, symbol.profile.is_evened);
   const BarField field =
       bar_field(symbol.frame.corners, layout, symbol.frame.lens, symbol.in_shadow);
-  const auto [upper, lower] = find_ends_near(image, field);
+  const auto [upper, lower] = find_both_ends(image, field, kBarEnds.outside);
   // A side that was hidden is where the ends have put it.
   const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
   SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
   seen.ends_show = upper || lower;
   enter_half({0, 0.5}, 0, symbol, rows, seen);
   enter_half({0.5, 1}, 2, symbol, rows, seen);
-  add_unexplained(symbol, seen);
-  if (has_upper) enter_ends(*upper, 0, 4, symbol, seen);
-  if (has_lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, seen);
+  const double by_lens = lens_variance(symbol);
+  add_unexplained(by_lens, seen);
+  if (has_upper) enter_ends(*upper, 0, 4, symbol, by_lens, seen);
+  if (has_lower) enter_ends(*lower, 2, seen.by_bars.size() - 2, symbol, by_lens, seen);
   return seen;
 }
 

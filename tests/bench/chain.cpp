@@ -22,6 +22,7 @@
 #include "tagsmith/geometry/angle.hpp"
 #include "tagsmith/tag/drawing.hpp"
 #include "tests/bench/drawn_chain.hpp"
+#include "tests/bench/median.hpp"
 #include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 
@@ -61,15 +62,16 @@ ScenePlate place(const Camera& camera, const Digits& code, double module_px,
 }
 
 void note_corners(const Reading& reading, const PlateTruth& truth, Outcome& outcome) {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const auto& corner : truth.corners) middle += corner.value() / 4;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d corner = truth.corners[i].value();
-    const Eigen::Vector2d off(reading.corners[i].x - corner.x(), reading.corners[i].y - corner.y());
-    outcome.error.segment<2>(static_cast<Eigen::Index>(2 * i)) = off;
-    outcome.outward += off.dot((corner - middle).normalized()) / 4;
+  const FrameCorners corners = bench::corners_of(truth);
+  const bench::CornerFit fit = bench::corner_fit(reading, corners);
+  outcome.error = fit.error;
+  outcome.chi_square = fit.chi_square;
+  PixelPoint middle{};
+  for (const PixelPoint& corner : corners) middle = middle + 0.25 * corner;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const PixelPoint outward = corners[i] - middle;
+    outcome.outward += dot(reading.corners[i] - corners[i], outward) / length(outward) / 4;
   }
-  outcome.chi_square = bench::corner_chi_square(reading, truth);
 }
 
 Result<Outcome> run_one(const std::string& name, double module_px, std::uint64_t seed) {
@@ -105,12 +107,6 @@ Result<Outcome> run_one(const std::string& name, double module_px, std::uint64_t
   return outcome;
 }
 
-double quantile_of(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 void print_cell(const std::string& name, double module_px, const std::vector<Outcome>& outcomes) {
   constexpr double kOf95Percent = 15.507 / 8;  // chi-square of eight degrees of freedom
   int wrong = 0, beyond = 0;
@@ -126,8 +122,8 @@ void print_cell(const std::string& name, double module_px, const std::vector<Out
   double mean = 0;
   for (const double value : chi_squares) mean += value / static_cast<double>(chi_squares.size());
   fmt::print("| {} | {} | {} of {} | {} | {:.3f} | {:+.3f} | {:.2f} | {:.2f} | {:.0f} % |\n", name,
-             module_px, chi_squares.size(), outcomes.size(), wrong, quantile_of(errors, 0.5),
-             quantile_of(outward, 0.5), quantile_of(chi_squares, 0.5), mean,
+             module_px, chi_squares.size(), outcomes.size(), wrong, bench::quantile(errors, 0.5),
+             bench::quantile(outward, 0.5), bench::quantile(chi_squares, 0.5), mean,
              100.0 * beyond / std::max<double>(1, static_cast<double>(chi_squares.size())));
   std::fflush(stdout);
 }

@@ -86,7 +86,8 @@ void cover_plates(Scene& scene, cv::RNG& draws, double light, Cover (*draw_cover
     opacity.forEach<float>([&](float& value, const int* at) {
       const cv::Vec3d place = to_modules * cv::Vec3d(at[1], at[0], 1);
       const double right = place[0] / place[2], down = place[1] / place[2];
-      if (right < -kAround || right > 113 + kAround || down < -kAround || down > 55.3 + kAround) {
+      if (right < -kAround || right > kFrameLength + kAround || down < -kAround ||
+          down > kFrameHeight + kAround) {
         return;
       }
       value = static_cast<float>(std::clamp(cover(right, down), 0.0, 1.0));
@@ -197,8 +198,8 @@ void torn_corner(Scene& scene, cv::RNG& draws) {
   cover_plates(scene, draws, 0.07, [](cv::RNG& of) -> Cover {
     const bool is_right = of.uniform(0, 2) == 1, is_low = of.uniform(0, 2) == 1;
     return [=](double right, double down) {
-      const double along = is_right ? 113 - right : right;
-      const double across = is_low ? 55.3 - down : down;
+      const double along = is_right ? kFrameLength - right : right;
+      const double across = is_low ? kFrameHeight - down : down;
       return along + across + 10 < 22 + 1.5 * std::sin(3 * along);
     };
   });
@@ -262,8 +263,8 @@ void headlamp(Scene& scene, cv::RNG& draws) {
   cv::Point2d at{scene.picture.cols / 2.0, scene.picture.rows / 2.0};
   if (!scene.to_modules.empty()) {
     const int plate = draws.uniform(0, static_cast<int>(scene.to_modules.size()));
-    const cv::Vec3d middle =
-        scene.to_modules[static_cast<std::size_t>(plate)].inv() * cv::Vec3d(56.5, 27.65, 1);
+    const cv::Vec3d middle = scene.to_modules[static_cast<std::size_t>(plate)].inv() *
+                             cv::Vec3d(kFrameLength / 2, kFrameHeight / 2, 1);
     at = {middle[0] / middle[2], middle[1] / middle[2]};
   }
   at += cv::Point2d(draws.gaussian(80), draws.gaussian(80));

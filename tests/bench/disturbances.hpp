@@ -11,6 +11,9 @@
 
 namespace tagsmith::detail::bench {
 
+// The inner frame of the photos' plates, modules (Xu et al. 2017).
+inline constexpr double kFrameLength = 113, kFrameHeight = 55.3;
+
 // A grey picture, 8 bits, and for each of its plates what maps its pixels to modules from the upper
 // left corner of the inner frame, to the right and downward.
 struct Scene {

@@ -4,8 +4,10 @@
 // draws each disturbance so many times on each photo, -d takes the named ones alone, -v lists each
 // reading whose corners are off. Numbers of tags are of all draws.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +23,9 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/bench/corner_fit.hpp"
 #include "tests/bench/disturbances.hpp"
+#include "tests/bench/median.hpp"
 #include "tests/bench/photo_truth.hpp"
 
 using namespace tagsmith::detail;
@@ -54,7 +58,9 @@ cv::Matx33d to_modules(const json& plate) {
   for (const PixelPoint& corner : corners) {
     pixels.emplace_back(static_cast<float>(corner.x), static_cast<float>(corner.y));
   }
-  const std::vector<cv::Point2f> modules{{0, 0}, {113, 0}, {113, 55.3F}, {0, 55.3F}};
+  constexpr auto kLength = static_cast<float>(bench::kFrameLength);
+  constexpr auto kHeight = static_cast<float>(bench::kFrameHeight);
+  const std::vector<cv::Point2f> modules{{0, 0}, {kLength, 0}, {kLength, kHeight}, {0, kHeight}};
   return cv::Matx33d(cv::getPerspectiveTransform(pixels, modules));
 }
 
@@ -76,7 +82,7 @@ Read read_of(const Photo& photo, const Reading& reading) {
   const auto plate = std::ranges::find_if(
       photo.plates, [&](const json& of) { return of.value("code", std::string()) == code; });
   read.is_wrong = plate == photo.plates.end();
-  if (!read.is_wrong) read.fit = bench::corner_fit(reading, *plate);
+  if (!read.is_wrong) read.fit = bench::corner_fit(reading, bench::corners_of(*plate));
   return read;
 }
 
@@ -96,12 +102,6 @@ Outcome read_disturbed(const Photo& photo, const bench::Disturbance& disturbance
     outcome.reads.push_back(read_of(photo, reading));
   }
   return outcome;
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 // Errors far beyond what is stated: the root mean square of eight coordinates is more than three of
@@ -132,8 +132,9 @@ void print_row(const bench::Disturbance& disturbance, const std::vector<Outcome>
     }
   }
   fmt::print("| {} | {} | {} | {} | {} | {:.3f} | {:.1f} | {:.1f} | {:.0f} |\n", disturbance.what,
-             tags, read, wrong, off, quantile(errors, 0.5), quantile(chi_squares, 0.5),
-             quantile(chi_squares, 0.95), quantile(chi_squares, 1));
+             tags, read, wrong, off, bench::quantile(errors, 0.5),
+             bench::quantile(chi_squares, 0.5), bench::quantile(chi_squares, 0.95),
+             bench::quantile(chi_squares, 1));
   std::fflush(stdout);
 }
 

@@ -31,6 +31,7 @@
 #include "decoder/reader/reader.hpp"
 #include "decoder/simulate/survey_view.hpp"
 #include "tagsmith/symbology/upca.hpp"
+#include "tests/bench/corner_fit.hpp"
 #include "tests/bench/crop.hpp"
 #include "tests/bench/fix_trial.hpp"
 #include "tests/bench/median.hpp"
@@ -54,13 +55,9 @@ struct Row {
 using Table = std::array<Row, 11>;
 
 void count_corners(const PartReading& part, const FrameCorners& truth, Row& row) {
-  Eigen::Matrix<double, 8, 1> error;
-  for (std::size_t i = 0; i < 4; ++i) {
-    error[static_cast<Eigen::Index>(2 * i)] = part.corners[i].x - truth[i].x;
-    error[static_cast<Eigen::Index>(2 * i + 1)] = part.corners[i].y - truth[i].y;
-  }
-  for (const double off : error) row.errors.push_back(std::abs(off));
-  row.chi_squares.push_back(error.dot(part.corner_covariance.ldlt().solve(error)) / 8);
+  const bench::CornerFit fit = bench::corner_fit(part, truth);
+  for (const double off : fit.error) row.errors.push_back(std::abs(off));
+  row.chi_squares.push_back(fit.chi_square);
 }
 
 // Counts what was read of a plate; whether the part is its.

@@ -25,6 +25,8 @@
 #include "tagsmith/survey/read_survey.hpp"
 #include "tagsmith/survey/run.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/median.hpp"
+#include "tests/bench/tag_trial.hpp"
 #include "tests/support/corridor_template.hpp"
 #include "tests/support/draws.hpp"
 
@@ -128,30 +130,20 @@ struct Score {
         continue;
       }
       ++read;
-      Eigen::Matrix<double, 8, 1> off;
-      for (std::size_t i = 0; i < 4; ++i) {
-        const Vector2d truth = *picture.view.plates.front().corners[i];
-        off.segment<2>(static_cast<Eigen::Index>(2 * i)) =
-            Vector2d(reading.corners[i].x, reading.corners[i].y) - truth;
-      }
-      for (const double value : off) errors.push_back(std::abs(value));
-      chi_squares.push_back(off.dot(reading.corner_covariance.ldlt().solve(off)) / 8);
+      const auto fit = bench::corner_fit(reading, bench::corners_of(picture.view.plates.front()));
+      for (const double value : fit.error) errors.push_back(std::abs(value));
+      chi_squares.push_back(fit.chi_square);
     }
   }
 };
 
-double quantile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
-}
-
 void print(const std::string& lens, const std::string& sizes, const std::string& camera,
            const Score& score) {
   fmt::print("| {} | {} | {} | {} of {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} |\n",
-             lens, sizes, camera, score.read, score.asked, score.wrong, quantile(score.errors, 0.5),
-             quantile(score.errors, 0.95), quantile(score.errors, 1),
-             quantile(score.chi_squares, 0.5), quantile(score.chi_squares, 0.95));
+             lens, sizes, camera, score.read, score.asked, score.wrong,
+             bench::quantile(score.errors, 0.5), bench::quantile(score.errors, 0.95),
+             bench::quantile(score.errors, 1), bench::quantile(score.chi_squares, 0.5),
+             bench::quantile(score.chi_squares, 0.95));
 }
 
 void print_pictures(int count) {

@@ -25,6 +25,7 @@
 #include "decoder/image/load.hpp"
 #include "decoder/image/tone_curve.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/bench/corner_fit.hpp"
 #include "tests/bench/median.hpp"
 #include "tests/bench/other_readers.hpp"
 #include "tests/bench/photo_truth.hpp"
@@ -167,7 +168,7 @@ void count_plate(const Photo& photo, const json& plate, bool verbose, Cell& cell
     return;
   }
   ++cell.read;
-  const CornerFit fit = bench::corner_fit(*reading, plate);
+  const CornerFit fit = bench::corner_fit(*reading, bench::corners_of(plate));
   for (const double error : fit.error) cell.errors.push_back(std::abs(error));
   cell.chi_squares.push_back(fit.chi_square);
   if (verbose) print_read(photo, plate, *reading, fit);
@@ -197,7 +198,7 @@ int count_far(const Photo& photo, const json& plates) {
   for (const Reading& reading : photo.result.tags) {
     for (const json& plate : plates) {
       if (plate.value("code", std::string()) != to_string(reading.digits)) continue;
-      const CornerFit fit = bench::corner_fit(reading, plate);
+      const CornerFit fit = bench::corner_fit(reading, bench::corners_of(plate));
       if (fit.error.lpNorm<Eigen::Infinity>() <= 1) continue;
       ++far;
       fmt::print("FAR {} {} {:.2f} px off, stated {:.2f}\n", photo.file, to_string(reading.digits),

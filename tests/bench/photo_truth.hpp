@@ -2,16 +2,15 @@
 // What truth.json says of a folder's photos.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <set>
 #include <string>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <nlohmann/json.hpp>
 
-#include "decoder/reader/reading.hpp"
+#include "decoder/reader/frame_corners.hpp"
+#include "tagsmith/symbology/upca.hpp"
 
 namespace tagsmith::detail::bench {
 
@@ -36,26 +35,6 @@ inline std::vector<Digits> codes_of(const nlohmann::json& truth) {
     }
   }
   return {codes.begin(), codes.end()};
-}
-
-// A reading's corners against the true ones.
-struct CornerFit {
-  Eigen::Matrix<double, 8, 1> error;  // pixels
-  double sigma = 0;                   // stated, root mean square of a coordinate
-  double chi_square = 0;              // of the error against its covariance, over 8
-};
-
-inline CornerFit corner_fit(const Reading& reading, const nlohmann::json& plate) {
-  CornerFit fit;
-  const FrameCorners truth = corners_of(plate);
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(2 * i);
-    fit.error[at] = reading.corners[i].x - truth[i].x;
-    fit.error[at + 1] = reading.corners[i].y - truth[i].y;
-  }
-  fit.sigma = std::sqrt(reading.corner_covariance.trace() / 8);
-  fit.chi_square = fit.error.dot(reading.corner_covariance.ldlt().solve(fit.error)) / 8;
-  return fit;
 }
 
 }  // namespace tagsmith::detail::bench

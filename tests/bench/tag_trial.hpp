@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "decoder/reader/reading.hpp"
@@ -20,6 +19,7 @@
 #include "tagsmith/geometry/camera.hpp"
 #include "tagsmith/symbology/digits.hpp"
 #include "tagsmith/tag/drawing.hpp"
+#include "tests/bench/corner_fit.hpp"
 
 namespace tagsmith::detail::bench {
 
@@ -64,26 +64,27 @@ inline ScenePlate plate_at(const Camera& camera, TagDrawing drawing, const Stanc
   return plate;
 }
 
+// Those of a plate that is before the camera.
+inline FrameCorners corners_of(const PlateTruth& truth) {
+  FrameCorners corners{};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Eigen::Vector2d corner = truth.corners[i].value_or(Eigen::Vector2d::Zero());
+    corners[i] = {corner.x(), corner.y()};
+  }
+  return corners;
+}
+
 // Errors of the corners' coordinates without their sign, pixels.
 inline std::array<double, 8> corner_errors(const Reading& reading, const PlateTruth& truth) {
   std::array<double, 8> errors{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d corner = truth.corners[i].value_or(Eigen::Vector2d::Zero());
-    errors[2 * i] = std::abs(reading.corners[i].x - corner.x());
-    errors[2 * i + 1] = std::abs(reading.corners[i].y - corner.y());
-  }
+  Eigen::Matrix<double, 8, 1>::Map(errors.data()) =
+      corner_fit(reading, corners_of(truth)).error.cwiseAbs();
   return errors;
 }
 
 // Chi-square of the corners' errors by their covariance, per degree of freedom.
 inline double corner_chi_square(const Reading& reading, const PlateTruth& truth) {
-  Eigen::Matrix<double, 8, 1> error;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d corner = truth.corners[i].value_or(Eigen::Vector2d::Zero());
-    error.segment<2>(static_cast<Eigen::Index>(2 * i)) << reading.corners[i].x - corner.x(),
-        reading.corners[i].y - corner.y();
-  }
-  return error.dot(reading.corner_covariance.ldlt().solve(error)) / 8;
+  return corner_fit(reading, corners_of(truth)).chi_square;
 }
 
 }  // namespace tagsmith::detail::bench
