@@ -256,9 +256,12 @@ std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& fiel
   return line_through(ends, symbol.pixels_per_v(0.5, (from + to) / 2));
 }
 
-BothEnds find_both_ends(const GrayView& image, const BarField& field, double outside) {
-  return {find_bar_ends(image, field, field.top + kBarEnds.inside, field.top - outside),
-          find_bar_ends(image, field, field.bottom - kBarEnds.inside, field.bottom + outside)};
+BothEnds find_both_ends(const GrayView& image, const BarField& field) {
+  const auto end = [&](double v, double outwards) {
+    return find_bar_ends(image, field, v - outwards * kBarEnds.inside,
+                         v + outwards * kBarEnds.outside);
+  };
+  return {field, end(field.top, -1), end(field.bottom, 1)};
 }
 
 bool bars_end_near(const GrayView& image, const BarField& field) {
@@ -282,16 +285,16 @@ namespace {
 
 // The frame's corners when the line of v = `v` in the layout, other than the upper (0) or lower (2)
 // `side`, lies where the bars end, and the other three sides are the frame's.
-Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& ends, double v,
-                       const LensDistortion& lens) {
-  const FrameHomography image_from_frame(corners, lens);
-  const PixelPoint left = image_from_frame(0, ends.at_left);
-  const PixelPoint right = image_from_frame(1, ends.at_right);
+Quad corners_with_side(const Quad& corners, std::size_t side, const BarField& field,
+                       const BarEnds& ends, double v) {
+  const FrameHomography image_from_field(field.corners, field.lens);
+  const PixelPoint left = image_from_field(0, ends.at_left);
+  const PixelPoint right = image_from_field(1, ends.at_right);
   Quad shown = corners;
   (side == 0 ? shown[0] : shown[3]) = left;
   (side == 0 ? shown[1] : shown[2]) = right;
   // `shown` spans v to 1 of the plate, or 0 to v.
-  const FrameHomography image_from_shown(shown, lens);
+  const FrameHomography image_from_shown(shown, field.lens);
   Quad completed = corners;
   if (side == 0) {
     completed[0] = image_from_shown(0, -v / (1 - v));
@@ -303,11 +306,10 @@ Quad corners_with_side(const Quad& corners, std::size_t side, const BarEnds& end
   return completed;
 }
 
-// By how much ends seen in one frame miss a height in another, pixels.
-double missed_px(const Quad& seen_in, const BarEnds& ends, const Quad& frame, double v,
-                 const LensDistortion& lens) {
-  const FrameHomography seen(seen_in, lens);
-  const FrameHomography expected(frame, lens);
+// By how much ends seen in a field miss a height in a frame, pixels.
+double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, double v) {
+  const FrameHomography seen(field.corners, field.lens);
+  const FrameHomography expected(frame, field.lens);
   const PixelPoint left = seen(0, ends.at_left), right = seen(1, ends.at_right);
   const auto miss = [&](PixelPoint at) { return std::abs(expected.unit_of(at).y - v); };
   return std::max(miss(left), miss(right)) * height_px(frame);
@@ -363,18 +365,18 @@ bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t 
 
 }  // namespace
 
-EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const LensDistortion& lens,
-                              bool in_shadow) {
-  const BarField field = bar_field(corners, layout, lens, in_shadow);
-  if (bars_end_near(image, field)) return {EndsVerdict::suited, corners, 0, 0};
-  const auto [upper, lower] = find_both_ends(image, field, kBarEnds.outside);
+EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
+                              const SymbolLayout& layout) {
+  const auto& [seen_in, upper, lower] = ends;
   const double tolerance = tolerance_of(height_px(corners)) * height_px(corners);
-  const auto off = [&](const std::optional<BarEnds>& ends, double v) {
-    return ends && missed_px(corners, *ends, corners, v, lens) > tolerance + 3 * ends->sigma_px;
+  const auto off = [&](const std::optional<BarEnds>& end, double v) {
+    return end && missed_px(seen_in, *end, corners, v) > tolerance + 3 * end->sigma_px;
   };
   const bool upper_off = off(upper, layout.bars_top);
   const bool lower_off = off(lower, layout.bars_bottom);
+  const BarField field = bar_field(corners, layout, seen_in.lens, seen_in.in_shadow);
+  const bool both_suit = upper && lower && !upper_off && !lower_off;
+  if (both_suit || bars_end_near(image, field)) return {EndsVerdict::suited, corners, 0, 0};
   const Symbol symbol(image, field);
   if (!upper && !shows_stroke(symbol, layout, 0)) return {EndsVerdict::odd, corners, 0, 0};
   if (!lower && !shows_stroke(symbol, layout, 2)) return {EndsVerdict::odd, corners, 0, 0};
@@ -385,10 +387,10 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
     const BarEnds& own = side == 0 ? *upper : *lower;
     const BarEnds& other = side == 0 ? *lower : *upper;
     const double v = side == 0 ? layout.bars_top : layout.bars_bottom;
-    const Quad completed = corners_with_side(corners, side, own, v, lens);
+    const Quad completed = corners_with_side(corners, side, seen_in, own, v);
     if (!is_convex(completed)) continue;
     const double miss =
-        missed_px(corners, other, completed, layout.bars_top + layout.bars_bottom - v, lens);
+        missed_px(seen_in, other, completed, layout.bars_top + layout.bars_bottom - v);
     if (miss > tolerance + 3 * other.sigma_px) continue;
     // Something across the bars, not their ends.
     if (shows_stroke(symbol, layout, side)) return {EndsVerdict::odd, corners, 0, 0};

@@ -41,13 +41,13 @@ struct BarEnds {
 std::optional<BarEnds> find_bar_ends(const GrayView& image, const BarField& field, double from,
                                      double to);
 
-// The same above and below, from amid the bars to `outside` (a share of the frame's height) beyond
-// where the field has them end.
+// The same above and below, about where the field has them end.
 struct BothEnds {
-  std::optional<BarEnds> upper;
-  std::optional<BarEnds> lower;
+  BarField field;
+  std::optional<BarEnds> upper{};
+  std::optional<BarEnds> lower{};
 };
-BothEnds find_both_ends(const GrayView& image, const BarField& field, double outside);
+BothEnds find_both_ends(const GrayView& image, const BarField& field);
 
 // Whether the bars end above and below where the field has them end, to a pixel or two: a quick
 // look.
@@ -69,10 +69,9 @@ struct EndsVerdict {
 };
 
 // Compares the bars' ends with a frame that is otherwise the symbol's own (corners clockwise from
-// P).
-EndsVerdict judge_by_bar_ends(const GrayView& image, const Quad& corners,
-                              const SymbolLayout& layout, const LensDistortion& lens = {},
-                              bool in_shadow = false);
+// P) and hardly differs from the one that they were looked for in.
+EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
+                              const SymbolLayout& layout);
 
 // Whether a stroke like the frame's shows beyond the upper (0) or lower (2) side of a frame of
 // which that side was hidden: then it was something across the bars that was taken for their ends.

@@ -210,10 +210,10 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   in_full.sides[1] = line_through(expected[1], expected[2]);
   in_full.sigma_px[1] = in_full.sigma_px[3] = kBarEnds.hidden_sigma * module_px;
   const BarField field = bar_field(expected, layout, lens.known.value_or(LensDistortion{}));
-  const auto [upper, lower] = find_both_ends(image, field, kBarEnds.outside_symbol);
+  const BothEnds ends = find_both_ends(image, field);
   Quad rough = expected;
-  if (upper && lower) {
-    add_sides_by_ends(field, *upper, *lower, layout, in_full);
+  if (ends.upper && ends.lower) {
+    add_sides_by_ends(field, *ends.upper, *ends.lower, layout, in_full);
     const auto& sides = in_full.sides;
     rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
   }

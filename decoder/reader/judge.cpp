@@ -36,12 +36,13 @@ bool has_misplaced_side(const GrayView& image, const SymbolHypothesis& symbol) {
 }
 
 // What is told of a symbol that is believed.
-Reading reading_from(const GrayView& image, SymbolHypothesis symbol, ReadingMethod method) {
+Reading reading_from(const GrayView& image, SymbolHypothesis symbol, const BothEnds& ends,
+                     ReadingMethod method) {
   Reading reading;
   reading.digits = symbol.decoding.digits;
   reading.sum10_holds = has_check_digit(CheckDigit::sum10, reading.digits);
   reading.gs1_holds = has_check_digit(CheckDigit::gs1, reading.digits);
-  const PlacedCorners placed = placed_by_frame_and_bars(image, symbol);
+  const PlacedCorners placed = placed_by_frame_and_bars(image, symbol, ends);
   reading.corners = placed.corners;
   reading.corner_covariance = placed.covariance;
   reading.module_px = symbol.profile.module_px;
@@ -134,8 +135,8 @@ std::optional<SymbolHypothesis> stranger_to_book(const GrayView& image, const Re
 std::optional<Reading> reading_where_bars_end(const GrayView& image, const SymbolHypothesis& symbol,
                                               const ReadOptions& options, ReadingMethod method) {
   const RefinedFrame& frame = symbol.frame;
-  const EndsVerdict verdict =
-      judge_by_bar_ends(image, corners_of(symbol), symbol.layout, frame.lens, symbol.in_shadow);
+  const BothEnds ends = bar_ends_of(image, symbol);
+  const EndsVerdict verdict = judge_by_bar_ends(image, ends, corners_of(symbol), symbol.layout);
   const bool whole = std::ranges::all_of(frame.shown, std::identity{});
   if (verdict.kind == EndsVerdict::odd) return std::nullopt;
   // Among shadows other straight edges are near.
@@ -143,7 +144,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   if (verdict.kind == EndsVerdict::other_layout && !may_differ) return std::nullopt;
   if (verdict.kind != EndsVerdict::hidden) {
     if (has_misplaced_side(image, symbol)) return std::nullopt;
-    return reading_from(image, symbol, method);
+    return reading_from(image, symbol, ends, method);
   }
   std::array<bool, 4> shown{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -155,7 +156,7 @@ std::optional<Reading> reading_where_bars_end(const GrayView& image, const Symbo
   const auto again = believed_hypothesis(image, *completed, options, true);
   if (!again || again->decoding.digits != symbol.decoding.digits) return std::nullopt;
   if (has_misplaced_side(image, *again)) return std::nullopt;
-  return reading_from(image, *again, ReadingMethod::partly_covered);
+  return reading_from(image, *again, bar_ends_of(image, *again), ReadingMethod::partly_covered);
 }
 
 std::optional<Reading> read_again(const GrayView& image, const Rejection& rejection,

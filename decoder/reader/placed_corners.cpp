@@ -153,12 +153,11 @@ void add_unexplained(double by_lens, SeenOutwards& seen) {
   }
 }
 
-SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol) {
+SeenOutwards seen_by_bars(const GrayView& image, const SymbolHypothesis& symbol,
+                          const BothEnds& ends) {
   const SymbolLayout& layout = symbol.layout;
   const RobustProfile rows(image, symbol.frame, layout, symbol.profile.is_evened);
-  const BarField field =
-      bar_field(symbol.frame.corners, layout, symbol.frame.lens, symbol.in_shadow);
-  const auto [upper, lower] = find_both_ends(image, field, kBarEnds.outside);
+  const auto& [field, upper, lower] = ends;
   // A side that was hidden is where the ends have put it.
   const bool has_upper = upper && symbol.frame.shown[0], has_lower = lower && symbol.frame.shown[2];
   SeenOutwards seen(4 + (has_upper ? 2 : 0) + (has_lower ? 2 : 0));
@@ -191,8 +190,14 @@ Correction correction_by(const SeenOutwards& seen, const CornerVector& moved_bef
 
 }  // namespace
 
-PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol) {
-  const SeenOutwards seen = seen_by_bars(image, symbol);
+BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol) {
+  return find_both_ends(
+      image, bar_field(symbol.frame.corners, symbol.layout, symbol.frame.lens, symbol.in_shadow));
+}
+
+PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
+                                       const BothEnds& ends) {
+  const SeenOutwards seen = seen_by_bars(image, symbol, ends);
   PlacedCorners placed = placed_by_frame(symbol, seen.ends_show);
   const CornerVector at = as_vector(placed.corners);
   const CornerVector before = at - as_vector(symbol.frame.corners);

@@ -4,6 +4,7 @@
 
 #include "decoder/feature_frame/corner_covariance.hpp"
 #include "decoder/image/gray.hpp"
+#include "decoder/reader/bar_ends.hpp"
 #include "decoder/reader/frame_corners.hpp"
 #include "decoder/reader/symbol_hypothesis.hpp"
 
@@ -14,11 +15,15 @@ struct PlacedCorners {
   CornerCovariance covariance;  // pixels^2
 };
 
+// Where a symbol's bars end, in its frame as that was fitted.
+BothEnds bar_ends_of(const GrayView& image, const SymbolHypothesis& symbol);
+
 // By the frame's sides, by the bars of the upper and of the lower half of their height, which say
 // where the sides are that run beside them (59 edges, of which one half is moved by growth and blur
-// the other way than the other half), and by where the bars end. What these differ by more than
-// they should is added to the covariance; where they contradict the frame, its corners stay.
-// Why: docs/decisions/0007-corner-covariance.md.
-PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol);
+// the other way than the other half), and by where the bars end (`bar_ends_of`). What these differ
+// by more than they should is added to the covariance; where they contradict the frame, its corners
+// stay. Why: docs/decisions/0007-corner-covariance.md.
+PlacedCorners placed_by_frame_and_bars(const GrayView& image, const SymbolHypothesis& symbol,
+                                       const BothEnds& ends);
 
 }  // namespace tagsmith::detail

@@ -77,7 +77,6 @@ struct BarEndsTuning {
   double systematic_px = 0.15;       // what neighbouring windows are off by together
   double inside = 0.2;               // of the frame's height, from where the bars should end
   double outside = 0.3;
-  double outside_symbol = 0.25;   // the same where the symbol was read
   double followed_inside = 0.35;  // of the height that bars were followed
   double followed_outside = 0.8;
   double tolerance_px = 1.2;  // of the frame's sides and the bars' ends: blur

@@ -24,6 +24,11 @@ SeenTag tag_seen_aslant() {
   return tag;
 }
 
+EndsVerdict judged(const GrayView& image, const Quad& corners, const SymbolLayout& layout) {
+  const BothEnds ends = find_both_ends(image, bar_field(corners, layout));
+  return judge_by_bar_ends(image, ends, corners, layout);
+}
+
 }  // namespace
 
 TEST_CASE("the bars of a frame stand where its layout has them") {
@@ -120,7 +125,7 @@ TEST_CASE("bars that end too far out or too far in, on either side, are told") {
 TEST_CASE("a frame is suited where both ends are where its layout has them") {
   const SeenTag tag = tag_seen_aslant();
   const GrayImage image = tag.image();
-  const EndsVerdict verdict = judge_by_bar_ends(image.view(), tag.corners(), kLayout);
+  const EndsVerdict verdict = judged(image.view(), tag.corners(), kLayout);
   CHECK(verdict.kind == EndsVerdict::suited);
   CHECK(farthest_apart(verdict.corners, tag.corners()) == 0);
 }
@@ -137,7 +142,7 @@ TEST_CASE("an upper or lower side that is something else's edge is put where the
       const double y = side == 0 ? SeenTag::kTop : tag.bottom();
       quad[side == 0 ? 0 : 3] = tag.view.pixel({SeenTag::kLeft, y + off});
       quad[side == 0 ? 1 : 2] = tag.view.pixel({tag.right(), y + 0.8 * off});
-      const EndsVerdict verdict = judge_by_bar_ends(image.view(), quad, kLayout);
+      const EndsVerdict verdict = judged(image.view(), quad, kLayout);
       REQUIRE(verdict.kind == EndsVerdict::hidden);
       CHECK(verdict.side == side);
       CHECK(farthest_apart(verdict.corners, tag.corners()) < 1);
@@ -152,7 +157,7 @@ TEST_CASE("bars that end elsewhere, explained by no one side, are odd") {
   tag.bars_top += 5;
   tag.bars_bottom += 5;
   const GrayImage image = tag.image();
-  CHECK(judge_by_bar_ends(image.view(), tag.corners(), kLayout).kind == EndsVerdict::odd);
+  CHECK(judged(image.view(), tag.corners(), kLayout).kind == EndsVerdict::odd);
 }
 
 TEST_CASE("a frame whose upper and lower sides both lie beyond its stroke is none") {
@@ -165,7 +170,7 @@ TEST_CASE("a frame whose upper and lower sides both lie beyond its stroke is non
                     tag.view.pixel({tag.right(), SeenTag::kTop - off}),
                     tag.view.pixel({tag.right(), tag.bottom() + off}),
                     tag.view.pixel({SeenTag::kLeft, tag.bottom() + off})};
-    CHECK(judge_by_bar_ends(image.view(), quad, kLayout).kind == EndsVerdict::odd);
+    CHECK(judged(image.view(), quad, kLayout).kind == EndsVerdict::odd);
   }
 }
 
@@ -174,9 +179,9 @@ TEST_CASE("bars that end as far above as below are another layout's") {
   tag.bars_top += 4;
   tag.bars_bottom -= 4;
   const GrayImage image = tag.image();
-  CHECK(judge_by_bar_ends(image.view(), tag.corners(), kLayout).kind == EndsVerdict::other_layout);
+  CHECK(judged(image.view(), tag.corners(), kLayout).kind == EndsVerdict::other_layout);
   SymbolLayout own;
   own.bars_top = v_of(tag.bars_top);
   own.bars_bottom = v_of(tag.bars_bottom);
-  CHECK(judge_by_bar_ends(image.view(), tag.corners(), own).kind == EndsVerdict::suited);
+  CHECK(judged(image.view(), tag.corners(), own).kind == EndsVerdict::suited);
 }

@@ -34,6 +34,11 @@ SymbolHypothesis symbol_in(const DrawnSymbol& drawn, double left_off, double rig
   return *std::move(symbol);
 }
 
+PlacedCorners placed_in(const DrawnSymbol& drawn, const SymbolHypothesis& symbol) {
+  const GrayView image = drawn.image.view();
+  return placed_by_frame_and_bars(image, symbol, bar_ends_of(image, symbol));
+}
+
 }  // namespace
 
 TEST_CASE("sides beside the bars are where the bars see them, and known as well") {
@@ -41,7 +46,7 @@ TEST_CASE("sides beside the bars are where the bars see them, and known as well"
   const SymbolHypothesis symbol = symbol_in(drawn, 0.2, -0.15, 0.1);
   const FrameCorners truth = drawn.frame().corners;
   CHECK(farthest_apart(corners_of(symbol), truth) > 0.14);
-  const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
+  const PlacedCorners placed = placed_in(drawn, symbol);
   CHECK(farthest_apart(placed.corners, truth) < 0.04);
   const CornerCovariance by_frame = corner_covariance(symbol.frame);
   for (Eigen::Index i = 0; i < 8; ++i) {
@@ -58,7 +63,7 @@ TEST_CASE("both halves of the bars' height turn a side") {
   SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.1);
   symbol.frame.corners[0].x -= 0.2;
   symbol.frame.corners[3].x += 0.2;
-  const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
+  const PlacedCorners placed = placed_in(drawn, symbol);
   CHECK(farthest_apart(placed.corners, drawn.frame().corners) < 0.06);
 }
 
@@ -66,7 +71,7 @@ TEST_CASE("upper and lower sides that the bars' ends contradict are not sure of 
   const DrawnSymbol drawn(kDrawnDigits, 3);
   SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.03);
   symbol.frame.corners[0].y -= 3;
-  const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
+  const PlacedCorners placed = placed_in(drawn, symbol);
   const double off = placed.corners[0].y - drawn.frame().corners[0].y;
   CHECK(off * off < 9 * placed.covariance(1, 1));
   CHECK(corner_covariance(symbol.frame)(1, 1) < 0.01);
@@ -76,7 +81,7 @@ TEST_CASE("bars of another layout than the frame's do not move it, but it is les
   const DrawnSymbol drawn(kDrawnDigits, 3);
   SymbolHypothesis symbol = symbol_in(drawn, 0, 0, 0.05);
   symbol.layout.quiet_zone_modules = 9.5;
-  const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
+  const PlacedCorners placed = placed_in(drawn, symbol);
   CHECK(farthest_apart(placed.corners, corners_of(symbol)) == 0);
   // The bars have both sides half a module within, 1.5 px.
   CHECK(std::sqrt(placed.covariance(0, 0)) > 1.5);
@@ -86,9 +91,9 @@ TEST_CASE("bars of another layout than the frame's do not move it, but it is les
 TEST_CASE("through a lens that only the frame's own sides tell, the bars say little") {
   const DrawnSymbol drawn(kDrawnDigits, 3);
   SymbolHypothesis symbol = symbol_in(drawn, 0.2, 0, 0.1);
-  const double known = placed_by_frame_and_bars(drawn.image.view(), symbol).covariance.trace();
+  const double known = placed_in(drawn, symbol).covariance.trace();
   symbol.frame.lens_doubt = 1e-6;  // 0.4 px over a third of 339 px
-  const PlacedCorners placed = placed_by_frame_and_bars(drawn.image.view(), symbol);
+  const PlacedCorners placed = placed_in(drawn, symbol);
   CHECK(placed.covariance.trace() > 1.5 * known);
   CHECK(farthest_apart(placed.corners, corners_of(symbol)) < 0.02);
 }

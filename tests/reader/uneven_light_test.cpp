@@ -103,8 +103,8 @@ TEST_CASE("the bars' ends show where the light of a lamp falls off along the bar
   });
   const Quad corners = symbol.frame().corners;
   const SymbolLayout layout;
-  CHECK(judge_by_bar_ends(symbol.image.view(), corners, layout, {}, true).kind ==
-        EndsVerdict::suited);
+  const BothEnds both = find_both_ends(symbol.image.view(), bar_field(corners, layout, {}, true));
+  CHECK(judge_by_bar_ends(symbol.image.view(), both, corners, layout).kind == EndsVerdict::suited);
   const auto ends = [&](bool in_shadow) {
     return find_bar_ends(symbol.image.view(), bar_field(corners, layout, {}, in_shadow),
                          layout.bars_top + 0.2, layout.bars_top - 0.1);
