@@ -52,6 +52,14 @@ double area_of(const Quad& quad) {
   return std::abs(cross(quad[2] - quad[0], quad[3] - quad[1])) / 2;
 }
 
+double length_of(const Quad& quad) {
+  return (distance(quad[0], quad[1]) + distance(quad[3], quad[2])) / 2;
+}
+
+double height_of(const Quad& quad) {
+  return (distance(quad[0], quad[3]) + distance(quad[1], quad[2])) / 2;
+}
+
 bool is_convex(const Quad& quad) {
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint in = quad[(i + 1) % 4] - quad[i];

@@ -15,6 +15,10 @@ using Quad = std::array<PixelPoint, 4>;
 
 double area_of(const Quad& quad);
 
+// Means of the two sides that run along from corner 0 to corner 1, and of the other two.
+double length_of(const Quad& quad);
+double height_of(const Quad& quad);
+
 // True when all four turns go the same way.
 bool is_convex(const Quad& quad);
 

@@ -164,9 +164,7 @@ Result<SymbolGrade> grade_symbol(const GrayView& image, const Quad& corners,
                         corner.y <= image.height - 1;
     if (!inside) return fail("the tag leaves the picture");
   }
-  const double frame_length = distance(corners[0], corners[1]) + distance(corners[3], corners[2]);
-  const double frame_height = distance(corners[0], corners[3]) + distance(corners[1], corners[2]);
-  const double modules_high = modules_long * frame_height / frame_length;
+  const double modules_high = modules_long * height_of(corners) / length_of(corners);
   const std::vector<PixelPoint> aperture = aperture_of(module_px);
   const double middle = (layout.bars_top + layout.bars_bottom) / 2;
   const double half = kScannedHeight * layout.bar_height() / 2;

@@ -229,10 +229,6 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
                  std::sqrt(at_ends + kBarEnds.systematic_px * kBarEnds.systematic_px)};
 }
 
-double height_px(const Quad& corners) {
-  return (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
-}
-
 // How far the bars' ends may be from where the layout has them, shares of the frame's height:
 // templates round their margins, lenses bend, ends are blurred.
 double tolerance_of(double height) { return kBarEnds.tolerance_px / height + kBarEnds.tolerance; }
@@ -266,7 +262,7 @@ BothEnds find_both_ends(const GrayView& image, const BarField& field) {
 
 bool bars_end_near(const GrayView& image, const BarField& field) {
   const Symbol symbol(image, field);
-  const double height = height_px(field.corners);
+  const double height = height_of(field.corners);
   const double near = std::max(1.5 / height, tolerance_of(height));
   std::size_t above = 0, below = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
@@ -312,7 +308,7 @@ double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, 
   const FrameHomography expected(frame, field.lens);
   const PixelPoint left = seen(0, ends.at_left), right = seen(1, ends.at_right);
   const auto miss = [&](PixelPoint at) { return std::abs(expected.unit_of(at).y - v); };
-  return std::max(miss(left), miss(right)) * height_px(frame);
+  return std::max(miss(left), miss(right)) * height_of(frame);
 }
 
 // Whether something dark lies along a side between where the bars end and v = `side`: the frame's
@@ -368,7 +364,7 @@ bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
                               const SymbolLayout& layout) {
   const auto& [seen_in, upper, lower] = ends;
-  const double tolerance = tolerance_of(height_px(corners)) * height_px(corners);
+  const double tolerance = tolerance_of(height_of(corners)) * height_of(corners);
   const auto off = [&](const std::optional<BarEnds>& end, double v) {
     return end && missed_px(seen_in, *end, corners, v) > tolerance + 3 * end->sigma_px;
   };
@@ -397,14 +393,14 @@ EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const
     // Where both may be, neither is certain.
     if (found) return {EndsVerdict::odd, corners, 0, 0};
     const double sigma =
-        std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kBarEnds.layout * height_px(completed));
+        std::hypot(own.sigma_px / (side == 0 ? 1 - v : v), kBarEnds.layout * height_of(completed));
     found = {EndsVerdict::hidden, completed, side, sigma};
   }
   if (found) return *found;
   const double middle = (upper->at(0.5) + lower->at(0.5)) / 2;
   // As far off above as below: another layout's frame, unless its own stroke lies within.
   const bool even =
-      std::abs(middle - (layout.bars_top + layout.bars_bottom) / 2) * height_px(corners) <
+      std::abs(middle - (layout.bars_top + layout.bars_bottom) / 2) * height_of(corners) <
           tolerance &&
       !is_stroke_between(symbol, *upper, 0) && !is_stroke_between(symbol, *lower, 1);
   return {even ? EndsVerdict::other_layout : EndsVerdict::odd, corners, 0, 0};

@@ -218,12 +218,10 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
     rough = corners_of({*sides[0], *sides[1], *sides[2], *sides[3]}).value_or(expected);
   }
   const PyramidLevel level{half, 2};
-  const double height =
-      (distance(expected[0], expected[3]) + distance(expected[1], expected[2])) / 2;
-  return fit_frame(
-      image, level, to_level(level, rough), in_full,
-      {std::max(0.35, 0.12 * module_px), kBarEnds.tolerance_px + kBarEnds.tolerance * height},
-      lens);
+  return fit_frame(image, level, to_level(level, rough), in_full,
+                   {std::max(0.35, 0.12 * module_px),
+                    kBarEnds.tolerance_px + kBarEnds.tolerance * height_of(expected)},
+                   lens);
 }
 
 }  // namespace tagsmith::detail

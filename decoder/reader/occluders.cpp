@@ -350,10 +350,8 @@ std::vector<Occluder> strips_between(const GrayView& image, const FrameHomograph
 
 // The stroke's thickness as a share of the inner height, of what feature frames have.
 double stroke_share(const RefinedFrame& frame) {
-  const Quad& corners = frame.corners;
-  const double height = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
   const double stroke_px = (frame.sides[0].stroke_px + frame.sides[2].stroke_px) / 2;
-  return std::clamp(stroke_px / height, 0.02, 0.2);
+  return std::clamp(stroke_px / height_of(frame.corners), 0.02, 0.2);
 }
 
 }  // namespace

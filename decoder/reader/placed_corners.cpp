@@ -134,8 +134,7 @@ void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
     const double u = side == 0 ? end : 1 - end;
     seen.by_bars[first + end] = dot(map(u, ends.at(u)) - map(u, v), line.outward) - longer;
   }
-  const double height = distance(symbol.frame.corners[0], symbol.frame.corners[3]);
-  const double layout_px = kBarEnds.layout * height;
+  const double layout_px = kBarEnds.layout * height_of(symbol.frame.corners);
   seen.covariance.block<2, 2>(first, first) =
       Eigen::Matrix2d::Constant(layout_px * layout_px + by_lens) +
       Eigen::Matrix2d::Identity() * ends.sigma_px * ends.sigma_px;

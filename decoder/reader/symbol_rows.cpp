@@ -137,7 +137,7 @@ SymbolRows::SymbolRows(const GrayView& image, const Quad& corners, const LensDis
     : layout(of), image_from_frame(corners, lens) {
   const double half = 0.5 / layout.modules();
   module_px = distance(image_from_frame(0.5 - half, 0.5), image_from_frame(0.5 + half, 0.5));
-  height_px = (distance(corners[0], corners[3]) + distance(corners[1], corners[2])) / 2;
+  height_px = detail::height_of(corners);
   // Often only the bars' ends show what an occluder hides.
   const double clear = std::min(kProfile.ends * layout.bar_height(), kProfile.ends_px / height_px);
   top = layout.bars_top + clear;

@@ -64,14 +64,6 @@ double shortening(const TagTemplate& tag, double length, double height) {
   return std::min(seen / ratio, ratio / seen);
 }
 
-double length_of(const FrameCorners& c) {
-  return (distance(c[0], c[1]) + distance(c[3], c[2])) / 2;
-}
-
-double height_of(const FrameCorners& c) {
-  return (distance(c[0], c[3]) + distance(c[1], c[2])) / 2;
-}
-
 // The corners from the upper left one of a plate that hangs upright, in a picture that is to be
 // shown so: those of what was not read begin anywhere.
 FrameCorners from_upper_left(const GrayView& image, const TagTemplate& tag, FrameCorners corners,
