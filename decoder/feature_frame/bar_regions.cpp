@@ -166,7 +166,7 @@ std::optional<BarRegion> region_of(const Cluster& cluster) {
 // Two clusters as one when together they still fill a rectangle.
 std::optional<BarRegion> region_of(const Cluster& a, const Cluster& b) {
   if (dot(a.direction, b.direction) <
-      kBarRegion.least_pair_cosine * length(a.direction) * length(b.direction)) {
+      kBarRegion.least_cosine * length(a.direction) * length(b.direction)) {
     return std::nullopt;
   }
   Cluster both = a;
@@ -199,7 +199,7 @@ bool is_symbol_like(const GrayView& image, const BarRegion& region) {
   const PixelPoint& c = region.centre;
   const BarSteps steps =
       bar_steps(image, {c - right - down, c + right - down, c + right + down, c - right + down});
-  return steps.along > kBarRegion.least_step && steps.along > kBarRegion.least_ratio * steps.across;
+  return steps.along > kBarRegion.least_ratio * steps.across;
 }
 
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<const Quad> known) {
@@ -207,8 +207,7 @@ std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<co
   std::vector<Cluster> clusters;
   for (std::size_t i = 0; i < tiles.open.size(); ++i) {
     if (tiles.open[i] == 0) continue;
-    Cluster cluster = grow(tiles, i);
-    if (cluster.centres.size() >= kBarRegion.least_tiles) clusters.push_back(std::move(cluster));
+    clusters.push_back(grow(tiles, i));
   }
   std::ranges::stable_sort(clusters, std::ranges::greater{},
                            [](const Cluster& cluster) { return cluster.centres.size(); });

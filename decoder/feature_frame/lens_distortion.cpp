@@ -145,7 +145,7 @@ std::optional<RadialLens> lens_of_sides(const Quad& corners, const std::array<Se
   for (const PixelPoint& corner : corners) {
     const PixelPoint off = corner - centre;
     const double there = lens.lambda * dot(off, off);
-    if (there < -kLens.most_barrel || there > kLens.most_cushion) return std::nullopt;
+    if (std::abs(there) > kLens.most) return std::nullopt;
   }
   return lens;
 }

@@ -587,7 +587,7 @@ FrameResult<RefinedFrame> fit_with_lens(const Sight& sight, const Quad& settled,
     if (std::abs(radial->lambda - now) < radial->sigma) break;
     if (!fit_again({*radial, {}})) break;
   }
-  for (int round = 0; round < kEdgeFit.shape_rounds; ++round) {
+  for (int round = 0; round < kEdgeFit.rounds; ++round) {
     ToldLens next = told;
     for (std::size_t i = 0; i < 4; ++i) next.beyond[i] += fit->bows[i].beyond;
     if (!fit_again(next)) break;

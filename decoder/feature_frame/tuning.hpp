@@ -41,8 +41,7 @@ struct EdgeFitTuning {
   double settled = 3e-5;      // change of the cost: the corners move by less than their noise
   double start_blur = 0.6;    // pixels
   double different_blur = 0.25;  // of the logarithm, between a side and the others: fitted again
-  int rounds = 4;                // of fits through a lens that the fit itself changes
-  int shape_rounds = 2;          // the same with what each side bows beyond the lens
+  int rounds = 4;                // of fits through a lens and bows that these change
   double at_rest = 0.02;         // pixels that the corners move from round to round
   // Where some of a side's samples are of something else, its edge is looked for slice by slice.
   double least_fitting = 0.8;   // mean weight of the samples; with less, the edge may be covered
@@ -98,8 +97,7 @@ inline constexpr CornerTuning kCorner;
 struct LensTuning {
   double clear = 4;          // standard deviations of a lens: straight ones are left alone
   double clear_bow = 3;      // standard deviations of what one side bows beyond its lens
-  double most_barrel = 0.8;  // of 1, at the farthest corner
-  double most_cushion = 0.5;
+  double most = 0.8;         // of 1, at the farthest corner
   double most_unseen = 0.4;  // of 1, in the image's corners
   double shape = 0.04;       // of a bow, at either end: lenses are not quite of the model
 };
@@ -109,22 +107,19 @@ inline constexpr LensTuning kLens;
 // photos` on the dark and dirty photos. With strengths of 50 to 90, shares of 0.2 to 0.3 and
 // cosines of 0.7 to 0.9 those read differ by a photo or two.
 struct BarRegionTuning {
-  int least_tile = 200;             // strength of one tile: 6 grey levels from pixel to pixel
-  float least_strength = 70;        // of a tile among its neighbours: 2 grey levels
-  float least_share = 0.2F;         // of the gradients' strength that is of one direction
-  unsigned least_row = 4;           // tiles of seven in the gradients' direction that share it
-  std::size_t around = 5;           // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
-  float least_cosine = 0.82F;       // of twice the angle between neighbours: 17 degrees
-  double least_pair_cosine = 0.94;  // of twice the angle between two joined regions: 10 degrees
-  std::size_t most_joined = 12;     // of the largest regions, in pairs
-  double least_length = 40;         // pixels: 95 modules of half a pixel, less what is left out
-  double least_proportion = 0.5;    // length by height
-  double least_filled = 0.35;       // share of the rectangle's tiles that show bars
-  std::size_t least_tiles = 2;
-  double near_border = 0.08;  // of the length: the symbol may go on beyond the image
-  double middle = 0.6;        // of the region: bars, not the frame's sides
-  double least_step = 2;      // grey levels from place to place along the symbol
-  double least_ratio = 2;     // of that to the same along the bars
+  int least_tile = 200;           // strength of one tile: 6 grey levels from pixel to pixel
+  float least_strength = 70;      // of a tile among its neighbours: 2 grey levels
+  float least_share = 0.2F;       // of the gradients' strength that is of one direction
+  unsigned least_row = 4;         // tiles of seven in the gradients' direction that share it
+  std::size_t around = 5;         // tiles: quiet zone and stroke, 14 modules of 2.8 pixels
+  float least_cosine = 0.82F;     // of twice the angle between neighbours: 17 degrees
+  std::size_t most_joined = 12;   // of the largest regions, in pairs
+  double least_length = 40;       // pixels: 95 modules of half a pixel, less what is left out
+  double least_proportion = 0.5;  // length by height
+  double least_filled = 0.35;     // share of the rectangle's tiles that show bars
+  double near_border = 0.08;      // of the length: the symbol may go on beyond the image
+  double middle = 0.6;            // of the region: bars, not the frame's sides
+  double least_ratio = 1.5;       // of the change along the symbol to that along the bars
 };
 inline constexpr BarRegionTuning kBarRegion;
 

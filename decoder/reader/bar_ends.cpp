@@ -15,7 +15,8 @@
 namespace tagsmith::detail {
 namespace {
 
-constexpr std::size_t kWindows = 8;    // of the symbol, side by side
+constexpr std::size_t kWindows = 8;  // of the symbol, side by side
+constexpr std::size_t kMost = kWindows / 2 + 1;
 constexpr std::size_t kInWindow = 24;  // places: two a module
 constexpr double kHalfShown = 0.5;     // of the bars' contrast: the end of a blurred bar
 
@@ -266,7 +267,7 @@ bool bars_end_near(const GrayView& image, const BarField& field) {
   const double near = std::max(1.5 / height, tolerance_of(height));
   std::size_t above = 0, below = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
-    const Pattern pattern = symbol.pattern(window, kBarEnds.quick_rows);
+    const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
     if (!has_contrast(pattern)) continue;
     const auto shown = [&](double v) {
       return static_cast<double>(share_of(pattern, symbol.row(window, v))) > kHalfShown;
@@ -274,7 +275,7 @@ bool bars_end_near(const GrayView& image, const BarField& field) {
     above += shown(field.top + near) && !shown(field.top - near) ? 1U : 0U;
     below += shown(field.bottom - near) && !shown(field.bottom + near) ? 1U : 0U;
   }
-  return above >= kBarEnds.least_right && below >= kBarEnds.least_right;
+  return above >= kMost && below >= kMost;
 }
 
 namespace {
@@ -316,7 +317,7 @@ double missed_px(const BarField& field, const BarEnds& ends, const Quad& frame, 
 bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
   std::size_t dark = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
-    const Pattern pattern = symbol.pattern(window, kBarEnds.quick_rows);
+    const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
     if (!has_contrast(pattern)) continue;
     const double u = symbol.middle_of(window);
     const double end = ends.at(u);
@@ -332,7 +333,7 @@ bool is_stroke_between(const Symbol& symbol, const BarEnds& ends, double side) {
       break;
     }
   }
-  return dark >= kBarEnds.least_right;
+  return dark >= kMost;
 }
 
 // Whether the frame's own stroke shows at its upper (0) or lower (2) side, or so much of the
@@ -350,13 +351,13 @@ bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t 
   for (std::size_t window = 0; window < kWindows; ++window) {
     const double u = symbol.middle_of(window);
     const float white = std::min(light(u, -0.3 * layout.bars_top), light(u, 1.6 * stroke));
-    if (light(u, stroke / 2) >= kBarEnds.ink * white) continue;
+    if (light(u, stroke / 2) >= kHalfShown * white) continue;
     ++shown;
     least_white = std::min(least_white, white);
   }
   const double beside = 1.6 * layout.frame.stroke / layout.frame.length;
   const float at_ends = std::max(light(-beside, stroke / 2), light(1 + beside, stroke / 2));
-  return shown >= kBarEnds.least_right && at_ends > kBarEnds.ink * least_white;
+  return shown >= kMost && at_ends > kHalfShown * least_white;
 }
 
 }  // namespace

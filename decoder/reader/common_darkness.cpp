@@ -61,7 +61,6 @@ std::optional<RowStretch> fit_stretch(const RunningSums& a, const RunningSums& b
   const double dl_left = dl - dx * lx / xx;
   if (!(dd_left > 0)) return evenly;
   const double slanted = ll - lx * lx / xx - dl_left * dl_left / dd_left;
-  if (slanted > kProfile.much_less * even) return evenly;
   const double slope = dl_left / dd_left;
   return stretch(-slope, (lx - slope * dx) / xx, slanted * w / (cells - 3));
 }

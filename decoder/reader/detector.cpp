@@ -265,7 +265,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
 
 void Detector::look_at(const BarRegion& region) {
   const auto followed_bars = std::ranges::count(hypotheses_, Source::bars, &TagHypothesis::source);
-  if (followed_bars == kSearch.most_tries) return;
+  if (std::cmp_equal(followed_bars, kSearch.most_tries)) return;
   const auto bars = locate_bars(picture_.light, region);
   if (!bars) return;
   hypotheses_.push_back({.source = Source::bars});
@@ -278,7 +278,7 @@ void Detector::look_at(const BarRegion& region) {
       continue;
     hypotheses_.push_back({.source = Source::completed, .rough = rough->corners});
     const auto symbol = better_hypothesis(image_, *rough, options_);
-    if (!symbol || symbol->decoding.fit.explained < kJudge.worth_light) continue;
+    if (!symbol || symbol->decoding.fit.explained < kJudge.like_symbol) continue;
     const auto frame = frame_by_symbol(image_, half, corners_by_bars(*symbol), layout,
                                        symbol->profile.module_px, {lens_});
     // Of either pair of sides one must show where the bars put it: else it may be another layout.
@@ -483,7 +483,7 @@ bool Detector::is_worth_care(double module_px) const {
     return hypothesis.may_be_covered || hypothesis.odd_bars.has_value();
   };
   return module_px >= kSearch.least_module &&
-         std::ranges::count_if(hypotheses_, is_cared_for) < kSearch.most_tries;
+         std::cmp_less(std::ranges::count_if(hypotheses_, is_cared_for), kSearch.most_tries);
 }
 
 }  // namespace tagsmith::detail

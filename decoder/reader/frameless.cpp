@@ -224,7 +224,7 @@ std::optional<RejectionReason> objection_to(const FramelessReading& symbol,
                                             const Evidence& evidence, const ReadOptions& options) {
   const Decoding& decoding = symbol.decoding;
   using enum RejectionReason;
-  if (decoding.guards < kFrameless.guards) return guard_pattern;
+  if (decoding.guards < kJudge.guards) return guard_pattern;
   if (decoding.fit.explained < kJudge.explained || decoding.worst_digit < kFrameless.digit) {
     return element_widths;
   }
@@ -304,7 +304,7 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   start.blur = scan.look->bars.blur;
   const auto decoding = decode_profile(symbol.profile, start, decode_options);
   if (!decoding || decoding->fit.explained < kJudge.explained ||
-      decoding->fit.image.blur > kFrameless.most_blur) {
+      decoding->fit.image.blur > kJudge.most_blur) {
     return std::nullopt;
   }
   symbol.decoding = *decoding;
@@ -334,7 +334,7 @@ FramelessResult read_frameless(SearchedImage& picture, const ReadOptions& option
         result.read, [&](const FramelessReading& other) { return contains(other.bars, centre); });
   };
   const std::vector<BarRegion>& regions = picture.bars();
-  for (std::size_t i = 0; i < std::min(regions.size(), kSearch.most_frameless); ++i) {
+  for (std::size_t i = 0; i < std::min(regions.size(), kSearch.most_tries); ++i) {
     const BarRegion& region = regions[i];
     if (is_read(region.centre)) continue;
     auto read = read_region(picture.light, region, options);

@@ -18,13 +18,6 @@
 namespace tagsmith::detail {
 namespace {
 
-// Whether a symbol shows too little for its covered digits to be more than guesses.
-bool too_little_shown(const SymbolProfile& profile) {
-  const auto hidden = std::ranges::count_if(profile.bins, is_hidden);
-  return static_cast<double>(hidden) >
-         kJudge.most_hidden * static_cast<double>(profile.bins.size());
-}
-
 // Whether the stroke of a side that was held for hidden shows elsewhere.
 bool has_misplaced_side(const GrayView& image, const SymbolHypothesis& symbol) {
   const auto is_misplaced = [&](std::size_t side) {
@@ -108,9 +101,8 @@ std::optional<SymbolHypothesis> believed_hypothesis(const GrayView& image,
   }
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto careful = look.by_all_rows(options, added);
-    if (!careful || careful->decoding.fit.explained < kJudge.worth_light) return std::nullopt;
-    if (!objection_to(careful->decoding, options) && !too_little_shown(careful->profile))
-      return careful;
+    if (!careful || careful->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
+    if (!objection_to(careful->decoding, options)) return careful;
   }
   return std::nullopt;
 }

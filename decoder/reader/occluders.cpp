@@ -86,12 +86,9 @@ std::vector<Crossing> crossings_of(const Loop& loop, double tolerance) {
   while (start < size && is_odd(start)) ++start;
   for (int i = start; i < start + size; ++i) {
     if (!is_odd(i)) continue;
-    int last = i;
-    for (int k = i + 1; k <= last + kOccluder.bridge && k < start + size; ++k) {
-      if (is_odd(k)) last = k;
-    }
-    if (last + 1 - i <= kMost) crossings.push_back({i, last + 1 - i});
-    i = last;
+    const int begin = i;
+    while (i < start + size && is_odd(i)) ++i;
+    if (i - begin <= kMost) crossings.push_back({begin, i - begin});
   }
   return crossings;
 }

@@ -21,8 +21,8 @@ namespace tagsmith::detail {
 namespace {
 
 // Changes of colour that are followed in a level: so many that a tag's own are not missed in a
-// small picture, and one for so many of its pixels in a large one. Coarse levels are searched
-// whole; what they show is left out of the finer ones.
+// small picture, and one for so many of its pixels in a large one. Coarse levels are
+// searched whole; what they show is left out of the finer ones.
 std::size_t max_changes(const PyramidLevel& level) {
   const std::size_t per_change = level.scale == 1 ? 60 : level.scale == 2 ? 20 : 3;
   const auto pixels =
@@ -106,14 +106,13 @@ void propose_outlines(const SearchContext& search, const PyramidLevel& level,
 // The tiles of a level around these regions of bars, in pixels of the full image, as far as a frame
 // reaches. Regions as long as those that the next coarser level shows well are left to it.
 TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& at) {
-  constexpr double kLongest = kSearch.longest * kSearch.largest_frame;
   TileMask mask{at.texture.columns, at.texture.rows,
                 std::vector<std::uint8_t>(at.texture.tiles.size())};
   for (const BarRegion& in_full : regions) {
     const BarRegion region = scaled(in_full, 1 / at.level.scale);
-    if (at.level.scale == 1 && region.length > kLongest) continue;
-    const PixelPoint right = (kSearch.wider * region.length / 2 + 2 * kTile) * region.across;
-    const PixelPoint down = (kSearch.higher * region.height / 2 + 2 * kTile) * region.along();
+    if (at.level.scale == 1 && region.length > kSearch.largest_frame) continue;
+    const PixelPoint right = (kSearch.around * region.length / 2 + 2 * kTile) * region.across;
+    const PixelPoint down = (kSearch.around * region.height / 2 + 2 * kTile) * region.along();
     const PixelPoint& c = region.centre;
     const Quad around{c - right - down, c + right - down, c + right + down, c - right + down};
     for (int row = 0; row < mask.rows; ++row) {
@@ -137,13 +136,6 @@ void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
     search.symbols.push_back(scaled(found, coarse.level.scale));
     if (const auto quad = frame_around(fine.image, region)) search.propose(Outline{fine, *quad});
   }
-}
-
-// Whether the bars of a region can be followed: they are wholly in the image, of about a pixel a
-// module or more, and change as often as a symbol's.
-bool may_be_followed(SearchedImage& picture, const BarRegion& region) {
-  return region.length >= kSearch.least_length && !runs_off(picture.image(), region) &&
-         has_bars(picture.light, region);
 }
 
 // Whether the whole picture is to be searched.
@@ -213,9 +205,7 @@ void propose_pieces(SearchContext& search) {
 void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
   for (const BarRegion& region : search.found.odd_bars()) {
-    if (!search.found.has_reading_at(region.centre) && has_bars(search.picture.light, region)) {
-      search.propose(region);
-    }
+    if (!search.found.has_reading_at(region.centre)) search.propose(region);
   }
 }
 
@@ -230,11 +220,10 @@ void propose_bars(SearchContext& search) {
   std::vector<BarRegion> proposed;
   for (const BarRegion& region : everywhere ? picture.bars() : search.symbols) {
     const auto same = [&](const BarRegion& other) { return overlap(other, region); };
-    if (region.length > kSearch.most_proportion * region.height ||
-        search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
+    if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
         (!everywhere && search.found.was_looked_at(region)) ||
         !is_symbol_like(half.image, scaled(region, 1 / half.scale)) ||
-        !may_be_followed(picture, region)) {
+        runs_off(picture.image(), region)) {
       continue;
     }
     search.propose(region);

@@ -223,9 +223,9 @@ std::optional<Part> read_at_any_length(const GrayView& image, const RefinedFrame
     if (best && decoding->decoding.fit.explained <= best->decoding.fit.explained) continue;
     best = std::move(decoding);
     length = by;
-    if (best->decoding.fit.explained > kPart.clear) break;
+    if (best->decoding.fit.explained > kJudge.explained) break;
   }
-  if (!best || best->decoding.fit.explained < kJudge.worth_light) return std::nullopt;
+  if (!best || best->decoding.fit.explained < kJudge.like_symbol) return std::nullopt;
   // The far side at this length, as the fit of the bars corrects it.
   const FrameHomography map(frame.corners, {});
   const double quiet = layout.quiet_zone_modules;
@@ -400,7 +400,7 @@ CoveredReading read_covered(const GrayView& image, const RefinedFrame& frame,
   CoveredReading reading;
   for (const AddedLight added : {AddedLight::even, AddedLight::slanted}) {
     auto covered = best_in_sight(image, frame, options, added);
-    if (!covered || covered->decoding.decoding.fit.explained < kJudge.worth_light) break;
+    if (!covered || covered->decoding.decoding.fit.explained < kJudge.like_symbol) break;
     // Uncertain digits leave no more doubt than they may; what is left contradicts.
     reading.is_contradicted |= covered->decoding.decoding.doubt.misprints > kOdds.near_stranger;
     if (std::ranges::all_of(covered->decoding.certain, std::identity{})) break;

@@ -34,7 +34,6 @@ struct ProfileTuning {
   double plainer = 0.4;     // variance of covered cells against that of clear ones
   // Rows of their own light, each stretch fitted to what all have in common.
   std::size_t stretch = 5;        // modules to either side
-  double much_less = 0.5;         // of what is left without a gradient
   float most_variance = 3;        // times the usual one
   float model_variance = 0.006F;  // of the contrast squared: 8 % off anywhere
   float odd = 0.2F;               // off the median
@@ -57,7 +56,6 @@ struct OccluderTuning {
   double odd = 0.3;          // of the contrast, in white: more than bars of one module leave of it
   double odd_in_ink = 0.45;  // the same where only light can be odd; less would be noise
   double least_even = 0.85;  // of the places along a strip, as even as that
-  int bridge = 3;            // places of a loop that are not odd amid some that are
   int around = 20;           // modules of a row to either side that tell what it should show
   double most_way = 1.2;     // over the bars' height, of a strip's width
 };
@@ -66,14 +64,11 @@ inline constexpr OccluderTuning kOccluder;
 // Where bars end. Why: docs/decisions/0005-hidden-frame-sides.md.
 struct BarEndsTuning {
   double step_px = 1;
-  std::size_t rows = 9;  // amid the bars, of which each place's middle one counts
-  std::size_t quick_rows = 3;
+  std::size_t rows = 9;              // amid the bars, of which each place's middle one counts
   double beyond_px = 3;              // of white that must follow
   float hardly_any = 0.3F;           // of the bars' contrast
   float white = 0.6F, dark = 0.15F;  // between the bars' black and white
-  float ink = 0.5F;                  // of the white beside it, of a stroke that shows
   double line_px = 0.8;              // pixels off the line through the ends
-  std::size_t least_right = 5;       // windows of eight whose bars end where they should
   double systematic_px = 0.15;       // what neighbouring windows are off by together
   double inside = 0.2;               // of the frame's height, from where the bars should end
   double outside = 0.3;
@@ -90,13 +85,10 @@ inline constexpr BarEndsTuning kBarEnds;
 // Bars followed line by line, with a frame or without.
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct BarLinesTuning {
-  int most_rows = 24;                // of a thick line
-  int most_lean = 8;                 // degrees
-  double beyond = 0.5;               // of the region's length, on both sides
-  double thickness = 0.6;            // of the region's height
-  float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
-  int least_bars = 12;               // of a symbol's 30
-  int most_bars = 34;
+  int most_rows = 24;            // of a thick line
+  int most_lean = 8;             // degrees
+  double beyond = 0.5;           // of the region's length, on both sides
+  double thickness = 0.6;        // of the region's height
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further
   double worst = 4;              // cost per module: dirt, or beyond the bars
@@ -114,24 +106,19 @@ inline constexpr BarLinesTuning kBarLines;
 // Where tags are looked for, and when no longer.
 // Why: docs/decisions/0008-search-and-its-cost.md.
 struct SearchTuning {
-  int largest_frame = 240;             // pixels; larger ones are seen at half the size
   std::size_t least_changes = 20'000;  // of colour that are followed in a level
+  int largest_frame = 240;             // pixels; larger ones are seen at half the size
   int least_part = 16;                 // pixels of the part around an expected tag
   int least_level = 160;               // pixels of the coarsest level
-  double wider = 1.4, higher = 2;      // than the bars: as far as a frame reaches
-  double longest = 1.5;        // of the largest frame: the bars beyond are left to coarser levels
-  double least_length = 90;    // pixels of bars that can be followed
-  double most_proportion = 6;  // of their length to their height
-  std::size_t most_bars = 3;   // followed where nothing was read
+  double around = 2;                   // times the bars: as far as a frame reaches
+  std::size_t most_bars = 3;           // followed where nothing was read
   // Careful looks, and bars followed, in one picture: bounds its time.
-  std::ptrdiff_t most_tries = 6;
-  double least_module = 1.2;        // pixels, for a careful look
-  std::size_t most_regions = 24;    // of bars in a picture
-  std::size_t most_frameless = 10;  // of them, read without a frame
-  double most_pixels = 2e6;         // of a level in which regions are looked for
-  double same_completed = 1.5;      // pixels between two frames completed alike
-  double sagitta_sigma = 0.25;      // pixels, of a coarse fit
-  double clear_direction = 1.5;     // change along the symbol by that across it
+  std::size_t most_tries = 6;
+  double least_module = 1.2;      // pixels, for a careful look
+  std::size_t most_regions = 24;  // of bars in a picture
+  double most_pixels = 2e6;       // of a level in which regions are looked for
+  double same_completed = 1.5;    // pixels between two frames completed alike
+  double sagitta_sigma = 0.25;    // pixels, of a coarse fit
 };
 inline constexpr SearchTuning kSearch;
 
@@ -145,12 +132,10 @@ struct JudgeTuning {
   // Modules; beyond, digits differ by what is left in the tails of the point spread, of which
   // nothing is known.
   double most_blur = 2.2;
-  double most_growth = 0.7;   // modules; beyond, narrow elements vanish
-  double most_hidden = 0.25;  // of the places where a covered symbol's digits would be guesses
+  double most_growth = 0.7;  // modules; beyond, narrow elements vanish
   // Covered tags that were read carefully showed 0.83 and more with even light where slanted light
   // was needed; other plates less, or no guard patterns (`./dev bench troubled`).
-  double like_symbol = 0.5;  // explained, and of the guard patterns, at a first look
-  double worth_light = 0.7;  // explained
+  double like_symbol = 0.6;  // explained, and of the guard patterns, at a first look
   // Half the bars' height against the whole.
   double beyond_doubt = 1e-8;  // by its whole height: the halves are not asked
   double clearly = 10;         // logarithm of the likelihood ratio
@@ -167,7 +152,6 @@ struct PartTuning {
   double step = 0.005;
   int steps = 5, steps_unknown = 24;
   std::size_t most_lengths = 8;
-  double clear = 0.985;      // explained: no other length is decoded
   double bend_sigma = 0.02;  // modules, of the symbol's ends: the sides tell the foreshortening
   double most_alike = 1e-3;  // strangers, a code of the book, whose digits in sight are a code's
 };
@@ -177,11 +161,9 @@ inline constexpr PartTuning kPart;
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct FramelessTuning {
   double digit = 0.6;
-  double guards = 0.7;
-  double together = 0.99;       // confidence by the lines' mean: lines may be wrong in common
-  double most_blur = 1.5;       // modules; more is not worth telling: it explains any texture
-  double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
   double model_error = 0.03;    // of the contrast
+  double together = 0.99;       // confidence by the lines' mean: lines may be wrong in common
+  double line_variance = 0.01;  // of one line: noise, and places off by a tenth module
   double most_of_a_line = 30;   // what one line can say against a digit: it may be dirty
   double independent = 3;       // lines: they share blur, print and dirt
   double invalid = 0.01;        // prior of symbols that are no code
