@@ -40,9 +40,9 @@ Eigen::Matrix2d unexplained(const RefinedFrame& frame, std::size_t i, double dis
   const double along_grid = std::hypot(kCorner.along_grid, 2 * displaced) * share;
   const double blurred =
       kCorner.blurred * std::pow(frame.sides[i].blur_px / frame.sides[i].stroke_px, 2);
-  const double whole = std::hypot(kCorner.whole + along_grid, blurred);
+  const double whole = std::hypot(kCorner.side + along_grid, blurred);
   return Eigen::Matrix2d::Constant(whole * whole) +
-         Eigen::Matrix2d::Identity() * kCorner.end * kCorner.end;
+         Eigen::Matrix2d::Identity() * kCorner.side * kCorner.side;
 }
 
 // Of the sides' places: edges are displaced on all sides alike, and by more or less from one end of

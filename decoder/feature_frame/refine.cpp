@@ -534,7 +534,7 @@ FrameResult<FrameFit> fit_frame(const Sight& sight, const Quad& settled, PixelPo
 // where it is no noise.
 double bow_doubt(const SeenSagitta& seen) {
   const double square = seen.beyond * seen.beyond;
-  return square > kLens.clear_bow * kLens.clear_bow * seen.variance ? 4.0 / 9 * square : 0;
+  return square > kLens.clear * kLens.clear * seen.variance ? 4.0 / 9 * square : 0;
 }
 
 // What a lens that does not show adds to the covariances of sides that were fitted straight.

@@ -74,9 +74,8 @@ inline constexpr SharpeningTuning kSharpening;
 // What the corners may be off by beyond what noise explains, as seen on the ray-traced photos of
 // docs/accuracy.md. Why: docs/decisions/0007-corner-covariance.md.
 struct CornerTuning {
-  double alike = 1.8;    // factor of variances: compression makes neighbouring pixels' noise alike
-  double end = 0.005;    // pixels, either end of a side by itself
-  double whole = 0.006;  // pixels, the side as a whole
+  double alike = 1.8;   // factor of variances: compression makes neighbouring pixels' noise alike
+  double side = 0.006;  // pixels, a side as a whole, and either of its ends by itself
   // A pixel's response is no Gaussian, so an edge is found a little off, depending on where in the
   // pixel it lies. A side that crosses pixels averages that; one along the pixel grid does not.
   double along_grid = 0.015;  // pixels
@@ -95,8 +94,7 @@ inline constexpr CornerTuning kCorner;
 // What the sides tell of an unknown lens; chosen by `./dev bench lens`.
 // Why: docs/decisions/0006-lens-and-tone.md.
 struct LensTuning {
-  double clear = 4;          // standard deviations of a lens: straight ones are left alone
-  double clear_bow = 3;      // standard deviations of what one side bows beyond its lens
+  double clear = 4;          // standard deviations of a lens, and of what a side bows beyond it
   double most = 0.8;         // of 1, at the farthest corner
   double most_unseen = 0.4;  // of 1, in the image's corners
   double shape = 0.04;       // of a bow, at either end: lenses are not quite of the model

@@ -173,7 +173,7 @@ class CellStates {
     const auto bin = [&](std::size_t k) { return consensus[odd[k]].bin; };
     for (std::size_t begin = 0, k = 1; k <= odd.size(); ++k) {
       if (k < odd.size() &&
-          static_cast<double>(bin(k) - bin(k - 1)) <= kProfile.bridge * per_module) {
+          static_cast<double>(bin(k) - bin(k - 1)) <= kProfile.widest * per_module) {
         continue;
       }
       const auto run = static_cast<double>(bin(k - 1) + 1 - bin(begin));

@@ -19,13 +19,6 @@ namespace {
 
 using Source = TagHypothesis::Source;
 
-// Width of a module of a symbol along the frame's longer sides, pixels; roughly.
-double module_across(const Quad& frame, const SymbolLayout& layout) {
-  const double one = (distance(frame[0], frame[1]) + distance(frame[2], frame[3])) / 2;
-  const double other = (distance(frame[1], frame[2]) + distance(frame[3], frame[0])) / 2;
-  return std::max(one, other) / layout.modules();
-}
-
 // Where the bars are in a frame of which a side may be something else's edge.
 BarRegion bars_inside(const GrayView& image, const Quad& quad, const SymbolLayout& layout) {
   const std::size_t first = possible_first_corners(image, quad).front();
@@ -246,7 +239,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
     }
     return hypothesis;
   }
-  if (is_worth_care(symbol ? symbol->profile.module_px : module_across(frame.corners, typical_))) {
+  if (may_be_cared_for()) {
     hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
     if (!hypothesis.may_be_covered)
       hypothesis.odd_bars = bars_inside(image_, frame.corners, typical_);
@@ -478,12 +471,11 @@ void Detector::pass_over(const Quad& quad, FrameFault fault) {
   hypotheses_.push_back(std::move(passed));
 }
 
-bool Detector::is_worth_care(double module_px) const {
+bool Detector::may_be_cared_for() const {
   const auto is_cared_for = [](const TagHypothesis& hypothesis) {
     return hypothesis.may_be_covered || hypothesis.odd_bars.has_value();
   };
-  return module_px >= kSearch.least_module &&
-         std::cmp_less(std::ranges::count_if(hypotheses_, is_cared_for), kSearch.most_tries);
+  return std::cmp_less(std::ranges::count_if(hypotheses_, is_cared_for), kSearch.most_tries);
 }
 
 }  // namespace tagsmith::detail

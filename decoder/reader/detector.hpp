@@ -158,8 +158,8 @@ class Detector {
   // What the quick profile shows inside a frame.
   TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
 
-  // Whether a refused symbol is worth a careful look: that needs bars that stand apart, and time.
-  bool is_worth_care(double module_px) const;
+  // Whether there is time left for a careful look at one more refused symbol.
+  bool may_be_cared_for() const;
 
   // Reads the symbol inside a frame carefully; whether it was believed.
   bool judge_carefully(const RefinedFrame& frame, bool completed);

@@ -143,10 +143,10 @@ void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
 // Bars are off by what a frame's sides are off by beyond what noise explains, each side as a whole
 // and both its halves by themselves, and these by the lens.
 void add_unexplained(double by_lens, SeenOutwards& seen) {
-  const double alone = kCorner.end * kCorner.end + by_lens;
+  const double alone = kCorner.side * kCorner.side + by_lens;
   for (Eigen::Index i = 0; i < 4; ++i) {
     for (Eigen::Index j = i % 2; j < 4; j += 2) {
-      seen.covariance(i, j) += kCorner.whole * kCorner.whole;
+      seen.covariance(i, j) += kCorner.side * kCorner.side;
     }
     seen.covariance(i, i) += alone;
   }

@@ -149,7 +149,7 @@ Eigen::Matrix2d covariance_of(const FarSide& side) {
   Eigen::Matrix2d ends_by_places;
   ends_by_places << side.at_lower, -side.at_upper, -(1 - side.at_lower), 1 - side.at_upper;
   ends_by_places /= apart;
-  const double sigma = std::hypot(side.sigma_px, kCorner.whole);
+  const double sigma = std::hypot(side.sigma_px, kCorner.side);
   return sigma * sigma * ends_by_places * ends_by_places.transpose();
 }
 

@@ -71,7 +71,7 @@ void drop_strays(std::vector<ReadLine>& lines) {
   for (const ReadLine& line : lines) costs.push_back(line.reading.alignment.cost_per_module);
   const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
   std::ranges::nth_element(costs, middle);
-  const double most = std::max(kBarLines.usual, kBarLines.stray * *middle);
+  const double most = std::max(kBarLines.good, kBarLines.stray * *middle);
   std::erase_if(
       lines, [&](const ReadLine& line) { return line.reading.alignment.cost_per_module > most; });
 }
@@ -137,8 +137,8 @@ RegionScan scan_region(SampledLight& image, const LineFrame& frame, const BarReg
       ScanLine light = light_along(image, frame, offset, scan.spacing);
       const auto placed = placed_line(light, place);
       const auto reading =
-          placed ? read_line(*placed, look.templates, wanted, kBarLines.worst) : std::nullopt;
-      if (!reading || reading->alignment.cost_per_module > kBarLines.worst) continue;
+          placed ? read_line(*placed, look.templates, wanted, kBarLines.worst_cost) : std::nullopt;
+      if (!reading || reading->alignment.cost_per_module > kBarLines.worst_cost) continue;
       place = place_of(reading->alignment);
       scan.lines.push_back({offset, std::move(light), *reading});
     }

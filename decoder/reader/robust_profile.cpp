@@ -80,8 +80,8 @@ ScanProfile profile_of(const SymbolRows& rows, const std::vector<Agreed>& agreed
 // frame's: where the frame's blur or its corners' error may reach, the bars' ends are not.
 std::array<double, 2> used_heights(HeightShare part, const SymbolLayout& layout) {
   const double bars = layout.bar_height();
-  return {layout.bars_top + std::max(part.begin, kProfile.safe_ends) * bars,
-          layout.bars_top + std::min(part.end, 1 - kProfile.safe_ends) * bars};
+  return {layout.bars_top + std::max(part.begin, kProfile.ends) * bars,
+          layout.bars_top + std::min(part.end, 1 - kProfile.ends) * bars};
 }
 
 // Evens out the rows of a frame, and returns the light of its white.

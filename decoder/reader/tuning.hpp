@@ -11,12 +11,12 @@ namespace tagsmith::detail {
 // named. Why: docs/decisions/0004-occlusion.md.
 struct ProfileTuning {
   // Rows.
-  double row_px = 2.5;      // height of a row, at least: most bins then hold a pixel
-  double ends = 0.06;       // of the bars' height, at each of its ends, not used
-  double ends_px = 2;       // of that, at most: the blur of the bars' ends
-  double safe_ends = 0.07;  // of the bars' height, where the corners' error may reach too
-  double beyond = 4;        // modules of quiet zone, at most, on both sides of the bars
-  double most_spread = 4;   // of a place's point spread over that in the middle
+  double row_px = 2.5;  // height of a row, at least: most bins then hold a pixel
+  double ends =
+      0.07;  // of the bars' height, at each of its ends, not used: blur, and the corners' error
+  double ends_px = 2;      // of that, at most, where all rows are looked at
+  double beyond = 4;       // modules of quiet zone, at most, on both sides of the bars
+  double most_spread = 4;  // of a place's point spread over that in the middle
   // What rows agree on.
   float model_error = 0.02F;     // what averaging cannot take away
   float few_rows = 0.1F;         // error where hardly a row shows
@@ -27,7 +27,7 @@ struct ProfileTuning {
   double sigmas = 4;             // of a pixel's noise
   double least_variance = 1e-4;  // of a pixel: quantisation alone
   // Stretches of a row that something covers.
-  double bridge = 4.5;      // modules between odd cells: more than the widest element
+  double widest = 5;        // modules that no element reaches over
   double least_run = 2;     // modules
   double least_odd = 0.12;  // of a stretch's cells
   std::size_t window = 4;   // modules to either side in which covered cells are plain
@@ -41,9 +41,8 @@ struct ProfileTuning {
   std::size_t bands = 14;         // of rows for a first guess
   int rounds = 4;
   // Plain windows, in which something hides the bars.
-  double plain_window = 5.5;  // modules
-  double showing = 0.93;      // of the rows at a place, the one taken to show bars
-  double plain = 0.08;        // of its variance
+  double showing = 0.93;  // of the rows at a place, the one taken to show bars
+  double plain = 0.08;    // of its variance
   // Of the bright white above and below the bars that the dark one must reach for even light: what
   // falls by less over a plate, its sides' levels follow.
   double least_even = 0.6;
@@ -91,8 +90,6 @@ struct BarLinesTuning {
   double thickness = 0.6;        // of the region's height
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further
-  double worst = 4;              // cost per module: dirt, or beyond the bars
-  double usual = 1.5;            // cost per module that is no stray's
   double stray = 2.5;            // times the median cost
   int lines = 10;                // of a region
   double off = 0.5;              // modules: boundaries that are farther off count little
@@ -114,7 +111,6 @@ struct SearchTuning {
   std::size_t most_bars = 3;           // followed where nothing was read
   // Careful looks, and bars followed, in one picture: bounds its time.
   std::size_t most_tries = 6;
-  double least_module = 1.2;      // pixels, for a careful look
   std::size_t most_regions = 24;  // of bars in a picture
   double most_pixels = 2e6;       // of a level in which regions are looked for
   double same_completed = 1.5;    // pixels between two frames completed alike

@@ -78,7 +78,7 @@ NormalEquations normal_equations(const std::vector<WeighedPlace>& places) {
 void add_priors(const Parameters& off, NormalEquations& normal) {
   const ImagingPriors& sigma = kSymbolFit.prior_sigma;
   const Parameters sigmas{sigma.log_blur, sigma.shift, sigma.stretch, sigma.bend,
-                          sigma.growth,   sigma.white, sigma.black,   sigma.shading};
+                          sigma.growth,   sigma.level, sigma.level,   sigma.level};
   for (int i = 0; i < kParameters; ++i) {
     const double weight = 1 / (sigmas[i] * sigmas[i]);
     normal.matrix(i, i) += weight;

@@ -35,11 +35,11 @@ inline constexpr ElasticTuning kElastic;
 // another.
 struct ImagingPriors {
   double log_blur = 0.7;
-  double shift = 0.5;                              // modules
-  double stretch = 0.006;                          // of the length
-  double bend = 0.3;                               // modules
-  double growth = 0.35;                            // modules
-  double white = 0.3, black = 0.3, shading = 0.2;  // of the contrast
+  double shift = 0.5;      // modules
+  double stretch = 0.006;  // of the length
+  double bend = 0.3;       // modules
+  double growth = 0.35;    // modules
+  double level = 0.3;      // of white, black and shading, of the contrast
 };
 
 // The fit of the imaging model to a profile.
