@@ -11,9 +11,8 @@ namespace tagsmith::detail {
 // named. Why: docs/decisions/0004-occlusion.md.
 struct ProfileTuning {
   // Rows.
-  double row_px = 2.5;  // height of a row, at least: most bins then hold a pixel
-  double ends =
-      0.07;  // of the bars' height, at each of its ends, not used: blur, and the corners' error
+  double row_px = 2.5;     // height of a row, at least: most bins then hold a pixel
+  double ends = 0.07;      // of the bars' height, at each end, not used: blur, corners' error
   double ends_px = 2;      // of that, at most, where all rows are looked at
   double beyond = 4;       // modules of quiet zone, at most, on both sides of the bars
   double most_spread = 4;  // of a place's point spread over that in the middle
@@ -89,7 +88,7 @@ struct BarLinesTuning {
   double beyond = 0.5;           // of the region's length, on both sides
   double thickness = 0.6;        // of the region's height
   std::size_t most_places = 10;  // on the first lines
-  double good = 1;               // cost per module: no need to look further
+  double good = 1;               // cost per module: no need to look further, and no stray's
   double stray = 2.5;            // times the median cost
   int lines = 10;                // of a region
   double off = 0.5;              // modules: boundaries that are farther off count little

@@ -186,7 +186,7 @@ TEST_CASE("values of tuning and named constants are counted") {
 
 // A new threshold takes the place of an old one, or is worth raising these.
 TEST_CASE("the reader has no more thresholds than it needs, all of them in structs of tuning") {
-  constexpr std::size_t kMostTuned = 206;
+  constexpr std::size_t kMostTuned = 207;
   constexpr std::size_t kMostNamed = 160;  // sizes of formats and arrays, bounds of arithmetic
   std::size_t tuned = 0, named = 0;
   for (const std::string& file : project_sources()) {
