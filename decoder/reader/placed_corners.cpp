@@ -121,7 +121,8 @@ double lens_variance(const SymbolHypothesis& symbol) {
   return unseen * unseen + shape * shape;
 }
 
-// Enters the two ends of side 0 or 2 by where the bars end.
+// Enters the two ends of side 0 or 2 by where the bars end. What is not known of a lens turns that
+// line, too, so each end is unsure by itself as well.
 void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
                 const SymbolHypothesis& symbol, double by_lens, SeenOutwards& seen) {
   const SymbolLayout& layout = symbol.layout;
@@ -137,7 +138,7 @@ void enter_ends(const BarEnds& ends, std::size_t side, Eigen::Index first,
   const double layout_px = kBarEnds.layout * height_of(symbol.frame.corners);
   seen.covariance.block<2, 2>(first, first) =
       Eigen::Matrix2d::Constant(layout_px * layout_px + by_lens) +
-      Eigen::Matrix2d::Identity() * ends.sigma_px * ends.sigma_px;
+      Eigen::Matrix2d::Identity() * (ends.sigma_px * ends.sigma_px + by_lens);
 }
 
 // Bars are off by what a frame's sides are off by beyond what noise explains, each side as a whole
