@@ -96,4 +96,9 @@ TEST_CASE("through a lens that only the frame's own sides tell, the bars say lit
   const PlacedCorners placed = placed_in(drawn, symbol);
   CHECK(placed.covariance.trace() > 1.5 * known);
   CHECK(farthest_apart(placed.corners, corners_of(symbol)) < 0.02);
+  // Of a lens of which nothing is known they say nothing, not even how the lines turn on which they
+  // end.
+  symbol.frame.lens_doubt = 1e-3;
+  const double by_frame = corner_covariance(symbol.frame).trace();
+  CHECK(placed_in(drawn, symbol).covariance.trace() == doctest::Approx(by_frame).epsilon(0.001));
 }
