@@ -57,18 +57,20 @@ std::vector<float> resampled(const LineIntegral& line, double begin, double modu
 }
 
 // Mean darkness of the module that begins at each sample; of its middle three samples, because its
-// edges are blurred.
-TAGSMITH_WIDE std::vector<float> module_darkness(std::vector<float> darkness) {
-  float* samples = darkness.data();
-  for (std::size_t i = 0; i < darkness.size(); ++i) {
+// edges are blurred. Clamps the samples; `of_modules` has as many places.
+TAGSMITH_WIDE void average_modules(float* samples, std::size_t count, float* of_modules) {
+  for (std::size_t i = 0; i < count; ++i) {
     const float above = samples[i] < 0.0F ? 0.0F : samples[i];
     samples[i] = above < 1.0F ? above : 1.0F;
   }
-  std::vector<float> modules(darkness.size(), 0.0F);
-  float* of_modules = modules.data();
-  for (std::size_t i = 0; i + kPlacedPerModule <= darkness.size(); ++i) {
+  for (std::size_t i = 0; i + kPlacedPerModule <= count; ++i) {
     of_modules[i] = (samples[i + 1] + samples[i + 2] + samples[i + 3]) / 3;
   }
+}
+
+std::vector<float> module_darkness(std::vector<float> darkness) {
+  std::vector<float> modules(darkness.size(), 0.0F);
+  average_modules(darkness.data(), darkness.size(), modules.data());
   return modules;
 }
 
