@@ -199,7 +199,7 @@ bool is_symbol_like(const GrayView& image, const BarRegion& region) {
   const PixelPoint& c = region.centre;
   const BarSteps steps =
       bar_steps(image, {c - right - down, c + right - down, c + right + down, c - right + down});
-  return steps.along > kBarRegion.least_ratio * steps.across;
+  return steps.along > kBarRegion.least_step && steps.along > kBarRegion.least_ratio * steps.across;
 }
 
 std::vector<BarRegion> find_bar_regions(const TextureGrid& texture, std::span<const Quad> known) {

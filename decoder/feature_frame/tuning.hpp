@@ -117,7 +117,8 @@ struct BarRegionTuning {
   double least_filled = 0.35;     // share of the rectangle's tiles that show bars
   double near_border = 0.08;      // of the length: the symbol may go on beyond the image
   double middle = 0.6;            // of the region: bars, not the frame's sides
-  double least_ratio = 1.5;       // of the change along the symbol to that along the bars
+  double least_step = 2;          // grey levels from place to place along the symbol
+  double least_ratio = 2;         // of that to the same along the bars
 };
 inline constexpr BarRegionTuning kBarRegion;
 

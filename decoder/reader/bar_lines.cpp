@@ -196,4 +196,35 @@ ScanLine light_along(SampledLight& light, const LineFrame& frame, double offset,
   return line;
 }
 
+namespace {
+
+// How often a line turns dark.
+int count_of_bars(const std::vector<float>& darkness) {
+  int bars = 0;
+  bool dark = false;
+  for (const float at : darkness) {
+    if (!dark && at > kBarLines.dark) ++bars;
+    if (at > kBarLines.dark || at < kBarLines.bright) dark = at > kBarLines.dark;
+  }
+  return bars;
+}
+
+}  // namespace
+
+bool has_bars(SampledLight& light, const BarRegion& region) {
+  constexpr double kStepsPerModule = 3;
+  LineFrame frame{region.centre, region.across, {-region.across.y, region.across.x}, 0, 0, 0};
+  frame.step = std::clamp(region.length / kModuleCount / kStepsPerModule, 0.25, 8.0);
+  const auto [low, high] = inside(light.image(), region.centre, region.across, 0.5 * region.length);
+  frame.begin = low;
+  frame.count = static_cast<std::size_t>((high - low) / frame.step);
+  if (frame.count < 60) return false;
+  return std::ranges::any_of(std::array{-0.1, 0.1, 0.3}, [&](double share) {
+    const ScanLine line =
+        light_along(light, frame, share * region.height, std::min(12.0, region.height / 8));
+    const int bars = count_of_bars(local_darkness(line, line.size() / 10));
+    return bars >= kBarLines.least_bars && bars <= kBarLines.most_bars;
+  });
+}
+
 }  // namespace tagsmith::detail

@@ -138,6 +138,13 @@ void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
   }
 }
 
+// Whether the bars of a region can be followed: they are wholly in the image, of about a pixel a
+// module or more, and change as often as a symbol's.
+bool may_be_followed(SearchedImage& picture, const BarRegion& region) {
+  return region.length >= kSearch.least_length && !runs_off(picture.image(), region) &&
+         has_bars(picture.light, region);
+}
+
 // Whether the whole picture is to be searched.
 bool is_wanted(const SearchContext& search) {
   const auto is_missing = [&](const ExpectedTag& tag) { return !search.found.has_read(tag); };
@@ -205,7 +212,9 @@ void propose_pieces(SearchContext& search) {
 void propose_refused(SearchContext& search) {
   for (const std::size_t index : search.found.covered_frames()) search.propose(RefusedFrame{index});
   for (const BarRegion& region : search.found.odd_bars()) {
-    if (!search.found.has_reading_at(region.centre)) search.propose(region);
+    if (!search.found.has_reading_at(region.centre) && has_bars(search.picture.light, region)) {
+      search.propose(region);
+    }
   }
 }
 
@@ -223,7 +232,7 @@ void propose_bars(SearchContext& search) {
     if (search.found.has_reading_at(region.centre) || std::ranges::any_of(proposed, same) ||
         (!everywhere && search.found.was_looked_at(region)) ||
         !is_symbol_like(half.image, scaled(region, 1 / half.scale)) ||
-        runs_off(picture.image(), region)) {
+        !may_be_followed(picture, region)) {
       continue;
     }
     search.propose(region);

@@ -68,8 +68,8 @@ std::vector<double> stroke_growths(const SymbolHypothesis& symbol) {
 
 std::vector<std::size_t> possible_first_corners(const GrayView& image, const Quad& quad) {
   const BarSteps steps = bar_steps(image, quad);
-  if (steps.along > kBarRegion.least_ratio * steps.across) return {0};
-  if (steps.across > kBarRegion.least_ratio * steps.along) return {1};
+  if (steps.along > kSearch.clear_direction * steps.across) return {0};
+  if (steps.across > kSearch.clear_direction * steps.along) return {1};
   return {0, 1};
 }
 

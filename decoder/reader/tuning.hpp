@@ -83,10 +83,13 @@ inline constexpr BarEndsTuning kBarEnds;
 // Bars followed line by line, with a frame or without.
 // Why: docs/decisions/0009-symbols-without-a-frame.md.
 struct BarLinesTuning {
-  int most_rows = 24;            // of a thick line
-  int most_lean = 8;             // degrees
-  double beyond = 0.5;           // of the region's length, on both sides
-  double thickness = 0.6;        // of the region's height
+  int most_rows = 24;                // of a thick line
+  int most_lean = 8;                 // degrees
+  double beyond = 0.5;               // of the region's length, on both sides
+  double thickness = 0.6;            // of the region's height
+  float dark = 0.6F, bright = 0.4F;  // darkness from which an element counts
+  int least_bars = 12;               // of a symbol's 30
+  int most_bars = 34;
   std::size_t most_places = 10;  // on the first lines
   double good = 1;               // cost per module: no need to look further, and no stray's
   double stray = 2.5;            // times the median cost
@@ -107,12 +110,14 @@ struct SearchTuning {
   int least_part = 16;                 // pixels of the part around an expected tag
   int least_level = 160;               // pixels of the coarsest level
   double around = 2;                   // times the bars: as far as a frame reaches
+  double least_length = 90;            // pixels of bars that can be followed
   std::size_t most_bars = 3;           // followed where nothing was read
   // Careful looks, and bars followed, in one picture: bounds its time.
   std::size_t most_tries = 6;
   std::size_t most_regions = 24;  // of bars in a picture
   double most_pixels = 2e6;       // of a level in which regions are looked for
   double same_completed = 1.5;    // pixels between two frames completed alike
+  double clear_direction = 1.5;   // change along the symbol by that across it
   double sagitta_sigma = 0.25;    // pixels, of a coarse fit
 };
 inline constexpr SearchTuning kSearch;

@@ -100,3 +100,37 @@ TEST_CASE("a line holds the light of the picture, averaged along the bars") {
     CHECK(static_cast<double>(at_end[i]) == doctest::Approx(half).epsilon(0.05));
   }
 }
+
+TEST_CASE("a symbol has bars, also where half of it is covered") {
+  SeenTag tag = turned_bars(0.3);
+  const auto has = [](const SeenTag& seen) {
+    const GrayImage image = seen.image();
+    SampledLight light(image.view());
+    return has_bars(light, seen.region());
+  };
+  CHECK(has(tag));
+  tag.covers = {{-60, -40, -8, 40, 0.3}};
+  CHECK(has(tag));
+}
+
+TEST_CASE("what changes less or more often than a symbol has no bars") {
+  constexpr int kWidth = 300, kHeight = 120;
+  BarRegion region{{150, 60}, {1, 0}, 190, 80};
+  const auto has = [&](const auto& is_dark) {
+    GrayImage image{kWidth, kHeight, {}};
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        image.samples.push_back(is_dark(x, y) ? std::uint8_t{60} : std::uint8_t{210});
+      }
+    }
+    SampledLight light(image.view());
+    return has_bars(light, region);
+  };
+  const auto bars_of = [](int period) {
+    return [period](int x, int) { return x % period < period / 2; };
+  };
+  CHECK(has(bars_of(8)));  // 24 of them
+  CHECK_FALSE(has(bars_of(24)));
+  CHECK_FALSE(has(bars_of(4)));
+  CHECK_FALSE(has([](int, int) { return false; }));
+}

@@ -283,7 +283,7 @@ TEST_CASE("bars that no reading explains are proposed where they are") {
   CHECK(is_of(bars[0], tag));
 }
 
-TEST_CASE("bars that were read or that run off the picture are not proposed") {
+TEST_CASE("bars that were read, that run off the picture or that are too small are not proposed") {
   SeenTag tag = large_seen_aslant();
   Proposed read(tag);
   read.read(tag);
@@ -296,4 +296,10 @@ TEST_CASE("bars that were read or that run off the picture are not proposed") {
   Proposed off(tag);
   propose_bars(off.search);
   CHECK(off.all.empty());
+  tag = large_seen_aslant();
+  tag.framed = false;
+  tag.view.module_px = 0.7;
+  Proposed small(tag);
+  propose_bars(small.search);
+  CHECK(small.all.empty());
 }
