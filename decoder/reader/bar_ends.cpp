@@ -230,10 +230,6 @@ std::optional<BarEnds> line_through(const std::vector<WindowEnd>& ends, double p
                  std::sqrt(at_ends + kBarEnds.systematic_px * kBarEnds.systematic_px)};
 }
 
-// How far the bars' ends may be from where the layout has them, shares of the frame's height:
-// templates round their margins, lenses bend, ends are blurred.
-double tolerance_of(double height) { return kBarEnds.tolerance_px / height + kBarEnds.tolerance; }
-
 }  // namespace
 
 BarField bar_field(const Quad& corners, const SymbolLayout& layout, const LensDistortion& lens,
@@ -261,10 +257,13 @@ BothEnds find_both_ends(const GrayView& image, const BarField& field) {
   return {field, end(field.top, -1), end(field.bottom, 1)};
 }
 
+double ends_tolerance_px(const Quad& corners) {
+  return kBarEnds.tolerance_px + kBarEnds.tolerance * height_of(corners);
+}
+
 bool bars_end_near(const GrayView& image, const BarField& field) {
   const Symbol symbol(image, field);
-  const double height = height_of(field.corners);
-  const double near = std::max(1.5 / height, tolerance_of(height));
+  const double near = std::max(1.5, ends_tolerance_px(field.corners)) / height_of(field.corners);
   std::size_t above = 0, below = 0;
   for (std::size_t window = 0; window < kWindows; ++window) {
     const Pattern pattern = symbol.pattern(window, kBarEnds.rows);
@@ -365,7 +364,7 @@ bool shows_stroke(const Symbol& symbol, const SymbolLayout& layout, std::size_t 
 EndsVerdict judge_by_bar_ends(const GrayView& image, const BothEnds& ends, const Quad& corners,
                               const SymbolLayout& layout) {
   const auto& [seen_in, upper, lower] = ends;
-  const double tolerance = tolerance_of(height_of(corners)) * height_of(corners);
+  const double tolerance = ends_tolerance_px(corners);
   const auto off = [&](const std::optional<BarEnds>& end, double v) {
     return end && missed_px(seen_in, *end, corners, v) > tolerance + 3 * end->sigma_px;
   };

@@ -49,6 +49,10 @@ struct BothEnds {
 };
 BothEnds find_both_ends(const GrayView& image, const BarField& field);
 
+// How far the bars' ends may be from where the layout has them in a frame of these corners, pixels:
+// templates round their margins, lenses bend, ends are blurred.
+double ends_tolerance_px(const Quad& corners);
+
 // Whether the bars end above and below where the field has them end, to a pixel or two: a quick
 // look.
 bool bars_end_near(const GrayView& image, const BarField& field);

@@ -219,9 +219,7 @@ std::optional<RefinedFrame> frame_by_symbol(const GrayView& image, const GrayVie
   }
   const PyramidLevel level{half, 2};
   return fit_frame(image, level, to_level(level, rough), in_full,
-                   {std::max(0.35, 0.12 * module_px),
-                    kBarEnds.tolerance_px + kBarEnds.tolerance * height_of(expected)},
-                   lens);
+                   {std::max(0.35, 0.12 * module_px), ends_tolerance_px(expected)}, lens);
 }
 
 }  // namespace tagsmith::detail

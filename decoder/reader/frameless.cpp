@@ -314,9 +314,7 @@ std::optional<ReadRegion> read_region(SampledLight& image, const BarRegion& regi
   symbol.confidence = consensus.probability;
   symbol.bars = outline_of(scan);
   symbol.lines = line_ends(scan);
-  symbol.module_px =
-      (distance(symbol.bars[0], symbol.bars[1]) + distance(symbol.bars[3], symbol.bars[2])) / 2 /
-      kModuleCount;
+  symbol.module_px = length_of(symbol.bars) / kModuleCount;
   region_read.objection = objection_to(symbol, evidence, options);
   return region_read;
 }

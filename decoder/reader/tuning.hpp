@@ -112,7 +112,8 @@ struct SearchTuning {
   double around = 2;                   // times the bars: as far as a frame reaches
   double least_length = 90;            // pixels of bars that can be followed
   std::size_t most_bars = 3;           // followed where nothing was read
-  // Careful looks, and bars followed, in one picture: bounds its time.
+  // Careful looks, bars followed, and regions read without a frame, in one picture: bounds its
+  // time.
   std::size_t most_tries = 6;
   std::size_t most_regions = 24;  // of bars in a picture
   double most_pixels = 2e6;       // of a level in which regions are looked for
