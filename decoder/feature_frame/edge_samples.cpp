@@ -2,12 +2,16 @@
 #include "decoder/feature_frame/edge_samples.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "decoder/feature_frame/tuning.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/quantile.hpp"
 
 namespace tagsmith::detail {
 namespace {
@@ -73,6 +77,35 @@ class EdgeBins {
   std::vector<EdgeSample> bins_;
 };
 
+using ClippedSlices = std::array<bool, kSlices>;
+
+// Slices along a side in which white, so many pixels inside its edge, is beyond the sensor's end: a
+// lamp's beam. An edge there seems to stand farther out, by as much as nothing tells. None where
+// too few others are left to fit the side by, or where their white is not far below: then this is
+// little, and all of the side tells more.
+// Why: docs/decisions/0007-corner-covariance.md.
+ClippedSlices clipped_slices(const GrayView& image, const SideLine& side, double inward) {
+  ClippedSlices clipped{};
+  std::array<std::uint8_t, 8> white{};  // of a slice
+  const std::size_t all = white.size() * kSlices;
+  std::vector<std::uint8_t> others;
+  others.reserve(all);
+  for (std::size_t slice = 0; slice < kSlices; ++slice) {
+    for (std::size_t i = 0; i < white.size(); ++i) {
+      const auto place = static_cast<double>(white.size() * slice + i) + 0.5;
+      const double along = 2 * place / static_cast<double>(all) - 1;
+      const PixelPoint at = point_on(side, along) - inward * side.outward;
+      const int x = std::clamp(static_cast<int>(std::lround(at.x)), 0, image.width - 1);
+      const int y = std::clamp(static_cast<int>(std::lround(at.y)), 0, image.height - 1);
+      white[i] = image.row(y)[x];
+    }
+    clipped[slice] = std::cmp_greater(2 * std::ranges::count(white, 255), white.size());
+    if (!clipped[slice]) others.insert(others.end(), white.begin(), white.end());
+  }
+  if (others.size() == all || 4 * others.size() < all) return {};
+  return ToneCurve::of(image).light_of(quantile(others, 0.5)) > 0.5 ? ClippedSlices{} : clipped;
+}
+
 // The pixels near the side, `margin` pixels at its ends left out.
 std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side, double inward,
                                      double outward, double margin, int zones) {
@@ -99,8 +132,11 @@ std::vector<EdgeSample> samples_near(const GrayView& image, const SideLine& side
   const auto by_across = static_cast<float>(steep ? side.outward.x : side.outward.y);
   const auto by_along = static_cast<float>((steep ? side.along.x : side.along.y) * along_unit);
   const bool is_bowed = !side.bow.is_straight();
+  const ClippedSlices clipped = clipped_slices(image, side, 0.6 * inward);
   for (int major = first; major <= last; major += stride) {
     const double t = steep ? (major - side.begin.y) / d.y : (major - side.begin.x) / d.x;
+    if (clipped[static_cast<std::size_t>(zone_at(static_cast<float>(2 * t - 1), kSlices))])
+      continue;
     double centre = steep ? side.begin.x + t * d.x : side.begin.y + t * d.y;
     // Near the edge the bow's tangent there will do.
     const double s = std::clamp(2 * t - 1, -1.0, 1.0);

@@ -11,6 +11,9 @@
 
 namespace tagsmith::detail {
 
+// Slices along a side, in each of which what is special about it is looked for by itself.
+inline constexpr int kSlices = 16;
+
 // The mean of the pixels in one place relative to a side.
 struct EdgeSample {
   float along = 0;   // -1 to 1 between the side's ends

@@ -5,8 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include <Eigen/Core>
-
+#include "decoder/feature_frame/fitted_side.hpp"
 #include "decoder/feature_frame/frame_fault.hpp"
 #include "decoder/feature_frame/frame_shape.hpp"
 #include "decoder/feature_frame/lens_distortion.hpp"
@@ -14,18 +13,6 @@
 #include "decoder/image/gray.hpp"
 
 namespace tagsmith::detail {
-
-// One fitted side of the frame, from corner i to corner i+1.
-struct FrameSide {
-  double blur_px = 0;      // standard deviation of the point spread across the side
-  double white_begin = 0;  // light (0-1) inside the frame at the side's begin and end
-  double white_end = 0;
-  double black_begin = 0;  // light of the stroke
-  double black_end = 0;
-  double stroke_px = 0;  // thickness of the stroke
-  // Of the inner edge's place across the side at its begin and its end, from the fit, pixels^2.
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-};
 
 struct RefinedFrame {
   Quad corners{};  // of the inner edge, clockwise in the image

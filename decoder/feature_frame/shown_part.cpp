@@ -34,13 +34,17 @@ std::size_t slice_of(const EdgeSample& sample) {
   return static_cast<std::size_t>(zone_at(sample.along, kSlices));
 }
 
+// By which share of the brighter value the darker one is below it: the same in shadow.
+float contrast_of(float dark, float bright) { return (bright - dark) / std::max(1.0F, bright); }
+
 // The falls of a slice from its white to its black; none where it has hardly the side's contrast.
 void add_edges(std::vector<EdgeSample>& slice, int number, float contrast,
                std::vector<EdgePlace>& edges) {
   if (slice.size() < 4) return;
   std::ranges::sort(slice, {}, &EdgeSample::across);
   const auto [dark, bright] = std::ranges::minmax(slice, {}, &EdgeSample::value);
-  if (bright.value - dark.value < static_cast<float>(kEdgeFit.slice_contrast) * contrast) return;
+  const float least = static_cast<float>(kEdgeFit.slice_contrast) * contrast;
+  if (contrast_of(dark.value, bright.value) < least) return;
   const float middle = (dark.value + bright.value) / 2;
   for (std::size_t i = 1; i < slice.size(); ++i) {
     const EdgeSample& before = slice[i - 1];
@@ -121,13 +125,13 @@ std::optional<ShownPart> shown_part(std::vector<EdgeSample> samples, double nois
     values.push_back(sample.value);
   }
   if (values.empty()) return std::nullopt;
-  const float contrast = quantile(values, 0.9) - quantile(values, 0.1);
+  const float bright = quantile(values, 0.9), dark = quantile(values, 0.1);
   std::vector<EdgePlace> edges;
   for (int i = 0; i < kSlices; ++i) {
-    add_edges(slices[static_cast<std::size_t>(i)], i, contrast, edges);
+    add_edges(slices[static_cast<std::size_t>(i)], i, contrast_of(dark, bright), edges);
   }
   const double tolerance =
-      kEdgeFit.slice_off + 2 * noise / std::max(1.0, static_cast<double>(contrast));
+      kEdgeFit.slice_off + 2 * noise / std::max(1.0, static_cast<double>(bright - dark));
   if (lie_on_bow(edges, tolerance)) return std::nullopt;
   const EdgeLine line = best_line(edges, tolerance);
   const auto on = slices_on(line, edges, tolerance);

@@ -9,9 +9,6 @@
 
 namespace tagsmith::detail {
 
-// Slices along a side in which the edge is looked for by itself.
-inline constexpr int kSlices = 16;
-
 // The edge as most slices show it.
 struct ShownPart {
   double place = 0;                 // pixels outwards from the side that was sampled, in its middle

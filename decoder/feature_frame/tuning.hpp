@@ -83,7 +83,7 @@ struct CornerTuning {
   double blurred = 0.5;  // pixels, times (blur / stroke)^2
   // Pixels that edges of shadows beside the sides of a plate and across them may move these by
   // (`./dev bench photos -s 0.1`).
-  double in_shadow = 0.3;
+  double in_shadow = 0.12;
   double bow = 0.012;        // pixels, of a straight side's middle against its ends
   double bow_blurred = 0.3;  // the same, times (blur / stroke)^2
   // Chi-square by a place, from which on bars or frame are wrong, or of another layout.

@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "decoder/feature_frame/fitted_side.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "decoder/feature_frame/edge_samples.hpp"
+#include "decoder/feature_frame/shown_part.hpp"
+#include "decoder/feature_frame/tuning.hpp"
+#include "decoder/image/tone_curve.hpp"
+#include "tagsmith/base/correlation.hpp"
+#include "tagsmith/base/normal.hpp"
+#include "tagsmith/base/quantile.hpp"
+#include "tagsmith/geometry/damped_steps.hpp"
+
+namespace tagsmith::detail {
+
+// The samples of one side and the step that is fitted to them.
+namespace side_step {
+
+// Four samples at a time.
+using Four = Eigen::Array4f;
+
+// The light across a side: white, the stroke's black, white again, blurred. Parameters: edge place
+// at the middle and its slope, log blur, white and black at the middle and their slopes, log
+// stroke.
+constexpr int kParameters = 8;
+constexpr std::size_t kLeastSamples = 2 * std::size_t{kParameters};  // of a side
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+enum : int { kPlace, kTurn, kLogBlur, kWhite, kWhiteSlope, kBlack, kBlackSlope, kLogStroke };
+
+// Four samples; places beyond a side's last sample have weight zero.
+struct FourSamples {
+  Four along = Four::Zero();
+  Four across = Four::Zero();
+  Four value = Four::Zero();
+  Four weight = Four::Zero();
+};
+
+// The samples of a side. Where they were made even, what that multiplied their light by at the
+// side's begin and end.
+struct SideSamples {
+  SideSamples(const GrayView& image, std::vector<EdgeSample> of_side)
+      : tone(ToneCurve::of(image)), samples(std::move(of_side)), fours((samples.size() + 3) / 4) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const auto lane = static_cast<Eigen::Index>(i % 4);
+      FourSamples& four = fours[i / 4];
+      four.along[lane] = samples[i].along;
+      four.across[lane] = samples[i].across;
+      four.value[lane] = samples[i].value;
+      four.weight[lane] = samples[i].weight;
+    }
+  }
+
+  const ToneCurve& tone;
+  std::vector<EdgeSample> samples;
+  std::vector<FourSamples> fours;  // the same
+  double begin_gain = 1, end_gain = 1;
+};
+
+struct NormalEquations {
+  Eigen::Matrix<double, kParameters, kParameters> matrix =
+      Eigen::Matrix<double, kParameters, kParameters>::Zero();
+  Parameters right = Parameters::Zero();
+  double cost = 0;
+  double weight = 0;
+  double squares = 0;  // weighted squares of the residuals
+  double count = 0;
+};
+
+struct Solution {
+  Parameters parameters;
+  NormalEquations normal;
+  double scale = 1;  // of the weights
+};
+
+}  // namespace side_step
+
+struct FittedSide::Solved {
+  SideLine line;  // near which it was sampled
+  side_step::SideSamples samples;
+  side_step::Solution solution;
+};
+
+namespace {
+
+using namespace side_step;
+using Solved = FittedSide::Solved;
+
+// The parameters as they enter every sample.
+struct StepModel {
+  StepModel(const Parameters& p, const SideLine& side, const ToneCurve& of_image)
+      : tone(of_image),
+        place(static_cast<float>(p[kPlace])),
+        turn(static_cast<float>(p[kTurn])),
+        per_blur(static_cast<float>(std::exp(-p[kLogBlur]))),
+        stroke(static_cast<float>(std::exp(p[kLogStroke]))),
+        white(static_cast<float>(p[kWhite])),
+        white_slope(static_cast<float>(p[kWhiteSlope])),
+        black(static_cast<float>(p[kBlack])),
+        black_slope(static_cast<float>(p[kBlackSlope])),
+        taper(static_cast<float>(side.taper)) {}
+
+  Four stroke_at(const Four& along) const { return stroke * (1 + taper * along); }
+
+  const ToneCurve& tone;
+  float place, turn, per_blur, stroke, white, white_slope, black, black_slope, taper;
+};
+
+// The samples' prediction and what it depends on.
+struct Predicted {
+  Four sample;
+  Four slope;     // of the tone curve there
+  Four contrast;  // black less white
+  Four dark;      // share of the stroke's light
+  Four z_inner, z_outer;
+  Four d_inner, d_outer;  // densities at the two edges
+};
+
+Predicted predict(const StepModel& model, const FourSamples& at) {
+  const NormalTable& normal = NormalTable::get();
+  Predicted predicted;
+  predicted.z_inner = (at.across - model.place - model.turn * at.along) * model.per_blur;
+  predicted.z_outer = predicted.z_inner - model.stroke_at(at.along) * model.per_blur;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const NormalValue inner = normal(predicted.z_inner[i]), outer = normal(predicted.z_outer[i]);
+    predicted.dark[i] = inner.integral - outer.integral;
+    predicted.d_inner[i] = inner.density;
+    predicted.d_outer[i] = outer.density;
+  }
+  const Four white = model.white + model.white_slope * at.along;
+  predicted.contrast = model.black + model.black_slope * at.along - white;
+  const Four light = white + predicted.contrast * predicted.dark;
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    const ToneCurve::Point point = model.tone.point_of(light[i]);
+    predicted.sample[i] = point.sample;
+    predicted.slope[i] = point.slope;
+  }
+  return predicted;
+}
+
+// What four samples add to the normal equations, by the root of their weights: the prediction's
+// change with each parameter, and the residual.
+struct WeighedSamples {
+  Eigen::Matrix<float, kParameters, 4> terms;
+  Eigen::Vector4f residual;
+  Four weight;
+  Four cost;
+};
+
+// Cauchy weights with the scale of the current residuals keep dirt and glare from pulling.
+WeighedSamples weighed(const StepModel& model, const FourSamples& samples, float per_scale) {
+  const Predicted predicted = predict(model, samples);
+  const Four residual = samples.value - predicted.sample;
+  const Four ratio2 = (residual * per_scale).square();
+  WeighedSamples weighed;
+  weighed.weight = samples.weight / (1 + ratio2);
+  weighed.cost = samples.weight * (1 + ratio2).log();
+  const Four root = weighed.weight.sqrt();
+  weighed.residual = (root * residual).matrix();
+  const Four by_light = root * predicted.slope;
+  const Four by_dark = by_light * predicted.contrast;
+  const Four by_place = by_dark * (predicted.d_outer - predicted.d_inner) * model.per_blur;
+  const Four by_white = by_light * (1 - predicted.dark), by_black = by_light * predicted.dark;
+  auto row = [&](int parameter) { return weighed.terms.row(parameter).array().transpose(); };
+  row(kPlace) = by_place;
+  row(kTurn) = by_place * samples.along;
+  row(kLogBlur) =
+      by_dark * (predicted.z_outer * predicted.d_outer - predicted.z_inner * predicted.d_inner);
+  row(kWhite) = by_white;
+  row(kWhiteSlope) = by_white * samples.along;
+  row(kBlack) = by_black;
+  row(kBlackSlope) = by_black * samples.along;
+  row(kLogStroke) = by_dark * predicted.d_outer * model.stroke_at(samples.along) * model.per_blur;
+  return weighed;
+}
+
+NormalEquations accumulate(const Parameters& p, const SideSamples& samples, const SideLine& side,
+                           double scale) {
+  const StepModel model(p, side, samples.tone);
+  const float per_scale = 1 / static_cast<float>(scale);
+  Four cost = Four::Zero(), total = Four::Zero();
+  float squares = 0;
+  Eigen::Matrix<float, kParameters, kParameters> matrix;
+  matrix.setZero();
+  Eigen::Matrix<float, kParameters, 1> right;
+  right.setZero();
+  for (const FourSamples& four : samples.fours) {
+    const WeighedSamples rows = weighed(model, four, per_scale);
+    matrix.noalias() += rows.terms * rows.terms.transpose();
+    right.noalias() += rows.terms * rows.residual;
+    squares += rows.residual.squaredNorm();
+    cost += rows.cost;
+    total += rows.weight;
+  }
+  NormalEquations normal{matrix.cast<double>(), right.cast<double>()};
+  normal.squares = static_cast<double>(squares);
+  normal.weight = static_cast<double>(total.sum());
+  // The stroke is about as thick as guessed; where its far edge is out of sight, that is all there
+  // is.
+  const double stroke_weight = scale * scale / (kEdgeFit.stroke_sigma * kEdgeFit.stroke_sigma);
+  const double stroke_residual = std::log(side.stroke) - p[kLogStroke];
+  normal.matrix(kLogStroke, kLogStroke) += stroke_weight;
+  normal.right[kLogStroke] += stroke_weight * stroke_residual;
+  normal.cost = scale * scale * static_cast<double>(cost.sum()) +
+                stroke_weight * stroke_residual * stroke_residual;
+  normal.count = static_cast<double>(samples.samples.size());
+  return normal;
+}
+
+// Whether a sample is of the white inside the frame, beyond the blur of its edge.
+bool is_white(const EdgeSample& sample, const SideLine& side) {
+  return static_cast<double>(sample.across) < -0.4 * side.reach;
+}
+
+Parameters first_guess(const SideSamples& samples, const SideLine& side, double blur) {
+  double white = 0, black = 0, whites = 0, blacks = 0;
+  for (const EdgeSample& sample : samples.samples) {
+    const double light = samples.tone.light_of(static_cast<int>(std::lround(sample.value)));
+    const auto weight = static_cast<double>(sample.weight);
+    const auto across = static_cast<double>(sample.across);
+    if (is_white(sample, side)) {
+      white += weight * light;
+      whites += weight;
+    } else if (across > 0.3 * side.stroke && across < 0.7 * side.stroke) {
+      black += weight * light;
+      blacks += weight;
+    }
+  }
+  Parameters p = Parameters::Zero();
+  p[kWhite] = whites > 0 ? white / whites : 0.5;
+  p[kBlack] = blacks > 0 ? black / blacks : 0.05;
+  p[kLogBlur] = std::log(blur);
+  p[kLogStroke] = std::log(side.stroke);
+  return p;
+}
+
+// Keeps the blur, stroke and levels where the model means something.
+void constrain(Parameters& p, double stroke) {
+  p[kLogBlur] = std::clamp(p[kLogBlur], std::log(0.25), std::log(std::max(0.5, 0.6 * stroke)));
+  p[kLogStroke] = std::clamp(p[kLogStroke], std::log(0.5 * stroke), std::log(2.0 * stroke));
+  p[kWhite] = std::clamp(p[kWhite], 0.0, 1.2);
+  p[kBlack] = std::clamp(p[kBlack], -0.2, 1.0);
+}
+
+// Scale of the Cauchy weights: twice the middle residual, so that noise is fitted and dirt is not.
+double noise_scale(const SideSamples& samples, const Parameters& p, const SideLine& side) {
+  const StepModel model(p, side, samples.tone);
+  std::vector<float> residuals;
+  for (const FourSamples& four : samples.fours) {
+    const Four off = (four.value - predict(model, four).sample).abs();
+    residuals.insert(residuals.end(), off.begin(), off.end());
+  }
+  residuals.resize(samples.samples.size());
+  return std::max(kEdgeFit.least_residual,
+                  2 * static_cast<double>(quantile(residuals, 0.5)) / 0.6745);
+}
+
+// With the weights' scale held; at most `most_steps` steps.
+Solution minimise(const SideSamples& samples, const SideLine& side, Parameters p, double scale,
+                  int most_steps) {
+  const NormalEquations found = minimise_damped(
+      p, {most_steps, kEdgeFit.settled},
+      [&](const Parameters& at) { return accumulate(at, samples, side, scale); },
+      [&](Parameters& at) { constrain(at, side.stroke); });
+  return {p, found, scale};
+}
+
+// First with the scale of the guess, then with that of what was found.
+Solution solve_from(const SideSamples& samples, const SideLine& side, Parameters p) {
+  constrain(p, side.stroke);
+  p = minimise(samples, side, p, noise_scale(samples, p, side), 4).parameters;
+  return minimise(samples, side, p, noise_scale(samples, p, side), 15);
+}
+
+double cost_of(const Solution& solution) { return solution.normal.cost / solution.normal.weight; }
+
+// The edge's place by the share of the samples that is bright; nothing where the stroke's far edge
+// is among them.
+std::optional<double> place_by_share(const SideSamples& samples, const SideLine& side) {
+  if (side.stroke < kEdgeFit.thin_stroke) return std::nullopt;
+  std::vector<float> values;
+  float from = 0, to = 0;
+  for (const EdgeSample& sample : samples.samples) {
+    values.push_back(sample.value);
+    from = std::min(from, sample.across);
+    to = std::max(to, sample.across);
+  }
+  const float white = quantile(values, 0.9), black = quantile(values, 0.1);
+  float bright = 0, all = 0;
+  for (const EdgeSample& sample : samples.samples) {
+    if (sample.value > (white + black) / 2) bright += sample.weight;
+    all += sample.weight;
+  }
+  return static_cast<double>(from + (to - from) * bright / all);
+}
+
+// A sharp edge far from where it was sought looks like dirt on the white or the black there, and
+// the robust fit stays where it began: then the edge is sought from where the light says it is.
+Solution solve_side(const SideSamples& samples, const SideLine& side, double start_blur) {
+  Parameters start = first_guess(samples, side, start_blur);
+  Solution first = solve_from(samples, side, start);
+  const std::optional<double> place = place_by_share(samples, side);
+  if (!place || std::abs(*place - first.parameters[kPlace]) < kEdgeFit.fine) return first;
+  start[kPlace] = *place;
+  Solution second = solve_from(samples, side, start);
+  return cost_of(second) < cost_of(first) ? second : first;
+}
+
+// Whether a fit explains as good as all of a side's samples.
+bool fits_all(const SideSamples& samples, const Solution& solution) {
+  double weight = 0;
+  for (const EdgeSample& sample : samples.samples) weight += static_cast<double>(sample.weight);
+  const Parameters& p = solution.parameters;
+  const auto level = [&](double light) {
+    return static_cast<double>(samples.tone.point_of(static_cast<float>(light)).sample);
+  };
+  const double contrast = level(p[kWhite]) - level(p[kBlack]);
+  return solution.normal.weight > kEdgeFit.least_fitting * weight &&
+         solution.scale < std::max(2 * kEdgeFit.least_residual, kEdgeFit.most_residual * contrast);
+}
+
+// The samples as a side in even light would show them: those of each zone by its white, relative to
+// the brightest. The light of a lamp's beam, or of a shadow that ends on a side, is not linear
+// along it. Nothing where a zone shows no white.
+std::optional<SideSamples> evenly_lit(const GrayView& image, const SideSamples& samples,
+                                      const SideLine& side) {
+  const auto zone_of = [](const EdgeSample& sample) {
+    return static_cast<std::size_t>(zone_at(sample.along, kEdgeFit.zones));
+  };
+  const auto light_of = [&](const EdgeSample& sample) {
+    return samples.tone.light_table()[static_cast<std::size_t>(std::lround(sample.value))];
+  };
+  std::array<std::vector<float>, kEdgeFit.zones> whites;
+  for (const EdgeSample& sample : samples.samples) {
+    if (is_white(sample, side)) whites[zone_of(sample)].push_back(light_of(sample));
+  }
+  std::array<float, kEdgeFit.zones> white{};
+  for (std::size_t i = 0; i < white.size(); ++i) {
+    if (whites[i].empty()) return std::nullopt;
+    white[i] = quantile(whites[i], 0.5);
+    if (!(white[i] > 0)) return std::nullopt;
+  }
+  const float most = *std::ranges::max_element(white);
+  std::vector<EdgeSample> even = samples.samples;
+  for (EdgeSample& sample : even) {
+    const float light = light_of(sample) * most / white[zone_of(sample)];
+    sample.value = samples.tone.point_of(light).sample;
+  }
+  SideSamples made(image, std::move(even));
+  made.begin_gain = static_cast<double>(most / white.front());
+  made.end_gain = static_cast<double>(most / white.back());
+  return made;
+}
+
+// A side by the part of it that shows its edge on one line; nothing where all of it does, or where
+// it is too short to tell. `noise`: of a sample, grey levels.
+std::optional<Solved> solve_shown(const GrayView& image, const SideLine& side, double thin,
+                                  double noise) {
+  if (distance(side.begin, side.end) < kEdgeFit.least_slice * kSlices) return std::nullopt;
+  auto part = shown_part(edge_samples(image, side, thin, kSlices), noise);
+  if (!part) return std::nullopt;
+  // What covers a side has put it a few pixels aside, where the edge is hardly among the samples.
+  SideLine line = moved(side, part->place - part->turn, part->place + part->turn);
+  if (auto nearer = shown_part(edge_samples(image, line, thin, kSlices), noise)) {
+    part = std::move(nearer);
+  } else {
+    line = side;
+  }
+  if (part->samples.size() < kLeastSamples) return std::nullopt;
+  SideSamples shown(image, std::move(part->samples));
+  Parameters start = first_guess(shown, line, kEdgeFit.start_blur);
+  start[kPlace] = part->place;
+  start[kTurn] = part->turn;
+  const Solution solution = solve_from(shown, line, start);
+  return Solved{line, std::move(shown), solution};
+}
+
+// A side that the edge of a shadow or of a lamp's beam crosses; nothing where even light does not
+// explain it either.
+std::optional<Solved> solve_evenly_lit(const GrayView& image, const SideLine& side,
+                                       const SideSamples& samples) {
+  auto even = evenly_lit(image, samples, side);
+  if (!even) return std::nullopt;
+  const Solution solution = solve_side(*even, side, kEdgeFit.start_blur);
+  if (!fits_all(*even, solution)) return std::nullopt;
+  return Solved{side, *std::move(even), solution};
+}
+
+Solved solve(const GrayView& image, const SideLine& side, double thin, SideSamples samples) {
+  const Solution all = solve_side(samples, side, kEdgeFit.start_blur);
+  if (!fits_all(samples, all)) {
+    if (auto shown = solve_shown(image, side, thin, all.scale)) return *std::move(shown);
+    if (auto even = solve_evenly_lit(image, side, samples)) return *std::move(even);
+  }
+  return {side, std::move(samples), all};
+}
+
+// Of a sample's value by its residual, at least that of the rounding to whole grey levels.
+double noise_variance(const NormalEquations& normal) {
+  return std::max(1.0 / 12, normal.squares / (normal.count - kParameters));
+}
+
+// Of the edge's place at the side's begin and end: the inverse normal matrix by the noise.
+Eigen::Matrix2d covariance_of(const NormalEquations& normal) {
+  const double variance = noise_variance(normal);
+  const Eigen::Matrix<double, kParameters, kParameters> matrix =
+      normal.matrix.selfadjointView<Eigen::Lower>();
+  Eigen::Matrix<double, kParameters, 2> ends = Eigen::Matrix<double, kParameters, 2>::Zero();
+  ends.row(kPlace) << 1, 1;
+  ends.row(kTurn) << -1, 1;
+  return variance * (ends.transpose() * matrix.ldlt().solve(ends));
+}
+
+// Whether the edge is among the samples.
+bool is_near(const Solution& solution, const SideLine& side) {
+  const Parameters& p = solution.parameters;
+  return std::abs(p[kPlace]) + std::abs(p[kTurn]) < side.reach;
+}
+
+}  // namespace
+
+FittedSide::FittedSide(Solved solved) : solved_(std::make_unique<Solved>(std::move(solved))) {}
+FittedSide::FittedSide(FittedSide&&) noexcept = default;
+FittedSide& FittedSide::operator=(FittedSide&&) noexcept = default;
+FittedSide::~FittedSide() = default;
+
+std::optional<FittedSide> FittedSide::fit(const GrayView& image, const SideLine& near,
+                                          double thin) {
+  SideSamples all(image, edge_samples(image, near, thin));
+  if (all.samples.size() < kLeastSamples) return std::nullopt;
+  return FittedSide(solve(image, near, thin, std::move(all)));
+}
+
+bool FittedSide::stays_near() const { return is_near(solved_->solution, solved_->line); }
+
+double FittedSide::blur_px() const { return std::exp(solved_->solution.parameters[kLogBlur]); }
+
+SideLine FittedSide::line() const {
+  const Parameters& p = solved_->solution.parameters;
+  return moved(solved_->line, p[kPlace] - p[kTurn], p[kPlace] + p[kTurn]);
+}
+
+FrameSide FittedSide::side() const {
+  const Parameters& p = solved_->solution.parameters;
+  FrameSide side;
+  side.covariance = covariance_of(solved_->solution.normal);
+  side.blur_px = blur_px();
+  side.stroke_px = std::exp(p[kLogStroke]);
+  const SideSamples& samples = solved_->samples;
+  side.white_begin = (p[kWhite] - p[kWhiteSlope]) / samples.begin_gain;
+  side.white_end = (p[kWhite] + p[kWhiteSlope]) / samples.end_gain;
+  side.black_begin = (p[kBlack] - p[kBlackSlope]) / samples.begin_gain;
+  side.black_end = (p[kBlack] + p[kBlackSlope]) / samples.end_gain;
+  return side;
+}
+
+// One more parameter, eliminated from the others (a Schur complement).
+SeenSagitta FittedSide::bow() const {
+  const auto& [side, samples, solution] = *solved_;
+  const NormalEquations& normal = solution.normal;
+  const StepModel model(solution.parameters, side, samples.tone);
+  const auto count = static_cast<Eigen::Index>(4 * samples.fours.size());
+  Eigen::VectorXf by_bow(count);
+  Eigen::Matrix<float, Eigen::Dynamic, kParameters + 1> rows(count, kParameters + 1);
+  for (Eigen::Index i = 0; i < count; i += 4) {
+    const FourSamples& four = samples.fours[static_cast<std::size_t>(i / 4)];
+    const WeighedSamples here = weighed(model, four, 1 / static_cast<float>(solution.scale));
+    rows.middleRows<4>(i) << here.terms.transpose(), here.residual;
+    by_bow.segment<4>(i) =
+        here.terms.row(kPlace).transpose().cwiseProduct((1 - four.along.square()).matrix());
+  }
+  const Eigen::Matrix<double, kParameters + 1, 1> products =
+      (rows.transpose() * by_bow).cast<double>();
+  const Parameters right =
+      (rows.leftCols<kParameters>().transpose() * rows.col(kParameters)).cast<double>();
+  const Parameters shared = products.head<kParameters>();
+  const Parameters eliminated = normal.matrix.ldlt().solve(shared);
+  const double information = static_cast<double>(by_bow.squaredNorm()) - shared.dot(eliminated);
+  if (!(information > 0)) return {};
+  const double noise = noise_variance(normal);
+  const double blur = std::exp(solution.parameters[kLogBlur]);
+  const double stroke = std::exp(solution.parameters[kLogStroke]);
+  const double unexplained =
+      std::hypot(kCorner.bow, kCorner.bow_blurred * std::pow(blur / stroke, 2));
+  return {(products[kParameters] - eliminated.dot(right)) / information,
+          kCorner.alike * noise / information + unexplained * unexplained};
+}
+
+double FittedSide::noise_correlation() const {
+  const auto& [side, samples, solution] = *solved_;
+  const StepModel model(solution.parameters, side, samples.tone);
+  std::vector<float> residuals;
+  for (const FourSamples& four : samples.fours) {
+    const WeighedSamples rows = weighed(model, four, 1 / static_cast<float>(solution.scale));
+    residuals.insert(residuals.end(), rows.residual.begin(), rows.residual.end());
+  }
+  return correlation_factor(residuals);
+}
+
+void FittedSide::try_blur(double blur_px) {
+  const Solution other = solve_side(solved_->samples, solved_->line, blur_px);
+  if (cost_of(other) >= cost_of(solved_->solution)) return;
+  if (is_near(other, solved_->line)) solved_->solution = other;
+}
+
+}  // namespace tagsmith::detail

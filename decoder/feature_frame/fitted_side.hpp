@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// One side of a feature frame, fitted to the pixels that show it.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "decoder/feature_frame/lens_distortion.hpp"
+#include "decoder/feature_frame/side_line.hpp"
+#include "decoder/image/gray.hpp"
+
+namespace tagsmith::detail {
+
+// One fitted side of the frame, from corner i to corner i+1.
+struct FrameSide {
+  double blur_px = 0;      // standard deviation of the point spread across the side
+  double white_begin = 0;  // light (0-1) inside the frame at the side's begin and end
+  double white_end = 0;
+  double black_begin = 0;  // light of the stroke
+  double black_end = 0;
+  double stroke_px = 0;  // thickness of the stroke
+  // Of the inner edge's place across the side at its begin and its end, from the fit, pixels^2.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+// Least squares by Gauss-Newton steps with Cauchy weights: the light across the side is white, then
+// the stroke's black, and white again where the stroke is thinner than `thin` pixels, all blurred.
+// Where the fit to all of a side leaves many samples aside, the part of it that shows is fitted.
+class FittedSide {
+ public:
+  // Nothing where too few pixels show the side.
+  static std::optional<FittedSide> fit(const GrayView& image, const SideLine& near, double thin);
+
+  FittedSide(FittedSide&&) noexcept;
+  FittedSide& operator=(FittedSide&&) noexcept;
+  ~FittedSide();
+
+  // Whether the edge was found no farther from `near` than pixels were looked at.
+  bool stays_near() const;
+  double blur_px() const;
+  SideLine line() const;
+  FrameSide side() const;
+
+  // How far the samples say that the side's middle is off the bow that it was fitted with.
+  SeenSagitta bow() const;
+  // By how much noise that is alike in neighbouring pixels raises the fit's variance; at least 1.
+  double noise_correlation() const;
+
+  // Fits once more from another blur, and keeps what fits better. A side along the pixel grid shows
+  // every pixel at the same fraction, and its blur may be mistaken for its place.
+  void try_blur(double blur_px);
+
+  struct Solved;
+
+ private:
+  explicit FittedSide(Solved solved);
+
+  std::unique_ptr<Solved> solved_;
+};
+
+}  // namespace tagsmith::detail
