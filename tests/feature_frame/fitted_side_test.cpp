@@ -18,7 +18,7 @@ using namespace tagsmith::detail;
 
 namespace {
 
-constexpr int kSize = 260;
+constexpr int kSideImage = 260;
 constexpr double kInk = 0.08;  // share of the light that black reflects
 constexpr double kStroke = 12;
 constexpr double kBlur = 0.6;
@@ -40,16 +40,16 @@ SideLine true_side(double stroke = kStroke) {
 using LightAlong = std::function<double(double)>;
 
 // The side's picture; white on both sides of the stroke, noise of one grey level.
-GrayImage image_of(const SideLine& side, const LightAlong& white, double blur = kBlur) {
+GrayImage image_of_side(const SideLine& side, const LightAlong& white, double blur = kBlur) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0, 1);
-  GrayImage image{kSize, kSize, {}};
+  GrayImage image{kSideImage, kSideImage, {}};
   const PixelPoint middle = 0.5 * (side.begin + side.end);
   const auto step = [&](double across) {
     return 0.5 * (1 + std::erf(across / (std::numbers::sqrt2 * blur)));
   };
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
+  for (int y = 0; y < kSideImage; ++y) {
+    for (int x = 0; x < kSideImage; ++x) {
       const PixelPoint off = PixelPoint{static_cast<double>(x), static_cast<double>(y)} - middle;
       const double across = dot(off, side.outward);
       const double dark = step(across) - step(across - side.stroke);
@@ -89,7 +89,7 @@ double shadowed(double along) { return along < 0.1 ? 0.7 : 0.15; }
 TEST_CASE("a side is fitted to a hundredth of a pixel in even and in evenly changing light") {
   const SideLine side = true_side();
   for (const LightAlong& light : {LightAlong(even), LightAlong(rising)}) {
-    const GrayImage image = image_of(side, light);
+    const GrayImage image = image_of_side(side, light);
     const auto fitted = fit(image, side);
     REQUIRE(fitted);
     CHECK(fitted->stays_near());
@@ -108,7 +108,7 @@ TEST_CASE("a side is fitted to a hundredth of a pixel in even and in evenly chan
 TEST_CASE("a side that the edge of a beam or of a shadow crosses is fitted as well") {
   const SideLine side = true_side();
   for (const LightAlong& light : {LightAlong(kinked), LightAlong(shadowed)}) {
-    const GrayImage image = image_of(side, light);
+    const GrayImage image = image_of_side(side, light);
     const auto fitted = fit(image, side);
     REQUIRE(fitted);
     CHECK(off_by(*fitted, side) < 0.03);
@@ -125,7 +125,7 @@ TEST_CASE("the part of a side in a beam beyond the sensor's end does not move it
   const SideLine side = true_side();
   for (const bool at_end : {false, true}) {
     const GrayImage image =
-        image_of(side, [&](double along) { return (along > 0.1) == at_end ? 4.0 : 0.2; });
+        image_of_side(side, [&](double along) { return (along > 0.1) == at_end ? 4.0 : 0.2; });
     const auto fitted = fit(image, side);
     REQUIRE(fitted);
     CAPTURE(at_end);
@@ -137,7 +137,7 @@ TEST_CASE("the part of a side in a beam beyond the sensor's end does not move it
 
 TEST_CASE("a thin stroke is fitted by both of its edges") {
   const SideLine side = true_side(3);
-  const GrayImage image = image_of(side, even);
+  const GrayImage image = image_of_side(side, even);
   const auto fitted = fit(image, side);
   REQUIRE(fitted);
   CHECK(off_by(*fitted, side) < 0.015);
@@ -146,7 +146,7 @@ TEST_CASE("a thin stroke is fitted by both of its edges") {
 
 TEST_CASE("a side's bow is seen to a twentieth of a pixel") {
   const SideLine side = true_side();
-  const GrayImage image = image_of(side, even);
+  const GrayImage image = image_of_side(side, even);
   SideLine bowed = side;
   bowed.bow.c[0] = 0.5;
   const auto fitted = FittedSide::fit(image.view(), bowed, kEdgeFit.thin_stroke);
@@ -157,7 +157,7 @@ TEST_CASE("a side's bow is seen to a twentieth of a pixel") {
 
 TEST_CASE("another blur to start from is kept only where it fits better") {
   const SideLine side = true_side();
-  const GrayImage image = image_of(side, even);
+  const GrayImage image = image_of_side(side, even);
   auto fitted = fit(image, side);
   REQUIRE(fitted);
   const double before = fitted->blur_px();
@@ -168,7 +168,7 @@ TEST_CASE("another blur to start from is kept only where it fits better") {
 
 TEST_CASE("a side outside of the picture, or far from any edge, is told") {
   const SideLine side = true_side();
-  const GrayImage image = image_of(side, even);
+  const GrayImage image = image_of_side(side, even);
   SideLine away = side;
   away.begin = away.begin + PixelPoint{400, 0};
   away.end = away.end + PixelPoint{400, 0};
