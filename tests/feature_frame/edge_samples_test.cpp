@@ -9,6 +9,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/feature_frame/side_about.hpp"
+
 using namespace tagsmith::detail;
 
 namespace {
@@ -43,15 +45,7 @@ GrayImage image_of(const SideLine& side) {
 
 // A side of 100 pixels with a stroke of so many.
 SideLine side_at(double angle, double stroke) {
-  SideLine side;
-  side.along = {std::cos(angle), std::sin(angle)};
-  side.outward = {side.along.y, -side.along.x};
-  const PixelPoint middle{80.3, 79.6};
-  side.begin = middle - 50 * side.along;
-  side.end = middle + 50 * side.along;
-  side.reach = 3;
-  side.stroke = stroke;
-  return side;
+  return test::side_about({80.3, 79.6}, angle, 100, stroke);
 }
 
 }  // namespace

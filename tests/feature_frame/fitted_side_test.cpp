@@ -13,6 +13,7 @@
 
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/image/tone_curve.hpp"
+#include "tests/feature_frame/side_about.hpp"
 
 using namespace tagsmith::detail;
 
@@ -25,15 +26,7 @@ constexpr double kBlur = 0.6;
 
 // A side of 200 pixels, slightly askew.
 SideLine true_side(double stroke = kStroke) {
-  SideLine side;
-  side.along = {std::cos(0.13), std::sin(0.13)};
-  side.outward = {side.along.y, -side.along.x};
-  const PixelPoint middle{129.3, 128.8};
-  side.begin = middle - 100 * side.along;
-  side.end = middle + 100 * side.along;
-  side.reach = 3;
-  side.stroke = stroke;
-  return side;
+  return test::side_about({129.3, 128.8}, 0.13, 200, stroke);
 }
 
 // The light of the plate's white along the side, -1 to 1 between its ends.
