@@ -2,8 +2,8 @@
 // Photos of another maker, for the benches that read folders with a truth.json: POV-Ray traces the
 // scenes of raytraced_scene.hpp, each pixel from 4 to 9 places and at edges from up to 81 times as
 // many, and a plain sensor of OpenCV's functions stores them. Nothing of the reader's model of
-// pictures or of `simulate` is in them. Usage: bench_raytraced FOLDER [PHOTOS [SEED]]; needs
-// povray.
+// pictures or of `simulate` is in them. Usage: bench_raytraced FOLDER [PHOTOS [SEED [KIND]]], KIND
+// one of kNames (all in turn if not given); needs povray.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -254,8 +255,11 @@ class Album {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    fmt::print(stderr, "bench_raytraced FOLDER [PHOTOS [SEED]]\n");
+  const std::string kind = argc > 4 ? argv[4] : "";
+  const auto only = std::ranges::find(kNames, kind);
+  if (argc < 2 || *argv[1] == '-' || (!kind.empty() && only == kNames.end())) {
+    fmt::print(stderr, "bench_raytraced FOLDER [PHOTOS [SEED [KIND]]]; KIND: {}\n",
+               fmt::join(kNames, ", "));
     return 2;
   }
   const fs::path folder = argv[1];
@@ -265,9 +269,12 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "povray is not installed\n");
     return 2;
   }
+  // Photos of one kind are those of that kind among kKinds times as many of all.
+  const int step = kind.empty() ? 1 : kKinds;
+  const int first = kind.empty() ? 0 : static_cast<int>(only - kNames.begin());
   fs::create_directories(folder);
   Album album(folder);
-  tbb::parallel_for(0, photos, [&](int i) { album.add(take(folder, i, seed)); });
+  tbb::parallel_for(0, photos, [&](int i) { album.add(take(folder, first + step * i, seed)); });
   fmt::print("{} photos in {}\n", album.size(), folder.string());
   return std::cmp_equal(album.size(), photos) ? 0 : 1;
 }
