@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "decoder/image/bilinear.hpp"
@@ -44,6 +45,16 @@ std::vector<float> white_of(const std::vector<float>& light, int bins_per_module
   return white;
 }
 
+// The least white within a module of a place as a share of the greatest: less than 1 where the
+// light changes, and where exactly it does is not known.
+float evenness_at(std::span<const float> white, std::size_t at, int bins_per_module) {
+  const auto reach = static_cast<std::size_t>(bins_per_module);
+  const std::size_t begin = at - std::min(at, reach);
+  const auto [darkest, brightest] =
+      std::ranges::minmax(white.subspan(begin, std::min(at + reach + 1, white.size()) - begin));
+  return brightest > 0 ? darkest / brightest : 0;
+}
+
 // Of the white of the plate above and below the bars the light of every digit's width, each the
 // mean of so many places along the symbol and rows of them.
 std::vector<float> light_of_margins(const GrayView& image, const FrameHomography& map,
@@ -77,6 +88,9 @@ double even_out(SymbolRows& rows, double blur) {
   std::vector<float> all;
   for (std::size_t row = 0; row < rows.rows; ++row) {
     const std::vector<float> white = white_of(light_of(rows, row), rows.bins_per_module, blur);
+    for (std::size_t bin = 0; bin < rows.bins; ++bin) {
+      rows.cell(row, bin).count *= evenness_at(white, bin, rows.bins_per_module);
+    }
     all.insert(all.end(), white.begin(), white.end());
   }
   std::vector<float> ordered = all;

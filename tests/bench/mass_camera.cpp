@@ -108,7 +108,7 @@ class Light {
     const float begin = sight.u - sight.sharp.reach_u, end = sight.u + sight.sharp.reach_u;
     while (first_ > 0 && edges_[first_ - 1] >= begin) --first_;
     while (first_ < edges_.size() && edges_[first_] < begin) ++first_;
-    float share = first_ % 2 == 0 ? 0 : 1;
+    float share = first_ % 2 == 0 ? 0.0F : 1.0F;
     for (std::size_t i = first_; i < edges_.size() && edges_[i] < end; ++i) {
       share += (i % 2 == 0 ? 1.0F : -1.0F) * step((sight.u - edges_[i]) * sight.sharp.u);
     }

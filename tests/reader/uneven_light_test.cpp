@@ -88,6 +88,27 @@ TEST_CASE("rows are evened out under shadows that lie across, along and over the
   }
 }
 
+TEST_CASE("pixels beside a shadow's edge weigh less than those farther from it") {
+  constexpr double kEdge = 160;
+  DrawnSymbol symbol(kDrawnDigits, 4);
+  shade(symbol, [&](int x, int) { return x > kEdge ? 0.3 : 1.0; });
+  const SymbolRows seen(symbol.image.view(), symbol.frame().corners, {}, SymbolLayout{},
+                        RowHeight::coarse);
+  SymbolRows evened = seen;
+  even_out(evened, 0.2);
+  int less = 0;
+  for (std::size_t row = 0; row < seen.rows; ++row) {
+    for (std::size_t bin = 0; bin < seen.bins; ++bin) {
+      const double at = seen.width_share_of(static_cast<double>(bin) + 0.5) * symbol.width();
+      const float before = seen.cell(row, bin).count, after = evened.cell(row, bin).count;
+      if (std::abs(at - kEdge) > 24) CHECK(after >= 0.9F * before);
+      less += after < 0.4F * before ? 1 : 0;
+      CHECK((after > 0) == (before > 0));
+    }
+  }
+  CHECK(less > static_cast<int>(seen.rows));
+}
+
 TEST_CASE("a broad shadow in which bars show is no strip that hides them") {
   DrawnSymbol symbol(kDrawnDigits, 4);
   shade(symbol, [](int x, int) { return x > 160 && x < 220 ? 0.3 : 1.0; });
