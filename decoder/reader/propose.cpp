@@ -124,6 +124,14 @@ TileMask tiles_around(const std::vector<BarRegion>& regions, const SearchLevel& 
   return mask;
 }
 
+// A frame around bars, in pixels of the full image, as a level shows it.
+void propose_frame_around(SearchContext& search, const PyramidLevel& level, const BarRegion& bars) {
+  const BarRegion region = scaled(bars, 1 / level.scale);
+  if (!is_symbol_like(level.image, region)) return;
+  search.symbols.push_back(bars);
+  if (const auto quad = frame_around(level.image, region)) search.propose(Outline{level, *quad});
+}
+
 // Frames around the bars of a level that no reading explains. Bars that run off the picture are
 // part of a symbol: not looked at where others are read.
 void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
@@ -131,10 +139,7 @@ void propose_frames_around(SearchContext& search, const SearchLevel& coarse) {
   for (const BarRegion& found :
        find_bar_regions(coarse.texture, search.found.known_in(coarse.level))) {
     if (search.found.has_read_any() && runs_off(coarse.level.image, found)) continue;
-    const BarRegion region = scaled(found, coarse.level.scale / fine.scale);
-    if (!is_symbol_like(fine.image, region)) continue;
-    search.symbols.push_back(scaled(found, coarse.level.scale));
-    if (const auto quad = frame_around(fine.image, region)) search.propose(Outline{fine, *quad});
+    propose_frame_around(search, fine, scaled(found, coarse.level.scale));
   }
 }
 
@@ -197,6 +202,12 @@ void propose_around_bars(SearchContext& search) {
   propose_frames_around(search, pyramid.scaled_down(4));
   if (search.symbols.empty() && search.found.has_read_any()) return;
   propose_frames_around(search, pyramid.scaled_down(2));
+  if (search.found.has_read_any()) return;
+  // Bars of about a pixel a module show in the full size alone.
+  for (const BarRegion& region : search.picture.bars()) {
+    if (region.length > kSearch.largest_frame) continue;
+    propose_frame_around(search, pyramid.levels().back().level, region);
+  }
 }
 
 void propose_pieces(SearchContext& search) {
