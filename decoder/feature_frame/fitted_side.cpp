@@ -161,7 +161,8 @@ WeighedSamples weighed(const StepModel& model, const FourSamples& samples, float
   WeighedSamples weighed;
   weighed.weight = samples.weight / (1 + ratio2);
   weighed.cost = samples.weight * (1 + ratio2).log();
-  const Four root = weighed.weight.sqrt();
+  // Eigen's own root of four floats starts from an approximation that differs between processors.
+  const Four root = weighed.weight.unaryExpr([](float weight) { return std::sqrt(weight); });
   weighed.residual = (root * residual).matrix();
   const Four by_light = root * predicted.slope;
   const Four by_dark = by_light * predicted.contrast;
