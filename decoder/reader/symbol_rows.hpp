@@ -17,7 +17,7 @@ namespace tagsmith::detail {
 struct RowCell {
   float light = 0;  // mean, 0-1
   float place = 0;  // their mean place, bins from the begin of the first bin
-  float count = 0;  // of pixels that may be used; 0 = none, or hidden
+  float count = 0;  // of pixels that may be used, doubtful ones in part; 0 = none, or hidden
 };
 
 // How many rows the bars' height is cut into: few, each of many pixels, or as many as hold a pixel

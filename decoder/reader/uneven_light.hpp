@@ -13,8 +13,9 @@ namespace tagsmith::detail {
 bool is_unevenly_lit(const GrayView& image, const RefinedFrame& frame, const SymbolLayout& layout);
 
 // Changes the light of the rows to what it would be if all of the plate were lit as its bright
-// parts are, and returns that of the white there. What lies in the dark does not count any more.
-// `blur`: standard deviation of the point spread, modules.
+// parts are, and returns that of the white there. What lies in the dark does not count any more,
+// what lies beside the edge of a shadow less. `blur`: standard deviation of the point spread,
+// modules.
 double even_out(SymbolRows& rows, double blur);
 
 }  // namespace tagsmith::detail
