@@ -331,7 +331,7 @@ std::string_view to_string(CalibrationTrust trust) {
 }
 
 std::string_view cell_name(std::size_t cell) {
-  constexpr std::array<std::string_view, RayGrid::kColumns * RayGrid::kRows> kNames{
+  constexpr std::array<std::string_view, std::tuple_size_v<decltype(RayGrid::cells)>> kNames{
       "upper left", "top, left of the middle",    "top, right of the middle",    "upper right",
       "left edge",  "middle, to the left",        "middle, to the right",        "right edge",
       "lower left", "bottom, left of the middle", "bottom, right of the middle", "lower right"};

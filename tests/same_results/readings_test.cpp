@@ -20,6 +20,7 @@
 
 #include "decoder/image/load.hpp"
 #include "decoder/reader/reader.hpp"
+#include "tests/support/program.hpp"
 
 namespace tagsmith::detail::test {
 namespace {
@@ -91,7 +92,25 @@ double greatest_distance(const FrameCorners& a, const FrameCorners& b) {
   return greatest;
 }
 
+// The instructions of the program under test that match an extended regular expression, each
+// followed by the function that it is in.
+std::string instructions_like(const std::string& expression) {
+  const ProgramOutput listed = run_shell(
+      "objdump --disassemble --demangle --no-show-raw-insn \"$TAGSMITH_PROGRAM\" | "
+      "sed -nE '/^[0-9a-f]+ </h; /[[:space:]](" +
+      expression + ")[[:space:]]/{G;p}'");
+  REQUIRE_MESSAGE(listed.exit_code == 0, listed.err);
+  return listed.out;
+}
+
 }  // namespace
+
+// Processors of different makers approximate reciprocals and their square roots differently; Eigen
+// uses such instructions for the square roots of several floats at once.
+TEST_CASE("no instruction of the program gives a result that the processor's maker chooses") {
+  CHECK(!instructions_like("v?sqrt[ps][sd]|fsqrt").empty());
+  CHECK(instructions_like("v?r(cp|sqrt)(14|28)?[ps][sdh]|frecpe|frsqrte") == "");
+}
 
 TEST_CASE("every build reads the same digits, and corners to a millionth of a pixel") {
   const std::vector<SeenTag> tags = read_shipped_photos();
