@@ -5,11 +5,12 @@
 #include <cmath>
 #include <ranges>
 #include <utility>
+#include <variant>
 
-#include "decoder/feature_frame/side_line.hpp"
 #include "decoder/feature_frame/tuning.hpp"
 #include "decoder/reader/bar_lines.hpp"
 #include "decoder/reader/frame_by_bars.hpp"
+#include "decoder/reader/judge.hpp"
 #include "decoder/reader/located_bars.hpp"
 #include "decoder/reader/tuning.hpp"
 #include "tagsmith/symbology/upca.hpp"
@@ -34,35 +35,6 @@ BarRegion bars_inside(const GrayView& image, const Quad& quad, const SymbolLayou
   return region;
 }
 
-// True when both frames are the same one seen twice.
-bool same_frame(const Quad& a, const Quad& b) {
-  const double size = std::sqrt(std::min(area_of(a), area_of(b)));
-  const double ratio = area_of(a) / std::max(area_of(b), 1e-9);
-  return distance(centre_of(a), centre_of(b)) < 0.1 * size && ratio > 0.7 && ratio < 1.4;
-}
-
-// Whether a hypothesis of this source began within so many pixels.
-bool was_proposed(const std::vector<TagHypothesis>& hypotheses, Source source, const Quad& rough,
-                  double pixels) {
-  return std::ranges::any_of(hypotheses, [&](const TagHypothesis& other) {
-    return other.source == source && nearly_equal(other.rough, rough, pixels);
-  });
-}
-
-// Whether an outline was fitted to the same frame before.
-bool was_fitted(const std::vector<TagHypothesis>& hypotheses, const RefinedFrame& frame) {
-  return std::ranges::any_of(hypotheses, [&](const TagHypothesis& other) {
-    return other.source == Source::outline && other.frame &&
-           nearly_equal(other.frame->corners, frame.corners, 0.1);
-  });
-}
-
-// Outlines that are no feature frame of ours are told apart from what was refused.
-bool is_passed_over(const Rejection& rejection) {
-  return rejection.reason == RejectionReason::frame_fault ||
-         rejection.reason == RejectionReason::no_guards;
-}
-
 Rejection fault_of(const Quad& quad, FrameFault fault) {
   Rejection rejection{RejectionReason::frame_fault, quad};
   rejection.fault = fault;
@@ -71,25 +43,12 @@ Rejection fault_of(const Quad& quad, FrameFault fault) {
 
 }  // namespace
 
-double TagHypothesis::explained() const {
-  const auto of = [](const auto& symbol) { return symbol ? symbol->decoding.fit.explained : 0; };
-  if (const Reading* tag = reading()) return of(tag->symbol);
-  return refusal() != nullptr ? of(refusal()->symbol) : 0;
-}
-
-template <class Condition>
-bool Detector::any_reading(const Condition& condition) const {
-  return std::ranges::any_of(hypotheses_, [&](const TagHypothesis& hypothesis) {
-    const Reading* reading = hypothesis.reading();
-    return reading != nullptr && condition(*reading);
-  });
-}
-
 Detector::Detector(SearchedImage& picture, const ReadOptions& options)
     : image_(picture.image()),
       picture_(picture),
       options_(options),
       typical_(typical_layout(options.layouts)),
+      found_(typical_.frame),
       part_search_(options) {
   if (options.camera) lens_ = LensDistortion(*options.camera);
 }
@@ -100,7 +59,7 @@ void Detector::consider(const Proposal& proposal) {
 
 void Detector::look_at(const Outline& outline) {
   const auto& [level, quad] = outline;
-  if (is_read(to_full(level, quad))) return;
+  if (found_.is_read(to_full(level, quad))) return;
   part_search_.note_cut(outline, typical_.frame);
   if (!looks_framed(level.image, quad, typical_.frame)) {
     part_search_.note_hidden_side(outline, typical_.frame);
@@ -110,14 +69,14 @@ void Detector::look_at(const Outline& outline) {
 }
 
 void Detector::read_parts() {
-  part_search_.read_cut(image_, [this](PixelPoint at) { return has_reading_at(at); });
+  part_search_.read_cut(image_, [this](PixelPoint at) { return found_.has_reading_at(at); });
 }
 
 // The frames found last come first: those that bars complete are better than the outlines of what
 // covers them. A frame in which next to nothing of a symbol shows may still end at what hides it.
 void Detector::read_covered_parts() {
-  const auto is_read = [this](PixelPoint at) { return has_reading_at(at); };
-  for (const TagHypothesis& hypothesis : std::views::reverse(hypotheses_)) {
+  const auto is_read = [this](PixelPoint at) { return found_.has_reading_at(at); };
+  for (const TagHypothesis& hypothesis : std::views::reverse(found_.all())) {
     if (!hypothesis.frame || hypothesis.reading() != nullptr) continue;
     show_as_seen_by(hypothesis);
     if (hypothesis.may_be_covered || hypothesis.source == Source::careful) {
@@ -139,11 +98,11 @@ void Detector::look_at(const RoughFrame& proposed) {
     settled = fit_frame_coarsely(level.image, rough, {}, typical_.frame);
   if (!settled) return pass_over(to_full(level, rough), settled.error());
   const Quad quad = to_full(level, settled->corners);
-  if (is_read(quad) || was_proposed(hypotheses_, Source::outline, quad, 0.4)) return;
+  if (found_.is_read(quad) || found_.was_proposed(Source::outline, quad, 0.4)) return;
   show_as_stored(quad);
   const FrameResult<RefinedFrame> frame =
       refine_frame(image_, quad, lens_for(level, *settled), typical_.frame);
-  const bool is_new = frame && !was_fitted(hypotheses_, *frame);
+  const bool is_new = frame && !found_.was_fitted(*frame);
   TagHypothesis hypothesis;
   if (is_new) {
     hypothesis = judged_quickly(quad, *frame);
@@ -152,24 +111,7 @@ void Detector::look_at(const RoughFrame& proposed) {
     hypothesis.rough = quad;
     if (!frame) hypothesis.outcome = fault_of(quad, frame.error());
   }
-  keep(std::move(hypothesis));
-}
-
-// Which of two plates in one place is another's, if they bear different digits, nothing tells.
-void Detector::keep(TagHypothesis hypothesis) {
-  for (TagHypothesis& other : hypotheses_) {
-    const Reading* now = hypothesis.reading();
-    const Reading* before = other.reading();
-    if (now == nullptr || before == nullptr || !overlap(now->corners, before->corners)) continue;
-    if (now->digits == before->digits) {
-      (other.explained() < hypothesis.explained() ? other : hypothesis).outcome = {};
-      continue;
-    }
-    for (TagHypothesis* read : {&other, &hypothesis}) {
-      read->outcome = rejection_of(*read->reading()->symbol, {RejectionReason::doubtful});
-    }
-  }
-  hypotheses_.push_back(std::move(hypothesis));
+  found_.keep(std::move(hypothesis));
 }
 
 void Detector::look_behind_halos(const LensGuess& lens, TagHypothesis& hypothesis) {
@@ -239,7 +181,7 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
     }
     return hypothesis;
   }
-  if (may_be_cared_for()) {
+  if (found_.to_be_looked_at() < kSearch.most_tries) {
     hypothesis.may_be_covered = symbol && is_symbol_like(*symbol);
     if (!hypothesis.may_be_covered)
       hypothesis.odd_bars = bars_inside(image_, frame.corners, typical_);
@@ -257,19 +199,18 @@ TagHypothesis Detector::judged_quickly(const Quad& rough, const RefinedFrame& fr
 }
 
 void Detector::look_at(const BarRegion& region) {
-  const auto followed_bars = std::ranges::count(hypotheses_, Source::bars, &TagHypothesis::source);
+  const auto followed_bars = std::ranges::count(found_.all(), Source::bars, &TagHypothesis::source);
   if (std::cmp_equal(followed_bars, kSearch.most_tries)) return;
   const auto bars = locate_bars(picture_.light, region);
   if (!bars) return;
-  hypotheses_.push_back({.source = Source::bars});
+  found_.keep({.source = Source::bars});
   const GrayView half = picture_.pyramid().scaled_down(2).level.image;
   for (const SymbolLayout& layout : options_.layouts) {
     const auto rough = frame_by_bars(image_, half, *bars, layout, {lens_});
     if (!rough) continue;
-    if (is_read(rough->corners)) return;
-    if (was_proposed(hypotheses_, Source::completed, rough->corners, kSearch.same_completed))
-      continue;
-    hypotheses_.push_back({.source = Source::completed, .rough = rough->corners});
+    if (found_.is_read(rough->corners)) return;
+    if (found_.was_proposed(Source::completed, rough->corners, kSearch.same_completed)) continue;
+    found_.keep({.source = Source::completed, .rough = rough->corners});
     const auto symbol = better_hypothesis(image_, *rough, options_);
     if (!symbol || symbol->decoding.fit.explained < kJudge.like_symbol) continue;
     const auto frame = frame_by_symbol(image_, half, corners_by_bars(*symbol), layout,
@@ -277,19 +218,19 @@ void Detector::look_at(const BarRegion& region) {
     // Of either pair of sides one must show where the bars put it: else it may be another layout.
     if (!frame || !(frame->shown[0] || frame->shown[2])) continue;
     if (!(frame->shown[1] || frame->shown[3])) continue;
-    if (judge_carefully(*frame, true)) return;
+    if (judge_carefully(*frame, true).reading() != nullptr) return;
   }
 }
 
 void Detector::look_at(const RefusedFrame& refused) {
-  const RefinedFrame frame = *hypotheses_[refused.hypothesis].frame;
-  if (is_read(frame.corners)) return;
-  show_as_seen_by(hypotheses_[refused.hypothesis]);
-  if (judge_carefully(frame, false)) return;
-  hypotheses_.back().odd_bars = bars_inside(image_, frame.corners, typical_);
+  const RefinedFrame frame = *found_[refused.hypothesis].frame;
+  if (found_.is_read(frame.corners)) return;
+  show_as_seen_by(found_[refused.hypothesis]);
+  TagHypothesis& looked = judge_carefully(frame, false);
+  if (looked.reading() == nullptr) looked.odd_bars = bars_inside(image_, frame.corners, typical_);
 }
 
-bool Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
+TagHypothesis& Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
   TagHypothesis hypothesis{.source = Source::careful, .rough = frame.corners, .frame = frame};
   const auto symbol = believed_hypothesis(image_, frame, options_, completed);
   hypothesis.is_doubtful = !symbol;
@@ -297,30 +238,29 @@ bool Detector::judge_carefully(const RefinedFrame& frame, bool completed) {
     auto reading = reading_where_bars_end(image_, *symbol, options_, ReadingMethod::partly_covered);
     if (reading) hypothesis.outcome = *std::move(reading);
   }
-  keep(std::move(hypothesis));
-  return hypotheses_.back().reading() != nullptr;
+  return found_.keep(std::move(hypothesis));
 }
 
 // Why: docs/decisions/0003-confidence-and-its-border.md.
 void Detector::try_doubtful() {
-  const std::optional<CheckDigit> scheme = scheme_shown();
+  const std::optional<CheckDigit> scheme = found_.scheme_shown();
   if (!scheme || options_.check || !options_.code_book.empty()) return;
   ReadOptions named = options_;
   named.check = scheme;
-  const std::size_t count = hypotheses_.size();
+  const std::size_t count = found_.all().size();
   for (const Source source : {Source::outline, Source::careful}) {
     for (std::size_t i = 0; i < count; ++i) {
-      if (hypotheses_[i].source == source) judge_again(i, named);
+      if (found_[i].source == source) judge_again(i, named);
     }
   }
 }
 
 void Detector::judge_again(std::size_t index, const ReadOptions& named) {
-  if (!std::exchange(hypotheses_[index].is_doubtful, false)) return;
-  const bool carefully = hypotheses_[index].source == Source::careful;
-  const RefinedFrame frame = *hypotheses_[index].frame;
-  if (is_read(frame.corners)) return;
-  show_as_seen_by(hypotheses_[index]);
+  if (!std::exchange(found_[index].is_doubtful, false)) return;
+  const bool carefully = found_[index].source == Source::careful;
+  const RefinedFrame frame = *found_[index].frame;
+  if (found_.is_read(frame.corners)) return;
+  show_as_seen_by(found_[index]);
   auto symbol = carefully ? believed_hypothesis(image_, frame, named, true)
                           : quick_hypothesis(image_, frame, named);
   if (!symbol || (!carefully && objection_to_quick(image_, *symbol, named))) return;
@@ -329,7 +269,7 @@ void Detector::judge_again(std::size_t index, const ReadOptions& named) {
   if (!reading) return;
   TagHypothesis again{.source = Source::again, .rough = frame.corners, .frame = frame};
   again.outcome = *std::move(reading);
-  keep(std::move(again));
+  found_.keep(std::move(again));
 }
 
 void Detector::try_likely_codes() {
@@ -338,106 +278,17 @@ void Detector::try_likely_codes() {
   named.code_book = options_.likely_codes;
   const ReadResult so_far = result();
   for (const Rejection& rejection : so_far.rejected) {
-    if (has_reading_at(centre_of(rejection.corners))) continue;
+    if (found_.has_reading_at(centre_of(rejection.corners))) continue;
     auto reading = read_again(image_, rejection, named);
     if (!reading) continue;
     TagHypothesis again{.source = Source::again, .rough = rejection.corners};
     again.outcome = *std::move(reading);
-    keep(std::move(again));
+    found_.keep(std::move(again));
   }
-}
-
-std::vector<Quad> Detector::known_in(const PyramidLevel& level) const {
-  std::vector<Quad> known;
-  for (const TagHypothesis& hypothesis : hypotheses_) {
-    const Reading* tag = hypothesis.reading();
-    if (tag == nullptr) continue;
-    const double module = distance(tag->corners[0], tag->corners[1]) / typical_.frame.length;
-    const double stroke = (typical_.frame.stroke + 0.5) * module;
-    known.push_back(to_level(level, widened(tag->corners, stroke)));
-  }
-  return known;
-}
-
-std::optional<CheckDigit> Detector::scheme_shown() const {
-  const bool sum10 = any_reading([](const Reading& tag) { return !tag.gs1_holds; });
-  const bool gs1 = any_reading([](const Reading& tag) { return !tag.sum10_holds; });
-  if (sum10 == gs1) return std::nullopt;
-  return sum10 ? CheckDigit::sum10 : CheckDigit::gs1;
-}
-
-std::vector<std::size_t> Detector::covered_frames() const {
-  std::vector<std::size_t> frames;
-  for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
-    if (hypotheses_[i].may_be_covered) frames.push_back(i);
-  }
-  return frames;
-}
-
-std::vector<BarRegion> Detector::odd_bars() const {
-  std::vector<BarRegion> regions;
-  for (const TagHypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.odd_bars) regions.push_back(*hypothesis.odd_bars);
-  }
-  return regions;
-}
-
-bool Detector::was_looked_at(const BarRegion& region) const {
-  return std::ranges::any_of(hypotheses_, [&](const TagHypothesis& other) {
-    return other.odd_bars && distance(other.odd_bars->centre, region.centre) < 0.25 * region.length;
-  });
-}
-
-bool Detector::has_met_covers() const {
-  return std::ranges::any_of(hypotheses_, &TagHypothesis::may_be_covered) ||
-         any_reading(
-             [](const Reading& tag) { return tag.method == ReadingMethod::partly_covered; });
-}
-
-bool Detector::has_reading_at(PixelPoint point) const {
-  return any_reading([&](const Reading& tag) { return contains(tag.corners, point); });
-}
-
-bool Detector::has_read_any() const {
-  return any_reading([](const Reading&) { return true; });
-}
-
-bool Detector::has_read(const ExpectedTag& expected) const {
-  return any_reading([&](const Reading& tag) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double off = distance(tag.corners[i], expected.corners[i]);
-      if (off > expected.uncertainty_px + 1) return false;
-    }
-    return true;
-  });
-}
-
-std::vector<Reading> Detector::tags() const {
-  std::vector<Reading> tags;
-  for (const TagHypothesis& hypothesis : hypotheses_) {
-    if (const Reading* tag = hypothesis.reading()) tags.push_back(*tag);
-  }
-  return tags;
 }
 
 ReadResult Detector::result() const {
-  // A frame that was read after all is no refusal, and one refused twice is one.
-  ReadResult result{tags(), {}};
-  for (const TagHypothesis& hypothesis : hypotheses_) {
-    const Rejection* rejection = hypothesis.refusal();
-    if (rejection == nullptr) continue;
-    if (is_passed_over(*rejection)) {
-      if (options_.tell_passed_over) result.passed_over.push_back(*rejection);
-      continue;
-    }
-    const auto same = [&](const auto& other) {
-      return same_frame(other.corners, rejection->corners);
-    };
-    if (std::ranges::any_of(result.tags, same) || std::ranges::any_of(result.rejected, same)) {
-      continue;
-    }
-    result.rejected.push_back(*rejection);
-  }
+  ReadResult result = found_.result(options_.tell_passed_over);
   for (const PartReading& part : part_search_.parts()) {
     const auto same = [&](const Reading& tag) {
       return contains(part.corners, centre_of(tag.corners));
@@ -445,10 +296,6 @@ ReadResult Detector::result() const {
     if (std::ranges::none_of(result.tags, same)) result.parts.push_back(part);
   }
   return result;
-}
-
-bool Detector::is_read(const Quad& quad) const {
-  return any_reading([&](const Reading& tag) { return same_frame(tag.corners, quad); });
 }
 
 SideSagittas Detector::known_sagittas(const PyramidLevel& level, const Quad& quad) const {
@@ -468,14 +315,7 @@ void Detector::pass_over(const Quad& quad, FrameFault fault) {
   if (!options_.tell_passed_over) return;
   TagHypothesis passed{.source = Source::passed};
   passed.outcome = fault_of(quad, fault);
-  hypotheses_.push_back(std::move(passed));
-}
-
-bool Detector::may_be_cared_for() const {
-  const auto is_cared_for = [](const TagHypothesis& hypothesis) {
-    return hypothesis.may_be_covered || hypothesis.odd_bars.has_value();
-  };
-  return std::cmp_less(std::ranges::count_if(hypotheses_, is_cared_for), kSearch.most_tries);
+  found_.keep(std::move(passed));
 }
 
 }  // namespace tagsmith::detail

@@ -4,8 +4,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <utility>
-#include <variant>
 #include <vector>
 
 #include "decoder/feature_frame/bar_regions.hpp"
@@ -17,48 +15,19 @@
 #include "decoder/feature_frame/refine.hpp"
 #include "decoder/feature_frame/sharpening.hpp"
 #include "decoder/image/gray.hpp"
-#include "decoder/reader/judge.hpp"
 #include "decoder/reader/part_search.hpp"
 #include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/reading.hpp"
 #include "decoder/reader/searched_image.hpp"
-#include "decoder/reader/symbol_hypothesis.hpp"
 #include "decoder/reader/symbol_layout.hpp"
+#include "decoder/reader/tag_hypotheses.hpp"
 
 namespace tagsmith::detail {
 
-// A place that may hold a tag, and what became of it.
-struct TagHypothesis {
-  enum class Source {
-    outline,    // an outline that was settled onto edges all around
-    bars,       // bars that were followed, without a frame yet
-    completed,  // the frame that such bars complete, before it is fitted to their symbol
-    careful,    // a frame whose symbol was read carefully
-    again,      // a frame whose symbol was read again when more was known of the codes
-    passed,     // an outline that is no feature frame; kept where that is to be told
-  };
-
-  Source source = Source::outline;
-  Quad rough{};                         // the frame before its fine fit
-  std::optional<RefinedFrame> frame{};  // as it was fitted
-  std::optional<Sharpening> halos{};    // undone in the picture that it was looked at in
-  // Read, refused, or not to be told: an attempt that leaves an earlier refusal as it was.
-  std::variant<std::monostate, Reading, Rejection> outcome{};
-  bool may_be_covered = false;          // a careful look may read what was refused
-  std::optional<BarRegion> odd_bars{};  // the bars inside may stand in another frame than this one
-  bool is_doubtful = false;             // the scheme of the check digit, were it known, may help
-
-  const Reading* reading() const { return std::get_if<Reading>(&outcome); }
-  const Rejection* refusal() const { return std::get_if<Rejection>(&outcome); }
-
-  // Of the profile of the symbol that was read or refused; 0 where there was none.
-  double explained() const;
-};
-
 // Makes hypotheses of proposals: fits the frame, reads the symbol inside and judges it. Its state
-// is the list of hypotheses, so that a frame seen at several levels is read once. The picture and
-// the options must outlive it.
+// is the hypotheses, so that a frame seen at several levels is read once, and parts of tags. The
+// picture and the options must outlive it.
 class Detector {
  public:
   Detector(SearchedImage& picture, const ReadOptions& options);
@@ -81,30 +50,8 @@ class Detector {
   // Reads what was refused as any code again as one of the likely ones.
   void try_likely_codes();
 
-  // The plates read so far, in pixels of a level.
-  std::vector<Quad> known_in(const PyramidLevel& level) const;
-
-  // The hypotheses whose frames were refused and may be covered.
-  std::vector<std::size_t> covered_frames() const;
-
-  // Bars in refused frames that may stand in other frames than these.
-  std::vector<BarRegion> odd_bars() const;
-
-  // Whether bars of about this place are among those.
-  bool was_looked_at(const BarRegion& region) const;
-
-  // Whether something was in the way of a tag: another may be behind it too.
-  bool has_met_covers() const;
-
-  // Whether a point of the full image lies inside a frame that was read.
-  bool has_reading_at(PixelPoint point) const;
-
-  bool has_read_any() const;
-
-  // Whether an expected tag has been read where it should be.
-  bool has_read(const ExpectedTag& expected) const;
-
-  std::vector<Reading> tags() const;
+  // What came of the proposals so far.
+  const TagHypotheses& found() const { return found_; }
 
   // What was read and refused so far, each frame once.
   ReadResult result() const;
@@ -122,15 +69,6 @@ class Detector {
 
   // Reads what stands in frames that are completed by the bars of a region.
   void look_at(const BarRegion& region);
-
-  template <class Condition>
-  bool any_reading(const Condition& condition) const;
-
-  bool is_read(const Quad& quad) const;
-
-  // Adds a hypothesis. Of two readings in one place the one that explains more stays where their
-  // digits are the same; none does where they differ.
-  void keep(TagHypothesis hypothesis);
 
   // How a known lens bends the sides of a frame, in pixels of the level.
   SideSagittas known_sagittas(const PyramidLevel& level, const Quad& quad) const;
@@ -158,24 +96,18 @@ class Detector {
   // What the quick profile shows inside a frame.
   TagHypothesis judged_quickly(const Quad& rough, const RefinedFrame& frame) const;
 
-  // Whether there is time left for a careful look at one more refused symbol.
-  bool may_be_cared_for() const;
-
-  // Reads the symbol inside a frame carefully; whether it was believed.
-  bool judge_carefully(const RefinedFrame& frame, bool completed);
+  // Reads the symbol inside a frame carefully; the hypothesis that was kept.
+  TagHypothesis& judge_carefully(const RefinedFrame& frame, bool completed);
 
   // Reads a doubtful symbol in the frame of a hypothesis again, when more is known of the codes.
   void judge_again(std::size_t index, const ReadOptions& named);
-
-  // The only scheme that the check digits read show.
-  std::optional<CheckDigit> scheme_shown() const;
 
   GrayView image_;
   SearchedImage& picture_;
   const ReadOptions& options_;
   SymbolLayout typical_;                // of the tags that are searched for
   std::optional<LensDistortion> lens_;  // of the camera, if that is known
-  std::vector<TagHypothesis> hypotheses_;
+  TagHypotheses found_;
   PartSearch part_search_;
   std::optional<UnsharpenedImage> unsharpened_;  // the picture that is read, where it was sharpened
 };

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "decoder/feature_frame/bar_regions.hpp"
-#include "decoder/reader/detector.hpp"
 #include "decoder/reader/proposal.hpp"
 #include "decoder/reader/read_options.hpp"
 #include "decoder/reader/searched_image.hpp"
+#include "decoder/reader/tag_hypotheses.hpp"
 
 namespace tagsmith::detail {
 
@@ -19,7 +19,7 @@ namespace tagsmith::detail {
 struct SearchContext {
   SearchedImage& picture;
   const ReadOptions& options;
-  const Detector& found;                         // what came of the proposals so far
+  const TagHypotheses& found;                    // what came of the proposals so far
   std::function<void(const Proposal&)> propose;  // hands a proposal on
   bool is_searched = false;                      // the whole picture, for outlines
   std::vector<BarRegion> symbols{};  // much like one, unexplained, in pixels of the full image

@@ -43,7 +43,7 @@ struct TagSearch::State {
   std::optional<GrayImage> negative;  // of plates that are white on black: read in its place
   SearchedImage picture;
   Detector detector;
-  SearchContext search{picture, options, detector,
+  SearchContext search{picture, options, detector.found(),
                        [this](const Proposal& proposal) { detector.consider(proposal); }};
   std::vector<Reading> tags;  // after each of the two steps
   bool is_done = false;
@@ -52,7 +52,7 @@ struct TagSearch::State {
 TagSearch::TagSearch(const GrayView& image, const ReadOptions& options)
     : state_(std::make_unique<State>(image, options)) {
   state_->look(kFirstLook);
-  state_->tags = state_->detector.tags();
+  state_->tags = state_->detector.found().tags();
 }
 
 TagSearch::TagSearch(TagSearch&&) noexcept = default;
@@ -65,7 +65,7 @@ void TagSearch::look_closer() {
   state_->look(kCloserLook);
   state_->detector.try_likely_codes();
   state_->detector.read_covered_parts();
-  state_->tags = state_->detector.tags();
+  state_->tags = state_->detector.found().tags();
 }
 
 const std::vector<Reading>& TagSearch::tags() const { return state_->tags; }

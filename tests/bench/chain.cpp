@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the reader manages on tags as phones and webcams store them: simulated through camera chains
 // whose strengths are drawn anew for each tag, by resolution. Usage: bench_chain [N] [SEED] [-v]
-// [-w]; N tags for each chain and resolution; -w: plates white on black.
+// [-w] [-c]; N tags for each chain and resolution; -w: plates white on black; -c: the scheme of the
+// check digit is named.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -40,6 +42,7 @@ struct Outcome {
 };
 
 bool white_on_black = false;
+std::optional<CheckDigit> check;  // nothing = either
 
 Camera camera_for(double module_px) {
   Camera camera;
@@ -93,6 +96,7 @@ Result<Outcome> run_one(const std::string& name, double module_px, std::uint64_t
   Outcome outcome;
   ReadOptions options;
   options.white_on_black = white_on_black;
+  options.check = check;
   for (const Reading& reading : read_tags(stored->view(), options).tags) {
     if (reading.digits != code) {
       outcome.wrong = true;
@@ -145,8 +149,9 @@ int main(int argc, char** argv) {
   const std::vector<std::string> flags(argv + std::min(argc, 3), argv + argc);
   const bool verbose = std::ranges::count(flags, "-v") > 0;
   white_on_black = std::ranges::count(flags, "-w") > 0;
+  if (std::ranges::count(flags, "-c") > 0) check = CheckDigit::gs1;
   if (count < 1) {
-    fmt::print(stderr, "usage: bench_chain [TAGS_PER_CELL] [SEED] [-v] [-w]\n");
+    fmt::print(stderr, "usage: bench_chain [TAGS_PER_CELL] [SEED] [-v] [-w] [-c]\n");
     return 2;
   }
   fmt::print(

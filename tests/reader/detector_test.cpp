@@ -84,10 +84,10 @@ GrayImage one_in_front_of(const SeenTag& large, const SeenTag& small) {
 
 TEST_CASE("a tag is read in its outline, once for all levels that show it") {
   Looked looked(seen_aslant());
-  CHECK(!looked.detector.has_read_any());
+  CHECK(!looked.detector.found().has_read_any());
   for (const int scale : {2, 1, 2}) {
     looked.detector.consider(looked.outline(scale));
-    const std::vector<Reading> tags = looked.detector.tags();
+    const std::vector<Reading> tags = looked.detector.found().tags();
     REQUIRE(tags.size() == 1);
     CHECK(tags[0].digits == looked.seen.digits);
     CHECK(tags[0].method == ReadingMethod::frame);
@@ -112,7 +112,7 @@ TEST_CASE("corners run clockwise from P, whichever way the tag is turned or its 
     std::rotate(outline.quad.begin(), outline.quad.begin() + (quarter * 3 + 1) % 4,
                 outline.quad.end());
     looked.detector.consider(outline);
-    const std::vector<Reading> tags = looked.detector.tags();
+    const std::vector<Reading> tags = looked.detector.found().tags();
     REQUIRE(tags.size() == 1);
     const FrameCorners& corners = tags[0].corners;
     CHECK(farthest_apart(corners, tag.corners()) < 0.05);
@@ -121,19 +121,19 @@ TEST_CASE("corners run clockwise from P, whichever way the tag is turned or its 
 
 TEST_CASE("what is read is known where it is, in every level, and nowhere else") {
   Looked looked(seen_aslant());
-  CHECK(looked.detector.known_in(looked.level(2)).empty());
+  CHECK(looked.detector.found().known_in(looked.level(2)).empty());
   looked.detector.consider(looked.outline());
   const SeenTag& tag = looked.seen;
-  CHECK(looked.detector.has_read_any());
-  CHECK(looked.detector.has_reading_at(tag.view.middle));
-  CHECK(looked.detector.has_reading_at(tag.view.pixel({SeenTag::kLeft + 1, 0})));
-  CHECK(!looked.detector.has_reading_at(tag.view.pixel({SeenTag::kLeft - 1, 0})));
+  CHECK(looked.detector.found().has_read_any());
+  CHECK(looked.detector.found().has_reading_at(tag.view.middle));
+  CHECK(looked.detector.found().has_reading_at(tag.view.pixel({SeenTag::kLeft + 1, 0})));
+  CHECK(!looked.detector.found().has_reading_at(tag.view.pixel({SeenTag::kLeft - 1, 0})));
   ExpectedTag expected{tag.corners(), 2};
-  CHECK(looked.detector.has_read(expected));
+  CHECK(looked.detector.found().has_read(expected));
   expected.corners[2].x += 4;
-  CHECK(!looked.detector.has_read(expected));
+  CHECK(!looked.detector.found().has_read(expected));
   // With the stroke around the frame.
-  const std::vector<Quad> known = looked.detector.known_in(looked.level(2));
+  const std::vector<Quad> known = looked.detector.found().known_in(looked.level(2));
   REQUIRE(known.size() == 1);
   const Quad inner = to_level(looked.level(2), tag.corners());
   for (const PixelPoint corner : inner) CHECK(contains(known[0], corner));
@@ -149,12 +149,12 @@ TEST_CASE("a rough frame is fitted without a look at what is around it") {
                 {tag.right() + 3, -60, 90, 60, 0.05}};
   Looked looked(tag);
   looked.detector.consider(looked.outline());
-  CHECK(looked.detector.tags().empty());
+  CHECK(looked.detector.found().tags().empty());
   RoughFrame rough{looked.level(2), to_level(looked.level(2), tag.corners())};
   for (PixelPoint& corner : rough.quad) corner = corner + PixelPoint{1, -0.8};
   looked.detector.consider(rough);
-  REQUIRE(looked.detector.tags().size() == 1);
-  CHECK(farthest_apart(looked.detector.tags()[0].corners, tag.corners()) < 0.05);
+  REQUIRE(looked.detector.found().tags().size() == 1);
+  CHECK(farthest_apart(looked.detector.found().tags()[0].corners, tag.corners()) < 0.05);
 }
 
 TEST_CASE("what is no frame is told where that is wanted, with its fault") {
@@ -186,9 +186,9 @@ TEST_CASE("a refused frame that may be covered is read by a careful look") {
   Looked looked(half_hidden());
   looked.detector.consider(looked.outline());
   only_refusal(looked.detector.result());
-  REQUIRE(looked.detector.covered_frames().size() == 1);
-  CHECK(looked.detector.has_met_covers());
-  looked.detector.consider(RefusedFrame{looked.detector.covered_frames()[0]});
+  REQUIRE(looked.detector.found().covered_frames().size() == 1);
+  CHECK(looked.detector.found().has_met_covers());
+  looked.detector.consider(RefusedFrame{looked.detector.found().covered_frames()[0]});
   const ReadResult result = looked.detector.result();
   CHECK(result.rejected.empty());
   REQUIRE(result.tags.size() == 1);
@@ -202,15 +202,15 @@ TEST_CASE("bars whose frame is half hidden complete it") {
   tag.covers = {{-80, -50, -52, 50, 0.4}};
   Looked looked(tag);
   looked.detector.consider(tag.region());
-  const std::vector<Reading> tags = looked.detector.tags();
+  const std::vector<Reading> tags = looked.detector.found().tags();
   REQUIRE(tags.size() == 1);
   CHECK(tags[0].digits == tag.digits);
   CHECK(tags[0].method == ReadingMethod::partly_covered);
   CHECK(farthest_apart(tags[0].corners, tag.corners()) < 0.5);
-  CHECK(looked.detector.has_met_covers());
+  CHECK(looked.detector.found().has_met_covers());
   looked.detector.consider(tag.region());
   looked.detector.consider(looked.outline());
-  CHECK(looked.detector.tags().size() == 1);
+  CHECK(looked.detector.found().tags().size() == 1);
 }
 
 TEST_CASE("bars in a frame of which one side is something else's are looked at once more") {
@@ -220,14 +220,14 @@ TEST_CASE("bars in a frame of which one side is something else's are looked at o
   Looked looked(tag);
   looked.detector.consider(looked.outline());
   CHECK(only_refusal(looked.detector.result()) == RejectionReason::side_hidden);
-  const std::vector<BarRegion> odd = looked.detector.odd_bars();
+  const std::vector<BarRegion> odd = looked.detector.found().odd_bars();
   REQUIRE(odd.size() == 1);
   CHECK(distance(odd[0].centre, tag.view.middle) < 8);
   CHECK(odd[0].length == doctest::Approx(tag.region().length).epsilon(0.03));
-  CHECK(looked.detector.was_looked_at(odd[0]));
+  CHECK(looked.detector.found().was_looked_at(odd[0]));
   BarRegion beside = odd[0];
   beside.centre.y += 0.3 * beside.length;
-  CHECK(!looked.detector.was_looked_at(beside));
+  CHECK(!looked.detector.found().was_looked_at(beside));
 }
 
 TEST_CASE("a symbol that is too blurred for any code is read again as a likely one") {
@@ -244,11 +244,11 @@ TEST_CASE("a symbol that is too blurred for any code is read again as a likely o
     if (is_likely) options.likely_codes.push_back(tag.digits);
     Looked looked(tag, options);
     looked.detector.consider(looked.outline());
-    CHECK(looked.detector.tags().empty());
+    CHECK(looked.detector.found().tags().empty());
     looked.detector.try_likely_codes();
-    REQUIRE(looked.detector.tags().size() == (is_likely ? 1 : 0));
+    REQUIRE(looked.detector.found().tags().size() == (is_likely ? 1 : 0));
     if (!is_likely) continue;
-    CHECK(looked.detector.tags()[0].digits == tag.digits);
+    CHECK(looked.detector.found().tags()[0].digits == tag.digits);
     CHECK(looked.detector.result().rejected.empty());
   }
 }
@@ -269,10 +269,10 @@ TEST_CASE("of two readings in one place one stays, and none where their digits d
     Detector detector(picture, options);
     const PyramidLevel level = picture.pyramid().levels().back().level;
     detector.consider(Outline{level, to_level(level, widened(large.corners(), 1))});
-    REQUIRE(detector.covered_frames().size() == 1);
-    detector.consider(RefusedFrame{detector.covered_frames()[0]});
-    REQUIRE(detector.tags().size() == 1);
-    CHECK(detector.tags()[0].digits == large.digits);
+    REQUIRE(detector.found().covered_frames().size() == 1);
+    detector.consider(RefusedFrame{detector.found().covered_frames()[0]});
+    REQUIRE(detector.found().tags().size() == 1);
+    CHECK(detector.found().tags()[0].digits == large.digits);
     detector.consider(Outline{level, to_level(level, widened(small.corners(), 1))});
     const ReadResult result = detector.result();
     REQUIRE(result.tags.size() == (alike ? 1 : 0));

@@ -11,6 +11,7 @@
 
 #include <doctest/doctest.h>
 
+#include "decoder/reader/detector.hpp"
 #include "tests/support/seen_tag.hpp"
 
 using namespace tagsmith::detail;
@@ -59,7 +60,7 @@ struct Proposed {
   Detector detector{picture, options};
   std::vector<Proposal> all;
   std::deque<GrayImage> levels;  // of these: a proposer's own are gone when it is done
-  SearchContext search{picture, options, detector,
+  SearchContext search{picture, options, detector.found(),
                        [this](const Proposal& proposal) { keep(proposal); }};
 
  private:
@@ -166,7 +167,7 @@ TEST_CASE("what was read is not proposed again") {
   const SeenTag tag = large_seen_aslant();
   Proposed proposed(tag);
   proposed.read(tag);
-  REQUIRE(proposed.detector.has_read_any());
+  REQUIRE(proposed.detector.found().has_read_any());
   propose_near_bars(proposed.search);
   CHECK(!proposed.has_outline(tag.corners(), 4));
 }
@@ -240,7 +241,7 @@ TEST_CASE("where something was read pieces are joined around bars that are like 
   const SeenTag tag = large_seen_aslant();
   Proposed proposed(tag);
   proposed.read(tag);
-  REQUIRE(proposed.detector.has_read_any());
+  REQUIRE(proposed.detector.found().has_read_any());
   propose_pieces(proposed.search);
   CHECK(proposed.all.empty());
 }
@@ -253,11 +254,11 @@ TEST_CASE("frames that were refused and may be covered are proposed, each by its
   propose_refused(proposed.search);
   CHECK(proposed.all.empty());
   proposed.read(tag);
-  REQUIRE(proposed.detector.covered_frames().size() == 1);
+  REQUIRE(proposed.detector.found().covered_frames().size() == 1);
   propose_refused(proposed.search);
   const std::vector<RefusedFrame> refused = proposed.places<RefusedFrame>();
   REQUIRE(refused.size() == 1);
-  CHECK(refused[0].hypothesis == proposed.detector.covered_frames()[0]);
+  CHECK(refused[0].hypothesis == proposed.detector.found().covered_frames()[0]);
 }
 
 TEST_CASE("bars in a frame that is not theirs are proposed, unless they are none") {
@@ -266,7 +267,7 @@ TEST_CASE("bars in a frame that is not theirs are proposed, unless they are none
   tag.bars_bottom += 5;
   Proposed proposed(tag);
   proposed.read(tag);
-  REQUIRE(proposed.detector.odd_bars().size() == 1);
+  REQUIRE(proposed.detector.found().odd_bars().size() == 1);
   propose_refused(proposed.search);
   const std::vector<BarRegion> bars = proposed.places<BarRegion>();
   REQUIRE(bars.size() == 1);
@@ -287,7 +288,7 @@ TEST_CASE("bars that were read, that run off the picture or that are too small a
   SeenTag tag = large_seen_aslant();
   Proposed read(tag);
   read.read(tag);
-  REQUIRE(read.detector.has_read_any());
+  REQUIRE(read.detector.found().has_read_any());
   read.search.symbols = {tag.region()};
   propose_bars(read.search);
   CHECK(read.all.empty());
