@@ -77,6 +77,7 @@ struct Explained {
 std::optional<Explained> explained(const Survey& survey, Drive drive, const Rig& start,
                                    const std::vector<ParameterSigmas>& sigmas, double excess) {
   std::vector<std::size_t> whole;
+  whole.reserve(drive.stations.size());
   for (const Station& station : drive.stations) whole.push_back(station.sightings.size());
   const std::vector<const Observation*> rows = drive.rows;
   while (!drive.stations.empty()) {

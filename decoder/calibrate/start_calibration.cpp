@@ -139,7 +139,8 @@ std::vector<Camera> grid_of_cameras(const CalibrationProblem& problem, LensModel
   constexpr double kBends[] = {0, -0.15, -0.35};
   const double side = std::max(problem.width, problem.height);
   std::vector<Camera> cameras;
-  for (double focal = kShortest * side; focal < kLongest * side; focal *= kStep) {
+  double focal = kShortest * side;
+  while (focal < kLongest * side) {
     for (const double bend : kBends) {
       if (bend != 0 && (lens == LensModel::fisheye || focal > 2 * side)) continue;
       Camera camera{problem.width, problem.height, focal, focal};
@@ -151,6 +152,7 @@ std::vector<Camera> grid_of_cameras(const CalibrationProblem& problem, LensModel
       camera.lens = lens;
       cameras.push_back(camera);
     }
+    focal *= kStep;
   }
   return cameras;
 }

@@ -187,7 +187,7 @@ Result<void> write_survey(const AdjustOptions& options, const Survey& survey,
   const Result<std::string> changed = as_built_text(options, *text, survey, found);
   if (!changed) return fail(changed.error().message);
   if (!options.diff.empty()) {
-    const auto written =
+    auto written =
         write_file(options.diff, unified_diff(options.survey, *text, options.survey, *changed));
     if (!written) return written;
   }
@@ -202,7 +202,7 @@ Result<void> write_drawing(const AdjustOptions& options, const Survey& survey,
   const auto files = render_sheets(*sheets, options.drawing);
   if (!files) return fail(files.error().message);
   for (const SheetFile& file : *files) {
-    if (const auto written = write_file(file.path, file.bytes); !written) return written;
+    if (auto written = write_file(file.path, file.bytes); !written) return written;
   }
   return {};
 }

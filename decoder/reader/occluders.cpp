@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "decoder/image/bilinear.hpp"
 #include "decoder/reader/tuning.hpp"
@@ -170,7 +172,7 @@ void add_strips(const GrayView& image, const FrameHomography& image_from_frame, 
 }
 
 constexpr int kPlacesPerModule = 2;
-constexpr int kWidestElement = 4;  // modules
+constexpr int kWidest = 4 * kPlacesPerModule;  // places of the widest element
 
 // Places along the symbol, in the unit square, every half module and a little beyond the bars.
 std::vector<double> places_along(const SymbolLayout& layout) {
@@ -229,18 +231,30 @@ bool is_clear(const Row& row) {
   });
 }
 
-// Where the row is not what it is around.
-std::vector<Crossing> crossings_of(const Row& row) {
+// By how much a place of a row is not what it is around. Of the two sides of a place the one that
+// is more like it counts: a shadow goes on to one side. A side that the row's end cuts to less than
+// half, where something may go on beyond the bars, counts together with the other.
+double oddness_at(const Row& row, int place) {
   constexpr int kAround = kOccluder.around * kPlacesPerModule;
   const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
-  const int size = static_cast<int>(row.level.size());
-  const auto level = [&](int i) { return row.level[static_cast<std::size_t>(i)]; };
+  const int last = static_cast<int>(row.level.size()) - 1;
+  const double level = row.level[static_cast<std::size_t>(place)];
+  const auto oddness_among = [&](int first, int final) {
+    std::vector<double> near(row.level.begin() + std::max(0, first),
+                             row.level.begin() + std::min(last, final) + 1);
+    return oddness(row, level, quantile(near, share));
+  };
+  if (std::min(place, last - place) < kAround / 2) {
+    return oddness_among(place - kAround, place + kAround);
+  }
+  return std::min(oddness_among(place - kAround, place), oddness_among(place, place + kAround));
+}
+
+// Where the row is not what it is around.
+std::vector<Crossing> crossings_of(const Row& row) {
   std::vector<Crossing> crossings;
-  std::vector<double> near;
-  for (int i = 0; i < size; ++i) {
-    near.assign(row.level.begin() + std::max(0, i - kAround),
-                row.level.begin() + std::min(size, i + kAround + 1));
-    if (oddness(row, level(i), quantile(near, share)) < odd_from(row) * row.contrast) continue;
+  for (int i = 0; std::cmp_less(i, row.level.size()); ++i) {
+    if (oddness_at(row, i) < odd_from(row) * row.contrast) continue;
     const bool goes_on = !crossings.empty() && crossings.back().begin + crossings.back().count == i;
     if (goes_on) ++crossings.back().count;
     if (!goes_on) crossings.push_back({i, 1});
@@ -276,16 +290,18 @@ bool lies_along_bars(const Crossing& above, const Crossing& below, double bars_s
 
 // Whether the light from one crossing to the other changes evenly; over ink, where a strip is seen
 // no lighter than it is, whether it is nowhere darker than both. Along their middles, or, of broad
-// ones, along a line for each of the widest elements that they could hide: a shadow shows bars.
+// ones, along a line for each module farther in than the widest element: a shadow shows bars.
 bool is_plain(const GrayView& image, const FrameHomography& image_from_frame, const Row& above,
               const Crossing& begin, const Row& below, const Crossing& end) {
   const bool over_ink = above.beside == Beside::stroke;
   const double tolerance = (over_ink ? kOccluder.odd / 2 : kOccluder.odd) * above.contrast;
-  const int lines = 1 + std::max(begin.count, end.count) / (kWidestElement * kPlacesPerModule);
+  const int broad = std::max(begin.count, end.count);
+  const int lines = 1 + std::max(0, broad - 2 * kWidest) / kPlacesPerModule;
   for (int line = 0; line < lines; ++line) {
+    const double share =
+        lines == 1 ? 0.5 : static_cast<double>(kWidest + line * kPlacesPerModule) / broad;
     const auto place = [&](const Crossing& crossing) {
-      return static_cast<std::size_t>(crossing.begin +
-                                      (2 * line + 1) * crossing.count / (2 * lines));
+      return static_cast<std::size_t>(crossing.begin + static_cast<int>(share * crossing.count));
     };
     const std::size_t first = place(begin), last = place(end);
     const double from = above.level[first], to = below.level[last];

@@ -110,7 +110,7 @@ TEST_CASE("a control tag that does not hang as surveyed is contradicted") {
     }
     const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, drive.control);
     REQUIRE_MESSAGE(found, found.error().message);
-    const AsBuiltTag& wrong = tag_of(*found, "015L");
+    const AsBuiltTag wrong = tag_of(*found, "015L");
     CHECK(wrong.status == AsBuiltStatus::contradicted);
     CHECK(wrong.shift.y() == doctest::Approx(-shift).epsilon(0.3));
     CHECK(tag_of(*found, "000L").status == AsBuiltStatus::control);
@@ -123,7 +123,7 @@ TEST_CASE("a control tag that no other one confirms hangs as surveyed, to the su
   const std::vector<std::string> control{"005L"};
   const auto found = adjust_as_built(drive.survey, drive.rig, drive.sighted, control);
   REQUIRE_MESSAGE(found, found.error().message);
-  const AsBuiltTag& only = tag_of(*found, "005L");
+  const AsBuiltTag only = tag_of(*found, "005L");
   const PlacedTag& surveyed = drive.survey.tags[index_of(drive, "005L")];
   CHECK(only.status == AsBuiltStatus::control);
   CHECK(only.shift.norm() == 0);
