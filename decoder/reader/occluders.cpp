@@ -231,23 +231,19 @@ bool is_clear(const Row& row) {
   });
 }
 
-// By how much a place of a row is not what it is around. Of the two sides of a place the one that
-// is more like it counts: a shadow goes on to one side. A side that the row's end cuts to less than
-// half, where something may go on beyond the bars, counts together with the other.
+// By how much a place of a row is not what it is around: neither like one side of it nor like the
+// other nor between. A shadow goes on to one side, and its edge is between light and shadow.
 double oddness_at(const Row& row, int place) {
   constexpr int kAround = kOccluder.around * kPlacesPerModule;
   const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
-  const int last = static_cast<int>(row.level.size()) - 1;
-  const double level = row.level[static_cast<std::size_t>(place)];
-  const auto oddness_among = [&](int first, int final) {
-    std::vector<double> near(row.level.begin() + std::max(0, first),
-                             row.level.begin() + std::min(last, final) + 1);
-    return oddness(row, level, quantile(near, share));
+  const auto off = [&](int first, int end) {
+    std::vector<double> side(row.level.begin() + std::max(0, first),
+                             row.level.begin() + std::min(end, static_cast<int>(row.level.size())));
+    return row.level[static_cast<std::size_t>(place)] - quantile(side, share);
   };
-  if (std::min(place, last - place) < kAround / 2) {
-    return oddness_among(place - kAround, place + kAround);
-  }
-  return std::min(oddness_among(place - kAround, place), oddness_among(place, place + kAround));
+  const auto [least, most] =
+      std::minmax({off(place - kAround, place + 1), off(place, place + kAround + 1)});
+  return row.beside == Beside::stroke ? least : std::max({0.0, least, -most});
 }
 
 // Where the row is not what it is around.

@@ -115,6 +115,27 @@ TEST_CASE("a broad shadow in which bars show is no strip that hides them") {
   CHECK(strips_along_bars(symbol.image.view(), symbol.frame(), SymbolLayout{}).empty());
 }
 
+TEST_CASE(
+    "a shadow that goes on to one side is no strip along the bars, a cable at its edge is one") {
+  for (const double left : {0.3, 0.1}) {
+    for (int edge = 90; edge < 360; edge += 6) {
+      CAPTURE(edge);
+      DrawnSymbol symbol(kDrawnDigits, 4);
+      shade(symbol, [&](int x, int) { return x > edge ? left : 1.0; });
+      CHECK(strips_along_bars(symbol.image.view(), symbol.frame(), SymbolLayout{}).empty());
+    }
+  }
+  DrawnSymbol symbol(kDrawnDigits, 4);
+  constexpr int kEdge = 212;
+  symbol.fill(kEdge - 12, 0, kEdge, symbol.height(), DrawnSymbol::kBlack);
+  shade(symbol, [&](int x, int) { return x > kEdge ? 0.3 : 1.0; });
+  const auto strips = strips_along_bars(symbol.image.view(), symbol.frame(), SymbolLayout{});
+  REQUIRE(strips.size() == 1);
+  const HiddenWidth hidden = hidden_width(strips[0], 0.5);
+  CHECK(hidden.begin * symbol.width() == doctest::Approx(kEdge - 12).epsilon(0.02));
+  CHECK(hidden.end * symbol.width() == doctest::Approx(kEdge).epsilon(0.02));
+}
+
 // A lamp's spot in the middle of the plate's height leaves a third of its light at the bars' ends.
 TEST_CASE("the bars' ends show where the light of a lamp falls off along the bars") {
   DrawnSymbol symbol(kDrawnDigits, 4);
