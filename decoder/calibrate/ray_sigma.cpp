@@ -22,8 +22,8 @@ RayGrid::Cell& cell_at(RayGrid& grid, const Camera& camera, const Vector2d& pixe
   };
   const int column = place(pixel.x(), camera.width, RayGrid::kColumns);
   const int row = place(pixel.y(), camera.height, RayGrid::kRows);
-  return grid.cells[static_cast<std::size_t>(row) * RayGrid::kColumns +
-                    static_cast<std::size_t>(column)];
+  return grid
+      .cells[static_cast<std::size_t>(row) * RayGrid::kColumns + static_cast<std::size_t>(column)];
 }
 
 void add_point(RayGrid::Cell& cell, const CameraCalibration& calibration, const Vector2d& pixel) {
