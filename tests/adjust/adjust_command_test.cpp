@@ -119,10 +119,9 @@ TEST_CASE("the changes alone make the survey that is written, and a drawing show
   const std::string as_surveyed = contents(corridor.survey);
   corridor.run(kRun + " --json --date 2026-03-31 -o " + corridor.output + " --diff " + diff +
                " --drawing " + drawing);
-  if (has_program("patch")) {
-    CHECK(run_shell("patch -s " + corridor.survey + " " + diff).exit_code == 0);
-    CHECK(contents(corridor.survey) == contents(corridor.output));
-  }
+  REQUIRE_MESSAGE(has_program("patch"), "patch is missing: install patch");
+  CHECK(run_shell("patch -s " + corridor.survey + " " + diff).exit_code == 0);
+  CHECK(contents(corridor.survey) == contents(corridor.output));
   CHECK(contents(corridor.survey) != as_surveyed);
   const std::string svg = contents(drawing);
   CHECK(has(svg, "id=\"moved\""));

@@ -45,7 +45,7 @@ TEST_CASE("a changed line stands between three lines on either side") {
 }
 
 TEST_CASE("patch makes the new text of it") {
-  if (!has_program("patch")) return;
+  REQUIRE_MESSAGE(has_program("patch"), "patch is missing: install patch");
   CHECK(patched("a\nb", unified_diff("a", "a\nb", "b", "a\nc\n")) == "a\nc\n");
   CHECK(patched("", unified_diff("a", "", "b", "a\n")) == "a\n");
   std::mt19937 random(3);

@@ -135,8 +135,8 @@ TEST_CASE("a component that there is not is told, and so is another major versio
     return run_installed(
         "printf 'cmake_minimum_required(VERSION 3.25)\\nproject(p CXX)\\n"
         "find_package(tagsmith " +
-        request + ")\\n' > " + folder + "/CMakeLists.txt && " + CMAKE_PROGRAM + " -S " + folder +
-        " -B " + folder + "/b -DCMAKE_PREFIX_PATH=$P");
+        request + ")\\n' > " + folder + "/CMakeLists.txt && " + CMAKE_PROGRAM + " -G Ninja -S " +
+        folder + " -B " + folder + "/b -DCMAKE_PREFIX_PATH=$P");
   };
   CHECK(configured("1 REQUIRED CONFIG").exit_code == 0);
   CHECK(configured("1 REQUIRED CONFIG COMPONENTS core").exit_code == 0);
