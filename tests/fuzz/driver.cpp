@@ -36,6 +36,9 @@ void* allocated(std::size_t size, std::size_t alignment) {
 
 }  // namespace
 
+// The compiler does not see that what the other operators free is of aligned_alloc.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
 void* operator new(std::size_t size) { return allocated(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return allocated(size, static_cast<std::size_t>(alignment));

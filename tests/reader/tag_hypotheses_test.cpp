@@ -20,7 +20,7 @@ Quad upright(double x, double y, double width, double height) {
   return {{{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}}};
 }
 
-const Quad kPlace = upright(100, 50, 226, 110.6);  // two pixels a module
+const Quad kPlate = upright(100, 50, 226, 110.6);  // two pixels a module
 
 TagHypothesis read_at(const Quad& corners, const Digits& digits, double explained) {
   Reading reading;
@@ -56,8 +56,8 @@ TEST_CASE("of two equal readings in one place the one that explains more stays")
   for (const bool later_is_better : {true, false}) {
     CAPTURE(later_is_better);
     TagHypotheses found{FrameShape{}};
-    found.keep(read_at(kPlace, kOne, 0.97));
-    const TagHypothesis& kept = found.keep(read_at(kPlace, kOne, later_is_better ? 0.99 : 0.95));
+    found.keep(read_at(kPlate, kOne, 0.97));
+    const TagHypothesis& kept = found.keep(read_at(kPlate, kOne, later_is_better ? 0.99 : 0.95));
     CHECK((kept.reading() != nullptr) == later_is_better);
     REQUIRE(found.tags().size() == 1);
     CHECK(found.tags()[0].symbol->decoding.fit.explained == (later_is_better ? 0.99 : 0.97));
@@ -67,7 +67,7 @@ TEST_CASE("of two equal readings in one place the one that explains more stays")
 
 TEST_CASE("of two readings in one place with other digits none stays, in another place both do") {
   TagHypotheses found{FrameShape{}};
-  found.keep(read_at(kPlace, kOne, 0.99));
+  found.keep(read_at(kPlate, kOne, 0.99));
   found.keep(read_at(upright(130, 60, 150, 73), kOther, 0.95));
   CHECK(found.tags().empty());
   CHECK(!found.has_read_any());
@@ -77,7 +77,7 @@ TEST_CASE("of two readings in one place with other digits none stays, in another
     CHECK(rejection.reason == RejectionReason::doubtful);
   }
   TagHypotheses apart{FrameShape{}};
-  apart.keep(read_at(kPlace, kOne, 0.99));
+  apart.keep(read_at(kPlate, kOne, 0.99));
   apart.keep(read_at(upright(400, 50, 226, 110.6), kOther, 0.95));
   CHECK(apart.tags().size() == 2);
 }
@@ -85,7 +85,7 @@ TEST_CASE("of two readings in one place with other digits none stays, in another
 TEST_CASE("each frame is told once, and none as refused that was read") {
   const Quad nearly = upright(101, 51, 225, 110), beside = upright(500, 50, 226, 110.6);
   TagHypotheses found{FrameShape{}};
-  found.keep(refused_at(kPlace, RejectionReason::element_widths));
+  found.keep(refused_at(kPlate, RejectionReason::element_widths));
   found.keep(refused_at(beside, RejectionReason::blur));
   found.keep(refused_at(widened(beside, 1), RejectionReason::doubtful));
   found.keep(read_at(nearly, kOne, 0.99));
@@ -102,17 +102,17 @@ TEST_CASE("each frame is told once, and none as refused that was read") {
 
 TEST_CASE("what began or was fitted in the same place is known") {
   TagHypotheses found{FrameShape{}};
-  TagHypothesis outline{.source = Source::outline, .rough = kPlace};
+  TagHypothesis outline{.source = Source::outline, .rough = kPlate};
   outline.frame.emplace();
-  outline.frame->corners = kPlace;
+  outline.frame->corners = kPlate;
   found.keep(outline);
-  Quad near = kPlace;
+  Quad near = kPlate;
   for (PixelPoint& corner : near) corner.x += 0.3;
   CHECK(found.was_proposed(Source::outline, near, 0.4));
   CHECK(!found.was_proposed(Source::outline, near, 0.2));
   CHECK(!found.was_proposed(Source::completed, near, 0.4));
   RefinedFrame frame;
-  frame.corners = kPlace;
+  frame.corners = kPlate;
   CHECK(found.was_fitted(frame));
   frame.corners = near;
   CHECK(!found.was_fitted(frame));
@@ -139,10 +139,10 @@ TEST_CASE(
 TEST_CASE("covered frames and odd bars are counted as asking for a careful look, each once") {
   TagHypotheses found{FrameShape{}};
   CHECK(!found.has_met_covers());
-  found.keep(refused_at(kPlace, RejectionReason::blur));
-  TagHypothesis covered = refused_at(kPlace, RejectionReason::covered);
+  found.keep(refused_at(kPlate, RejectionReason::blur));
+  TagHypothesis covered = refused_at(kPlate, RejectionReason::covered);
   covered.may_be_covered = true;
-  TagHypothesis odd = refused_at(kPlace, RejectionReason::side_hidden);
+  TagHypothesis odd = refused_at(kPlate, RejectionReason::side_hidden);
   odd.odd_bars = bars_at({200, 100});
   found.keep(odd);
   CHECK(!found.has_met_covers());
@@ -156,7 +156,7 @@ TEST_CASE("covered frames and odd bars are counted as asking for a careful look,
 }
 
 TEST_CASE("a tag that was read behind something tells of covers") {
-  TagHypothesis behind = read_at(kPlace, kOne, 0.95);
+  TagHypothesis behind = read_at(kPlate, kOne, 0.95);
   std::get<Reading>(behind.outcome).method = ReadingMethod::partly_covered;
   TagHypotheses found{FrameShape{}};
   found.keep(read_at(upright(500, 50, 226, 110.6), kOther, 0.99));
@@ -167,18 +167,18 @@ TEST_CASE("a tag that was read behind something tells of covers") {
 
 TEST_CASE("a plate is known with its stroke, in pixels of the level") {
   TagHypotheses found{FrameShape{}};
-  found.keep(read_at(kPlace, kOne, 0.99));
+  found.keep(read_at(kPlate, kOne, 0.99));
   PyramidLevel half;
   half.scale = 2;
   const std::vector<Quad> known = found.known_in(half);
   REQUIRE(known.size() == 1);
   // Four modules and a half of two pixels each, at half the size.
-  CHECK(nearly_equal(known[0], widened(to_level(half, kPlace), 4.45), 1e-9));
+  CHECK(nearly_equal(known[0], widened(to_level(half, kPlate), 4.45), 1e-9));
   CHECK(found.has_reading_at({101, 51}));
   CHECK(!found.has_reading_at({99, 51}));
-  CHECK(found.is_read(widened(kPlace, 2)));
+  CHECK(found.is_read(widened(kPlate, 2)));
   CHECK(!found.is_read(upright(100, 50, 113, 55)));
-  ExpectedTag expected{kPlace, 2};
+  ExpectedTag expected{kPlate, 2};
   expected.corners[1].x += 2.9;
   CHECK(found.has_read(expected));
   expected.corners[1].x += 0.2;

@@ -2,6 +2,7 @@
 // Sketches at a scale on sheets, and the sheets as files.
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -40,7 +41,7 @@ std::vector<Sheet> sheets_of(const std::vector<DrawingView>& views,
   return lay_out_sheets({"Title", "Subject", {{"Survey", "s.yaml"}}}, views, style).value();
 }
 
-const SheetLayer& layer_named(const Sheet& sheet, const std::string& name) {
+const SheetLayer& layer_named(const Sheet& sheet, std::string_view name) {
   const auto found = std::ranges::find(sheet.layers, name, &SheetLayer::name);
   REQUIRE(found != sheet.layers.end());
   return *found;
