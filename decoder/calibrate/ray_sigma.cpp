@@ -18,12 +18,12 @@ constexpr double kBelieved = 1e-3;  // weight from which a form must see a ray
 
 RayGrid::Cell& cell_at(RayGrid& grid, const Camera& camera, const Vector2d& pixel) {
   const auto place = [](double at, int size, int count) {
-    return std::clamp(static_cast<int>((at + 0.5) / size * count), 0, count - 1);
+    return static_cast<std::size_t>(
+        std::clamp(static_cast<int>((at + 0.5) / size * count), 0, count - 1));
   };
-  const int column = place(pixel.x(), camera.width, RayGrid::kColumns);
-  const int row = place(pixel.y(), camera.height, RayGrid::kRows);
-  return grid
-      .cells[static_cast<std::size_t>(row) * RayGrid::kColumns + static_cast<std::size_t>(column)];
+  const std::size_t column = place(pixel.x(), camera.width, RayGrid::kColumns);
+  const std::size_t row = place(pixel.y(), camera.height, RayGrid::kRows);
+  return grid.cells[row * RayGrid::kColumns + column];
 }
 
 void add_point(RayGrid::Cell& cell, const CameraCalibration& calibration, const Vector2d& pixel) {

@@ -213,9 +213,11 @@ void add_neighbours(Row& row, const GrayView& image, const FrameHomography& imag
   }
 }
 
-// By how much a place is not as it should be: white may be darker or glare, ink only lighter.
-double oddness(const Row& row, double level, double expected) {
-  return row.beside == Beside::stroke ? level - expected : std::abs(level - expected);
+// By how much a level is not as it should be, which is between two others: white may be darker or
+// glare, ink only lighter.
+double oddness(const Row& row, double level, double one, double other) {
+  const auto [low, high] = std::minmax(one, other);
+  return row.beside == Beside::stroke ? level - high : std::max({0.0, low - level, level - high});
 }
 
 // From which oddness on a place counts, as a share of the contrast. In ink less would be noise; two
@@ -227,7 +229,7 @@ double odd_from(const Row& row) {
 bool is_clear(const Row& row) {
   const double usual = quantile_of(row.level, 0.5);
   return std::ranges::all_of(row.level, [&](double level) {
-    return oddness(row, level, usual) <= odd_from(row) / 2 * row.contrast;
+    return oddness(row, level, usual, usual) <= odd_from(row) / 2 * row.contrast;
   });
 }
 
@@ -236,14 +238,13 @@ bool is_clear(const Row& row) {
 double oddness_at(const Row& row, int place) {
   constexpr int kAround = kOccluder.around * kPlacesPerModule;
   const double share = row.beside == Beside::stroke ? 0.15 : 0.7;
-  const auto off = [&](int first, int end) {
-    std::vector<double> side(row.level.begin() + std::max(0, first),
-                             row.level.begin() + std::min(end, static_cast<int>(row.level.size())));
-    return row.level[static_cast<std::size_t>(place)] - quantile(side, share);
+  const int size = static_cast<int>(row.level.size());
+  const auto level_of = [&](int first, int end) {
+    return quantile_of(
+        {row.level.begin() + std::max(0, first), row.level.begin() + std::min(end, size)}, share);
   };
-  const auto [least, most] =
-      std::minmax({off(place - kAround, place + 1), off(place, place + kAround + 1)});
-  return row.beside == Beside::stroke ? least : std::max({0.0, least, -most});
+  return oddness(row, row.level[static_cast<std::size_t>(place)],
+                 level_of(place - kAround, place + 1), level_of(place, place + kAround + 1));
 }
 
 // Where the row is not what it is around.
