@@ -119,7 +119,7 @@ std::optional<Decoding> decode_profile(const ScanProfile& profile, const Imaging
     std::optional<Decoding> other =
         decode_upright(reversed, DecodingStart(reversed, start), options);
     if (other && (!best || other->fit.explained > best->fit.explained)) {
-      best = std::move(other);
+      best = other;
       best->upside_down = true;
     }
   }

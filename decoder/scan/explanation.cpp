@@ -73,7 +73,7 @@ std::optional<Settled> settle(const ScanProfile& profile, const ImagingModel& st
       return std::exchange(decoding.digits, digits) == digits;
     };
     if (round == kDecode.rounds || is_settled()) {
-      return Settled{std::move(decoding), std::move(light), std::move(system)};
+      return Settled{decoding, std::move(light), std::move(system)};
     }
   }
 }

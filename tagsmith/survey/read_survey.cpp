@@ -165,14 +165,14 @@ std::optional<PositionCode> read_code(const MapReader& map,
   return PositionCode{*check, *digit_counts, *resolution, *origin};
 }
 
-SourcedTag coded(PlacedTag tag, const std::optional<Digits>& printed, Place place,
+SourcedTag coded(const PlacedTag& tag, const std::optional<Digits>& printed, Place place,
                  const PositionCode& code) {
   SourcedTag entry;
   entry.place = place;
   entry.printed_digits = printed.has_value();
   const auto with_code = printed ? with_digits(tag, code, *printed) : with_own_digits(tag, code);
   entry.coded = with_code.has_value();
-  entry.tag = with_code ? *with_code : std::move(tag);
+  entry.tag = with_code ? *with_code : tag;
   entry.tag.line = place.line;
   entry.tag.column = place.column;
   return entry;

@@ -34,8 +34,9 @@ Reading read_yaml_file(const std::filesystem::path& path, std::string_view text,
 template <class Reading, class Value>
 Result<Value> value_without_errors(Result<Reading> reading, std::optional<Value> Reading::*value) {
   if (!reading) return tl::unexpected(reading.error());
-  if (!((*reading).*value)) return fail(to_string(reading->diagnostics, true));
-  return std::move(*((*reading).*value));
+  std::optional<Value>& whole = (*reading).*value;
+  if (!whole) return fail(to_string(reading->diagnostics, true));
+  return *std::move(whole);
 }
 
 }  // namespace tagsmith::detail

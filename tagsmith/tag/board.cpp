@@ -163,7 +163,7 @@ std::vector<BoardTag> tags_on_grid(const BoardGrid& grid, int serial) {
       const auto code =
           encode_position(board_code(), {corner.x, corner.y, static_cast<double>(serial)});
       assert(code);
-      tags.push_back({code->digits, corner});
+      if (code) tags.push_back({code->digits, corner});
     }
   }
   return tags;
