@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 #include <vector>
 
 #include "decoder/scan/explained.hpp"
