@@ -262,8 +262,9 @@ struct Chart {
 std::vector<double> ticks(double low, double high) {
   const double step = round_step((high - low) / 7);
   std::vector<double> values;
-  for (double value = std::ceil(low / step) * step; value <= high + 1e-9 * step; value += step) {
-    values.push_back(std::abs(value) < 1e-9 * step ? 0 : value);
+  const auto last = std::lround(std::floor(high / step + 1e-9));
+  for (auto k = std::lround(std::ceil(low / step)); k <= last; ++k) {
+    values.push_back(static_cast<double>(k) * step);
   }
   return values;
 }

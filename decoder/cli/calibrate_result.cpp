@@ -37,7 +37,7 @@ std::string size_words(const BoardCalibration& result) {
 }
 
 std::string form_words(const CameraCalibration& calibration) {
-  const std::string chosen = "lens form: " + to_string(calibration.form);
+  std::string chosen = "lens form: " + to_string(calibration.form);
   const std::optional<std::size_t> next = runner_up(calibration);
   if (!next) return chosen;
   const auto found =

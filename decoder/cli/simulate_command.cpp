@@ -128,8 +128,8 @@ Result<void> check_file_names(const SimulateInput& input, const std::string& for
       }
       const std::string name = image_name(measurement.id, camera.name, format);
       if (!names.insert(name).second) {
-        return fail(place + "a second image would be called " + name +
-                    ", expected ids that differ");
+        return fail(fmt::format("{}a second image would be called {}, expected ids that differ",
+                                place, name));
       }
     }
   }

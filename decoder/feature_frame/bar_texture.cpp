@@ -240,8 +240,9 @@ TextureGrid texture_of(const GrayView& image) {
     constexpr int kCacheLine = 64;
     const std::uint8_t* next = image.row(std::min((row + 1) * kTile, image.height - 1));
     for (; x + 2 * kTile < image.width; x += 2 * kTile) {
-      __builtin_prefetch(next + kTile * x);
-      __builtin_prefetch(next + kTile * x + kCacheLine);
+      const std::uint8_t* below = next + std::ptrdiff_t{kTile} * x;
+      __builtin_prefetch(below);
+      __builtin_prefetch(below + kCacheLine);
       two_tile_textures(samples + x, image.stride, textures + x / kTile);
     }
     for (; x + kTile <= image.width; x += kTile) {

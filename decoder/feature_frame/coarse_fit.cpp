@@ -39,7 +39,8 @@ std::optional<double> steepest_fall(const GrayView& image, const SideLine& side,
   const int count = 2 * half + 1;
   sample_line(image, at, side.outward, kStep, half, samples.data());
   const auto fall_at = [&](int k) {
-    return samples[static_cast<std::size_t>(k - 1)] - samples[static_cast<std::size_t>(k + 1)];
+    const auto at_k = static_cast<std::size_t>(k);
+    return samples[at_k - 1] - samples[at_k + 1];
   };
   int best = -1;
   double fall = min_fall;

@@ -210,7 +210,7 @@ std::vector<RowExtents> row_extents(RunMap& map, const std::vector<std::uint32_t
   std::vector<RowExtents> extents(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     extents[i].top = kept[i].top;
-    extents[i].ends.assign(static_cast<std::size_t>(kept[i].bottom - kept[i].top + 1),
+    extents[i].ends.assign(static_cast<std::size_t>(kept[i].bottom - kept[i].top) + 1,
                            {std::numeric_limits<int>::max(), -1});
   }
   for (std::size_t y = 0; y + 1 < map.first_of_row.size(); ++y) {

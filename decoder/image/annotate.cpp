@@ -136,7 +136,7 @@ class Annotator {
 cv::Mat annotated(const cv::Mat& stored, int orientation, const std::vector<PictureMark>& marks,
                   const std::vector<std::string>& caption) {
   const Upright upright{orientation, stored.cols, stored.rows};
-  const cv::Mat canvas = turned(upright, stored);
+  cv::Mat canvas = turned(upright, stored);
   Annotator annotator(canvas);
   std::vector<PictureMark> shown = marks;
   for (PictureMark& mark : shown) {
